@@ -1,0 +1,89 @@
+/**
+ * @file auvid_math.h
+ * Private: elementary functions that give the same bits on every target.
+ *
+ * No libm: sinf, cosf, atan2f differ between C libraries, and a firmware image should not carry
+ * one. Contraction is switched off here, because users build with their own flags: every .c file of
+ * lib/ includes this header (directly or through another private header) before any arithmetic.
+ */
+#ifndef AUVID_MATH_H
+#define AUVID_MATH_H
+
+#include "auvid/types.h"
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+static inline auvid_real_t auvid_abs(auvid_real_t x)
+{
+    return x < AUVID_C(0.0) ? -x : x;
+}
+
+static inline auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
+{
+    return a > b ? a : b;
+}
+
+static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high)
+{
+    return x < low ? low : (x > high ? high : x);
+}
+
+/** Are all n values finite? */
+static inline bool auvid_all_finite(const auvid_real_t *x, size_t n)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!auvid_is_finite(x[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/** b - a [s], formed in integers; exact to the rounding of one conversion, limited to +-2147 s. */
+static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
+{
+    int64_t d = (int64_t)(b_us - a_us);
+    int32_t us = d > INT32_MAX ? INT32_MAX : (d < -INT32_MAX ? -INT32_MAX : (int32_t)d);
+    return (auvid_real_t)us * AUVID_C(1e-6);
+}
+
+/** Correctly rounded square root; 0 for x <= 0 and for NaN. */
+auvid_real_t auvid_sqrt(auvid_real_t x);
+
+/** sin and cos of x [rad], |x| <= 1e4; error bound in auvid_math.c. Either pointer may be null. */
+void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x);
+
+/** Angle of (x, y) in [-pi, pi]; 0 for (0, 0); error bound in auvid_math.c. */
+auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x);
+
+/** x brought into [-pi, pi], |x| <= 1e4. */
+auvid_real_t auvid_wrap_pi(auvid_real_t x);
+
+/** Rotation body to world, R(phi, theta, psi) = Rz(psi) Ry(theta) Rx(phi) (Fossen 2011, Eq. 2.18).
+ * r[i][j]: row i world axis, column j body axis. */
+void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3]);
+
+/** Random numbers: xoshiro128** (Blackman & Vigna 2018), 32-bit operations only. */
+typedef struct {
+    uint32_t s[4]; /**< never all zero */
+} auvid_rng_t;
+
+/** Start from any seed (splitmix64 spreads it). */
+void auvid_rng_seed(auvid_rng_t *rng, uint64_t seed);
+/** Next 32 random bits. */
+uint32_t auvid_rng_next(auvid_rng_t *rng);
+/** Uniform in [0, 1), multiple of 2^-24. */
+auvid_real_t auvid_rng_uniform(auvid_rng_t *rng);
+/** Uniform integer in [0, n), n >= 1: multiply-shift, bias < n / 2^32, one draw, no loop. */
+uint32_t auvid_rng_below(auvid_rng_t *rng, uint32_t n);
+
+#endif
