@@ -1,0 +1,209 @@
+/*
+ * Recorder (Karras et al. 2013, III-B, buffers of Eq. 9).
+ *
+ * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps; the
+ * integral of a straight line over an overlap is its value in the middle times the length. Cells
+ * live in a ring; a cell is zeroed when the first stream enters it.
+ */
+#include "auvid/recorder.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+enum { ATTITUDE, VELOCITY, INPUT, STREAMS };
+
+/* Channels of each stream in a cell: phi theta psi p q r | u v w | tau, commands. */
+static const uint8_t first_channel[STREAMS + 1] = {0, 6, 9, AUVID_RECORDER_CHANNELS};
+
+enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
+
+void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
+{
+    if (cfg != NULL) {
+        *cfg = (auvid_recorder_config_t){.cell_us = 100000, .gap_us = 500000};
+    }
+}
+
+auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
+{
+    if (recorder == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || cfg->gap_us < cfg->cell_us ||
+        (cfg->input != AUVID_INPUT_HOLD && cfg->input != AUVID_INPUT_LINEAR)) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(recorder, 0, sizeof *recorder);
+    recorder->cfg = *cfg;
+    return AUVID_OK;
+}
+
+/* End the record at t_us. Streams that have spoken lately take part in the next one. */
+static void break_record(auvid_recorder_t *rec, uint64_t t_us)
+{
+    rec->broken = rec->broken || rec->running;
+    rec->running = false;
+    for (int s = 0; s < STREAMS; ++s) {
+        if (rec->stream[s].t_us + rec->cfg.gap_us < t_us) {
+            rec->stream[s].valid = false;
+        }
+    }
+}
+
+/* Begin a record at the latest of the streams' last samples, once all have one. */
+static void begin_record(auvid_recorder_t *rec)
+{
+    uint64_t origin = 0;
+    for (int s = 0; s < STREAMS; ++s) {
+        if (!rec->stream[s].valid) {
+            return;
+        }
+        origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        rec->stream[s].filled_us = origin;
+        rec->stream[s].cell = 0;
+    }
+    rec->origin_us = origin;
+    rec->opened = 0;
+    rec->next = 2; /* the first cell with two neighbours on each side */
+    rec->running = true;
+}
+
+/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. False
+ * when it reaches a cell for which the ring has no room. At most AUVID_RECORDER_CELLS passes. */
+static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    auvid_recorder_stream_t *st = &rec->stream[s];
+    const auvid_real_t *last = &rec->last[first_channel[s]];
+    int channels = first_channel[s + 1] - first_channel[s];
+    bool hold = s == INPUT && rec->cfg.input == AUVID_INPUT_HOLD;
+    auvid_real_t per_segment = AUVID_C(1.0) / (auvid_real_t)(uint32_t)(t_us - st->t_us);
+    auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cfg.cell_us;
+
+    while (st->filled_us < t_us) {
+        uint64_t cell_end = rec->origin_us + (uint64_t)(st->cell + 1) * rec->cfg.cell_us;
+        uint64_t to = t_us < cell_end ? t_us : cell_end;
+        if (st->cell - (rec->next - 2) >= AUVID_RECORDER_CELLS) {
+            return false;
+        }
+        auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
+        if (st->cell == rec->opened) {
+            memset(mean, 0, sizeof rec->mean[0]);
+            ++rec->opened;
+        }
+        auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
+        /* where the middle of the overlap lies between the two samples, 0..1 */
+        auvid_real_t middle =
+            (auvid_real_t)(uint32_t)(to - st->t_us + (st->filled_us - st->t_us)) * AUVID_C(0.5);
+        auvid_real_t part = hold ? AUVID_C(0.0) : middle * per_segment;
+        for (int i = 0; i < channels; ++i) {
+            mean[first_channel[s] + i] += weight * (last[i] + part * (value[i] - last[i]));
+        }
+        st->filled_us = to;
+        st->cell += to == cell_end;
+    }
+    return true;
+}
+
+static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    auvid_recorder_stream_t *st = &rec->stream[s];
+    int channels = first_channel[s + 1] - first_channel[s];
+    if (!auvid_all_finite(value, (size_t)channels)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (st->valid && t_us <= st->t_us) {
+        return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
+    if (st->valid && t_us - st->t_us > rec->cfg.gap_us) {
+        break_record(rec, t_us);
+    } else if (rec->running && !integrate(rec, s, t_us, value)) {
+        break_record(rec, t_us);
+    }
+    memcpy(&rec->last[first_channel[s]], value, (size_t)channels * sizeof value[0]);
+    st->t_us = t_us;
+    st->valid = true;
+    if (!rec->running) {
+        begin_record(rec);
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
+                                       const auvid_real_t *attitude, const auvid_real_t *rates)
+{
+    if (recorder == NULL || attitude == NULL || rates == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_real_t value[6];
+    memcpy(value, attitude, 3 * sizeof value[0]);
+    memcpy(value + 3, rates, 3 * sizeof value[0]);
+    return feed(recorder, ATTITUDE, t_us, value);
+}
+
+auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
+                                       const auvid_real_t *velocity)
+{
+    if (recorder == NULL || velocity == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return feed(recorder, VELOCITY, t_us, velocity);
+}
+
+auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
+                                    const auvid_real_t *tau, const auvid_real_t *command)
+{
+    if (recorder == NULL || tau == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
+    memcpy(value, tau, AUVID_DOF_COUNT * sizeof value[0]);
+    if (command != NULL) {
+        memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_THRUSTERS * sizeof value[0]);
+    }
+    return feed(recorder, INPUT, t_us, value);
+}
+
+static const auvid_real_t *cell(const auvid_recorder_t *rec, uint32_t number)
+{
+    return rec->mean[number % AUVID_RECORDER_CELLS];
+}
+
+auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sample)
+{
+    if (recorder == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_recorder_t *rec = recorder;
+    if (rec->broken) {
+        rec->broken = false;
+        return AUVID_GAP;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        if (!rec->running || rec->stream[s].cell <= rec->next + 2) {
+            return AUVID_EMPTY;
+        }
+    }
+    const auvid_real_t *mean = cell(rec, rec->next);
+    const auvid_real_t *before2 = cell(rec, rec->next - 2), *before = cell(rec, rec->next - 1);
+    const auvid_real_t *after = cell(rec, rec->next + 1), *after2 = cell(rec, rec->next + 2);
+    auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cfg.cell_us);
+
+    memset(sample, 0, sizeof *sample);
+    sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cfg.cell_us + rec->cfg.cell_us / 2;
+    sample->phi = mean[PHI];
+    sample->theta = mean[PHI + 1];
+    sample->psi = mean[PHI + 2];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int i = j < 3 ? VELOCITIES + j : RATES + j - 3;
+        sample->nu[j] = mean[i];
+        sample->nu_dot[j] =
+            (AUVID_C(8.0) * (after[i] - before[i]) - (after2[i] - before2[i])) * per_12t;
+        sample->tau[j] = mean[TAU + j];
+    }
+    memcpy(sample->command, &mean[COMMAND], sizeof sample->command);
+    ++rec->next;
+    return AUVID_OK;
+}
