@@ -59,13 +59,14 @@ static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
 
-/** sin and cos of x [rad], |x| <= 1e4; error bound in auvid_math.c. Either pointer may be null. */
+/** sin and cos of x [rad], |x| <= 1e4, else NaN; error below 0.75 AUVID_EPSILON (auvid_math.c).
+ * Either pointer may be null. */
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x);
 
-/** Angle of (x, y) in [-pi, pi]; 0 for (0, 0); error bound in auvid_math.c. */
+/** Angle of (x, y) in [-pi, pi]; 0 for (0, 0); relative error below 2 AUVID_EPSILON. */
 auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x);
 
-/** x brought into [-pi, pi], |x| <= 1e4. */
+/** x brought into [-pi, pi], |x| <= 1e4, else NaN; error below 1.25 AUVID_EPSILON. */
 auvid_real_t auvid_wrap_pi(auvid_real_t x);
 
 /** Rotation body to world, R(phi, theta, psi) = Rz(psi) Ry(theta) Rx(phi) (Fossen 2011, Eq. 2.18).
