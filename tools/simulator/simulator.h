@@ -1,0 +1,213 @@
+/**
+ * @file simulator.h
+ * An underwater vehicle and its sensors, for the program and the tests (host side: C11, double,
+ * libm).
+ *
+ * Vehicle: the paper's Girona500 (Eq. 12-15, its 13 identified values as defaults), with roll and
+ * pitch added as statically stable degrees of freedom, full kinematics (ZYX Euler angles), five
+ * thrusters that saturate and may lag, a coloured force disturbance and a constant current.
+ * Integrated by RK4 at 5 ms, four steps a tick of 20 ms; forces are constant within a step.
+ *
+ * Current: the state is the velocity through the water, which is what the forces depend on. For a
+ * constant irrotational current Eq. 12-15 hold in it unchanged (Fossen 2011, property 8.1);
+ * positions move with the velocity over ground, R nu + current.
+ *
+ * Eq. 13 is printed with m_w w q; energy and Fossen have m_w w p, the default here.
+ *
+ * Sensors: IMU, DVL, depth, GPS; each with rate, phase, noise, age on arrival and drop-outs, each
+ * from random streams of its own: switching one off leaves the noise of the others as it was. Same
+ * seed, same numbers (to the last digits of the C library's sin and log).
+ *
+ * No globals, no heap: sim_t is a plain struct and may be copied to branch a run.
+ */
+#ifndef SIMULATOR_H
+#define SIMULATOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SIM_TICK_US 20000u
+#define SIM_SUBSTEPS 4
+#define SIM_THRUSTERS 5
+/** Samples that may be under way from one sensor: age_s * rate_hz must stay below. */
+#define SIM_QUEUE 32
+
+/** The 13 parameters, in the order of the paper. */
+enum {
+    SIM_M_U,
+    SIM_M_V,
+    SIM_M_W,
+    SIM_M_R,
+    SIM_WB,
+    SIM_X_U,
+    SIM_X_UU,
+    SIM_Y_V,
+    SIM_Y_VV,
+    SIM_Z_W,
+    SIM_Z_WW,
+    SIM_N_R,
+    SIM_N_RR,
+    SIM_PARAMETERS
+};
+
+typedef enum { SIM_IMU, SIM_DVL, SIM_DEPTH, SIM_GPS, SIM_SENSORS } sim_sensor_id_t;
+
+/** What the DVL locks on. */
+typedef enum {
+    SIM_LOCK_BOTTOM,  /**< always the bottom */
+    SIM_LOCK_WATER,   /**< always the water around the vehicle */
+    SIM_LOCK_ALTITUDE /**< the bottom up to dvl_range_m above it, else the water */
+} sim_lock_t;
+
+/** How a sensor samples. Samples are taken at phase_s + k / rate_hz, after time 0. */
+typedef struct {
+    double rate_hz; /**< 0..50; 0: switched off */
+    double phase_s; /**< 0.. ; time of the first sample; 0: the first after one period */
+    double age_s;   /**< from sample to arrival, 0..; age_s * rate_hz < SIM_QUEUE */
+    double dropout; /**< probability that a sample never arrives, 0..1 */
+} sim_sensor_config_t;
+
+typedef struct {
+    uint64_t seed;                    /**< default 1 */
+    double parameter[SIM_PARAMETERS]; /**< default: the paper's values */
+    bool printed_eq13;                /**< m_w w q in Eq. 13, as printed; default false */
+    /** Roll and pitch: inertia [kg m2], linear [Nm s] and quadratic [Nm s2] drag (positive
+     * dissipates), righting moment at 90 degrees [Nm]. Defaults 80, 60, 40, 150. */
+    double tilt_inertia, tilt_linear, tilt_quadratic, tilt_righting;
+    double roll_arm_m;  /**< roll moment per newton of Y [m]; default 0.05 */
+    double pitch_arm_m; /**< pitch moment per newton of X [m]; default -0.08 */
+    /** 1: roll and pitch get the moments (m_v - m_w) v w and (m_w - m_u) u w with which Coriolis
+     * forces do no work; 0 (default): not, as the paper takes both angles for small. */
+    double munk;
+    double position[3]; /**< at time 0: north, east, down [m]; default 0, 0, 50 */
+    double euler[3];    /**< at time 0: phi theta psi [rad]; default 0 */
+    double nu[6];       /**< at time 0, through the water [m/s, rad/s]; default 0 */
+    double current[3];  /**< of the water over ground, NED [m/s]; default 0 */
+    /** Body wrench per newton of each thruster; default Girona500's: X = -(t0 + t1), Y = t4,
+     * Z = -(t2 + t3), M = 0.35 (t3 - t2), N = 0.4 (t1 - t0). */
+    double thruster_matrix[6][SIM_THRUSTERS];
+    double thruster_max_N; /**< each way; default 153.8 */
+    double lag_s;          /**< first-order lag of thrusters and wrench [s]; default 0: none */
+    bool feedback_true;    /**< out.thruster_N: what acts; default false: what was commanded */
+    double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
+    double disturbance_Nm; /**< rms in N; default 0; the worlds of DESIGN take 0.4 disturbance_N */
+    double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
+    double seabed_m;       /**< depth of the bottom [m]; default 80 */
+
+    sim_sensor_config_t sensor[SIM_SENSORS]; /**< defaults 50, 5, 10, 1 Hz; no age, no drop-outs */
+    double imu_angle_rad;                    /**< rms noise of each angle; default 0.2 degrees */
+    double imu_rate_rad_s; /**< rms noise of each rate; default 0.1 degrees per second */
+    double dvl_m_s;        /**< rms noise of each component; default 0.007 */
+    double dvl_arm_m[3];   /**< of the DVL from the body's origin [m]; default 0 */
+    double dvl_yaw_rad;    /**< of the DVL's x axis from the body's x; default 0 */
+    sim_lock_t dvl_lock;   /**< default SIM_LOCK_BOTTOM */
+    double dvl_range_m;    /**< for SIM_LOCK_ALTITUDE; default 40 */
+    double depth_m;        /**< rms noise; default 0.015 */
+    double depth_arm_m[3]; /**< of the pressure sensor; default 0 */
+    double gps_m;          /**< rms noise of north and of east; default 1.5 */
+    double gps_depth_m;    /**< no fix below this depth; default 0.5 */
+} sim_config_t;
+
+/** xoshiro256** and the second of a pair of Gaussians. */
+typedef struct {
+    uint64_t s[4];
+    double spare;
+    bool has_spare;
+} sim_rng_t;
+
+/** One measurement. */
+typedef struct {
+    bool has;      /**< one arrived in this tick; else the rest is zero */
+    uint64_t t_us; /**< when it was sampled (not when it arrived) */
+    /** IMU: phi theta psi [rad, psi in -pi..pi], p q r [rad/s]. DVL: velocity of the instrument in
+     * its own axes [m/s], then its altitude [m] (with bottom lock; else 0). Depth: down [m].
+     * GPS: north, east [m]. */
+    double value[6];
+    bool bottom; /**< DVL: over ground (else through the water) */
+} sim_measurement_t;
+
+/** What a tick gives. */
+typedef struct {
+    uint64_t t_us;                         /**< end of the tick */
+    sim_measurement_t sensor[SIM_SENSORS]; /**< by sim_sensor_id_t */
+    double thruster_N[SIM_THRUSTERS];      /**< feedback, see feedback_true */
+    double wrench[6]; /**< wrench of the feedback thrust and of the wrench commanded [N, Nm] */
+} sim_output_t;
+
+/** The truth at the end of the tick. */
+typedef struct {
+    uint64_t t_us;
+    double position[3];    /**< NED [m] */
+    double euler[3];       /**< phi theta psi [rad], psi not wrapped */
+    double nu[6];          /**< through the water, body axes [m/s, rad/s] */
+    double nu_dot[6];      /**< its derivative [m/s2, rad/s2] */
+    double ground[3];      /**< velocity over ground, body axes [m/s] */
+    double wrench[6];      /**< of the thrusters and the wrench command, after lag [N, Nm] */
+    double disturbance[6]; /**< [N, Nm] */
+    double thruster_N[SIM_THRUSTERS]; /**< after saturation and lag */
+} sim_truth_t;
+
+/** A sensor's state. */
+typedef struct {
+    sim_rng_t noise, loss;
+    uint64_t period_us, next_us, age_us;
+    sim_measurement_t queue[SIM_QUEUE];
+    unsigned head, count;
+} sim_sensor_t;
+
+typedef struct {
+    sim_config_t config;
+    sim_truth_t truth;
+    double direct[6]; /**< lagged wrench command */
+    sim_rng_t disturbance;
+    sim_sensor_t sensor[SIM_SENSORS];
+} sim_t;
+
+/** The defaults named above. */
+void sim_defaults(sim_config_t *config);
+
+/** Start at time 0. False, and nothing done, when a field is outside its range or not finite. */
+bool sim_init(sim_t *sim, const sim_config_t *config);
+
+/**
+ * Advance by one tick.
+ * @param thruster_N commanded force of each thruster, clipped to +-thruster_max_N; null: none.
+ * @param wrench     body wrench commanded directly [N, Nm], without limits; null: none. Neutral
+ *                   trim takes Z = -(W-B).
+ * @param out        written.
+ */
+void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double wrench[6],
+              sim_output_t *out);
+
+/* The parts, for tests and for other worlds. */
+
+/** Derivatives of [position, euler, nu] under a body wrench (Eq. 12-15, roll, pitch, kinematics). */
+void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
+                    double derivative[12]);
+/** One RK4 step of h seconds under a constant wrench. */
+void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h);
+/** Body to world. */
+void sim_rotation(const double euler[3], double r[3][3]);
+/** Stream `stream` of a seed; different streams are independent. */
+void sim_rng_seed(sim_rng_t *rng, uint64_t seed, uint64_t stream);
+/** Uniform in [0, 1). */
+double sim_rng_uniform(sim_rng_t *rng);
+/** Standard normal. */
+double sim_rng_gauss(sim_rng_t *rng);
+
+/* Between simulator.c and sensors.c. */
+bool sim_sensors_init(sim_t *sim);
+/** Take the samples due in (before, now] by interpolating the truth, at times in microseconds. */
+void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t *now);
+/** Hand over what has arrived by out->t_us. */
+void sim_sensors_deliver(sim_t *sim, sim_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
