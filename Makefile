@@ -1,0 +1,135 @@
+# auvid: build, test, check. `make help` lists the targets.
+#
+# Nothing here names a module: a new one is a new .c and a new .h. One file for everything, so that
+# make sees all dependencies at once. A single target is made with all cores (JOBS=1 for one);
+# several on one line are made in their order. V=1 shows the commands.
+
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+JOBS ?= $(shell nproc)
+ifeq ($(word 2,$(MAKECMDGOALS)),)
+MAKEFLAGS += --no-builtin-rules -j$(JOBS)
+endif
+Q := $(if $(V),,@)
+.DELETE_ON_ERROR:
+.SECONDARY:
+
+# Any other copies of what the tests need: UNITY_DIR holds unity.c and unity.h, EIGEN_DIR holds
+# Eigen/Core.
+export UNITY_DIR ?= third_party/unity/src
+export EIGEN_DIR ?= /usr/include/eigen3
+
+LIB := $(wildcard lib/src/*.c)
+SIMULATOR := $(wildcard tools/simulator/*.c)
+PROGRAM := $(wildcard tools/auvid/*.c)
+SUPPORT := $(wildcard tests/support/*.c)
+UNIT := $(wildcard tests/unit/test_*.c)
+REFERENCE := $(wildcard tests/reference/test_*.cpp)
+SCRIPTS := $(wildcard tests/program/test_*.sh)
+BENCH := $(wildcard tests/bench/*.c)
+
+# The same sources are built in several ways; objects of one way live in build/<way>/.
+WAY_release := -O2
+WAY_double := -O2 -DAUVID_REAL_DOUBLE
+WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
+    -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
+WAY_small := -Os -ffunction-sections -fno-pie
+WAYS := release double sanitized small
+
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
+FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
+# Everything but the library may use double and look at private headers.
+FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator
+FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itests/support -isystem $(UNITY_DIR) \
+    -DUNITY_INCLUDE_DOUBLE=
+
+objects = $(patsubst %.c,build/$(1)/%.o,$(2))
+TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(SUPPORT)) build/$(1)/unity.o
+TEST_PROGRAMS := $(foreach way,release sanitized double,\
+        $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
+    $(REFERENCE:%.cpp=build/release/%)
+BENCH_PROGRAMS := $(BENCH:%.c=build/release/%)
+
+# Tests install what they need before anything is compiled; a plain build needs no more than gcc.
+SETUP := $(if $(filter test test-long,$(MAKECMDGOALS)),setup)
+
+all: build/auvid ## Build the program, build/auvid (default)
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-10s %s\n", $$1, $$2 }' Makefile
+
+demo: build/auvid ## Build the program and identify a simulated vehicle with it
+	build/auvid demo
+
+test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
+	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
+
+test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour or more)
+	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
+
+lint: ## Install what is missing and check the rules of the house
+	@tests/lint/lint.sh
+
+size: $(call objects,small,$(LIB)) ## Print text, data and bss of each object at -Os
+	@size -t $^
+
+bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
+	@for program in $^; do $$program || exit 1; done
+
+setup: ## Install what the tests need (apt-get) and fetch Unity
+	@tests/support/setup.sh test
+
+clean: ## Remove build/ (third_party/ stays)
+	rm -rf build
+
+.PHONY: all help demo test test-long lint size bench setup clean
+
+build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM))
+	@echo "  $@"
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lm
+
+# $(1) is the way. A test program that does not build must not stop the others: tests/run.sh counts
+# it as failed.
+define rules
+build/$(1)/lib/%.o: lib/%.c Makefile | $(SETUP)
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(STRICT) $$(CFLAGS) -c -o $$@ $$<
+
+build/$(1)/tools/%.o: tools/%.c Makefile | $(SETUP)
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)$$(CC) $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tools) $$(CFLAGS) -c -o $$@ $$<
+
+build/$(1)/tests/support/%.o: tests/support/%.c Makefile | $(SETUP)
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -c -o $$@ $$<
+
+build/$(1)/unity.o: Makefile | setup
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)$$(CC) -std=c11 -w $(WAY_$(1)) -DUNITY_INCLUDE_DOUBLE= -c -o $$@ $$(UNITY_DIR)/unity.c
+
+build/$(1)/tests/unit/%: tests/unit/%.c $(call TESTED,$(1))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
+	    -o $$@ $$< $(call TESTED,$(1)) -lm
+endef
+$(foreach way,$(WAYS),$(eval $(call rules,$(way))))
+
+build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
+	@mkdir -p $(@D); rm -f $@; echo "  $@"
+	$(Q)$(CXX) -std=c++17 -O2 $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) $(CXXFLAGS) \
+	    -MF $@.d -MT $@ -o $@ $< $(call TESTED,release) -lm
+
+build/release/tests/bench/%: tests/bench/%.c $(call objects,release,$(LIB) $(SIMULATOR))
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) $(WAY_release) $(FLAGS) $(FLAGS_tools) $(CFLAGS) -MF $@.d -MT $@ \
+	    -o $@ $< $(call objects,release,$(LIB) $(SIMULATOR)) -lm
+
+.IGNORE: $(TEST_PROGRAMS)
+
+-include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
+    $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(SUPPORT))))
+-include $(addsuffix .d,$(TEST_PROGRAMS) $(BENCH_PROGRAMS))

@@ -1,0 +1,123 @@
+#!/usr/bin/env bash
+# The rules of the house, all of them: run by `make lint`. Exit status 0 when none is broken.
+#
+# Every step runs even when an earlier one failed, so that one run shows everything.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+tests/support/setup.sh lint
+
+export OUT=build/lint
+rm -rf "$OUT"
+mkdir -p "$OUT"
+
+export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion \
+-Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca -Werror -Ilib/include"
+TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
+-Ilib/include -Ilib/src -Itools/simulator"
+shopt -s nullglob
+lib=(lib/src/*.c)
+tools=(tools/*/*.c)
+broken=0
+
+# step NAME COMMAND...: run a check, say how it went.
+step() {
+    local name=$1
+    shift
+    if "$@"; then
+        echo "lint: ok    $name"
+    else
+        echo "lint: FAIL  $name"
+        broken=1
+    fi
+}
+
+# each COMMAND FILE...: COMMAND for every FILE, in parallel; {} is the file's name.
+each() {
+    local command=$1
+    shift
+    [ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -P "$(nproc)" -I {} bash -c "$command"
+}
+
+# The smallest and the largest sizes, read from the ranges that config.h itself enforces.
+write_sizes() {
+    awk -v column="$1" '$1 == "#if" && $2 ~ /^AUVID_MAX_/ && $3 == "<" {
+        print "#define", $2, (column == "min" ? $4 : $8) }' lib/include/auvid/config.h
+}
+
+# compile COMPILER FLAGS DIRECTORY: the library into $OUT/DIRECTORY.
+compile() {
+    mkdir -p "$OUT/$3"
+    each "$1 $STRICT $2 -c -o $OUT/$3/\$(basename {} .c).o {}" "${lib[@]}"
+}
+
+check_matrix() {
+    local status=0 size real
+    for size in min max; do
+        write_sizes "$size" >"$OUT/sizes_$size.h"
+        [ -s "$OUT/sizes_$size.h" ] || return 1
+    done
+    : >"$OUT/sizes_default.h"
+    for size in min default max; do
+        for real in FLOAT DOUBLE; do
+            for compiler in gcc clang; do
+                compile "$compiler" "-O2 -DAUVID_REAL_$real -I$OUT \
+                    -DAUVID_USER_CONFIG='\"sizes_$size.h\"'" "$compiler-$real-$size" || status=1
+            done
+        done
+    done
+    return "$status"
+}
+
+# Position-independent code would put constant tables of pointers into .data. The call graph is
+# taken without optimisation: inlining and tail calls hide recursion.
+check_objects() {
+    local plain="-fno-pic -fno-stack-protector -U_FORTIFY_SOURCE" status=0
+    compile gcc "$plain -O2" objects-gcc || status=1
+    compile clang "$plain -O2" objects-clang || status=1
+    compile gcc "$plain -O2 -DAUVID_REAL_DOUBLE" objects-double || status=1
+    compile gcc "$plain -O0 -fcallgraph-info" objects-graph || status=1
+    tests/lint/objects.py --float "$OUT"/objects-gcc/*.o || status=1
+    tests/lint/objects.py --float "$OUT"/objects-clang/*.o || status=1
+    tests/lint/objects.py "$OUT"/objects-double/*.o || status=1
+    tests/lint/objects.py --float "$OUT"/objects-graph/*.o || status=1
+    return "$status"
+}
+
+check_headers() {
+    local flags="-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -Ilib/include"
+    local status=0 compiler language
+    for compiler in gcc clang; do
+        for language in "-std=c11 -xc" "-std=c++14 -xc++"; do
+            each "printf '#include \"{}\"\nextern int alone;\n' |
+                $compiler -fsyntax-only $flags $language -" lib/include/auvid/*.h || status=1
+        done
+    done
+    return "$status"
+}
+
+check_tools() {
+    each "gcc $TOOLS -O2 -fsyntax-only {}" "${tools[@]}" &&
+        each "clang $TOOLS -fsyntax-only {}" "${tools[@]}"
+}
+
+check_tidy() {
+    each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
+        2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
+        exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
+}
+
+check_cppcheck() {
+    cppcheck --quiet --std=c11 --enable=warning,portability,performance --error-exitcode=1 \
+        --inline-suppr --suppress=missingIncludeSystem -j "$(nproc)" -UAUVID_USER_CONFIG \
+        -Ilib/include -Ilib/src -Itools/simulator "${lib[@]}" "${tools[@]}"
+}
+
+step "the rules below can fail" tests/lint/selftest.sh
+step "text: includes, dependencies, columns, lengths, version" tests/lint/sources.py
+step "the library, gcc and clang, float and double, three sizes, no warning" check_matrix
+step "objects: no statics, heap, libm, double, recursion" check_objects
+step "each header alone, C11 and C++14" check_headers
+step "tools, gcc and clang, no warning" check_tools
+step "clang-tidy" check_tidy
+step "cppcheck" check_cppcheck
+exit "$broken"

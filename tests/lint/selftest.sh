@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Do the lint rules refuse what they are there for? Each rule gets a bad snippet and must name it;
+# a good one must pass.
+set -euo pipefail
+cd "$(dirname "$0")"
+here=$PWD
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+broken=0
+
+# expect RULE COMMAND...: COMMAND must fail and print "RULE: ...".
+expect() {
+    local rule=$1
+    shift
+    if "$@" >output 2>&1 || ! grep -q "^$rule: " output; then
+        echo "lint selftest: rule '$rule' did not refuse: $(cat snippet)"
+        sed 's/^/    /' output
+        broken=1
+    fi
+}
+
+# object RULE SNIPPET...: the compiled snippet must break RULE ("" for none).
+object() {
+    local rule=$1
+    shift
+    printf '%s\n' "$@" >snippet
+    gcc -std=c11 -O0 -fno-pic -fcallgraph-info -xc -c -o snippet.o snippet
+    if [ -n "$rule" ]; then
+        expect "$rule" "$here/objects.py" --float snippet.o
+    else
+        "$here/objects.py" --float snippet.o || broken=1
+    fi
+}
+
+object '' '#include <string.h>' 'void auvid_f(float *x) { memset(x, 0, 8); x[0] = 2.0f * x[1]; }'
+object data 'int auvid_x = 1;'
+object data 'int *auvid_f(void) { static int n; return &n; }'
+object symbol 'void *malloc(unsigned long); void *auvid_f(void) { return malloc(4); }'
+object symbol 'float sinf(float); float auvid_f(float x) { return sinf(x); }'
+object symbol 'void auvid_g(void); void auvid_f(void) { auvid_g(); }'
+object name 'void helper(void) { }'
+object double 'float auvid_f(float x) { return (float)(x * 0.1); }'
+object double 'int auvid_f(float x) { return x < 0.1; }'
+object double 'float auvid_f(float x) { return (float)(x * 0.1L); }'
+object recursion 'int auvid_f(int n) { return n ? auvid_f(n - 1) : 0; }'
+object recursion 'static int g(int); int auvid_f(int n) { return g(n); }' \
+    'static int g(int n) { return n ? auvid_f(n - 1) : 0; }'
+
+# text RULE FILE LINE...: a tree whose only unusual file is FILE must break RULE ("" for none).
+text() {
+    local rule=$1 file=$2
+    shift 2
+    rm -rf tree
+    mkdir -p tree/lib/src tree/lib/include/auvid "tree/$(dirname "$file")"
+    printf '#include "auvid/types.h"\n' >tree/lib/src/auvid_math.h
+    printf '#define AUVID_VERSION_%s\n' 'MAJOR 1' 'MINOR 2' 'PATCH 3' 'STRING "1.2.3"' \
+        >tree/lib/include/auvid/config.h
+    printf '## [1.2.3] - unreleased\n' >tree/CHANGELOG.md
+    printf '%s\n' "$@" >snippet
+    cp snippet "tree/$file"
+    if [ -n "$rule" ]; then
+        expect "$rule" "$here/sources.py" tree
+    else
+        "$here/sources.py" tree || broken=1
+    fi
+}
+
+math='#include "auvid_math.h"'
+text '' lib/src/auvid_metric.c "$math" '#include "auvid/smoother.h"' 'x = AUVID_C(1e-3); /* 0.5 */'
+text include lib/src/auvid_metric.c "$math" '#include <math.h>'
+text include lib/src/auvid_metric.c "$math" '#include "../../tools/simulator/world.h"'
+text dependency lib/src/auvid_optimizer.c "$math" '#include "auvid/metric.h"'
+text dependency lib/src/auvid_crs_tell.c "$math" '#include "auvid/line_search.h"'
+text dependency lib/src/auvid_unheard_of.c "$math"
+text arithmetic lib/src/auvid_nav.c '#include "auvid/types.h"'
+text literal lib/src/auvid_nav.c "$math" 'x = 0.5 * y;'
+text literal lib/src/auvid_nav.c "$math" 'x = 1e-3f;'
+text columns tools/long.c "$(printf '%101s' x)"
+text length tools/long.c 'int f(void)' '{' "$(yes '    x();' | head -n 61)" '}'
+text path tools/where.c 'open("/home''/somebody/x");'
+text version CHANGELOG.md '## [1.2.4] - unreleased'
+text target Makefile '.PHONY: all' 'all:' '	true'
+
+# Compilers: what the object rules leave to the flags of lint.sh.
+refuse() {
+    printf '%s\n' "$1" >snippet
+    for compiler in gcc clang; do
+        if $compiler $STRICT -xc -c -o snippet.o snippet 2>/dev/null; then
+            echo "lint selftest: $compiler does not refuse: $1"
+            broken=1
+        fi
+    done
+}
+if [ -n "${STRICT:-}" ]; then
+    refuse 'int auvid_f(int n); int auvid_f(int n) { int x[n]; x[0] = n; return x[0]; }'
+    refuse 'void *auvid_f(void); void *auvid_f(void) { return __builtin_alloca(8); }'
+    refuse 'int auvid_f(float x); int auvid_f(float x) { return x < 0.1; }'
+    refuse 'void auvid_f(void) { }'
+fi
+exit "$broken"

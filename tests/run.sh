@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Run test programs, as many at once as there are cores, and add up what they report.
+#
+# usage: tests/run.sh PROGRAM...
+# A PROGRAM is a Unity program ("12 Tests 0 Failures 1 Ignored") or a script that prints "ok ...",
+# "not ok ..." or "ok ... # SKIP why" lines. What was not built, crashes, hangs or reports no test
+# counts as one failure. The last line is "N passed, N failed" (", N skipped" when there are any).
+# Exit status 0 when nothing failed; with CI=true nothing may be skipped either.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+export LOGS=build/test-logs AUVID=build/auvid
+export LIMIT=240
+[ -z "${AUVID_TEST_LONG:-}" ] || LIMIT=14400
+rm -rf "$LOGS"
+mkdir -p "$LOGS"
+
+# Runs one program; leaves its output and "passed failed skipped" in $LOGS; prints one line.
+run_one() {
+    local name=${1#build/} log status=0 start=$SECONDS passed failed skipped
+    log=$LOGS/${name//\//-}
+    if [ -x "$1" ]; then
+        timeout --kill-after=5 "$LIMIT" "$1" >"$log.log" 2>&1 </dev/null || status=$?
+    else
+        status=127
+        echo "did not build, or is not executable" >"$log.log"
+    fi
+    read -r passed failed skipped < <(awk '
+        /^[0-9]+ Tests [0-9]+ Failures [0-9]+ Ignored/ { p += $1 - $3 - $5; f += $3; s += $5 }
+        /^ok / { if (/# SKIP/) s++; else p++ }
+        /^not ok / { f++ }
+        END { print p + 0, f + 0, s + 0 }' "$log.log")
+    if [ "$failed" = 0 ] && { [ "$status" != 0 ] || [ $((passed + skipped)) = 0 ]; }; then
+        echo "$name: exit status $status after $passed passed, $skipped skipped" >>"$log.log"
+        failed=1
+    fi
+    echo "$passed $failed $skipped" >"$log.count"
+    if [ "$failed" = 0 ]; then
+        echo "ok    $name ($passed passed, $skipped skipped, $((SECONDS - start)) s)"
+    else
+        echo "FAIL  $name (see $log.log)"
+    fi
+}
+export -f run_one
+
+[ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" bash -c 'run_one "$1"' run
+
+# Show the reasons together at the end, where they are read.
+for count in "$LOGS"/*.count; do
+    if [ -e "$count" ] && [ "$(cut -d ' ' -f 2 "$count")" != 0 ]; then
+        echo "---- ${count%.count}.log"
+        grep -E ':FAIL|^not ok|ERROR: |runtime error|exit status|did not build' \
+            "${count%.count}.log" | head -n 20 || tail -n 20 "${count%.count}.log"
+    fi
+done
+read -r passed failed skipped < <(cat "$LOGS"/*.count 2>/dev/null |
+    awk '{ p += $1; f += $2; s += $3 } END { print p + 0, f + 0, s + 0 }')
+summary="$passed passed, $failed failed"
+[ "$skipped" = 0 ] || summary+=", $skipped skipped"
+echo "$summary" | tee "$LOGS/summary"
+[ "$failed" = 0 ] && [ "$passed" != 0 ] && { [ "$skipped" = 0 ] || [ "${CI:-}" != true ]; }

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
+#
+# usage: tests/support/setup.sh [test] [lint]
+#   test: g++, Eigen (EIGEN_DIR), Unity (UNITY_DIR, else fetched into third_party/unity)
+#   lint: clang, clang-tidy, cppcheck, binutils, python3
+# The compiler and make are looked for always.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+# Unity 2.4.3 (MIT) as the Debian source package cjson carries it.
+unity_sha256=5308fd4bd90cef7aa060558514de6a1a4a0819974a26e6ed13973c5f624c24b2
+unity_default=third_party/unity/src
+unity=${UNITY_DIR:-$unity_default}
+eigen=${EIGEN_DIR:-/usr/include/eigen3}
+
+die() {
+    echo "setup: $*" >&2
+    exit 1
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then
+        "$@"
+    else
+        sudo "$@"
+    fi
+}
+
+# Fills missing[] with packages.
+look() {
+    missing=()
+    command -v gcc >/dev/null || missing+=(gcc)
+    command -v make >/dev/null || missing+=(make)
+    [ -e /usr/include/stdio.h ] || missing+=(libc6-dev)
+    for part in "$@"; do
+        case $part in
+        test)
+            command -v g++ >/dev/null || missing+=(g++)
+            [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
+            ;;
+        lint)
+            for tool in clang clang-tidy cppcheck python3; do
+                command -v "$tool" >/dev/null || missing+=("$tool")
+            done
+            command -v objdump >/dev/null || missing+=(binutils)
+            ;;
+        *) die "unknown part '$part'" ;;
+        esac
+    done
+}
+
+install_missing() {
+    echo "setup: installing ${missing[*]}"
+    command -v apt-get >/dev/null || die "no apt-get here; please install: ${missing[*]}"
+    [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+        die "neither root nor sudo; please run as root: apt-get install ${missing[*]}"
+    as_root apt-get -qq update
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o DPkg::Lock::Timeout=120 \
+        install --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# The mirror this machine already uses, whichever way its apt is configured.
+debian_mirror() {
+    apt-get indextargets --no-release-info --format '$(REPO_URI) $(COMPONENT) $(RELEASE)' \
+        'Created-By: Packages' |
+        awk '$2 == "main" && $3 !~ /-/ { print $1; exit }'
+}
+
+# apt gets lists of its own in third_party/, so the machine's configuration stays as it is.
+fetch_unity() {
+    echo "setup: fetching Unity (Debian source package cjson)"
+    command -v apt-get >/dev/null || die "no apt-get here; set UNITY_DIR to a copy of Unity's src/"
+    local mirror keyring=/usr/share/keyrings/debian-archive-keyring.gpg top=$PWD/third_party/apt
+    mirror=$(debian_mirror)
+    [ -n "$mirror" ] || die "no mirror in apt's configuration; set UNITY_DIR to Unity's src/"
+    rm -rf "$top"
+    mkdir -p "$top/lists/partial" "$top/cache/archives/partial"
+    echo "deb-src [signed-by=$keyring] $mirror bookworm main" >"$top/sources.list"
+    local options=(-qq -o "Dir::Etc::sourcelist=$top/sources.list"
+        -o Dir::Etc::sourceparts=/dev/null -o "Dir::State::lists=$top/lists"
+        -o "Dir::Cache=$top/cache" -o "APT::Sandbox::User=$(id -un)")
+    # One chain of &&: the shell does not stop at errors left of an ||.
+    (
+        cd "$top" &&
+            apt-get "${options[@]}" update &&
+            apt-get "${options[@]}" source --download-only --tar-only cjson &&
+            echo "$unity_sha256  $(echo cjson_*.orig.tar.gz)" | sha256sum --check --quiet &&
+            tar xf cjson_*.orig.tar.gz --wildcards --strip-components=3 \
+                '*/tests/unity/src' '*/tests/unity/examples/unity_config.h'
+    ) || die "could not fetch Unity; set UNITY_DIR to a copy of Unity's src/"
+    rm -rf third_party/unity
+    mkdir third_party/unity
+    mv "$top/src" "$top/examples" third_party/unity/
+    rm -rf "$top"
+}
+
+look "$@"
+if [ ${#missing[@]} -gt 0 ]; then
+    install_missing
+    look "$@"
+    [ ${#missing[@]} = 0 ] || die "still missing: ${missing[*]} (is EIGEN_DIR right?)"
+fi
+if [[ " $* " == *" test "* && ! -e $unity/unity.c ]]; then
+    [ "$unity" = "$unity_default" ] || die "no unity.c in UNITY_DIR=$unity"
+    fetch_unity
+fi
