@@ -3,13 +3,13 @@
  * The excitation module: a body wrench as a function of time (paper III-A).
  *
  * Each degree of freedom plays its own sequence of segments (step, ramp, sine, sum of sines, random
- * steps, pause), all of them at once; the sequence repeats until the run is over. The run as a whole
- * fades in and out, and so does each segment where asked. Random segments draw their levels, holds,
- * frequencies and phases from a seed as time goes on, afresh in each repetition: no table.
+ * steps, pause), all of them at once; the sequence repeats until the run is over. The run as a
+ * whole fades in and out, and so does each segment where asked. Random segments draw their levels,
+ * holds, frequencies and phases from a seed as time goes on, afresh in each repetition: no table.
  *
- * Who calls it: the control tick, once a tick, and adds the wrench to the controller's own. There is
- * no arming and no limit on the vehicle's motion here: see the guard. The wrench depends on the
- * seed and on t - start only, not on the tick rate.
+ * Who calls it: the control tick, once a tick, and adds the wrench to the controller's own. There
+ * is no arming and no limit on the vehicle's motion here: see the guard. Until it is stopped, the
+ * wrench depends on the seed and on t - start only, not on the tick rate or on ticks left out.
  *
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. In the tick
  * in which a sum of sines begins: also up to 8 points per period of its highest frequency (at most
@@ -32,6 +32,8 @@ extern "C" {
 #define AUVID_EXCITATION_LONGEST_S AUVID_C(3600.0)
 /** Longest run [s]. */
 #define AUVID_EXCITATION_LONGEST_RUN_S AUVID_C(86400.0)
+/** Largest amplitude [N or Nm]. */
+#define AUVID_EXCITATION_LARGEST AUVID_C(1e6)
 /** Highest frequency [Hz]. */
 #define AUVID_EXCITATION_HIGHEST_HZ AUVID_C(5.0)
 /** Most random steps in one segment: duration_s <= this * hold_min_s. */
@@ -50,22 +52,23 @@ typedef enum {
      * sum is scaled so that its peak within the segment is A (at most A, at least 0.93 A, where
      * the segment has no more than AUVID_EXCITATION_SCAN / 8 periods of the highest). */
     AUVID_SEGMENT_SINES,
-    /** Steps of random level (0.3..1) A, each held hold_min_s..hold_max_s; the first sign is random,
-     * the sign then changes with probability 3/4, or always and with equal level and hold within a
-     * pair when `pairs` is set. */
+    /** Steps of random level (0.3..1) A, each held hold_min_s..hold_max_s; the first sign is
+     * random, the sign then changes with probability 3/4, or always and with equal level and hold
+     * within a pair when `pairs` is set. The last hold is cut where the fade to zero must begin. */
     AUVID_SEGMENT_STEPS,
     AUVID_SEGMENT_KIND_COUNT
 } auvid_segment_kind_t;
 
 /** One segment of one degree of freedom. Segments of the same DoF follow one another in the order
  * of the table; different DoFs run side by side. All zero is a pause of no length. Written by the
- * user or by auvid_excitation_plan. Fields a kind does not name are ignored (but must be finite). */
+ * user or by auvid_excitation_plan. Fields a kind does not name are ignored (but must be finite).
+ */
 typedef struct {
     auvid_dof_t dof;           /**< which degree of freedom */
     auvid_segment_kind_t kind; /**< what it plays */
     auvid_real_t duration_s;   /**< T [s], 0..AUVID_EXCITATION_LONGEST_S; zero skips it */
-    auvid_real_t amplitude;    /**< A [N or Nm], any sign; never exceeded; zero plays nothing */
-    auvid_real_t from;         /**< RAMP: value at its start [N or Nm]; zero starts from rest */
+    auvid_real_t amplitude;    /**< A [N or Nm], within +-EXCITATION_LARGEST; never exceeded */
+    auvid_real_t from;         /**< RAMP: value at its start [N or Nm], likewise */
     /** Raised-cosine fade [s], 0..T/2; zero: none, jumps are jumps. STEPS: every change of level,
      * and the one to zero at the end, takes this long (0..hold_min_s). Others: fade-in at the
      * start, fade-out at the end of the segment. */
@@ -108,19 +111,25 @@ typedef struct {
     auvid_real_t cycles[AUVID_MAX_SINES];       /**< SINES: phases at the start, 0..1 cycles */
     uint8_t segment;                            /**< index + 1 of the one in play; 0: none */
     bool second;                                /**< STEPS: second of a pair */
+    bool negative;                              /**< STEPS: sign of the last one drawn */
 } auvid_excitation_channel_t;
 
 /** State. The caller owns it; all fields are written by the functions below. */
 typedef struct {
     auvid_excitation_config_t config;
     auvid_excitation_channel_t channel[AUVID_DOF_COUNT];
-    uint64_t sequence_us; /**< length of the sequence [us] */
-    uint64_t run_us;      /**< length of the run [us] */
-    uint64_t start_us;    /**< time of start */
-    uint64_t last_us;     /**< time of the last start, step or stop */
-    uint64_t stop_us;     /**< time of stop */
-    bool running;         /**< started and not finished */
-    bool stopping;        /**< stop was called in this run */
+    uint32_t duration_us[AUVID_MAX_SEGMENTS]; /**< length of each segment [us] */
+    uint32_t fade_us;                         /**< fade of the run [us] */
+    uint32_t repetition;                      /**< repetition of the sequence in play, from 0 */
+    uint64_t repeated_us;                     /**< its beginning since start [us] */
+    uint64_t sequence_us;                     /**< length of the sequence [us] */
+    uint64_t run_us;                          /**< length of the run [us] */
+    uint64_t start_us;                        /**< time of start */
+    uint64_t last_us;                         /**< time of the last start, step or stop */
+    uint64_t stop_us;                         /**< time of stop */
+    bool running;                             /**< started and not finished */
+    bool stopping;                            /**< stop was called in this run */
+    bool finished;                            /**< a run has ended, and none was begun since */
 } auvid_excitation_t;
 
 #define auvid_excitation_init                                                                      \
@@ -135,8 +144,8 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
  * set_s < 16); sines: AUVID_MAX_SINES or five of them, whichever is less, 0.03-0.25 Hz (not below
  * 1 / set_s).
  * Segment fades 0.2 s, no pairs; change the segments afterwards as you like.
- * @param config    written: segment, segments, duration_s = sets * set_s, seed; the rest stays. Call
- *                  _defaults first.
+ * @param config    written: segment, segments, duration_s = sets * set_s, seed; the rest stays.
+ *                  Call _defaults first.
  * @param amplitude 6: peak per DoF [N, Nm], >= 0; zero leaves that DoF out. Girona500: 100 N in X,
  *                  Y, Z and 40 Nm in N.
  * @param set_s     length of a set [s], 5..600; 30 is usual.

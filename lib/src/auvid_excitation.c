@@ -1,0 +1,454 @@
+/*
+ * Excitation (Karras et al. 2013, III-A): steps for the drags, sines for the inertias.
+ *
+ * With e the time since start, in repetition k of the sequence, s the time since a segment began:
+ *   tau_dof(e) = run(e) * fade(s) * shape(s)
+ *   run(e)     = w(e) w(run - e) w(stop + fade - e)       w: raised cosine, 0..1
+ * A random segment seeds its generator from (seed, k, segment) when it begins, so the wrench does
+ * not depend on which ticks came before.
+ */
+#include "auvid/excitation.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+#define TWO_PI AUVID_C(6.28318530717958647693)
+#define LOWEST_LEVEL AUVID_C(0.3)  /* of a random step */
+#define SIGN_CHANGES AUVID_C(0.75) /* probability */
+#define JITTER AUVID_C(0.12)       /* of the frequencies of a sum of sines */
+#define POINTS_PER_PERIOD AUVID_C(8.0)
+
+typedef auvid_excitation_channel_t channel_t;
+
+static bool in_range(auvid_real_t x, auvid_real_t low, auvid_real_t high)
+{
+    return x >= low && x <= high;
+}
+
+/* Whole and fraction apart: float holds 3600 s only to 0.2 ms as a product. s >= 0. */
+static uint64_t to_us(auvid_real_t s)
+{
+    uint32_t whole = (uint32_t)s;
+    auvid_real_t fraction = s - (auvid_real_t)whole;
+    return (uint64_t)whole * 1000000u + (uint32_t)(fraction * AUVID_C(1000000.0) + AUVID_C(0.5));
+}
+
+static auvid_real_t to_s(uint32_t us)
+{
+    return (auvid_real_t)us * AUVID_C(1e-6);
+}
+
+/* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
+static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
+{
+    auvid_real_t c;
+    if (x_us >= length_us) {
+        return AUVID_C(1.0);
+    }
+    auvid_sincos(AUVID_PI * ((auvid_real_t)(uint32_t)x_us / (auvid_real_t)length_us), NULL, &c);
+    return AUVID_C(0.5) - AUVID_C(0.5) * c;
+}
+
+/* ---- random steps ---- */
+
+static auvid_real_t steps_value(const channel_t *c, uint32_t s_us, uint32_t fade_us)
+{
+    return c->before + (c->level - c->before) * raised_cosine(s_us - c->hold_from_us, fade_us);
+}
+
+/* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the
+ * signal is a staircase passed through one averaging window, so pairs leave no net impulse. */
+static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
+                      uint32_t fade_us)
+{
+    auvid_rng_t rng;
+    uint64_t to;
+    c->before = steps_value(c, c->hold_to_us, fade_us);
+    c->hold_from_us = c->hold_to_us;
+    c->hold_to_us = UINT32_MAX;
+    if (c->hold_from_us >= end_us) {
+        c->level = AUVID_C(0.0);
+        return;
+    }
+    if (c->second) {
+        c->level = -c->level;
+        c->second = false;
+    } else {
+        memcpy(rng.s, c->rng, sizeof rng.s);
+        bool change = auvid_rng_uniform(&rng) < SIGN_CHANGES;
+        auvid_real_t level = LOWEST_LEVEL + (AUVID_C(1.0) - LOWEST_LEVEL) * auvid_rng_uniform(&rng);
+        /* Within pairs the sign has changed already: each begins with the first one's. */
+        c->negative = c->negative != (change && !segment->pairs);
+        c->level = c->negative ? -level : level;
+        c->hold_us =
+            (uint32_t)to_us(segment->hold_min_s +
+                            (segment->hold_max_s - segment->hold_min_s) * auvid_rng_uniform(&rng));
+        memcpy(c->rng, rng.s, sizeof rng.s);
+        c->second = segment->pairs;
+        if (segment->pairs && c->hold_from_us + 2 * (uint64_t)c->hold_us > end_us) {
+            c->level = AUVID_C(0.0);
+            return;
+        }
+    }
+    to = c->hold_from_us + (uint64_t)c->hold_us;
+    c->hold_to_us = to < end_us ? (uint32_t)to : end_us;
+}
+
+static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
+                               uint32_t duration_us)
+{
+    uint32_t fade_us = (uint32_t)to_us(segment->fade_s);
+    /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
+     * for the rest at the end. */
+    for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
+        next_hold(c, segment, duration_us - fade_us, fade_us);
+    }
+    return steps_value(c, s_us, fade_us);
+}
+
+/* ---- sum of sines ---- */
+
+/* The positive root of r^k = q, q >= 1, by bisection: 24 halvings are the digits of a float. */
+static auvid_real_t root(auvid_real_t q, int k)
+{
+    auvid_real_t low = AUVID_C(1.0);
+    auvid_real_t high = q;
+    for (int i = 0; i < 24 && k > 0; ++i) {
+        auvid_real_t r = (low + high) * AUVID_C(0.5);
+        auvid_real_t power = r;
+        for (int j = 1; j < k && power < q; ++j) {
+            power *= r;
+        }
+        if (power < q) {
+            low = r;
+        } else {
+            high = r;
+        }
+    }
+    return low;
+}
+
+/* An upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart, ends
+ * included: at an extremum inside, the slope is zero, and the nearest point is at most h / 2 away,
+ *   peak <= max over points + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n.
+ * The points come from rotating phasors, without a sine each. */
+static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t duration_s)
+{
+    auvid_real_t re[AUVID_MAX_SINES], im[AUVID_MAX_SINES];
+    auvid_real_t turn_re[AUVID_MAX_SINES], turn_im[AUVID_MAX_SINES];
+    auvid_real_t highest = AUVID_C(0.0);
+    auvid_real_t curvature = AUVID_C(0.0);
+    auvid_real_t peak = AUVID_C(0.0);
+    for (uint32_t i = 0; i < sines; ++i) {
+        highest = auvid_max(highest, c->frequency_hz[i]);
+        curvature += (TWO_PI * c->frequency_hz[i]) * (TWO_PI * c->frequency_hz[i]);
+    }
+    auvid_real_t wanted = POINTS_PER_PERIOD * highest * duration_s + AUVID_C(1.0);
+    auvid_real_t steps =
+        (auvid_real_t)(uint32_t)auvid_min(wanted, (auvid_real_t)AUVID_EXCITATION_SCAN);
+    auvid_real_t h = duration_s / steps;
+    for (uint32_t i = 0; i < sines; ++i) {
+        auvid_real_t turn = c->frequency_hz[i] * h;
+        auvid_sincos(TWO_PI * c->cycles[i], &im[i], &re[i]);
+        auvid_sincos(TWO_PI * (turn - (auvid_real_t)(uint32_t)turn), &turn_im[i], &turn_re[i]);
+    }
+    for (uint32_t k = 0; k <= (uint32_t)steps; ++k) {
+        auvid_real_t sum = AUVID_C(0.0);
+        for (uint32_t i = 0; i < sines; ++i) {
+            auvid_real_t x = re[i];
+            sum += im[i];
+            re[i] = x * turn_re[i] - im[i] * turn_im[i];
+            im[i] = x * turn_im[i] + im[i] * turn_re[i];
+        }
+        peak = auvid_max(peak, auvid_abs(sum));
+    }
+    return auvid_min(peak + h * h * AUVID_C(0.125) * curvature, (auvid_real_t)sines);
+}
+
+static void begin_sines(channel_t *c, const auvid_segment_t *segment, auvid_rng_t *rng)
+{
+    auvid_real_t ratio =
+        root(segment->frequency_high_hz / segment->frequency_hz, (int)segment->sines - 1);
+    auvid_real_t f = segment->frequency_hz;
+    for (uint32_t i = 0; i < segment->sines; ++i) {
+        auvid_real_t u = AUVID_C(2.0) * auvid_rng_uniform(rng) - AUVID_C(1.0);
+        c->frequency_hz[i] = f * (AUVID_C(1.0) + JITTER * u);
+        c->cycles[i] = auvid_rng_uniform(rng);
+        f *= ratio;
+    }
+    c->scale = AUVID_C(1.0) / sines_peak(c, segment->sines, segment->duration_s);
+}
+
+static auvid_real_t play_sines(const channel_t *c, uint32_t sines, auvid_real_t s)
+{
+    auvid_real_t sum = AUVID_C(0.0);
+    for (uint32_t i = 0; i < sines; ++i) {
+        auvid_real_t cycles = c->frequency_hz[i] * s + c->cycles[i];
+        auvid_real_t y;
+        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles), &y, NULL);
+        sum += y;
+    }
+    return sum * c->scale;
+}
+
+/* ---- segments ---- */
+
+static void begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t index,
+                          uint32_t repetition, uint64_t seed)
+{
+    auvid_rng_t rng;
+    uint64_t id = ((uint64_t)repetition << 8) + index + 1u;
+    /* An odd factor spreads the id over all bits: neighbouring seeds share no stream. */
+    auvid_rng_seed(&rng, seed + id * 0xD1342543DE82EF95u);
+    memset(c, 0, sizeof *c);
+    c->segment = (uint8_t)(index + 1u);
+    c->repetition = repetition;
+    if (segment->kind == AUVID_SEGMENT_STEPS) {
+        c->negative = auvid_rng_uniform(&rng) < AUVID_C(0.5);
+    } else if (segment->kind == AUVID_SEGMENT_SINES) {
+        begin_sines(c, segment, &rng);
+    }
+    memcpy(c->rng, rng.s, sizeof rng.s);
+}
+
+static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
+                         uint32_t duration_us)
+{
+    auvid_real_t s = to_s(s_us);
+    auvid_real_t a = segment->amplitude;
+    auvid_real_t largest = auvid_abs(a);
+    auvid_real_t y = AUVID_C(0.0);
+    uint32_t fade_us = (uint32_t)to_us(segment->fade_s);
+    switch (segment->kind) {
+    case AUVID_SEGMENT_STEP:
+        y = a;
+        break;
+    case AUVID_SEGMENT_RAMP:
+        y = segment->from + (a - segment->from) * (s / to_s(duration_us));
+        largest = auvid_max(largest, auvid_abs(segment->from));
+        break;
+    case AUVID_SEGMENT_SINE: {
+        auvid_real_t cycles = segment->frequency_hz * s;
+        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + segment->phase, &y, NULL);
+        y *= a;
+        break;
+    }
+    case AUVID_SEGMENT_SINES:
+        y = a * play_sines(c, segment->sines, s);
+        break;
+    case AUVID_SEGMENT_STEPS:
+        y = a * play_steps(c, segment, s_us, duration_us);
+        fade_us = 0; /* it is within the steps */
+        break;
+    default:
+        break;
+    }
+    y *= raised_cosine(s_us, fade_us) * raised_cosine(duration_us - s_us, fade_us);
+    return auvid_clamp(y, -largest, largest); /* against rounding */
+}
+
+/* ---- configuration ---- */
+
+static auvid_status_t check_segment(const auvid_segment_t *s)
+{
+    const auvid_real_t values[] = {s->duration_s, s->amplitude,    s->from,
+                                   s->fade_s,     s->frequency_hz, s->frequency_high_hz,
+                                   s->phase,      s->hold_min_s,   s->hold_max_s};
+    if (!auvid_all_finite(values, sizeof values / sizeof values[0])) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if ((unsigned)s->dof >= AUVID_DOF_COUNT || (unsigned)s->kind >= AUVID_SEGMENT_KIND_COUNT ||
+        !in_range(s->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S) ||
+        !in_range(s->amplitude, -AUVID_EXCITATION_LARGEST, AUVID_EXCITATION_LARGEST) ||
+        !in_range(s->from, -AUVID_EXCITATION_LARGEST, AUVID_EXCITATION_LARGEST) ||
+        !in_range(s->fade_s, AUVID_C(0.0), s->duration_s * AUVID_C(0.5))) {
+        return AUVID_ERR_RANGE;
+    }
+    switch (s->kind) {
+    case AUVID_SEGMENT_SINES:
+        if (s->sines < 1 || s->sines > AUVID_MAX_SINES) {
+            return AUVID_ERR_SIZE;
+        }
+        if (!in_range(s->frequency_high_hz, s->frequency_hz, AUVID_EXCITATION_HIGHEST_HZ)) {
+            return AUVID_ERR_RANGE;
+        }
+        return s->frequency_hz > AUVID_C(0.0) ? AUVID_OK : AUVID_ERR_RANGE;
+    case AUVID_SEGMENT_SINE:
+        return s->frequency_hz > AUVID_C(0.0) && s->frequency_hz <= AUVID_EXCITATION_HIGHEST_HZ &&
+                       in_range(s->phase, AUVID_C(-100.0), AUVID_C(100.0))
+                   ? AUVID_OK
+                   : AUVID_ERR_RANGE;
+    case AUVID_SEGMENT_STEPS:
+        return s->hold_min_s > AUVID_C(0.0) && s->hold_min_s >= s->fade_s &&
+                       s->hold_min_s * (auvid_real_t)AUVID_EXCITATION_HOLDS >= s->duration_s &&
+                       in_range(s->hold_max_s, s->hold_min_s, AUVID_EXCITATION_LONGEST_S)
+                   ? AUVID_OK
+                   : AUVID_ERR_RANGE;
+    default:
+        return AUVID_OK;
+    }
+}
+
+auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *config)
+{
+    uint64_t length_us[AUVID_DOF_COUNT] = {0};
+    uint64_t sequence_us = 0;
+    if (e == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (config->segments < 1 || config->segments > AUVID_MAX_SEGMENTS) {
+        return AUVID_ERR_SIZE;
+    }
+    if (!auvid_is_finite(config->duration_s) || !auvid_is_finite(config->fade_s)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (uint32_t i = 0; i < config->segments; ++i) {
+        const auvid_segment_t *s = &config->segment[i];
+        auvid_status_t status = check_segment(s);
+        if (status != AUVID_OK) {
+            return status;
+        }
+        length_us[s->dof] += to_us(s->duration_s);
+        sequence_us = length_us[s->dof] > sequence_us ? length_us[s->dof] : sequence_us;
+    }
+    if (sequence_us == 0 ||
+        !in_range(config->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_RUN_S) ||
+        !in_range(config->fade_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S)) {
+        return AUVID_ERR_RANGE;
+    }
+    uint64_t run_us = config->duration_s > AUVID_C(0.0) ? to_us(config->duration_s) : sequence_us;
+    if (2 * to_us(config->fade_s) > run_us) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(e, 0, sizeof *e);
+    e->config = *config;
+    e->sequence_us = sequence_us;
+    e->run_us = run_us;
+    e->fade_us = (uint32_t)to_us(config->fade_s);
+    for (uint32_t i = 0; i < config->segments; ++i) {
+        e->duration_us[i] = (uint32_t)to_us(config->segment[i].duration_s);
+    }
+    return AUVID_OK;
+}
+
+/* ---- the run ---- */
+
+auvid_status_t auvid_excitation_start(auvid_excitation_t *e, uint64_t t_us)
+{
+    if (e == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(e->channel, 0, sizeof e->channel);
+    e->start_us = t_us;
+    e->last_us = t_us;
+    e->repetition = 0;
+    e->repeated_us = 0;
+    e->running = true;
+    e->stopping = false;
+    e->finished = false;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
+{
+    if (e == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (e->running && !e->stopping) {
+        if (t_us < e->last_us) {
+            return AUVID_ERR_TIME_BACK;
+        }
+        e->stopping = true;
+        e->stop_us = t_us;
+        e->last_us = t_us;
+    }
+    return AUVID_OK;
+}
+
+static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t weight,
+                     auvid_real_t *wrench)
+{
+    uint64_t begins_us[AUVID_DOF_COUNT] = {0};
+    if (elapsed_us - e->repeated_us >= e->sequence_us) {
+        e->repetition = (uint32_t)(elapsed_us / e->sequence_us);
+        e->repeated_us = e->repetition * e->sequence_us;
+    }
+    uint64_t in_us = elapsed_us - e->repeated_us;
+    for (uint32_t i = 0; i < e->config.segments; ++i) {
+        const auvid_segment_t *segment = &e->config.segment[i];
+        uint64_t begin_us = begins_us[segment->dof];
+        begins_us[segment->dof] += e->duration_us[i];
+        if (in_us >= begin_us && in_us < begins_us[segment->dof]) {
+            channel_t *c = &e->channel[segment->dof];
+            if (c->segment != i + 1u || c->repetition != e->repetition) {
+                begin_segment(c, segment, i, e->repetition, e->config.seed);
+            }
+            wrench[segment->dof] =
+                weight * play(c, segment, (uint32_t)(in_us - begin_us), e->duration_us[i]);
+        }
+    }
+}
+
+auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
+                                     auvid_real_t wrench[AUVID_DOF_COUNT])
+{
+    if (wrench == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        wrench[i] = AUVID_C(0.0);
+    }
+    if (e == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!e->running) {
+        return AUVID_FINISHED;
+    }
+    if (t_us < e->last_us) {
+        return AUVID_ERR_TIME_BACK;
+    }
+    e->last_us = t_us;
+    uint64_t elapsed_us = t_us - e->start_us;
+    uint64_t stopped_us = e->stopping ? t_us - e->stop_us : 0;
+    if (elapsed_us >= e->run_us || (e->stopping && stopped_us >= e->fade_us)) {
+        e->running = false;
+        e->finished = true;
+        return AUVID_FINISHED;
+    }
+    auvid_real_t weight =
+        raised_cosine(elapsed_us, e->fade_us) * raised_cosine(e->run_us - elapsed_us, e->fade_us);
+    if (e->stopping) {
+        weight *= raised_cosine(e->fade_us - stopped_us, e->fade_us);
+    }
+    play_all(e, elapsed_us, weight, wrench);
+    return AUVID_OK;
+}
+
+auvid_real_t auvid_excitation_progress(const auvid_excitation_t *e)
+{
+    if (e == NULL || !e->running) {
+        return e != NULL && e->finished ? AUVID_C(1.0) : AUVID_C(0.0);
+    }
+    return (auvid_real_t)(e->last_us - e->start_us) / (auvid_real_t)e->run_us;
+}
+
+auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
+                                     auvid_real_t peak[AUVID_DOF_COUNT])
+{
+    if (e == NULL || peak == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        peak[i] = AUVID_C(0.0);
+    }
+    for (uint32_t i = 0; i < e->config.segments; ++i) {
+        const auvid_segment_t *s = &e->config.segment[i];
+        auvid_real_t a = s->kind == AUVID_SEGMENT_PAUSE ? AUVID_C(0.0) : auvid_abs(s->amplitude);
+        if (s->kind == AUVID_SEGMENT_RAMP) {
+            a = auvid_max(a, auvid_abs(s->from));
+        }
+        peak[s->dof] = auvid_max(peak[s->dof], a);
+    }
+    return AUVID_OK;
+}
