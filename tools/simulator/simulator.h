@@ -185,7 +185,8 @@ void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double w
 
 /* The parts, for tests and for other worlds. */
 
-/** Derivatives of [position, euler, nu] under a body wrench (Eq. 12-15, roll, pitch, kinematics). */
+/** Derivatives of [position, euler, nu] under a body wrench (Eq. 12-15, roll, pitch, kinematics).
+ */
 void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
                     double derivative[12]);
 /** One RK4 step of h seconds under a constant wrench. */

@@ -1,0 +1,128 @@
+/*
+ * The sensors. Each sample is taken at its own time, between two steps of the truth, and waits in a
+ * queue until it is old enough to arrive. Noise is drawn for every sample, also for those that are
+ * lost or blind, so that one setting does not shift the numbers of another.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "simulator.h"
+
+#define PI 3.14159265358979323846
+
+bool sim_sensors_init(sim_t *sim)
+{
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        const sim_sensor_config_t *c = &sim->config.sensor[i];
+        sim_sensor_t *s = &sim->sensor[i];
+        if (!(c->rate_hz >= 0.0 && c->rate_hz <= 50.0) ||
+            !(c->phase_s >= 0.0 && c->phase_s < 1e6) ||
+            !(c->age_s >= 0.0 && c->age_s * c->rate_hz < SIM_QUEUE - 1) ||
+            !(c->dropout >= 0.0 && c->dropout <= 1.0) || c->age_s > 1e6 ||
+            (c->rate_hz > 0.0 && c->rate_hz < 1e-3)) {
+            return false;
+        }
+        sim_rng_seed(&s->noise, sim->config.seed, 2 * (uint64_t)i);
+        sim_rng_seed(&s->loss, sim->config.seed, 2 * (uint64_t)i + 1);
+        s->period_us = c->rate_hz > 0.0 ? (uint64_t)(1e6 / c->rate_hz + 0.5) : 0;
+        s->age_us = (uint64_t)(c->age_s * 1e6 + 0.5);
+        s->next_us = c->phase_s > 0.0 ? (uint64_t)(c->phase_s * 1e6 + 0.5) : s->period_us;
+    }
+    return true;
+}
+
+/* What a sensor needs of the truth, at a time between two steps. */
+typedef struct {
+    double position[3], euler[3], nu[6], ground[3];
+} moment_t;
+
+static void between(double *x, const double *a, const double *b, double part, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        x[i] = a[i] + part * (b[i] - a[i]);
+    }
+}
+
+static void imu(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+{
+    for (int i = 0; i < 3; ++i) {
+        m->value[i] = at->euler[i] + c->imu_angle_rad * sim_rng_gauss(noise);
+        m->value[3 + i] = at->nu[3 + i] + c->imu_rate_rad_s * sim_rng_gauss(noise);
+    }
+    m->value[2] = remainder(m->value[2], 2.0 * PI);
+}
+
+/* v = Rz(yaw)' (velocity of the origin + omega x arm), over ground or through the water. */
+static void dvl(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+{
+    const double *a = c->dvl_arm_m, *w = at->nu + 3;
+    double altitude = c->seabed_m - at->position[2];
+    double cy = cos(c->dvl_yaw_rad), sy = sin(c->dvl_yaw_rad), v[3];
+    m->bottom = c->dvl_lock == SIM_LOCK_BOTTOM ||
+                (c->dvl_lock == SIM_LOCK_ALTITUDE && altitude <= c->dvl_range_m);
+    memcpy(v, m->bottom ? at->ground : at->nu, sizeof v);
+    v[0] += w[1] * a[2] - w[2] * a[1];
+    v[1] += w[2] * a[0] - w[0] * a[2];
+    v[2] += w[0] * a[1] - w[1] * a[0];
+    m->value[0] = cy * v[0] + sy * v[1];
+    m->value[1] = cy * v[1] - sy * v[0];
+    m->value[2] = v[2];
+    m->value[3] = m->bottom ? altitude : 0.0;
+    for (int i = 0; i < 3; ++i) {
+        m->value[i] += c->dvl_m_s * sim_rng_gauss(noise);
+    }
+}
+
+static void depth(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+{
+    const double *a = c->depth_arm_m;
+    double r[3][3];
+    sim_rotation(at->euler, r);
+    m->value[0] = at->position[2] + r[2][0] * a[0] + r[2][1] * a[1] + r[2][2] * a[2] +
+                  c->depth_m * sim_rng_gauss(noise);
+}
+
+static void gps(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+{
+    m->value[0] = at->position[0] + c->gps_m * sim_rng_gauss(noise);
+    m->value[1] = at->position[1] + c->gps_m * sim_rng_gauss(noise);
+    m->has = at->position[2] <= c->gps_depth_m;
+}
+
+void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t *now)
+{
+    static void (*const measure[SIM_SENSORS])(const sim_config_t *, const moment_t *, sim_rng_t *,
+                                              sim_measurement_t *) = {
+        [SIM_IMU] = imu, [SIM_DVL] = dvl, [SIM_DEPTH] = depth, [SIM_GPS] = gps};
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        sim_sensor_t *s = &sim->sensor[i];
+        while (s->period_us > 0 && s->next_us <= now->t_us) {
+            sim_measurement_t m = {.has = true, .t_us = s->next_us};
+            moment_t at;
+            double part = (double)(s->next_us - before->t_us) / (double)(now->t_us - before->t_us);
+            between(at.position, before->position, now->position, part, 3);
+            between(at.euler, before->euler, now->euler, part, 3);
+            between(at.nu, before->nu, now->nu, part, 6);
+            between(at.ground, before->ground, now->ground, part, 3);
+            measure[i](&sim->config, &at, &s->noise, &m);
+            bool lost = sim_rng_uniform(&s->loss) < sim->config.sensor[i].dropout;
+            if (m.has && !lost && s->count < SIM_QUEUE) {
+                s->queue[(s->head + s->count++) % SIM_QUEUE] = m;
+            }
+            s->next_us += s->period_us;
+        }
+    }
+}
+
+/* At most one of each sensor falls due in a tick: none samples faster than the tick. */
+void sim_sensors_deliver(sim_t *sim, sim_output_t *out)
+{
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        sim_sensor_t *s = &sim->sensor[i];
+        if (s->count > 0 && s->queue[s->head].t_us + s->age_us <= out->t_us) {
+            out->sensor[i] = s->queue[s->head];
+            s->head = (s->head + 1) % SIM_QUEUE;
+            --s->count;
+        }
+    }
+}

@@ -1,0 +1,344 @@
+/*
+ * The vehicle: Karras et al. 2013, Eq. 12-15, solved for the accelerations,
+ *   m_u u' = X + m_v v r - m_w w q - (W-B) sin theta          + X_u u + X_uu |u| u
+ *   m_v v' = Y + m_w w p - m_u u r + (W-B) cos theta sin phi  + Y_v v + Y_vv |v| v
+ *   m_w w' = Z + m_u u q - m_v v p + (W-B) cos theta cos phi  + Z_w w + Z_ww |w| w
+ *   m_r r' = N + (m_u - m_v) u v                              + N_r r + N_rr |r| r
+ * with roll and pitch as righted, damped pendulums, and Fossen's kinematics.
+ */
+#include "simulator.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { POSITION = 0, EULER = 3, NU = 6, STATES = 12 };
+enum { U, V, W, P, Q, R };
+
+void sim_rotation(const double euler[3], double r[3][3])
+{
+    double cf = cos(euler[0]), sf = sin(euler[0]), ct = cos(euler[1]), st = sin(euler[1]);
+    double cp = cos(euler[2]), sp = sin(euler[2]);
+    double all[3][3] = {{cp * ct, cp * st * sf - sp * cf, cp * st * cf + sp * sf},
+                        {sp * ct, sp * st * sf + cp * cf, sp * st * cf - cp * sf},
+                        {-st, ct * sf, ct * cf}};
+    memcpy(r, all, sizeof all);
+}
+
+static double drag(double linear, double quadratic, double x)
+{
+    return linear * x + quadratic * fabs(x) * x;
+}
+
+void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
+                    double derivative[12])
+{
+    const double *m = config->parameter, *nu = state + NU;
+    double sf = sin(state[EULER]), cf = cos(state[EULER]);
+    double st = sin(state[EULER + 1]), ct = cos(state[EULER + 1]);
+    double wq_or_wp = nu[W] * (config->printed_eq13 ? nu[Q] : nu[P]);
+    double *d = derivative + NU, r[3][3];
+
+    sim_rotation(state + EULER, r);
+    for (int i = 0; i < 3; ++i) {
+        derivative[POSITION + i] =
+            r[i][0] * nu[U] + r[i][1] * nu[V] + r[i][2] * nu[W] + config->current[i];
+    }
+    derivative[EULER] = nu[P] + (sf * nu[Q] + cf * nu[R]) * st / ct;
+    derivative[EULER + 1] = cf * nu[Q] - sf * nu[R];
+    derivative[EULER + 2] = (sf * nu[Q] + cf * nu[R]) / ct;
+
+    d[U] = (wrench[U] + m[SIM_M_V] * nu[V] * nu[R] - m[SIM_M_W] * nu[W] * nu[Q] - m[SIM_WB] * st +
+            drag(m[SIM_X_U], m[SIM_X_UU], nu[U])) /
+           m[SIM_M_U];
+    d[V] = (wrench[V] + m[SIM_M_W] * wq_or_wp - m[SIM_M_U] * nu[U] * nu[R] + m[SIM_WB] * ct * sf +
+            drag(m[SIM_Y_V], m[SIM_Y_VV], nu[V])) /
+           m[SIM_M_V];
+    d[W] = (wrench[W] + m[SIM_M_U] * nu[U] * nu[Q] - m[SIM_M_V] * nu[V] * nu[P] +
+            m[SIM_WB] * ct * cf + drag(m[SIM_Z_W], m[SIM_Z_WW], nu[W])) /
+           m[SIM_M_W];
+    d[R] = (wrench[R] + (m[SIM_M_U] - m[SIM_M_V]) * nu[U] * nu[V] +
+            drag(m[SIM_N_R], m[SIM_N_RR], nu[R])) /
+           m[SIM_M_R];
+    d[P] = (wrench[P] + config->roll_arm_m * wrench[V] - config->tilt_righting * sf * ct +
+            config->munk * (m[SIM_M_V] - m[SIM_M_W]) * nu[V] * nu[W] -
+            drag(config->tilt_linear, config->tilt_quadratic, nu[P])) /
+           config->tilt_inertia;
+    d[Q] = (wrench[Q] + config->pitch_arm_m * wrench[U] - config->tilt_righting * st +
+            config->munk * (m[SIM_M_W] - m[SIM_M_U]) * nu[U] * nu[W] -
+            drag(config->tilt_linear, config->tilt_quadratic, nu[Q])) /
+           config->tilt_inertia;
+}
+
+void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h)
+{
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
+    double k[STATES] = {0}, sum[STATES] = {0}, x[STATES];
+    for (int stage = 0; stage < 4; ++stage) {
+        for (int i = 0; i < STATES; ++i) {
+            x[i] = state[i] + at[stage] * h * k[i];
+        }
+        sim_derivative(config, x, wrench, k);
+        for (int i = 0; i < STATES; ++i) {
+            sum[i] += weight[stage] * k[i];
+        }
+    }
+    for (int i = 0; i < STATES; ++i) {
+        state[i] += h / 6.0 * sum[i];
+    }
+}
+
+/* ---- random numbers: xoshiro256** (Blackman & Vigna 2018), polar method ---- */
+
+static uint64_t rotated(uint64_t x, int k)
+{
+    return (x << k) | (x >> (64 - k));
+}
+
+/* splitmix64's finaliser. */
+static uint64_t mixed(uint64_t z)
+{
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+void sim_rng_seed(sim_rng_t *rng, uint64_t seed, uint64_t stream)
+{
+    uint64_t z = mixed(seed + 0x9e3779b97f4a7c15u) ^ mixed(~stream);
+    for (int i = 0; i < 4; ++i) {
+        z += 0x9e3779b97f4a7c15u;
+        rng->s[i] = mixed(z);
+    }
+    rng->has_spare = false;
+    rng->spare = 0.0;
+}
+
+double sim_rng_uniform(sim_rng_t *rng)
+{
+    uint64_t *s = rng->s, bits = rotated(s[1] * 5, 7) * 9, t = s[1] << 17;
+    s[2] ^= s[0];
+    s[3] ^= s[1];
+    s[1] ^= s[2];
+    s[0] ^= s[3];
+    s[2] ^= t;
+    s[3] = rotated(s[3], 45);
+    return (double)(bits >> 11) * 0x1p-53;
+}
+
+double sim_rng_gauss(sim_rng_t *rng)
+{
+    double x, y, r2;
+    if (rng->has_spare) {
+        rng->has_spare = false;
+        return rng->spare;
+    }
+    do {
+        x = 2.0 * sim_rng_uniform(rng) - 1.0;
+        y = 2.0 * sim_rng_uniform(rng) - 1.0;
+        r2 = x * x + y * y;
+    } while (r2 >= 1.0 || r2 <= 0.0);
+    double scale = sqrt(-2.0 * log(r2) / r2);
+    rng->spare = y * scale;
+    rng->has_spare = true;
+    return x * scale;
+}
+
+/* ---- the tick ---- */
+
+void sim_defaults(sim_config_t *config)
+{
+    static const double paper[SIM_PARAMETERS] = {
+        249.5384, 367.7126,  659.9799, 74.9024,   -37.3058, -42.4181, -125.3578,
+        -75.7673, -447.6195, -44.0561, -325.0138, -20.5833, -60.9373};
+    static const double girona500[6][SIM_THRUSTERS] = {[U] = {-1.0, -1.0},
+                                                       [V] = {[4] = 1.0},
+                                                       [W] = {[2] = -1.0, [3] = -1.0},
+                                                       [Q] = {[2] = -0.35, [3] = 0.35},
+                                                       [R] = {-0.4, 0.4}};
+    const double degree = 3.14159265358979323846 / 180.0;
+    sim_config_t c = {.seed = 1,
+                      .tilt_inertia = 80.0,
+                      .tilt_linear = 60.0,
+                      .tilt_quadratic = 40.0,
+                      .tilt_righting = 150.0,
+                      .roll_arm_m = 0.05,
+                      .pitch_arm_m = -0.08,
+                      .position = {0.0, 0.0, 50.0},
+                      .thruster_max_N = 153.8,
+                      .disturbance_s = 2.0,
+                      .seabed_m = 80.0,
+                      .sensor = {[SIM_IMU] = {.rate_hz = 50.0},
+                                 [SIM_DVL] = {.rate_hz = 5.0},
+                                 [SIM_DEPTH] = {.rate_hz = 10.0},
+                                 [SIM_GPS] = {.rate_hz = 1.0}},
+                      .imu_angle_rad = 0.2 * degree,
+                      .imu_rate_rad_s = 0.1 * degree,
+                      .dvl_m_s = 0.007,
+                      .dvl_range_m = 40.0,
+                      .depth_m = 0.015,
+                      .gps_m = 1.5,
+                      .gps_depth_m = 0.5};
+    memcpy(c.parameter, paper, sizeof paper);
+    memcpy(c.thruster_matrix, girona500, sizeof girona500);
+    *config = c;
+}
+
+static bool all_finite(const double *x, size_t n)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!isfinite(x[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool config_is_good(const sim_config_t *c)
+{
+    const double not_negative[] = {c->thruster_max_N, c->lag_s,         c->disturbance_N,
+                                   c->disturbance_Nm, c->imu_angle_rad, c->imu_rate_rad_s,
+                                   c->dvl_m_s,        c->depth_m,       c->gps_m};
+    const double finite[] = {c->tilt_linear, c->tilt_quadratic, c->tilt_righting, c->roll_arm_m,
+                             c->pitch_arm_m, c->munk,           c->seabed_m,      c->dvl_yaw_rad,
+                             c->dvl_range_m, c->gps_depth_m};
+    for (size_t i = 0; i < sizeof not_negative / sizeof not_negative[0]; ++i) {
+        if (!isfinite(not_negative[i]) || not_negative[i] < 0.0) {
+            return false;
+        }
+    }
+    return all_finite(finite, sizeof finite / sizeof finite[0]) &&
+           all_finite(c->parameter, SIM_PARAMETERS) && all_finite(c->position, 3) &&
+           all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
+           all_finite(&c->thruster_matrix[0][0], 6 * SIM_THRUSTERS) &&
+           all_finite(c->dvl_arm_m, 3) && all_finite(c->depth_arm_m, 3) &&
+           c->parameter[SIM_M_U] > 0.0 && c->parameter[SIM_M_V] > 0.0 &&
+           c->parameter[SIM_M_W] > 0.0 && c->parameter[SIM_M_R] > 0.0 &&
+           isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
+           c->disturbance_s > 0.0;
+}
+
+static double disturbance_rms(const sim_config_t *config, int dof)
+{
+    return dof < 3 ? config->disturbance_N : dof == R ? config->disturbance_Nm : 0.0;
+}
+
+/* Velocity over ground and acceleration of the truth, from its state and forces. */
+static void complete_truth(sim_t *sim)
+{
+    sim_truth_t *t = &sim->truth;
+    double state[STATES], derivative[STATES], total[6], r[3][3];
+    memcpy(state + POSITION, t->position, sizeof t->position);
+    memcpy(state + EULER, t->euler, sizeof t->euler);
+    memcpy(state + NU, t->nu, sizeof t->nu);
+    for (int i = 0; i < 6; ++i) {
+        total[i] = t->wrench[i] + t->disturbance[i];
+    }
+    sim_derivative(&sim->config, state, total, derivative);
+    memcpy(t->nu_dot, derivative + NU, sizeof t->nu_dot);
+    sim_rotation(t->euler, r);
+    for (int i = 0; i < 3; ++i) { /* R' (velocity over ground) */
+        t->ground[i] = r[0][i] * derivative[0] + r[1][i] * derivative[1] + r[2][i] * derivative[2];
+    }
+}
+
+bool sim_init(sim_t *sim, const sim_config_t *config)
+{
+    sim_t fresh;
+    if (!config_is_good(config)) {
+        return false;
+    }
+    memset(&fresh, 0, sizeof fresh);
+    fresh.config = *config;
+    if (!sim_sensors_init(&fresh)) {
+        return false;
+    }
+    memcpy(fresh.truth.position, config->position, sizeof config->position);
+    memcpy(fresh.truth.euler, config->euler, sizeof config->euler);
+    memcpy(fresh.truth.nu, config->nu, sizeof config->nu);
+    sim_rng_seed(&fresh.disturbance, config->seed, SIM_SENSORS * 2);
+    for (int i = 0; i < 6; ++i) { /* in its stationary distribution from the start */
+        fresh.truth.disturbance[i] = disturbance_rms(config, i) * sim_rng_gauss(&fresh.disturbance);
+    }
+    complete_truth(&fresh);
+    *sim = fresh;
+    return true;
+}
+
+/* A first-order lag under a constant command, solved exactly over h: *x moves to its end value;
+ * returns the mean over h, the constant force of equal impulse. */
+static double lagged(double *x, double command, double lag_s, double h)
+{
+    if (lag_s <= 0.0) {
+        *x = command;
+        return command;
+    }
+    double gone = -expm1(-h / lag_s), before = *x;
+    *x += gone * (command - before);
+    return command + (before - command) * gone * lag_s / h;
+}
+
+/* One step of h seconds: thrusters, disturbance, motion. */
+static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double direct[6],
+                    double h)
+{
+    const sim_config_t *c = &sim->config;
+    sim_truth_t *t = &sim->truth;
+    double state[STATES], total[6], mean[SIM_THRUSTERS];
+    double keep = exp(-h / c->disturbance_s), renew = sqrt(-expm1(-2.0 * h / c->disturbance_s));
+
+    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        mean[j] = lagged(&t->thruster_N[j], thruster_N[j], c->lag_s, h);
+    }
+    for (int i = 0; i < 6; ++i) {
+        total[i] = lagged(&sim->direct[i], direct[i], c->lag_s, h) + t->disturbance[i];
+        t->wrench[i] = sim->direct[i];
+        for (int j = 0; j < SIM_THRUSTERS; ++j) {
+            total[i] += c->thruster_matrix[i][j] * mean[j];
+            t->wrench[i] += c->thruster_matrix[i][j] * t->thruster_N[j];
+        }
+    }
+    memcpy(state + POSITION, t->position, sizeof t->position);
+    memcpy(state + EULER, t->euler, sizeof t->euler);
+    memcpy(state + NU, t->nu, sizeof t->nu);
+    sim_rk4(c, state, total, h);
+    memcpy(t->position, state + POSITION, sizeof t->position);
+    memcpy(t->euler, state + EULER, sizeof t->euler);
+    memcpy(t->nu, state + NU, sizeof t->nu);
+    /* Ornstein-Uhlenbeck, exact at steps of h. All six are drawn: no level changes the others. */
+    for (int i = 0; i < 6; ++i) {
+        t->disturbance[i] = keep * t->disturbance[i] +
+                            renew * disturbance_rms(c, i) * sim_rng_gauss(&sim->disturbance);
+    }
+    complete_truth(sim);
+}
+
+void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double wrench[6],
+              sim_output_t *out)
+{
+    const sim_config_t *c = &sim->config;
+    double commanded[SIM_THRUSTERS] = {0}, direct[6] = {0};
+    memset(out, 0, sizeof *out);
+    for (int j = 0; thruster_N != NULL && j < SIM_THRUSTERS; ++j) {
+        commanded[j] = fmax(-c->thruster_max_N, fmin(c->thruster_max_N, thruster_N[j]));
+    }
+    if (wrench != NULL) {
+        memcpy(direct, wrench, sizeof direct);
+    }
+    for (int i = 0; i < SIM_SUBSTEPS; ++i) {
+        sim_truth_t before = sim->truth;
+        advance(sim, commanded, direct, SIM_TICK_US * 1e-6 / SIM_SUBSTEPS);
+        sim->truth.t_us = before.t_us + SIM_TICK_US / SIM_SUBSTEPS;
+        sim_sensors_sample(sim, &before, &sim->truth);
+    }
+    out->t_us = sim->truth.t_us;
+    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        out->thruster_N[j] = c->feedback_true ? sim->truth.thruster_N[j] : commanded[j];
+    }
+    for (int i = 0; i < 6; ++i) {
+        out->wrench[i] = c->feedback_true ? sim->direct[i] : direct[i];
+        for (int j = 0; j < SIM_THRUSTERS; ++j) {
+            out->wrench[i] += c->thruster_matrix[i][j] * out->thruster_N[j];
+        }
+    }
+    sim_sensors_deliver(sim, out);
+}
