@@ -216,7 +216,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                                     BIT(Z_WW) | BIT(Z_0),                                          \
                     [AUVID_YAW] = BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) |          \
                                   BIT(N_0)},                                                       \
-        .regressor = g500_regressor, .acceleration = g500_acceleration, .context = &(form_)        \
+        .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration, .context = &(form_)        \
     }
 
 static const g500_form_t g500_fossen = {.coupled = true, .printed = false};

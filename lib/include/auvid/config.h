@@ -69,6 +69,12 @@
 #define AUVID_MAX_TAPS 51
 #endif
 
+/** Rows under construction at once: the filter's taps over the cells between two rows, rounded up.
+ * 1..64. */
+#ifndef AUVID_MAX_OVERLAP
+#define AUVID_MAX_OVERLAP 11
+#endif
+
 /** Largest half-width of the stand-alone smoother, in samples. 1..127. */
 #ifndef AUVID_MAX_HALF_WIDTH
 #define AUVID_MAX_HALF_WIDTH 50
@@ -105,6 +111,9 @@
 #if AUVID_MAX_TAPS < 3 || AUVID_MAX_TAPS > 255
 #error "auvid: AUVID_MAX_TAPS must be 3..255"
 #endif
+#if AUVID_MAX_OVERLAP < 1 || AUVID_MAX_OVERLAP > 64
+#error "auvid: AUVID_MAX_OVERLAP must be 1..64"
+#endif
 #if AUVID_MAX_HALF_WIDTH < 1 || AUVID_MAX_HALF_WIDTH > 127
 #error "auvid: AUVID_MAX_HALF_WIDTH must be 1..127"
 #endif
@@ -121,22 +130,22 @@
 #define AUVID_SIZED0(name) name##_f64
 #define AUVID_SIZED1_(name, a) name##_f64_##a
 #define AUVID_SIZED2_(name, a, b) name##_f64_##a##_##b
-#define AUVID_SIZED8_(name, a, b, c, d, e, f, g, h)                                                \
-    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h
+#define AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)                                                \
+    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i
 #else
 #define AUVID_SIZED0(name) name##_f32
 #define AUVID_SIZED1_(name, a) name##_f32_##a
 #define AUVID_SIZED2_(name, a, b) name##_f32_##a##_##b
-#define AUVID_SIZED8_(name, a, b, c, d, e, f, g, h)                                                \
-    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h
+#define AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)                                                \
+    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i
 #endif
 #define AUVID_SIZED1(name, a) AUVID_SIZED1_(name, a)
 #define AUVID_SIZED2(name, a, b) AUVID_SIZED2_(name, a, b)
-#define AUVID_SIZED_ALL8(name, a, b, c, d, e, f, g, h) AUVID_SIZED8_(name, a, b, c, d, e, f, g, h)
+#define AUVID_SIZED_ALL9(name, a, b, c, d, e, f, g, h, i) AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)
 /** All sizes, for structs that hold several modules. */
 #define AUVID_SIZED(name)                                                                          \
-    AUVID_SIZED_ALL8(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,             \
+    AUVID_SIZED_ALL9(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,             \
                      AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,     \
-                     AUVID_MAX_SEGMENTS)
+                     AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS)
 
 #endif

@@ -66,9 +66,9 @@ typedef struct {
 /** Fill *cfg with the defaults. Null is ignored. */
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 
+#define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_THRUSTERS)
 /** Start empty. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (a field out of its range). */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
-#define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_THRUSTERS)
 
 /** Attitude and rates at t_us.
  * @param attitude [3] phi theta psi [rad], psi unwrapped

@@ -47,6 +47,8 @@ typedef struct {
      * too many costs memory, a bit missing loses the term. */
     uint32_t columns[AUVID_DOF_COUNT];
 
+    uint32_t free; /**< bit i: parameter i is estimated unless the user chooses; 0: all are */
+
     /** Predicted minus applied wrench at `sample` for parameters pi[n], for every modelled DoF;
      * residual[] comes zeroed. May read sample->command for models of the thrusters. Null when
      * there is a regressor. */

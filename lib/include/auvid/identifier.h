@@ -1,0 +1,236 @@
+/**
+ * @file identifier.h
+ * The identifier: the scheme of Fig. 2, composed. Two calls, from one task:
+ *
+ *     auvid_identifier_step   in every control tick: sense, navigate, record, excite. Short.
+ *     auvid_identifier_work   whenever there is time left: so many units of optimizing.
+ *
+ * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <-> optimizer
+ * (optimizer.h) -> estimate. Each completed data set starts a global search with the last estimate as
+ * a known good point; a set that completes during a search makes its costs stale, and they are
+ * evaluated again.
+ *
+ * Cost of step: one prediction of the filter, the updates that arrived, at most AUVID_CELLS_PER_STEP
+ * cells of the recorder. Cost of work: a unit is one row of a triangle, one stored sample put through
+ * the user's model, or one trial point; rejected ones count too. Never more than `budget` units.
+ * Memory: sizeof(auvid_identifier_t), all there is.
+ *
+ * Nothing here arms or limits the vehicle: what excites it must be guarded by the caller.
+ */
+#ifndef AUVID_IDENTIFIER_H
+#define AUVID_IDENTIFIER_H
+
+#include "auvid/allocation.h"
+#include "auvid/excitation.h"
+#include "auvid/metric.h"
+#include "auvid/nav.h"
+#include "auvid/optimizer.h"
+#include "auvid/recorder.h"
+#include "auvid/types.h"
+#include "auvid/validation.h"
+#include "auvid/vehicle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Cells taken from the recorder in one step at most. */
+#define AUVID_CELLS_PER_STEP 2
+
+/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in about ten seconds. */
+#define AUVID_DEFAULT_BUDGET 200u
+
+/** Which DVL lock the dynamics are taken from. They need velocity through the water. */
+typedef enum {
+    AUVID_VELOCITY_GROUND = 0, /**< bottom lock: right where there is no current */
+    AUVID_VELOCITY_WATER = 1   /**< water lock only */
+} auvid_velocity_source_t;
+
+/** Configuration; copied at init. Pointers within must outlive the identifier. */
+typedef struct {
+    const auvid_vehicle_t *vehicle;          /**< required; set by defaults */
+    auvid_nav_config_t nav;                  /**< see nav.h */
+    auvid_recorder_config_t recorder;        /**< see recorder.h; its cell is the metric's too */
+    auvid_metric_config_t metric;            /**< see metric.h; vehicle and cell are set at init */
+    auvid_allocation_config_t allocation;    /**< see allocation.h; no thrusters: the excitation is
+                                                  not limited by them */
+    auvid_excitation_config_t excitation;    /**< see excitation.h; no segments: passive */
+    auvid_velocity_source_t velocity;        /**< default AUVID_VELOCITY_GROUND */
+    bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates:
+                                   for our literal reading of the paper. Default false */
+    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< bounds of the search [parameter's unit]; default
+                                                   -1000 */
+    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
+    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
+    bool has_good;                            /**< use it; default false. Clipped to the bounds */
+    uint16_t population;   /**< m of Algorithm 1; 0: four times the number of parameters */
+    auvid_real_t omega;    /**< of Algorithm 1; 0: the number of parameters, as in the paper */
+    bool scale_by_bounds;  /**< steps of the line search relative to the bounds, not to the data */
+    bool literal_search;   /**< Algorithm 2 without pattern steps; default false */
+    uint64_t seed;         /**< of the search; default 1 */
+} auvid_identifier_config_t;
+
+/** What arrived since the last tick. Zero what did not. */
+typedef struct {
+    uint64_t t_us; /**< this tick [us]; must advance from step to step */
+    struct {
+        bool present;
+        uint64_t t_us;            /**< time of the sample */
+        auvid_real_t attitude[3]; /**< phi theta psi [rad] */
+        auvid_real_t rates[3];    /**< p q r [rad/s] */
+    } imu;
+    struct {
+        bool present;
+        auvid_dvl_sample_t sample; /**< nav.h */
+    } dvl;
+    struct {
+        bool present;
+        uint64_t t_us;
+        auvid_real_t depth_m; /**< positive down */
+    } depth;
+    struct {
+        bool present;
+        uint64_t t_us;
+        auvid_real_t x_m, y_m; /**< north, east of the origin */
+    } gps;
+    struct {
+        bool present;
+        auvid_real_t wrench[AUVID_DOF_COUNT]; /**< applied from t_us of this tick on, of all sources:
+                                                   pilot, controller, excitation [N, Nm] */
+        auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them */
+    } applied;
+} auvid_input_t;
+
+/** News, a bit each; several at once. */
+enum {
+    AUVID_EVENT_TIME = 1u << 0,          /**< the tick's time did not advance: step refused */
+    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused; why is in nav.diagnostics */
+    AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< likewise */
+    AUVID_EVENT_DEPTH_DROPPED = 1u << 3, /**< likewise */
+    AUVID_EVENT_GPS_DROPPED = 1u << 4,   /**< likewise */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite */
+    AUVID_EVENT_VELOCITY_STALE = 1u << 6, /**< no DVL sample accepted for nav.stale_us */
+    AUVID_EVENT_GAP = 1u << 7,           /**< the record was broken and started anew */
+    AUVID_EVENT_SET = 1u << 8,           /**< a data set was completed */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the sets so far: nothing to search */
+    AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
+    AUVID_EVENT_SATURATED = 1u << 11,    /**< the excitation was scaled down by the thrusters */
+    AUVID_EVENT_EXCITATION_DONE = 1u << 12 /**< the excitation's run came to its end */
+};
+
+/** Answer of a step. */
+typedef struct {
+    uint32_t events;                             /**< AUVID_EVENT_... since the last step */
+    auvid_real_t excitation[AUVID_DOF_COUNT];    /**< body wrench to add to the controller's [N, Nm];
+                                                      zero unless exciting, and on any status < 0 */
+    auvid_real_t thruster_N[AUVID_MAX_THRUSTERS]; /**< the same as thruster forces [N] */
+} auvid_output_t;
+
+/** Result of a search. */
+typedef struct {
+    uint32_t number;     /**< 0: none yet; raised by one with each */
+    uint64_t t_us;       /**< last tick before it was ready */
+    uint32_t sets;       /**< data sets completed by then */
+    uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed` */
+    uint8_t driven;      /**< bit j: DoF j was driven */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];  /**< parameters, in the model's order */
+    auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */
+    auvid_real_t delay_s[AUVID_DOF_COUNT];  /**< between wrench and response */
+    auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; 0 where not driven */
+    uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
+    uint32_t evaluations_line;              /**< local phase */
+    bool capped; /**< ended by a cap, not by its own criterion: treat with care */
+} auvid_estimate_t;
+
+/** Where work() is. */
+typedef enum {
+    AUVID_WORK_IDLE,   /**< nothing to do until a set completes */
+    AUVID_WORK_MERGE,  /**< sets are brought together */
+    AUVID_WORK_ASK,    /**< the optimizer is to give a point */
+    AUVID_WORK_COST,   /**< its cost is being evaluated */
+    AUVID_WORK_MEASURE /**< the result's residuals are measured */
+} auvid_work_phase_t;
+
+/** The identifier. Modules are public to read; write only through the functions. */
+typedef struct {
+    auvid_identifier_config_t cfg;
+    auvid_nav_t nav;
+    auvid_recorder_t recorder;
+    auvid_metric_t metric;
+    auvid_optimizer_t optimizer;
+    auvid_allocation_t allocation;
+    auvid_excitation_t excitation;
+    auvid_estimate_t estimate;     /**< the last result */
+    auvid_validation_t *validation; /* fed with every cell, if attached */
+    uint64_t t_us;                 /* last tick */
+    uint32_t knot;                 /* sequence of the last velocity recorded */
+    uint32_t events;               /* since the last step */
+    uint32_t searches;             /**< begun so far */
+    uint32_t work_last;            /**< units used by the last call of work */
+    uint32_t work_most;            /**< most units used by any call of work */
+    uint8_t phase;                 /**< auvid_work_phase_t */
+    uint8_t place[AUVID_MAX_PARAMETERS]; /* parameter that the optimizer's i-th is */
+    uint32_t active;               /* parameters in the present search */
+    auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
+    bool started, exciting, set_pending, searching;
+} auvid_identifier_t;
+
+/** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
+ * the 13 of Eq. 12-15), bounds +-1000, passive. Null is ignored. */
+void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
+
+/** Change *cfg to our reading of the paper's metric: states smoothed, every tick, wrench raw. */
+void auvid_identifier_literal(auvid_identifier_config_t *cfg);
+
+#define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
+/** Check the arithmetic (selftest.h) and the configuration, and start.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; AUVID_ERR_BOUNDS (a lower bound of a free
+ * parameter not below its upper bound); AUVID_ERR_NOT_FINITE; AUVID_ERR_POPULATION; AUVID_ERR_LIMIT
+ * (the excitation asks for more than the thrusters give); and the errors of the modules' init. On
+ * error *id is not usable. */
+auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
+
+/** Begin the excitation with the next step.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (no excitation configured). */
+auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
+
+/** End it: it fades out. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
+auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
+
+/** One control tick. Bad sensor samples are dropped and named in out->events; the tick goes on.
+ * @param out always written whole (unless null)
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (in->t_us did not
+ * advance: nothing done, excitation zero, AUVID_EVENT_TIME). */
+auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
+                                     auvid_output_t *out);
+
+/** Record motion that is known from elsewhere (a navigation of one's own, a log) instead of sensors
+ * through step.
+ * @param attitude [3] rad, psi unwrapped; @param nu [6]
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME;
+ * refused samples change nothing. */
+auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
+                                       const auvid_real_t *attitude, const auvid_real_t *nu);
+
+/** Record the applied wrench from t_us on (command may be null). Statuses as above. */
+auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
+                                        const auvid_real_t *wrench, const auvid_real_t *command);
+
+/** Complete the data set under way, at the end of a dive or log.
+ * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it is empty). */
+auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
+
+/** Hand every further cell of the record to a comparison (null: no more). It is not copied. */
+void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation);
+
+/** Optimize with what time is left.
+ * @param budget units of work; 0 does nothing
+ * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used
+ * up); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no DoF driven so far; also AUVID_EVENT_NOT_DRIVEN). */
+auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

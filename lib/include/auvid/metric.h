@@ -1,0 +1,222 @@
+/**
+ * @file metric.h
+ * Metric: how badly does a parameter vector explain the recorded data? (III-B, Eq. 9-11)
+ *
+ * Cells from the recorder pass a smoother, one row every half second; rows gather in data sets; the
+ * completed sets form a ring, which is evaluated while the next set is recorded.
+ *
+ * Two paths behind one interface:
+ * - *Regressor path*, for models linear in pi: the rows of Y are formed from unsmoothed cells, and
+ *   rows and wrench of each DoF pass the same smoother, so that what the smoother takes from one
+ *   side it takes from the other. (The paper smooths the states and names no filter for tau; that
+ *   leaves a bias which more data does not cure.) Sums and differences of successive rows, the low
+ *   and the high band, are kept as triangular factors [R | Z] for each DoF, where Z holds the wrench
+ *   at three delays. When sets are brought together, each band is weighted by how badly it fits, which
+ *   whitens the residual whatever disturbs the vehicle. The cost is
+ *       J(pi) = sum_j ||R_j pi - z_j||^2 / (tau_max_j^2 rows_j),
+ *   without the part that no pi can explain (kept apart in `constant`): in float32 it would swamp
+ *   the differences the optimizer lives on.
+ * - *Residual path*, for any other model: smoothed samples are stored and the user's function is
+ *   called on each: J(pi) = sum_j sum_k residual_jk^2 / (tau_max_j^2 rows_j).
+ *
+ * Delay between command and response, for each DoF: z_j(d) = Z_j l(d) with l the quadratic Lagrange
+ * polynomials through 0, 2 and 4 cells; d_j is where the part of the wrench that no pi explains is
+ * smallest, over all sets in the ring. Regressor path only; a given delay holds for both.
+ *
+ * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
+ * (they would pull its parameters to zero with a small formal error).
+ *
+ * Called by the identifier: `add` and `gap` from the control tick, the rest from work().
+ * Cost: add, Girona500: 0.4k multiplications a cell, and four rows of Givens rotations every
+ * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), about 12 KiB
+ * with default sizes.
+ */
+#ifndef AUVID_METRIC_H
+#define AUVID_METRIC_H
+
+#include "auvid/types.h"
+#include "auvid/vehicle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Delays at which the wrench is kept, and their distance in cells. */
+#define AUVID_METRIC_DELAYS 3
+#define AUVID_METRIC_DELAY_CELLS 2
+
+/** Bands into which the rows are split: sums and differences of neighbours. */
+#define AUVID_METRIC_BANDS 2
+
+/** Which buffers the rows are made of. */
+typedef enum {
+    AUVID_SMOOTH_ROWS = 0,   /**< rows from unsmoothed cells, rows and wrench smoothed alike */
+    AUVID_SMOOTH_STATES = 1, /**< our reading of the paper: Savitzky-Golay on the states and for
+                                  the accelerations, wrench raw */
+} auvid_smoothing_t;
+
+typedef struct {
+    const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
+    uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
+                        default the vehicle's own choice */
+    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others; default 0 */
+    auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
+                                                   dimensionless. Default 100, 40 */
+    auvid_real_t driven; /**< a DoF is driven when its wrench's rms about its mean exceeds this part
+                              of tau_max; 0..1, default 0.02 */
+    uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
+    uint16_t row_cells;  /**< cells between rows; >= 1, default 5 */
+    uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s) */
+    uint8_t sets;        /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
+    auvid_smoothing_t smoothing;              /**< default AUVID_SMOOTH_ROWS */
+    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces and for moments; the
+                                residual path and the literal reading use the first */
+    uint8_t order;         /**< of the polynomial, default 2 */
+    uint8_t passes;        /**< how often the smoother is applied, 1 or 2; default 2 */
+    bool estimate_delay;   /**< default true; regressor path with AUVID_SMOOTH_ROWS only */
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..4 cells,
+                                                default 0 */
+    auvid_real_t command_delay_s;          /**< of the commands [s]; 0..4 cells, default 0 */
+    auvid_sample_t *rows;  /**< residual path: storage for (sets + 1) set_rows samples, owned by the
+                                caller, must outlive the metric; null otherwise */
+} auvid_metric_config_t;
+
+/** One data set. Private but for `rows` and `driven`. */
+typedef struct {
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
+    auvid_real_t tau_mean[AUVID_DOF_COUNT]; /* of the rows' wrench */
+    auvid_real_t tau_m2[AUVID_DOF_COUNT];   /* sum of squares about that mean */
+    uint16_t rows;                          /**< rows so far */
+    uint8_t driven;                         /**< bit j: DoF j is driven; set at completion */
+} auvid_set_t;
+
+/** The metric. Fields are private but for those under "results". */
+typedef struct {
+    auvid_metric_config_t cfg;
+    uint32_t columns[AUVID_DOF_COUNT];       /* free parameters in each equation */
+    uint8_t count[AUVID_DOF_COUNT];          /* how many */
+    uint8_t index[AUVID_MAX_COLUMNS];        /* their numbers, DoF after DoF */
+    uint16_t factor_at[AUVID_DOF_COUNT];     /* where each DoF's triangle starts */
+    uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
+    auvid_real_t kernel[2][AUVID_MAX_TAPS];
+    uint8_t taps, overlap;
+
+    /* recording */
+    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
+    auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
+                         [AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
+    auvid_real_t previous[AUVID_MAX_COLUMNS]; /* the last row */
+    uint32_t cells; /* since the record began */
+    bool paired;    /* there is a last row */
+    auvid_set_t set[AUVID_MAX_SETS + 1];
+    uint8_t current; /* the set being recorded */
+
+    /* evaluation */
+    auvid_real_t merged[AUVID_MAX_FACTOR];     /* the ring's [R_j | Z_j], bands weighted */
+    auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
+    auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
+    auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
+    auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];     /* pi by parameter */
+    auvid_real_t weight[AUVID_DOF_COUNT];      /* 1 / (tau_max^2 rows) */
+    auvid_real_t sum, compensation;
+    uint16_t at_row; /* progress */
+    uint8_t at_set, at_band, at_dof, pass;
+
+    /** @name results */
+    /**@{*/
+    uint8_t driven;                        /**< bit j: DoF j is driven in some set of the ring */
+    uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is driven */
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
+    auvid_real_t constant;                 /**< part of the cost that no pi explains */
+    auvid_real_t cost;                     /**< J of the last finished evaluation */
+    auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
+                                                measurement [N^2, Nm^2] */
+    uint32_t sets_recorded;                /**< sets completed since init */
+    /**@}*/
+} auvid_metric_t;
+
+/** Fill *cfg for the Girona500 model: DESIGN of the filter in auvid_metric.c. Null is ignored. */
+void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
+
+/** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed, accelerations
+ * by the Savitzky-Golay derivative, wrench raw, no delay. Null is ignored. */
+void auvid_metric_literal(auvid_metric_config_t *cfg);
+
+#define auvid_metric_init AUVID_SIZED(auvid_metric_init)
+/** Start empty.
+ * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field out of
+ * its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (nothing free); AUVID_ERR_SIZE (columns,
+ * factor, taps or overlap exceed config.h); AUVID_ERR_MODEL (residual path without storage). */
+auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
+
+/** Take the next cell of an unbroken record.
+ * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
+ * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). Cost: see above. */
+auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
+
+/** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
+void auvid_metric_gap(auvid_metric_t *metric);
+
+/** Complete the set early.
+ * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has no row: nothing done). */
+auvid_status_t auvid_metric_close(auvid_metric_t *metric);
+
+/** Forget the completed set recorded `age` sets ago (0: the last). Merge afterwards.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the ring). */
+auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
+
+/** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
+void auvid_metric_merge_begin(auvid_metric_t *metric);
+
+/** Go on with it.
+ * @param budget units of work left, reduced by those used. One is a row of a triangle; the whole
+ * takes three passes over all rows of all sets and bands, and four for each DoF
+ * @return AUVID_OK (ready for evaluations); AUVID_PENDING (budget used up); AUVID_ERR_NO_DATA (no
+ * set, or no DoF driven in any); AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
+
+/** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored. */
+void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi);
+
+/** Go on with it.
+ * @param budget as in merge: one unit for each row of R, or for each stored sample
+ * @return AUVID_OK (metric->cost written); AUVID_PENDING; AUVID_ERR_NULL. A cost that is not finite
+ * is returned as such: the optimizer treats it as very bad. */
+auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
+
+/** Begin to measure the residuals of pi [n] for each DoF, unweighted (for R2). */
+void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi);
+
+/** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
+ * AUVID_PENDING; AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
+
+/** Free parameters whose own DoF is driven: bit i. Valid after merge. */
+uint32_t auvid_metric_active(const auvid_metric_t *metric);
+
+/** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
+ * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in the
+ * residual path.
+ * @param scale [n] */
+void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
+
+/** Coefficient of determination of the smoothed wrench after a finished measurement:
+ * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven.
+ * @param r2 [6] */
+void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
+
+/** The least-squares optimum in closed form: an oracle for tests and a diagnostic for users of
+ * models that are linear; the identifier does not use it.
+ * @param active parameters to solve for (bit i); others keep their value in pi
+ * @param pi [n] in and out
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_SINGULAR (some
+ * parameter is not determined; it is set to zero). Stack: (n + 1)(n + 2) / 2 numbers. */
+auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
+                                          auvid_real_t *pi);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,303 @@
+/*
+ * The identifier (Karras et al. 2013, Fig. 2): the tick. Optimizing is in auvid_identifier_work.c.
+ */
+#include "auvid/identifier.h"
+
+#include <string.h>
+
+#include "auvid/selftest.h"
+#include "auvid_math.h"
+
+void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    memset(cfg, 0, sizeof *cfg);
+    cfg->vehicle = vehicle;
+    (void)auvid_nav_defaults(&cfg->nav);
+    auvid_recorder_defaults(&cfg->recorder);
+    auvid_metric_defaults(&cfg->metric, vehicle);
+    auvid_allocation_defaults(&cfg->allocation);
+    auvid_excitation_defaults(&cfg->excitation);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        cfg->lower[i] = AUVID_C(-1000.0);
+        cfg->upper[i] = AUVID_C(1000.0);
+    }
+    cfg->seed = 1;
+}
+
+void auvid_identifier_literal(auvid_identifier_config_t *cfg)
+{
+    if (cfg != NULL) {
+        cfg->velocity_every_tick = true;
+        cfg->metric.cell_us = cfg->recorder.cell_us;
+        auvid_metric_literal(&cfg->metric);
+    }
+}
+
+static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
+{
+    const auvid_vehicle_t *vehicle = cfg->vehicle;
+    uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
+    unsigned n = 0;
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        if (!(free >> i & 1u)) {
+            continue;
+        }
+        ++n;
+        if (!auvid_is_finite(cfg->lower[i]) || !auvid_is_finite(cfg->upper[i]) ||
+            (cfg->has_good && !auvid_is_finite(cfg->good[i]))) {
+            return AUVID_ERR_NOT_FINITE;
+        }
+        if (!(cfg->lower[i] < cfg->upper[i])) {
+            return AUVID_ERR_BOUNDS;
+        }
+    }
+    unsigned population = cfg->population == 0 ? 4 * n : cfg->population;
+    if (n == 0) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    return population < n + 1 || population > AUVID_MAX_POPULATION ? AUVID_ERR_POPULATION
+                                                                   : AUVID_OK;
+}
+
+static auvid_status_t init_excitation(auvid_identifier_t *id)
+{
+    const auvid_identifier_config_t *cfg = &id->cfg;
+    auvid_status_t status = AUVID_OK;
+    if (cfg->allocation.thrusters > 0) {
+        status = auvid_allocation_init(&id->allocation, &cfg->allocation);
+    }
+    if (status >= 0 && cfg->excitation.segments > 0) {
+        status = auvid_excitation_init(&id->excitation, &cfg->excitation);
+        if (status >= 0 && cfg->allocation.thrusters > 0) {
+            auvid_real_t peak[AUVID_DOF_COUNT];
+            (void)auvid_excitation_peak(&id->excitation, peak);
+            status = auvid_allocation_check(&id->allocation, peak, NULL);
+        }
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    if (id == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_selftest();
+    if (status >= 0) {
+        status = auvid_vehicle_check(cfg->vehicle);
+    }
+    if (status >= 0) {
+        status = check_search(cfg);
+    }
+    if (status < 0) {
+        return status;
+    }
+    memset(id, 0, sizeof *id);
+    id->cfg = *cfg;
+    id->cfg.metric.vehicle = cfg->vehicle;
+    id->cfg.metric.cell_us = cfg->recorder.cell_us;
+    status = auvid_nav_init(&id->nav, &cfg->nav);
+    if (status >= 0) {
+        status = auvid_recorder_init(&id->recorder, &cfg->recorder);
+    }
+    if (status >= 0) {
+        status = auvid_metric_init(&id->metric, &id->cfg.metric);
+    }
+    return status < 0 ? status : init_excitation(id);
+}
+
+/* Cells that have become complete go to the metric, and to whoever is attached. */
+static void take_cells(auvid_identifier_t *id)
+{
+    auvid_sample_t cell;
+    for (int i = 0; i < AUVID_CELLS_PER_STEP; ++i) {
+        auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
+        if (status == AUVID_GAP) {
+            auvid_metric_gap(&id->metric);
+            auvid_validation_gap(id->validation);
+            id->events |= AUVID_EVENT_GAP;
+        } else if (status != AUVID_OK) {
+            return;
+        } else {
+            if (id->validation != NULL) {
+                (void)auvid_validation_add(id->validation, &cell);
+            }
+            if (auvid_metric_add(&id->metric, &cell) == AUVID_SET_COMPLETE) {
+                id->set_pending = true;
+                id->events |= AUVID_EVENT_SET;
+            }
+        }
+    }
+}
+
+/* Sensors into the filter; what it refuses becomes an event. */
+static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
+{
+    if (in->imu.present &&
+        auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
+        id->events |= AUVID_EVENT_IMU_DROPPED;
+    }
+    if (in->dvl.present) {
+        auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl.sample);
+        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DVL_DROPPED : 0u;
+    }
+    if (in->depth.present) {
+        auvid_status_t status = auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m);
+        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DEPTH_DROPPED : 0u;
+    }
+    if (in->gps.present) {
+        auvid_status_t status = auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m);
+        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_GPS_DROPPED : 0u;
+    }
+}
+
+/* The filter's state into the recorder: attitude in every tick, velocity when a DVL update has just
+ * corrected it (between updates a constant-velocity filter lags). */
+static void record(auvid_identifier_t *id, const auvid_input_t *in)
+{
+    auvid_nav_state_t state;
+    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+        return;
+    }
+    bool water = id->cfg.velocity == AUVID_VELOCITY_WATER;
+    const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
+    uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
+    if (in->imu.present) {
+        (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
+    }
+    if (id->cfg.velocity_every_tick) {
+        if (state.flags & fresh) {
+            (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity);
+        }
+    } else if (knot->sequence != id->knot) {
+        id->knot = knot->sequence;
+        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity);
+    }
+    if (!(state.flags & fresh)) {
+        id->events |= AUVID_EVENT_VELOCITY_STALE;
+    }
+}
+
+static void excite(auvid_identifier_t *id, auvid_output_t *out)
+{
+    if (!id->exciting) {
+        return;
+    }
+    auvid_real_t wrench[AUVID_DOF_COUNT];
+    if (auvid_excitation_step(&id->excitation, id->t_us, wrench) != AUVID_OK) {
+        id->exciting = false;
+        id->events |= AUVID_EVENT_EXCITATION_DONE;
+        return;
+    }
+    if (id->cfg.allocation.thrusters == 0) {
+        memcpy(out->excitation, wrench, sizeof wrench);
+        return;
+    }
+    auvid_allocation_result_t result;
+    auvid_status_t status = auvid_allocation_solve(&id->allocation, wrench, &result);
+    if (status >= 0) {
+        memcpy(out->excitation, result.wrench, sizeof out->excitation);
+        memcpy(out->thruster_N, result.force_N, sizeof out->thruster_N);
+        id->events |= status == AUVID_SATURATED ? AUVID_EVENT_SATURATED : 0u;
+    }
+}
+
+auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
+                                     auvid_output_t *out)
+{
+    if (out != NULL) {
+        memset(out, 0, sizeof *out);
+    }
+    if (id == NULL || in == NULL || out == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (id->started && in->t_us <= id->t_us) {
+        out->events = AUVID_EVENT_TIME;
+        return in->t_us == id->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
+    id->started = true;
+    id->t_us = in->t_us;
+    navigate(id, in);
+    record(id, in);
+    if (in->applied.present &&
+        auvid_recorder_input(&id->recorder, in->t_us, in->applied.wrench, in->applied.command) < 0) {
+        id->events |= AUVID_EVENT_INPUT_DROPPED;
+    }
+    take_cells(id);
+    excite(id, out);
+    out->events = id->events;
+    id->events = 0;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (id->cfg.excitation.segments == 0) {
+        return AUVID_ERR_STATE;
+    }
+    id->exciting = true;
+    return auvid_excitation_start(&id->excitation, id->t_us);
+}
+
+auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return id->exciting ? auvid_excitation_stop(&id->excitation, id->t_us) : AUVID_ERR_STATE;
+}
+
+auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
+                                       const auvid_real_t *attitude, const auvid_real_t *nu)
+{
+    if (id == NULL || attitude == NULL || nu == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_all_finite(nu, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    auvid_status_t status =
+        auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
+    if (status == AUVID_OK) {
+        status = auvid_recorder_velocity(&id->recorder, t_us, nu);
+        take_cells(id);
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
+                                        const auvid_real_t *wrench, const auvid_real_t *command)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
+    take_cells(id);
+    return status;
+}
+
+auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_metric_close(&id->metric);
+    if (status == AUVID_SET_COMPLETE) {
+        id->set_pending = true;
+        id->events |= AUVID_EVENT_SET;
+    }
+    return status;
+}
+
+void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
+{
+    if (id != NULL) {
+        id->validation = validation;
+    }
+}

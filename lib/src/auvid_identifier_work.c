@@ -1,0 +1,185 @@
+/*
+ * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
+ *
+ *     set complete -> MERGE -> ASK <-> COST -> MEASURE -> estimate -> IDLE
+ *                       ^       |
+ *                       +-------+   another set completes: costs are stale
+ */
+#include "auvid/identifier.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+/* A point for the optimizer: the active parameters of pi, clipped to the box. */
+static void add_point(auvid_identifier_t *id, const auvid_optimizer_config_t *cfg,
+                      const auvid_real_t *pi)
+{
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    for (int i = 0; i < cfg->crs.n; ++i) {
+        theta[i] = auvid_clamp(pi[id->place[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
+    }
+    (void)auvid_optimizer_add_point(&id->optimizer, theta);
+}
+
+/* Begin a search over the parameters that the data can tell. */
+static auvid_status_t begin_search(auvid_identifier_t *id)
+{
+    const auvid_identifier_config_t *cfg = &id->cfg;
+    auvid_optimizer_config_t search;
+    auvid_real_t scale[AUVID_MAX_PARAMETERS];
+    uint8_t n = 0;
+    id->active = auvid_metric_active(&id->metric);
+    for (uint8_t i = 0; i < cfg->vehicle->parameters; ++i) {
+        if (id->active >> i & 1u) {
+            id->place[n++] = i;
+        }
+    }
+    auvid_optimizer_defaults(&search, n);
+    auvid_metric_scale(&id->metric, scale);
+    for (int i = 0; i < n; ++i) {
+        int p = id->place[i];
+        auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
+        search.crs.lower[i] = cfg->lower[p];
+        search.crs.upper[i] = cfg->upper[p];
+        search.scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
+    }
+    search.crs.population = cfg->population;
+    if (cfg->omega > AUVID_C(0.0)) {
+        search.crs.omega = cfg->omega;
+    }
+    search.crs.seed = cfg->seed + id->searches;
+    search.line_search.literal = cfg->literal_search;
+    auvid_status_t status = auvid_optimizer_init(&id->optimizer, &search);
+    if (status < 0) {
+        return status;
+    }
+    ++id->searches;
+    if (cfg->has_good) {
+        add_point(id, &search, cfg->good);
+    }
+    if (id->estimate.number > 0) {
+        add_point(id, &search, id->estimate.pi);
+    }
+    return AUVID_OK;
+}
+
+/* All parameters of the model from the optimizer's: the others keep their fixed value. */
+static void expand(const auvid_identifier_t *id, const auvid_real_t *theta, auvid_real_t *pi)
+{
+    memcpy(pi, id->cfg.metric.fixed, sizeof id->cfg.metric.fixed);
+    for (int i = 0, k = 0; i < id->cfg.vehicle->parameters; ++i) {
+        if (id->active >> i & 1u) {
+            pi[i] = theta[k++];
+        }
+    }
+}
+
+/* The sets are together: search anew, or go on with costs evaluated again. */
+static auvid_status_t after_merge(auvid_identifier_t *id)
+{
+    auvid_status_t status = AUVID_OK;
+    if (id->searching && id->active == auvid_metric_active(&id->metric)) {
+        status = auvid_optimizer_reevaluate(&id->optimizer);
+    } else {
+        status = begin_search(id);
+    }
+    id->searching = status >= 0;
+    id->phase = status < 0 ? AUVID_WORK_IDLE : AUVID_WORK_ASK;
+    return status;
+}
+
+static void ask(auvid_identifier_t *id)
+{
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
+    if (status == AUVID_OK) {
+        expand(id, theta, id->candidate);
+        auvid_metric_cost_begin(&id->metric, id->candidate);
+        id->phase = AUVID_WORK_COST;
+    } else if (status != AUVID_PENDING) {
+        expand(id, auvid_optimizer_best(&id->optimizer, NULL), id->candidate);
+        auvid_metric_measure_begin(&id->metric, id->candidate);
+        id->estimate.capped = status == AUVID_CAPPED;
+        id->phase = AUVID_WORK_MEASURE;
+    }
+}
+
+static void publish(auvid_identifier_t *id)
+{
+    auvid_estimate_t *e = &id->estimate;
+    auvid_optimizer_work_t work = auvid_optimizer_work(&id->optimizer);
+    ++e->number;
+    e->t_us = id->t_us;
+    e->sets = id->metric.sets_recorded;
+    e->identified = id->active;
+    e->driven = id->metric.driven;
+    memcpy(e->pi, id->candidate, sizeof e->pi);
+    (void)auvid_optimizer_best(&id->optimizer, &e->cost);
+    memcpy(e->delay_s, id->metric.delay_s, sizeof e->delay_s);
+    auvid_metric_r2(&id->metric, e->r2_force);
+    e->evaluations_crs = work.crs;
+    e->evaluations_line = work.line_search;
+    id->events |= AUVID_EVENT_ESTIMATE;
+    id->searching = false;
+    id->phase = AUVID_WORK_IDLE;
+}
+
+/* One stretch of work in the present phase. */
+static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_status_t status = AUVID_OK;
+    switch ((auvid_work_phase_t)id->phase) {
+    case AUVID_WORK_MERGE:
+        status = auvid_metric_merge(&id->metric, budget);
+        if (status == AUVID_OK) {
+            status = after_merge(id);
+        } else if (status == AUVID_ERR_NO_DATA) {
+            id->events |= AUVID_EVENT_NOT_DRIVEN;
+            id->searching = false;
+            id->phase = AUVID_WORK_IDLE;
+        }
+        break;
+    case AUVID_WORK_ASK:
+        --*budget;
+        ask(id);
+        break;
+    case AUVID_WORK_COST:
+        status = auvid_metric_cost(&id->metric, budget);
+        if (status == AUVID_OK) {
+            (void)auvid_optimizer_tell(&id->optimizer, id->metric.cost);
+            id->phase = AUVID_WORK_ASK;
+        }
+        break;
+    case AUVID_WORK_MEASURE:
+        status = auvid_metric_measure(&id->metric, budget);
+        if (status == AUVID_OK) {
+            publish(id);
+        }
+        break;
+    case AUVID_WORK_IDLE:
+    default:
+        break;
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    uint32_t left = budget;
+    auvid_status_t status = AUVID_OK;
+    if (id->set_pending && budget > 0) {
+        id->set_pending = false;
+        auvid_metric_merge_begin(&id->metric);
+        id->phase = AUVID_WORK_MERGE;
+    }
+    while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
+        status = advance(id, &left);
+    }
+    id->work_last = budget - left;
+    id->work_most = id->work_last > id->work_most ? id->work_last : id->work_most;
+    return status < 0 || id->phase == AUVID_WORK_IDLE ? status : AUVID_PENDING;
+}

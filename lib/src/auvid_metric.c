@@ -1,0 +1,440 @@
+/*
+ * Metric, recording (Karras et al. 2013, III-B): cells to rows to sets.
+ *
+ * The smoother is a finite impulse response in transposed form: each cell is added, with the right
+ * coefficient, to the few rows under construction, so no window of cells is kept. A smoother of
+ * taps c_i applied to the rows Y and the wrench tau alike,
+ *
+ *     sum_i c_i Y_i pi = sum_i c_i tau_i,
+ *
+ * holds for the true pi exactly; which c is best is a matter of noise only. Savitzky-Golay of order
+ * 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and stops what the DVL adds.
+ *
+ * Evaluation is in auvid_metric_cost.c.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid/smoother.h"
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    *cfg = (auvid_metric_config_t){
+        .vehicle = vehicle,
+        .free = vehicle == NULL ? 0 : vehicle->free,
+        .driven = AUVID_C(0.02),
+        .cell_us = 100000,
+        .row_cells = 5,
+        .set_rows = 60,
+        .sets = AUVID_MAX_SETS,
+        .smoothing = AUVID_SMOOTH_ROWS,
+        .half_width = {10, 10},
+        .order = 2,
+        .passes = 2,
+        .estimate_delay = true,
+    };
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        cfg->tau_max[j] = j < 3 ? AUVID_C(100.0) : AUVID_C(40.0);
+    }
+}
+
+void auvid_metric_literal(auvid_metric_config_t *cfg)
+{
+    if (cfg != NULL) {
+        uint32_t half = 500000 / cfg->cell_us;
+        cfg->smoothing = AUVID_SMOOTH_STATES;
+        cfg->half_width[0] = cfg->half_width[1] = (uint8_t)(half < 2 ? 2 : (half > 127 ? 127 : half));
+        cfg->order = 3;
+        cfg->passes = 1;
+        cfg->estimate_delay = false;
+    }
+}
+
+static auvid_status_t check(const auvid_metric_config_t *cfg)
+{
+    auvid_status_t status = auvid_vehicle_check(cfg->vehicle);
+    if (status < 0) {
+        return status;
+    }
+    auvid_real_t longest = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6) *
+                           (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
+    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!(cfg->tau_max[j] > AUVID_C(0.0) && auvid_is_finite(cfg->tau_max[j]) &&
+              cfg->delay_s[j] >= AUVID_C(0.0) && cfg->delay_s[j] <= longest)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    bool linear = cfg->vehicle->regressor != NULL;
+    if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) || cfg->cell_us < 1000 ||
+        cfg->cell_us > 1000000 || cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 ||
+        cfg->sets > AUVID_MAX_SETS || (uint32_t)cfg->set_rows * cfg->sets > 60000 ||
+        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
+        !(cfg->command_delay_s >= AUVID_C(0.0) && cfg->command_delay_s <= longest) ||
+        (cfg->smoothing != AUVID_SMOOTH_ROWS && cfg->smoothing != AUVID_SMOOTH_STATES) ||
+        (cfg->smoothing == AUVID_SMOOTH_STATES && cfg->estimate_delay)) {
+        return AUVID_ERR_RANGE;
+    }
+    uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
+    if (cfg->free != 0 && (cfg->free & mask) == 0) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    return linear || cfg->rows != NULL ? AUVID_OK : AUVID_ERR_MODEL;
+}
+
+/* kernel = Savitzky-Golay coefficients, convolved with themselves for two passes, in the middle of
+ * `taps`. */
+static auvid_status_t make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
+                                  uint8_t derivative)
+{
+    auvid_real_t c[AUVID_MAX_TAPS];
+    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_status_t status =
+        auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0, c);
+    int n = 2 * half_width + 1;
+    int before = (m->taps - (m->cfg.passes * (n - 1) + 1)) / 2;
+    memset(kernel, 0, AUVID_MAX_TAPS * sizeof kernel[0]);
+    for (int i = 0; i < n && status == AUVID_OK; ++i) {
+        for (int k = 0; k < n && m->cfg.passes == 2; ++k) {
+            kernel[before + i + k] += c[i] * c[k];
+        }
+        if (m->cfg.passes == 1) {
+            kernel[before + i] = c[i];
+        }
+    }
+    return status;
+}
+
+static auvid_status_t make_filter(auvid_metric_t *m)
+{
+    const auvid_metric_config_t *cfg = &m->cfg;
+    uint32_t wide = cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+    uint32_t taps = 2 * wide * cfg->passes + 1;
+    uint32_t overlap = (taps + cfg->row_cells - 1) / cfg->row_cells;
+    if (taps > AUVID_MAX_TAPS || wide > AUVID_MAX_HALF_WIDTH || overlap > AUVID_MAX_OVERLAP) {
+        return AUVID_ERR_SIZE;
+    }
+    m->taps = (uint8_t)taps;
+    m->overlap = (uint8_t)overlap;
+    bool literal = cfg->smoothing == AUVID_SMOOTH_STATES;
+    auvid_status_t status = make_kernel(m, m->kernel[0], cfg->half_width[0], 0);
+    return status < 0 ? status
+                      : make_kernel(m, m->kernel[1], cfg->half_width[literal ? 0 : 1], literal);
+}
+
+/* Give each modelled DoF its channels and its triangle. */
+static auvid_status_t lay_out(auvid_metric_t *m)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
+    uint32_t factor = 0, channel = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->columns[j] = vehicle->columns[j] & free;
+        m->factor_at[j] = (uint16_t)factor;
+        m->channel_at[j] = (uint16_t)channel;
+        uint32_t count = 0;
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            if (m->columns[j] >> i & 1u) {
+                if (channel + count >= AUVID_MAX_COLUMNS) {
+                    return AUVID_ERR_SIZE;
+                }
+                m->index[channel + count++] = (uint8_t)i;
+            }
+        }
+        m->count[j] = (uint8_t)count;
+        if (vehicle->columns[j] != 0 && vehicle->regressor != NULL) {
+            channel += count + AUVID_METRIC_DELAYS;
+            factor += AUVID_TRIANGLE(count + AUVID_METRIC_DELAYS);
+        }
+    }
+    m->channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
+    bool motion = vehicle->regressor == NULL || m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    if (channel > AUVID_MAX_COLUMNS || factor > AUVID_MAX_FACTOR ||
+        (motion && AUVID_METRIC_MOTION_CHANNELS > AUVID_MAX_COLUMNS)) {
+        return AUVID_ERR_SIZE;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
+{
+    if (metric == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = check(cfg);
+    if (status < 0) {
+        return status;
+    }
+    memset(metric, 0, sizeof *metric);
+    metric->cfg = *cfg;
+    status = make_filter(metric);
+    if (status == AUVID_OK) {
+        status = lay_out(metric);
+    }
+    if (cfg->vehicle->regressor == NULL) {
+        metric->cfg.estimate_delay = false;
+    }
+    memcpy(metric->delay_s, cfg->delay_s, sizeof metric->delay_s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        metric->band_weight[0][j] = metric->band_weight[1][j] = AUVID_C(1.0);
+    }
+    return status;
+}
+
+/* The wrench (or command) i, `delay` cells before the newest, straight between cells. */
+static auvid_real_t delayed(const auvid_metric_t *m, int i, auvid_real_t delay)
+{
+    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    uint32_t whole = (uint32_t)delay;
+    uint32_t further = whole + 1 < PAST ? whole + 1 : PAST - 1;
+    auvid_real_t part = delay - (auvid_real_t)whole;
+    auvid_real_t near = m->past_tau[(m->cells + PAST - whole) % PAST][i];
+    auvid_real_t far = m->past_tau[(m->cells + PAST - further) % PAST][i];
+    return near + part * (far - near);
+}
+
+/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench, commands. */
+static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+{
+    auvid_real_t per_cell = AUVID_C(1e6) / (auvid_real_t)m->cfg.cell_us;
+    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    channel[0] = s->phi;
+    channel[1] = s->theta;
+    channel[2] = s->psi;
+    memcpy(channel + MOTION_NU, s->nu, sizeof s->nu);
+    memcpy(channel + MOTION_NU_DOT, literal ? s->nu : s->nu_dot, sizeof s->nu_dot);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        channel[MOTION_TAU + j] = delayed(m, j, m->cfg.delay_s[j] * per_cell);
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        channel[MOTION_COMMAND + i] =
+            delayed(m, AUVID_DOF_COUNT + i, m->cfg.command_delay_s * per_cell);
+    }
+}
+
+/* Channels of the regressor path: for each DoF its row and its wrench at three delays. What fixed
+ * parameters explain is taken from the wrench. */
+static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    auvid_regressor_t y;
+    memset(&y, 0, sizeof y);
+    vehicle->regressor(vehicle->context, s, &y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (vehicle->columns[j] == 0) {
+            continue;
+        }
+        auvid_real_t known = AUVID_C(0.0);
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            known += (m->columns[j] >> i & 1u) ? AUVID_C(0.0) : y.row[j][i] * m->cfg.fixed[i];
+        }
+        auvid_real_t *to = channel + m->channel_at[j];
+        for (int k = 0; k < m->count[j]; ++k) {
+            to[k] = y.row[j][m->index[m->channel_at[j] + k]];
+        }
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            to[m->count[j] + d] =
+                delayed(m, j, (auvid_real_t)(d * AUVID_METRIC_DELAY_CELLS)) - known;
+        }
+    }
+}
+
+/* Add weight * channel to a row under construction; `age` cells have gone into it before. */
+static void accumulate(const auvid_metric_t *m, auvid_real_t *row, uint32_t age,
+                       const auvid_real_t *channel)
+{
+    if (!auvid_metric_smooths_motion(m)) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age];
+            for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
+                row[i] += weight * channel[i];
+            }
+        }
+        return;
+    }
+    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    auvid_real_t smooth = m->kernel[0][age];
+    auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
+    auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
+    for (int i = 0; i < AUVID_METRIC_MOTION_CHANNELS; ++i) {
+        row[i] += (i < MOTION_NU_DOT ? smooth : (i < MOTION_TAU ? derivative : raw)) * channel[i];
+    }
+}
+
+/* Mean and sum of squares about it, one value at a time (Welford). */
+static void watch_wrench(auvid_set_t *set, int j, auvid_real_t tau)
+{
+    auvid_real_t off = tau - set->tau_mean[j];
+    set->tau_mean[j] += off / (auvid_real_t)set->rows;
+    set->tau_m2[j] += off * (tau - set->tau_mean[j]);
+}
+
+static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
+{
+    memset(s, 0, sizeof *s);
+    s->phi = channel[0];
+    s->theta = channel[1];
+    s->psi = channel[2];
+    memcpy(s->nu, channel + MOTION_NU, sizeof s->nu);
+    memcpy(s->nu_dot, channel + MOTION_NU_DOT, sizeof s->nu_dot);
+    memcpy(s->tau, channel + MOTION_TAU, sizeof s->tau);
+    memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
+}
+
+/* The raw wrench of the literal reading has no other delays than none. */
+static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    row_channels(m, s, channel);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t *tau = channel + m->channel_at[j] + m->count[j];
+        if (vehicle->columns[j] != 0) {
+            auvid_real_t off = s->tau[j] - delayed(m, j, AUVID_C(0.0));
+            tau[0] += off;
+            tau[1] = tau[2] = tau[0];
+        }
+    }
+}
+
+/* Sums and differences of this row and the last go into the triangles. The factor 1/2 makes the two
+ * bands together weigh as much as the rows themselves:
+ *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
+static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
+{
+    auvid_set_t *set = &m->set[m->current];
+    for (int j = 0; j < AUVID_DOF_COUNT && m->paired; ++j) {
+        int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
+        for (int band = 0; band < AUVID_METRIC_BANDS && n > 0; ++band) {
+            auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+            auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
+            for (int i = 0; i < n; ++i) {
+                row[i] = AUVID_C(0.5) * channel[at + i] + other * m->previous[at + i];
+            }
+            auvid_triangle_add(set->factor[band] + m->factor_at[j], n, 0, row);
+        }
+    }
+    memcpy(m->previous, channel, sizeof m->previous);
+    m->paired = true;
+}
+
+/* A row is complete: into the triangles, or into the store. */
+static void finish_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *channel)
+{
+    auvid_set_t *set = &m->set[m->current];
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    bool motion = auvid_metric_smooths_motion(m);
+    ++set->rows;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (vehicle->columns[j] != 0) {
+            watch_wrench(set, j, channel[motion ? MOTION_TAU + j : m->channel_at[j] + m->count[j]]);
+        }
+    }
+    if (!motion) {
+        rotate_row(m, channel);
+        return;
+    }
+    auvid_sample_t sample;
+    sample_from_channels(channel, &sample);
+    sample.t_us = t_us;
+    if (vehicle->regressor == NULL) {
+        m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u] = sample;
+    } else {
+        auvid_real_t rows[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+        literal_channels(m, &sample, rows);
+        rotate_row(m, rows);
+    }
+}
+
+auvid_status_t auvid_metric_close(auvid_metric_t *metric)
+{
+    if (metric == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_set_t *set = &metric->set[metric->current];
+    if (set->rows == 0) {
+        return AUVID_ERR_NO_DATA;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t least = metric->cfg.driven * metric->cfg.tau_max[j];
+        bool driven = metric->cfg.vehicle->columns[j] != 0 &&
+                      set->tau_m2[j] > least * least * (auvid_real_t)set->rows;
+        set->driven = (uint8_t)(set->driven | (unsigned)driven << j);
+    }
+    ++metric->sets_recorded;
+    metric->current = (uint8_t)((metric->current + 1) % (metric->cfg.sets + 1));
+    memset(&metric->set[metric->current], 0, sizeof metric->set[0]);
+    return AUVID_SET_COMPLETE;
+}
+
+auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
+{
+    if (metric == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
+        !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->command, AUVID_MAX_THRUSTERS)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
+    memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
+    auvid_status_t status = AUVID_OK;
+    if (m->cells + 1 >= PAST) { /* the wrench is known at all delays */
+        auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+        uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
+        if (auvid_metric_smooths_motion(m)) {
+            motion_channels(m, sample, channel);
+        } else {
+            row_channels(m, sample, channel);
+        }
+        uint32_t age = n % step;
+        if (age == 0) {
+            memset(m->accumulator[n / step % m->overlap], 0, sizeof m->accumulator[0]);
+        }
+        for (; age < m->taps && age <= n; age += step) {
+            auvid_real_t *row = m->accumulator[(n - age) / step % m->overlap];
+            accumulate(m, row, age, channel);
+            if (age + 1u == m->taps) {
+                uint64_t middle = sample->t_us - (uint64_t)(m->taps / 2u) * m->cfg.cell_us;
+                finish_row(m, middle, row);
+                if (m->set[m->current].rows >= m->cfg.set_rows) {
+                    status = auvid_metric_close(m);
+                }
+            }
+        }
+    }
+    ++m->cells;
+    return status;
+}
+
+void auvid_metric_gap(auvid_metric_t *metric)
+{
+    if (metric != NULL) {
+        metric->cells = 0;
+        metric->paired = false;
+    }
+}
+
+auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
+{
+    if (metric == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (age >= metric->cfg.sets || age >= metric->sets_recorded) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(&metric->set[auvid_metric_slot(metric, age)], 0, sizeof metric->set[0]);
+    return AUVID_OK;
+}

@@ -1,0 +1,460 @@
+/*
+ * Metric, evaluation (Karras et al. 2013, Eq. 11): sets to one weighted triangle, cost, residuals.
+ *
+ * Three passes bring the ring together. (1) All rows of all sets and bands into one triangle for
+ * each DoF, bands weighted as before; from it the delay and the DoF's own least-squares parameters.
+ * (2) Each band's residual at those parameters; the new weights are the inverse of its mean square.
+ * (3) As (1), with the new weights. Successive rows a, b have residual variance (1 +- rho) sigma^2 / 2
+ * in their sum and difference when their correlation is rho, so this is the whitening of a
+ * first-order autoregression, chosen after the fact.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+/* No band is trusted more than this times the other (in variance). */
+#define LARGEST_RATIO AUVID_C(1e3)
+
+/* Delays tried, in units of the nodes' distance: -0.5 .. 2.5. */
+enum { DELAY_STEPS = 30 };
+#define DELAY_FIRST AUVID_C(-0.5)
+#define DELAY_STEP AUVID_C(0.1)
+
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE };
+
+static int order_of(const auvid_metric_t *m, int j)
+{
+    return m->channel_at[j + 1] - m->channel_at[j];
+}
+
+static bool has_regressor(const auvid_metric_t *m)
+{
+    return m->cfg.vehicle->regressor != NULL;
+}
+
+/* Lagrange polynomials through 0, 1, 2 at s. */
+static void lagrange(auvid_real_t s, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    l[0] = AUVID_C(0.5) * (s - AUVID_C(1.0)) * (s - AUVID_C(2.0));
+    l[1] = s * (AUVID_C(2.0) - s);
+    l[2] = AUVID_C(0.5) * s * (s - AUVID_C(1.0));
+}
+
+static auvid_real_t node_s(const auvid_metric_t *m)
+{
+    return (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6) * (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
+}
+
+/* ||T l(s)||^2, T the last 3 x 3 block of DoF j's triangle: what no pi explains at delay s. */
+static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s)
+{
+    int n = order_of(m, j);
+    const auvid_real_t *t =
+        m->merged + m->factor_at[j] + auvid_triangle_row(n, n - AUVID_METRIC_DELAYS);
+    auvid_real_t l[AUVID_METRIC_DELAYS];
+    lagrange(s, l);
+    auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
+    auvid_real_t b = t[3] * l[1] + t[4] * l[2], c = t[5] * l[2];
+    return a * a + b * b + c * c;
+}
+
+/* The delay of least unexplained wrench: on a grid, then the vertex of the parabola through the best
+ * point and its neighbours. */
+static auvid_real_t best_delay(const auvid_metric_t *m, int j)
+{
+    auvid_real_t least = unexplained(m, j, AUVID_C(0.0)), best = AUVID_C(0.0);
+    for (int i = 0; i <= DELAY_STEPS; ++i) {
+        auvid_real_t s = DELAY_FIRST + DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s);
+        if (e < least) {
+            least = e;
+            best = s;
+        }
+    }
+    auvid_real_t left = unexplained(m, j, best - DELAY_STEP);
+    auvid_real_t right = unexplained(m, j, best + DELAY_STEP);
+    auvid_real_t bend = left - AUVID_C(2.0) * least + right;
+    auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
+    return best + DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
+}
+
+/* After a merge pass: delay, z, and candidate = [pi_j, -l] of the DoF's own least squares. */
+static void settle_dof(auvid_metric_t *m, int j)
+{
+    int n = order_of(m, j), count = m->count[j], at = m->channel_at[j];
+    const auvid_real_t *triangle = m->merged + m->factor_at[j];
+    auvid_real_t l[AUVID_METRIC_DELAYS], single[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)];
+    auvid_real_t s = m->cfg.delay_s[j] / node_s(m);
+    bool driven = (m->driven >> j & 1) != 0;
+    if (m->cfg.estimate_delay) {
+        s = driven ? best_delay(m, j) : AUVID_C(0.0);
+    }
+    m->delay_s[j] = s * node_s(m);
+    lagrange(s, l);
+    for (int i = 0; i < count; ++i) {
+        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
+        auvid_real_t *to = single + auvid_triangle_row(count + 1, i);
+        memcpy(to, r, (size_t)(count - i) * sizeof *r);
+        to[count - i] = m->z[at + i];
+    }
+    auvid_triangle_solve(single, count + 1, count, AUVID_C(1e-4), m->candidate + at);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        m->candidate[at + count + d] = -l[d];
+    }
+    if (driven) {
+        m->constant += m->weight[j] * unexplained(m, j, s);
+    }
+}
+
+/* One row of one band of one set: rotate it in, or add its residual at the candidate. */
+static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+{
+    int n = order_of(m, j);
+    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
+    if (m->pass == PASS_RESIDUAL || m->pass == PASS_MEASURE) {
+        const auvid_real_t *x = m->candidate + m->channel_at[j] + i;
+        auvid_real_t e = AUVID_C(0.0);
+        for (int k = 0; k < n - i; ++k) {
+            e += r[k] * x[k];
+        }
+        m->band_sse[band][j] += e * e;
+        return;
+    }
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
+    for (int k = 0; k < n - i; ++k) {
+        row[i + k] = scale * r[k];
+    }
+    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+}
+
+static void rewind_rows(auvid_metric_t *m, uint8_t pass)
+{
+    m->pass = pass;
+    m->at_set = m->at_band = m->at_dof = 0;
+    m->at_row = 0;
+    memset(m->band_sse, 0, sizeof m->band_sse);
+    if (pass == PASS_FIRST || pass == PASS_LAST) {
+        memset(m->merged, 0, sizeof m->merged);
+        m->constant = AUVID_C(0.0);
+    }
+}
+
+/* Visit rows until the budget or the sets are at an end. Each unit of the budget is one step of the
+ * loop at least. @return all visited */
+static bool visit_rows(auvid_metric_t *m, uint32_t *budget)
+{
+    while (m->at_set < m->cfg.sets) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
+        int j = m->at_dof;
+        bool inside = (set->driven >> j & 1) != 0 && m->at_row < order_of(m, j);
+        if (inside) {
+            if (*budget == 0) {
+                return false;
+            }
+            --*budget;
+            visit_row(m, set, m->at_band, j, m->at_row++);
+            continue;
+        }
+        m->at_row = 0;
+        if (++m->at_dof == AUVID_DOF_COUNT) {
+            m->at_dof = 0;
+            if (++m->at_band == AUVID_METRIC_BANDS) {
+                m->at_band = 0;
+                ++m->at_set;
+            }
+        }
+    }
+    return true;
+}
+
+/* weight_b ~ 1 / sse_b, geometric mean one. */
+static void weigh_bands(auvid_metric_t *m, int j)
+{
+    auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
+    auvid_real_t ratio = AUVID_C(1.0);
+    if (low > AUVID_C(0.0) && high > AUVID_C(0.0)) {
+        ratio = auvid_clamp(high / low, AUVID_C(1.0) / LARGEST_RATIO, LARGEST_RATIO);
+    }
+    m->band_weight[0][j] = auvid_sqrt(ratio);
+    m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
+}
+
+/* After a pass, one DoF at a time: four units each. @return all done */
+static bool settle(auvid_metric_t *m, uint32_t *budget)
+{
+    while (m->at_dof < AUVID_DOF_COUNT) {
+        int j = m->at_dof;
+        if (order_of(m, j) > 0) {
+            if (*budget == 0) {
+                return false;
+            }
+            --*budget;
+            if (m->at_row++ < 3) {
+                continue; /* the work of four rows: let it cost four units */
+            }
+            if (m->pass == PASS_RESIDUAL) {
+                weigh_bands(m, j);
+            } else {
+                settle_dof(m, j);
+            }
+        }
+        m->at_row = 0;
+        ++m->at_dof;
+    }
+    return true;
+}
+
+void auvid_metric_merge_begin(auvid_metric_t *metric)
+{
+    auvid_metric_t *m = metric;
+    if (m == NULL) {
+        return;
+    }
+    m->driven = 0;
+    memset(m->dof_rows, 0, sizeof m->dof_rows);
+    for (int age = 0; age < m->cfg.sets; ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        m->driven |= set->driven;
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            unsigned rows = (set->driven >> j & 1) ? set->rows : 0u;
+            m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->weight[j] = m->dof_rows[j] == 0
+                           ? AUVID_C(0.0)
+                           : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
+                                             (auvid_real_t)m->dof_rows[j]);
+    }
+    rewind_rows(m, m->cfg.smoothing == AUVID_SMOOTH_STATES ? PASS_LAST : PASS_FIRST);
+}
+
+auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    if (m->driven == 0) {
+        return AUVID_ERR_NO_DATA;
+    }
+    while (has_regressor(m)) {
+        if (!visit_rows(m, budget) || !settle(m, budget)) {
+            return AUVID_PENDING;
+        }
+        if (m->pass == PASS_LAST) {
+            break;
+        }
+        rewind_rows(m, (uint8_t)(m->pass + 1));
+    }
+    return AUVID_OK;
+}
+
+static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi)
+{
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int k = m->channel_at[j]; k < m->channel_at[j] + m->count[j]; ++k) {
+            if (order_of(m, j) > 0) {
+                m->candidate[k] = m->pi[m->index[k]];
+            }
+        }
+    }
+    m->at_set = m->at_dof = 0;
+    m->at_row = 0;
+    m->sum = m->compensation = AUVID_C(0.0);
+}
+
+void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi)
+{
+    if (metric != NULL && pi != NULL) {
+        metric->pass = PASS_COST;
+        take_candidate(metric, pi);
+    }
+}
+
+/* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
+static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
+        int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
+        if (!(m->driven >> j & 1)) {
+            continue;
+        }
+        const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
+        auvid_real_t squares = AUVID_C(0.0);
+        for (; m->at_row < count && *budget > 0; ++m->at_row, --*budget) {
+            int i = m->at_row;
+            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
+            auvid_real_t e = -z[i];
+            for (int k = i; k < count; ++k) {
+                e += r[k - i] * x[k];
+            }
+            squares += e * e;
+        }
+        m->sum += m->weight[j] * squares;
+        if (m->at_row < count) {
+            return AUVID_PENDING;
+        }
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+/* J = sum over stored samples, compensated: the constant part is in it. */
+static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_set < m->cfg.sets; ++m->at_set, m->at_row = 0) {
+        int slot = auvid_metric_slot(m, m->at_set);
+        const auvid_set_t *set = &m->set[slot];
+        for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row, --*budget) {
+            if (*budget == 0) {
+                return AUVID_PENDING;
+            }
+            auvid_real_t e[AUVID_DOF_COUNT], squares = AUVID_C(0.0);
+            const auvid_sample_t *sample =
+                &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row];
+            auvid_vehicle_residual(m->cfg.vehicle, sample, m->pi, e);
+            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+                if (set->driven >> j & 1) {
+                    squares += m->weight[j] * e[j] * e[j];
+                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e[j] * e[j] : AUVID_C(0.0);
+                }
+            }
+            auvid_real_t term = squares - m->compensation, total = m->sum + term;
+            m->compensation = (total - m->sum) - term;
+            m->sum = total;
+        }
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return has_regressor(metric) ? triangle_cost(metric, budget) : sample_cost(metric, budget);
+}
+
+void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi)
+{
+    if (metric != NULL && pi != NULL) {
+        rewind_rows(metric, PASS_MEASURE);
+        take_candidate(metric, pi);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t l[AUVID_METRIC_DELAYS];
+            lagrange(metric->delay_s[j] / node_s(metric), l);
+            for (int d = 0; d < AUVID_METRIC_DELAYS && order_of(metric, j) > 0; ++d) {
+                metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
+            }
+        }
+    }
+}
+
+auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    bool done = has_regressor(m) ? visit_rows(m, budget) : sample_cost(m, budget) == AUVID_OK;
+    if (!done) {
+        return AUVID_PENDING;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->sse[j] = m->band_sse[0][j] + m->band_sse[1][j];
+    }
+    return AUVID_OK;
+}
+
+uint32_t auvid_metric_active(const auvid_metric_t *metric)
+{
+    uint32_t active = 0;
+    for (int i = 0; metric != NULL && i < metric->cfg.vehicle->parameters; ++i) {
+        bool free = metric->cfg.free == 0 || (metric->cfg.free >> i & 1u) != 0;
+        if (free && (metric->driven >> metric->cfg.vehicle->parameter[i].dof & 1)) {
+            active |= 1u << i;
+        }
+    }
+    return active;
+}
+
+void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
+{
+    const auvid_metric_t *m = metric;
+    auvid_real_t square[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int n = order_of(m, j);
+        for (int k = 0; k < m->count[j] && n > 0 && (m->driven >> j & 1); ++k) {
+            for (int i = 0; i <= k; ++i) {
+                auvid_real_t r = m->merged[m->factor_at[j] + auvid_triangle_row(n, i) + k - i];
+                square[m->index[m->channel_at[j] + k]] += m->weight[j] * r * r;
+            }
+        }
+    }
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        scale[i] = square[i] > AUVID_C(0.0) ? AUVID_C(1.0) / auvid_sqrt(square[i]) : AUVID_C(0.0);
+    }
+}
+
+void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t total = AUVID_C(0.0);
+        for (int age = 0; age < metric->cfg.sets; ++age) {
+            const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+            total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+        }
+        r2[j] = total > AUVID_C(0.0) ? AUVID_C(1.0) - metric->sse[j] / total : AUVID_C(0.0);
+    }
+}
+
+auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
+                                          auvid_real_t *pi)
+{
+    if (metric == NULL || pi == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    const auvid_metric_t *m = metric;
+    if (!has_regressor(m)) {
+        return AUVID_ERR_MODEL;
+    }
+    /* one triangle for all DoF: active parameters in order, then the wrench */
+    auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
+    auvid_real_t x[AUVID_MAX_PARAMETERS];
+    int place[AUVID_MAX_PARAMETERS], n = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        place[i] = (active >> i & 1u) ? n++ : -1;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int order = order_of(m, j), at = m->channel_at[j];
+        auvid_real_t scale = auvid_sqrt(m->weight[j]);
+        for (int i = 0; i < m->count[j] && order > 0 && (m->driven >> j & 1); ++i) {
+            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
+            auvid_real_t row[AUVID_MAX_PARAMETERS + 1] = {AUVID_C(0.0)};
+            row[n] = scale * m->z[at + i];
+            for (int k = i; k < m->count[j]; ++k) {
+                int p = m->index[at + k];
+                if (place[p] >= 0) {
+                    row[place[p]] = scale * r[k - i];
+                } else {
+                    row[n] -= scale * r[k - i] * pi[p];
+                }
+            }
+            auvid_triangle_add(joint, n + 1, 0, row);
+        }
+    }
+    int lost = auvid_triangle_solve(joint, n + 1, n, AUVID_C(1e-6), x);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        pi[i] = place[i] >= 0 ? x[place[i]] : pi[i];
+    }
+    return lost > 0 ? AUVID_ERR_SINGULAR : AUVID_OK;
+}

@@ -1,0 +1,182 @@
+/*
+ * Validation (Karras et al. 2013, Section IV): Eq. 12-15 solved for the velocities under the
+ * recorded inputs.
+ *
+ * From the middle of one cell to the middle of the next, by two steps of the classical Runge-Kutta
+ * method: in the first the wrench is the older cell's mean, in the second the newer one's. Attitude
+ * and the velocities that are not integrated run straight between the cells.
+ */
+#include "auvid/validation.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+/* A simulated velocity beyond this [m/s, rad/s] has diverged; it is held here, and R2 shows it. */
+#define DIVERGED AUVID_C(100.0)
+
+/* Cells of a piece before its wrench is known at every delay. */
+enum { WARM_UP = AUVID_VALIDATION_PAST };
+
+auvid_status_t auvid_validation_init(auvid_validation_t *validation,
+                                     const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
+                                     uint32_t dofs, const auvid_real_t *delay_s,
+                                     auvid_real_t cell_s)
+{
+    if (validation == NULL || pi == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_vehicle_check(vehicle);
+    if (status < 0) {
+        return status;
+    }
+    auvid_sample_t rest;
+    auvid_real_t nu_dot[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+    memset(&rest, 0, sizeof rest);
+    if (!auvid_all_finite(pi, vehicle->parameters)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (vehicle->acceleration == NULL ||
+        !vehicle->acceleration(vehicle->context, &rest, pi, nu_dot)) {
+        return AUVID_ERR_MODEL;
+    }
+    if (!(cell_s > AUVID_C(0.0) && cell_s <= AUVID_C(1.0))) {
+        return AUVID_ERR_RANGE;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT && delay_s != NULL; ++j) {
+        if (!(delay_s[j] >= -cell_s && delay_s[j] <= AUVID_C(6.0) * cell_s)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    auvid_validation_t *v = validation;
+    memset(v, 0, sizeof *v);
+    v->vehicle = vehicle;
+    v->cell_s = cell_s;
+    memcpy(v->pi, pi, vehicle->parameters * sizeof pi[0]);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool integrate = vehicle->columns[j] != 0 && (dofs == 0 || (dofs >> j & 1u));
+        v->dofs |= (uint32_t)integrate << j;
+        v->delay_cells[j] = delay_s == NULL ? AUVID_C(0.0) : delay_s[j] / cell_s;
+    }
+    return AUVID_OK;
+}
+
+/* The wrench of DoF j, `ago` cells before the newest, straight between cells. */
+static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t ago)
+{
+    ago = auvid_clamp(ago, AUVID_C(0.0), (auvid_real_t)(AUVID_VALIDATION_PAST - 1));
+    uint32_t whole = (uint32_t)ago;
+    uint32_t further = whole + 1 < AUVID_VALIDATION_PAST ? whole + 1 : whole;
+    auvid_real_t near = v->past[(v->since_gap - whole) % AUVID_VALIDATION_PAST][j];
+    auvid_real_t far = v->past[(v->since_gap - further) % AUVID_VALIDATION_PAST][j];
+    return near + (ago - (auvid_real_t)whole) * (far - near);
+}
+
+/* nu_dot with the recorded signals `part` of the way from the last cell to `to`. */
+static void rates(const auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t part,
+                  const auvid_real_t *nu, const auvid_real_t *tau, auvid_real_t *nu_dot)
+{
+    auvid_sample_t s = v->last;
+    s.phi += part * (to->phi - v->last.phi);
+    s.theta += part * (to->theta - v->last.theta);
+    s.psi += part * (to->psi - v->last.psi);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool integrated = (v->dofs >> j & 1u) != 0;
+        s.nu[j] = integrated ? nu[j] : v->last.nu[j] + part * (to->nu[j] - v->last.nu[j]);
+        s.tau[j] = tau[j];
+        nu_dot[j] = AUVID_C(0.0);
+    }
+    (void)v->vehicle->acceleration(v->vehicle->context, &s, v->pi, nu_dot);
+}
+
+/* Half a cell under a constant wrench. */
+static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t from,
+                      const auvid_real_t *tau)
+{
+    static const auvid_real_t reach[4] = {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.5), AUVID_C(1.0)};
+    static const auvid_real_t share[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
+    auvid_real_t h = AUVID_C(0.5) * v->cell_s, k[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+    auvid_real_t step[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+    for (int stage = 0; stage < 4; ++stage) {
+        auvid_real_t nu[AUVID_DOF_COUNT];
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            nu[j] = v->predicted[j] + reach[stage] * h * k[j];
+        }
+        rates(v, to, from + AUVID_C(0.5) * reach[stage], nu, tau, k);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            step[j] += share[stage] * k[j];
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t next = v->predicted[j] + h / AUVID_C(6.0) * step[j];
+        v->predicted[j] = auvid_is_finite(next) ? auvid_clamp(next, -DIVERGED, DIVERGED) : DIVERGED;
+    }
+}
+
+static void compare(auvid_validation_t *v, const auvid_sample_t *s)
+{
+    ++v->cells;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!(v->dofs >> j & 1u)) {
+            v->predicted[j] = s->nu[j];
+            continue;
+        }
+        auvid_real_t off = s->nu[j] - v->mean[j], e = s->nu[j] - v->predicted[j];
+        v->mean[j] += off / (auvid_real_t)v->cells;
+        v->m2[j] += off * (s->nu[j] - v->mean[j]);
+        v->sse[j] += e * e;
+    }
+}
+
+auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample)
+{
+    if (validation == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
+        !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    auvid_validation_t *v = validation;
+    ++v->since_gap;
+    memcpy(v->past[v->since_gap % AUVID_VALIDATION_PAST], sample->tau, sizeof sample->tau);
+    if (v->since_gap == WARM_UP) {
+        memcpy(v->predicted, sample->nu, sizeof v->predicted);
+    } else if (v->since_gap > WARM_UP) {
+        auvid_real_t older[AUVID_DOF_COUNT], newer[AUVID_DOF_COUNT];
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            older[j] = past_wrench(v, j, AUVID_C(1.0) + v->delay_cells[j]);
+            newer[j] = past_wrench(v, j, v->delay_cells[j]);
+        }
+        half_cell(v, sample, AUVID_C(0.0), older);
+        half_cell(v, sample, AUVID_C(0.5), newer);
+    }
+    if (v->since_gap >= WARM_UP) {
+        compare(v, sample);
+    }
+    v->last = *sample;
+    return AUVID_OK;
+}
+
+void auvid_validation_gap(auvid_validation_t *validation)
+{
+    if (validation != NULL) {
+        validation->since_gap = 0;
+    }
+}
+
+auvid_status_t auvid_validation_r2(const auvid_validation_t *validation, auvid_real_t *r2)
+{
+    if (validation == NULL || r2 == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (validation->cells < 2) {
+        return AUVID_ERR_NO_DATA;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool varies = validation->m2[j] > AUVID_C(0.0);
+        r2[j] = varies ? AUVID_C(1.0) - validation->sse[j] / validation->m2[j] : AUVID_C(0.0);
+    }
+    return AUVID_OK;
+}
