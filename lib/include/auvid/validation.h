@@ -39,6 +39,8 @@ typedef struct {
 } auvid_validation_t;
 
 #define auvid_validation_init                                                                      \
+    AUVID_SIZED2(auvid_validation_init, AUVID_MAX_PARAMETERS, AUVID_MAX_THRUSTERS)
+
 /** Start.
  * @param vehicle model with an acceleration; must outlive the comparison
  * @param pi [n] its parameters
@@ -52,7 +54,6 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation,
                                      const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
                                      uint32_t dofs, const auvid_real_t *delay_s,
                                      auvid_real_t cell_s);
-    AUVID_SIZED2(auvid_validation_init, AUVID_MAX_PARAMETERS, AUVID_MAX_THRUSTERS)
 
 /** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). */
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample);
