@@ -49,8 +49,9 @@ typedef enum {
     AUVID_SEGMENT_SINE,      /**< A sin(2 pi frequency_hz s + phase) */
     /** Sum of `sines` sines of equal amplitude and random phase, geometrically spaced between
      * frequency_hz and frequency_high_hz, each frequency then changed at random by up to 12 %; the
-     * sum is scaled so that its peak within the segment is A (at most A, at least 0.93 A, where
-     * the segment has no more than AUVID_EXCITATION_SCAN / 8 periods of the highest). */
+     * sum is scaled so that its peak within the segment, before fades, is A: never more; with the
+     * plan's sines at least 0.93 A. Less is reached in segments of more than
+     * AUVID_EXCITATION_SCAN / 8 periods of the highest, and by sines that cancel. */
     AUVID_SEGMENT_SINES,
     /** Steps of random level (0.3..1) A, each held hold_min_s..hold_max_s; the first sign is
      * random, the sign then changes with probability 3/4, or always and with equal level and hold
