@@ -1,0 +1,159 @@
+/**
+ * @file line_search.h
+ * Coordinate search with line-search expansions: the local phase of the optimizer, ask / tell.
+ *
+ * Purpose: from a starting point, go to the minimum of its region without derivatives. Each of the
+ * 2n directions +e_i, -e_i has its own step. A step that lowers the cost enough is lengthened by
+ * delta for as long as that pays; one that does not is shortened by sigma. It ends when all steps
+ * are short.
+ *
+ * Who calls it, when: the optimizer (optimizer.h) with the best point of the global phase, or you
+ * on your own: a warm start needs no global phase.
+ *
+ * Steps are in units of scale[i]: along e_i by alpha moves parameter i by alpha * scale[i]. Half the
+ * width of the box is a scale; the inverse norm of the parameter's column in a least-squares
+ * problem is a somewhat better one.
+ *
+ * Cost: one ask makes at most one trial, ~10 n instructions. Memory: about 50 n bytes at
+ * AUVID_MAX_PARAMETERS, 1.0 KiB by default.
+ *
+ * Sources: Algorithm 2 of Karras et al., IROS 2013 ("the paper"); Lucidi, Sciandrone, Computational
+ * Optimization and Applications 21 (2002): steps are cut at the box, and any better point may
+ * replace the iterate without harm to the convergence theory.
+ *
+ * Deviations from the paper. `literal` switches off the first two:
+ * - pattern step: after a sweep of all directions that lowered the cost, the line through the
+ *   sweep's two ends is searched in the same way, with step 1 (Hooke, Jeeves 1961);
+ * - parabola: after each line search, the lowest point of the parabola through its points (or
+ *   through two of them, with the curvature that an earlier search along that parameter found) is
+ *   tried. Both are taken only when better than the iterate and change no step, so the polling
+ *   that the convergence proof rests on remains as it is. They cost nothing on costs with kinks but
+ *   their own trials, and bring a 13-parameter identification from ~5000 evaluations to ~2000;
+ * - restarts: float32 may end falsely early, so the search begins again with a tenth of alpha0;
+ * - a cap on evaluations; a cost that is not finite or above AUVID_LINE_SEARCH_COST_FAILED counts
+ *   as that (the model failed there).
+ */
+#ifndef AUVID_LINE_SEARCH_H
+#define AUVID_LINE_SEARCH_H
+
+#include "auvid/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The cost that stands for "the model failed at this point". Larger costs, infinities and NaN are
+ * taken as this one. Small enough that no product formed with it overflows. */
+#define AUVID_LINE_SEARCH_COST_FAILED AUVID_C(1e24)
+
+/** Configuration; copied at init. */
+typedef struct {
+    uint8_t n;             /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
+    uint8_t restarts;      /**< times to begin again with alpha0 / 10; default 1 */
+    bool literal;          /**< Algorithm 2 alone, no pattern step, no parabola; default false */
+    auvid_real_t alpha0;   /**< first steps [scale], > epsilon; default 0.05 */
+    auvid_real_t sigma;    /**< contraction, 0 < sigma < 1; default 0.5 */
+    auvid_real_t delta;    /**< expansion, 1 < delta <= 100; default 2 */
+    auvid_real_t gamma;    /**< least decrease over alpha^2 [cost], 0 <= gamma < 1; default 1e-6 */
+    auvid_real_t epsilon;  /**< ends when all steps <= epsilon [scale], 0 < epsilon <= 1e-3;
+                                default 3e-5; 1e-5 is advised with literal */
+    uint32_t max_evaluations; /**< cap on evaluations; 0: 1000 n */
+    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< the box [parameter's unit]; first n used; */
+    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18 */
+    auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit], > 0,
+                                                   <= 1e18; 0: half the width of the box */
+    auvid_real_t start[AUVID_MAX_PARAMETERS]; /**< theta^0, in the box [parameter's unit] */
+} auvid_line_search_config_t;
+
+/** State; private but for what the accessors give. Written by this module alone. */
+typedef struct {
+    auvid_line_search_config_t config;            /**< as given, zeros replaced by their meaning */
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];     /**< the best point, x [parameter's unit] */
+    auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
+    auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
+    auvid_real_t trial[AUVID_MAX_PARAMETERS];     /**< the point last asked for */
+    auvid_real_t alpha[2 * AUVID_MAX_PARAMETERS]; /**< steps of +e_1..+e_n, -e_1..-e_n [scale] */
+    auvid_real_t curvature[AUVID_MAX_PARAMETERS]; /**< half second derivative [cost/scale^2];
+                                                       <= 0: not known */
+    auvid_real_t cost, base_cost, previous_cost;  /**< of theta, base, previous */
+    auvid_real_t t;                 /**< step of the trial along the line [scale] */
+    auvid_real_t t_near, cost_near; /**< the step that was taken last, or the poll that failed */
+    auvid_real_t t_far, cost_far;   /**< the expansion that failed; t_far 0: there is none */
+    uint32_t evaluations;           /**< costs told, 0.. */
+    uint32_t attempts;              /**< points made, those without room to move too */
+    uint8_t direction;              /**< 0..2n-1; 2n: the pattern step */
+    uint8_t move;                   /**< private enum: what the trial is for */
+    uint8_t state;                  /**< private enum */
+    uint8_t restarts_left;          /**< 0..restarts */
+    bool asked;                     /**< a point is out, its cost not yet told */
+} auvid_line_search_t;
+
+/** Fill *config with the defaults for n parameters; box, scale and start are set to zeros.
+ * Cost: a memset. */
+void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
+
+/**
+ * Check and copy the configuration; the search begins at config->start.
+ * @param ls      state to start; need not be zeroed.
+ * @param config  copied.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
+ *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
+ *         outside the box). On an error *ls is untouched.
+ * Cost: O(n).
+ */
+#define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
+auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
+                                      const auvid_line_search_config_t *config);
+
+/**
+ * Begin anew at another point, with the same configuration; counters go to zero.
+ * @param theta  n values in the box [parameter's unit].
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE;
+ *         AUVID_ERR_RANGE (outside the box). On an error *ls is untouched. Cost: O(n).
+ */
+auvid_status_t auvid_line_search_start(auvid_line_search_t *ls, const auvid_real_t *theta);
+
+/**
+ * The next point whose cost is wanted; first the start itself. Asking again before telling gives
+ * the same point and counts nothing.
+ * @param theta  n values are written on AUVID_OK, none otherwise [parameter's unit]; in the box.
+ * @return AUVID_OK: evaluate theta, then tell;
+ *         AUVID_PENDING: a step had no room (bound, or below the arithmetic's resolution): ask
+ *         again. Counts as work;
+ *         AUVID_FINISHED: all steps <= epsilon, restarts included;
+ *         AUVID_CAPPED: ended by max_evaluations;
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
+ * Cost: n multiply-adds and comparisons.
+ */
+auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *theta);
+
+/**
+ * The cost of the point last asked for (Algorithm 2, lines 7-21).
+ * @param cost  any value; NaN, infinities and values beyond +-AUVID_LINE_SEARCH_COST_FAILED count
+ *              as AUVID_LINE_SEARCH_COST_FAILED.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (nothing was asked for).
+ * Cost: at most 3 n copies and, at the end of a sweep, 2n comparisons.
+ */
+auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost);
+
+/**
+ * The data have changed: the iterate's cost is stale. The next ask returns the iterate; then a
+ * sweep begins with all steps at least alpha0 / 10. A point asked for and not told is dropped. A
+ * search that had finished goes on; one that was capped stays so.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). Cost: O(n).
+ */
+auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls);
+
+/**
+ * The best point so far.
+ * @param cost  may be null; its cost (after auvid_line_search_reevaluate the old one, until told).
+ * @return n values, owned by *ls, valid until the next call; null if no cost is known or ls is
+ *         null.
+ */
+const auvid_real_t *auvid_line_search_best(const auvid_line_search_t *ls, auvid_real_t *cost);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

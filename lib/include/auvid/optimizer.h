@@ -1,0 +1,136 @@
+/**
+ * @file optimizer.h
+ * The optimizer of the identification: controlled random search, then coordinate line search.
+ *
+ * Purpose: find the parameters of least cost in a box, from no starting point, without derivatives
+ * and without ever seeing the cost function. It makes a point, somebody evaluates it, in one tick
+ * or over several, and hands the cost back.
+ *
+ * Who calls it, when: the identifier, between ticks; or you, with a cost of your own:
+ *
+ *     auvid_optimizer_defaults(&config, 13);          then set the box
+ *     auvid_optimizer_init(&optimizer, &config);
+ *     for (;;) {
+ *         status = auvid_optimizer_ask(&optimizer, theta);
+ *         if (status == AUVID_OK) {
+ *             auvid_optimizer_tell(&optimizer, my_cost(theta));
+ *         } else if (status != AUVID_PENDING) {
+ *             break;                                  finished or capped
+ *         }
+ *     }
+ *
+ * Cost: one ask makes at most one trial (crs.h, line_search.h). Memory: the sum of the two, 6.5 KiB
+ * by default. Evaluations, recorded Girona500 problems, 13 parameters, box [-1000, 1000], float32,
+ * 1000 different problems: see tests/bench/optimizer_bench.c.
+ *
+ * Scale the cost so that J(0) ~ 1, and leave out what does not depend on the parameters: epsilon of
+ * the global phase is absolute, and in float32 a constant swamps the differences.
+ *
+ * Sources: Section III-C of Karras et al., IROS 2013; Leonetti et al. 2012 for the composition.
+ * Deviations: those of crs.h and line_search.h. The local phase begins at the best point also when
+ * the global one was capped.
+ */
+#ifndef AUVID_OPTIMIZER_H
+#define AUVID_OPTIMIZER_H
+
+#include "auvid/crs.h"
+#include "auvid/line_search.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Which search is at work. */
+typedef enum {
+    AUVID_OPTIMIZER_GLOBAL = 0, /**< controlled random search */
+    AUVID_OPTIMIZER_LOCAL = 1,  /**< line search */
+    AUVID_OPTIMIZER_DONE = 2    /**< ended; auvid_optimizer_reevaluate goes on from here */
+} auvid_optimizer_phase_t;
+
+/** Configuration; copied at init. */
+typedef struct {
+    auvid_crs_config_t crs; /**< global phase, and with n, lower, upper the problem */
+    auvid_line_search_config_t line_search; /**< local phase; its n, lower, upper, scale and start
+                                                 are not read */
+    auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the local steps [parameter's unit], > 0;
+                                                   0 (default): half the width of the box */
+} auvid_optimizer_config_t;
+
+/** State; private but for what the accessors give. Written by this module alone. */
+typedef struct {
+    auvid_crs_t crs;
+    auvid_line_search_t line_search;
+    uint8_t phase; /**< auvid_optimizer_phase_t */
+} auvid_optimizer_t;
+
+/** Fill *config with the defaults of both phases for n parameters; the box is set to zeros.
+ * Cost: a memset. */
+void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
+
+/**
+ * Check and copy the configuration, draw the first population.
+ * @param optimizer  state to start; need not be zeroed.
+ * @param config     copied.
+ * @return AUVID_OK, or an error of auvid_crs_init or auvid_line_search_init, in that order; then
+ *         *optimizer is untouched. Cost: that of auvid_crs_init. Stack: ~0.5 KiB.
+ */
+#define auvid_optimizer_init                                                                       \
+    AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
+                                    const auvid_optimizer_config_t *config);
+
+/** Put a known good point into the first population; statuses of auvid_crs_add_point. */
+auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
+
+/**
+ * The next point whose cost is wanted. Asking again before telling gives the same point.
+ * @param theta  n values are written on AUVID_OK, none otherwise [parameter's unit]; in the box.
+ * @return AUVID_OK: evaluate theta, then tell;
+ *         AUVID_PENDING: work was done, but there is no point yet: ask again;
+ *         AUVID_FINISHED: converged;
+ *         AUVID_CAPPED: the local phase was ended by its cap on evaluations;
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
+ * Cost: at most one trial point.
+ */
+auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
+
+/**
+ * The cost of the point last asked for.
+ * @param cost  any value; what is not finite or beyond +-AUVID_CRS_COST_FAILED counts as that.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (nothing was asked for).
+ */
+auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost);
+
+/**
+ * The data have changed: costs are stale. In the global phase the population is evaluated again,
+ * later the iterate, whose steps are lengthened; the phase that is at work goes on, and a local
+ * phase that had ended is taken up again.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). Cost: O(n).
+ */
+auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer);
+
+/** Which search is at work; AUVID_OPTIMIZER_GLOBAL for null. */
+auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer);
+
+/**
+ * The best point so far. Its cost never rises but after auvid_optimizer_reevaluate.
+ * @param cost  may be null; its cost.
+ * @return n values, owned by *optimizer, valid until the next call; null if no cost is known.
+ */
+const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auvid_real_t *cost);
+
+/** Work done so far. */
+typedef struct {
+    uint32_t crs;         /**< costs told in the global phase */
+    uint32_t line_search; /**< costs told in the local phase */
+    uint32_t attempts;    /**< points made in both, rejected ones and those without room too */
+} auvid_optimizer_work_t;
+
+/** Work done since init; zeros for null. Cost: constant. */
+auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

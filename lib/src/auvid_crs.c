@@ -1,0 +1,373 @@
+/*
+ * Controlled random search, Algorithm 1 of Karras et al., IROS 2013, after Brachetti et al. 1997.
+ * Numbers in parentheses are the lines of Algorithm 1.
+ *
+ * Let d_j = J(theta_ij) - J_min, D = J_max - J_min, D0 the initial D. Then
+ *     phi   = omega D^2 / D0
+ *     eta_j = 1 / (d_j + phi),  w_j = eta_j / sum eta
+ *     c     = sum w_j theta_ij                       over all n + 1 points drawn
+ *     alpha = 1 - (d_0 - sum w_j d_j) / (D + phi)    the same as with J, as sum w_j = 1
+ *     trial = c - alpha (theta_i0 - c)               i0 the worst of those drawn
+ * Differences of costs are used throughout: in float32 the costs' common part would swamp them.
+ */
+#include "auvid/crs.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+enum { STATE_NONE = 0, STATE_FRESH, STATE_FILL, STATE_SEARCH, STATE_FINISHED, STATE_CAPPED };
+
+/* Smallest spread that is worked with: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite
+ * in float32. */
+#define SPREAD_MIN AUVID_C(1e-28)
+/* phi <= omega D RATIO_MAX <= 1e9 * 2e24 * 1e3, finite in float32. D exceeds D0 only while J_min
+ * falls and the worst initial point is still there. */
+#define RATIO_MAX AUVID_C(1e3)
+#define OMEGA_MAX AUVID_C(1e9)
+/* A box this wide still has a finite width and finite trials. */
+#define BOUND_MAX AUVID_C(1e18)
+/* Costs closer than this many units in the last place cannot be told apart. */
+#define SPREAD_ULPS AUVID_C(4.0)
+
+void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
+{
+    memset(config, 0, sizeof *config);
+    config->n = n;
+    config->epsilon = AUVID_C(1e-2);
+    config->seed = 1u;
+}
+
+static uint32_t default_population(uint32_t n)
+{
+    uint32_t m = 4u * n > n + 2u ? 4u * n : n + 2u;
+    return m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
+}
+
+auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
+{
+    const auvid_crs_config_t *c = config;
+    if (c == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    uint32_t m = c->population != 0 ? c->population : default_population(c->n);
+    if (m < (uint32_t)c->n + 1u || m > AUVID_MAX_POPULATION) {
+        return AUVID_ERR_POPULATION;
+    }
+    if (!auvid_is_finite(c->epsilon) || !auvid_is_finite(c->omega) ||
+        !auvid_all_finite(c->lower, c->n) || !auvid_all_finite(c->upper, c->n)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (size_t i = 0; i < c->n; ++i) {
+        if (!(c->lower[i] < c->upper[i])) {
+            return AUVID_ERR_BOUNDS;
+        }
+        if (c->lower[i] < -BOUND_MAX || c->upper[i] > BOUND_MAX) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    if (c->epsilon < AUVID_C(0.0) || c->omega < AUVID_C(0.0) || c->omega > OMEGA_MAX) {
+        return AUVID_ERR_RANGE;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config)
+{
+    auvid_rng_t rng;
+    if (crs == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_crs_check(config);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    memset(crs, 0, sizeof *crs);
+    crs->config = *config;
+    auvid_crs_config_t *c = &crs->config;
+    if (c->population == 0) {
+        c->population = (uint16_t)default_population(c->n);
+    }
+    if (!(c->omega > AUVID_C(0.0))) {
+        c->omega = (auvid_real_t)c->n;
+    }
+    if (c->max_evaluations == 0) {
+        c->max_evaluations = 40u * c->population;
+    }
+    if (c->max_rejections == 0) {
+        c->max_rejections = 50u * c->population;
+    }
+    auvid_rng_seed(&rng, c->seed);
+    for (uint16_t k = 0; k < c->population; ++k) { /* (3) */
+        crs->order[k] = k;
+        for (size_t i = 0; i < c->n; ++i) {
+            auvid_real_t x =
+                c->lower[i] + (c->upper[i] - c->lower[i]) * auvid_rng_uniform(&rng);
+            crs->theta[k][i] = auvid_min(x, c->upper[i]); /* the sum may round upwards */
+        }
+    }
+    memcpy(crs->rng, rng.s, sizeof crs->rng);
+    crs->state = STATE_FRESH;
+    return AUVID_OK;
+}
+
+static bool inside(const auvid_crs_config_t *c, const auvid_real_t *theta)
+{
+    bool in = true;
+    for (size_t i = 0; i < c->n; ++i) {
+        in = in && theta[i] >= c->lower[i] && theta[i] <= c->upper[i];
+    }
+    return in;
+}
+
+auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
+{
+    if (crs == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (crs->state != STATE_FRESH) {
+        return AUVID_ERR_STATE;
+    }
+    if (crs->known == crs->config.population) {
+        return AUVID_ERR_POPULATION;
+    }
+    if (!auvid_all_finite(theta, crs->config.n)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (!inside(&crs->config, theta)) {
+        return AUVID_ERR_RANGE;
+    }
+    memcpy(crs->theta[crs->known++], theta, crs->config.n * sizeof *theta);
+    return AUVID_OK;
+}
+
+static auvid_real_t spread(const auvid_crs_t *crs)
+{
+    return crs->cost[crs->worst] - crs->cost[crs->best];
+}
+
+/* (6) and the caps: has the search come to its end? */
+static uint8_t next_state(const auvid_crs_t *crs)
+{
+    auvid_real_t low = crs->cost[crs->best], high = crs->cost[crs->worst];
+    auvid_real_t ulps = SPREAD_ULPS * AUVID_EPSILON * auvid_max(auvid_abs(low), auvid_abs(high));
+    auvid_real_t limit = auvid_max(crs->config.epsilon, auvid_max(ulps, SPREAD_MIN));
+    if (low >= AUVID_CRS_COST_FAILED) {
+        return STATE_CAPPED; /* the model failed everywhere: nothing to go by */
+    }
+    if (high - low <= limit) {
+        return STATE_FINISHED;
+    }
+    if (crs->evaluations - crs->extra_evaluations >= crs->config.max_evaluations ||
+        crs->rejections >= crs->config.max_rejections) {
+        return STATE_CAPPED;
+    }
+    return STATE_SEARCH;
+}
+
+/* (5) The best is kept up to date as costs come; the worst needs a scan when it is replaced. */
+static void find_worst(auvid_crs_t *crs)
+{
+    uint16_t worst = 0;
+    auvid_real_t high = crs->cost[0];
+    for (uint16_t k = 1; k < crs->config.population; ++k) {
+        if (crs->cost[k] > high) {
+            high = crs->cost[k];
+            worst = k;
+        }
+    }
+    crs->worst = worst;
+}
+
+/* All of S has its cost: take D0 over the points that did not fail. */
+static void complete(auvid_crs_t *crs)
+{
+    auvid_real_t low = crs->cost[crs->best], high = low;
+    for (uint16_t k = 0; k < crs->config.population; ++k) {
+        if (crs->cost[k] < AUVID_CRS_COST_FAILED && crs->cost[k] > high) {
+            high = crs->cost[k];
+        }
+    }
+    crs->initial_spread = auvid_max(high - low, SPREAD_MIN);
+    find_worst(crs);
+    crs->state = next_state(crs);
+}
+
+/* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a lasting permutation.
+ * drawn[0] becomes the worst of them. */
+static void draw(auvid_crs_t *crs, uint16_t *drawn)
+{
+    auvid_rng_t rng;
+    uint16_t worst = 0;
+    memcpy(rng.s, crs->rng, sizeof rng.s);
+    for (uint16_t j = 0; j <= crs->config.n; ++j) {
+        uint32_t pick = j + auvid_rng_below(&rng, (uint32_t)crs->config.population - j);
+        uint16_t point = crs->order[pick];
+        crs->order[pick] = crs->order[j];
+        crs->order[j] = point;
+        drawn[j] = point;
+        if (crs->cost[point] > crs->cost[drawn[worst]]) {
+            worst = j;
+        }
+    }
+    uint16_t point = drawn[worst];
+    drawn[worst] = drawn[0];
+    drawn[0] = point;
+    memcpy(crs->rng, rng.s, sizeof rng.s);
+}
+
+/* (10, 11) Write the trial; is it in the box? */
+static bool reflect(auvid_crs_t *crs)
+{
+    uint16_t drawn[AUVID_MAX_PARAMETERS + 1];
+    auvid_real_t weight[AUVID_MAX_PARAMETERS + 1];
+    auvid_real_t centroid[AUVID_MAX_PARAMETERS];
+    const size_t n = crs->config.n;
+    const auvid_real_t low = crs->cost[crs->best];
+    const auvid_real_t d = spread(crs);
+    const auvid_real_t ratio = auvid_min(d / crs->initial_spread, RATIO_MAX);
+    const auvid_real_t phi = auvid_max(crs->config.omega * d * ratio, AUVID_EPSILON * d);
+    auvid_real_t sum = AUVID_C(0.0), mean = AUVID_C(0.0);
+
+    draw(crs, drawn);
+    for (size_t j = 0; j <= n; ++j) {
+        weight[j] = AUVID_C(1.0) / (crs->cost[drawn[j]] - low + phi);
+        sum += weight[j];
+    }
+    memset(centroid, 0, n * sizeof *centroid);
+    for (size_t j = 0; j <= n; ++j) {
+        const auvid_real_t w = weight[j] / sum;
+        const auvid_real_t *point = crs->theta[drawn[j]];
+        mean += w * (crs->cost[drawn[j]] - low);
+        for (size_t i = 0; i < n; ++i) {
+            centroid[i] += w * point[i];
+        }
+    }
+    const auvid_real_t *worst = crs->theta[drawn[0]];
+    const auvid_real_t alpha =
+        AUVID_C(1.0) - (crs->cost[drawn[0]] - low - mean) / (d + phi);
+    for (size_t i = 0; i < n; ++i) {
+        crs->trial[i] = centroid[i] - alpha * (worst[i] - centroid[i]);
+    }
+    return inside(&crs->config, crs->trial);
+}
+
+/* (12) A trial outside the box is drawn again, by the next ask. */
+static auvid_status_t make_trial(auvid_crs_t *crs)
+{
+    ++crs->attempts;
+    if (!reflect(crs)) {
+        ++crs->rejections;
+        if (crs->rejections > crs->most_rejections) {
+            crs->most_rejections = crs->rejections;
+        }
+        crs->state = next_state(crs);
+        return crs->state == STATE_SEARCH ? AUVID_PENDING : AUVID_CAPPED;
+    }
+    crs->rejections = 0;
+    return AUVID_OK;
+}
+
+/* S is evaluated in order; again after auvid_crs_reevaluate, then from the best one on, so that
+ * the best is always a point whose cost is known. */
+static uint16_t fill_index(const auvid_crs_t *crs)
+{
+    uint32_t k = (uint32_t)crs->first + crs->filled;
+    return (uint16_t)(k < crs->config.population ? k : k - crs->config.population);
+}
+
+auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
+{
+    if (crs == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (crs->state == STATE_NONE) {
+        return AUVID_ERR_STATE;
+    }
+    if (!crs->asked) {
+        if (crs->state == STATE_FINISHED) {
+            return AUVID_FINISHED;
+        }
+        if (crs->state == STATE_CAPPED) {
+            return AUVID_CAPPED;
+        }
+        if (crs->state == STATE_SEARCH) {
+            auvid_status_t status = make_trial(crs);
+            if (status != AUVID_OK) {
+                return status;
+            }
+        } else {
+            crs->state = STATE_FILL;
+            ++crs->attempts;
+            memcpy(crs->trial, crs->theta[fill_index(crs)], sizeof crs->trial);
+        }
+        crs->asked = true;
+    }
+    memcpy(theta, crs->trial, crs->config.n * sizeof *theta);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
+{
+    if (crs == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!crs->asked) {
+        return AUVID_ERR_STATE;
+    }
+    if (!(cost >= -AUVID_CRS_COST_FAILED && cost <= AUVID_CRS_COST_FAILED)) {
+        cost = AUVID_CRS_COST_FAILED;
+    }
+    crs->asked = false;
+    ++crs->evaluations;
+    if (crs->state == STATE_FILL) {
+        uint16_t k = fill_index(crs);
+        crs->cost[k] = cost;
+        crs->best = crs->filled == 0 || cost < crs->cost[crs->best] ? k : crs->best;
+        crs->extra_evaluations += crs->again ? 1u : 0u;
+        if (++crs->filled == crs->config.population) {
+            complete(crs);
+        }
+        return AUVID_OK;
+    }
+    if (cost < crs->cost[crs->worst]) { /* (17-20) */
+        memcpy(crs->theta[crs->worst], crs->trial, sizeof crs->trial);
+        crs->cost[crs->worst] = cost;
+        crs->best = cost < crs->cost[crs->best] ? crs->worst : crs->best;
+        find_worst(crs);
+    }
+    crs->state = next_state(crs);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs)
+{
+    if (crs == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (crs->state == STATE_NONE) {
+        return AUVID_ERR_STATE;
+    }
+    /* Before S was complete there is nothing to do twice: start over, not as an extra. */
+    crs->again = crs->again || crs->state > STATE_FILL;
+    crs->asked = false;
+    crs->rejections = 0;
+    crs->first = crs->evaluations > 0 ? crs->best : 0;
+    crs->filled = 0;
+    crs->state = crs->state == STATE_FRESH ? STATE_FRESH : STATE_FILL;
+    return AUVID_OK;
+}
+
+const auvid_real_t *auvid_crs_best(const auvid_crs_t *crs, auvid_real_t *cost)
+{
+    if (crs == NULL || crs->state == STATE_NONE || crs->evaluations == 0) {
+        return NULL;
+    }
+    if (cost != NULL) {
+        *cost = crs->cost[crs->best];
+    }
+    return crs->theta[crs->best];
+}

@@ -1,0 +1,121 @@
+/*
+ * Composition of Algorithms 1 and 2 of Karras et al., IROS 2013, Section III-C: the best point of
+ * the global phase is the start of the local one.
+ */
+#include "auvid/optimizer.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+
+void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n)
+{
+    memset(config, 0, sizeof *config);
+    auvid_crs_defaults(&config->crs, n);
+    auvid_line_search_defaults(&config->line_search, n);
+}
+
+auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
+                                    const auvid_optimizer_config_t *config)
+{
+    if (optimizer == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_crs_check(&config->crs);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    auvid_line_search_config_t local = config->line_search;
+    local.n = config->crs.n;
+    memcpy(local.lower, config->crs.lower, sizeof local.lower);
+    memcpy(local.upper, config->crs.upper, sizeof local.upper);
+    memcpy(local.scale, config->scale, sizeof local.scale);
+    memcpy(local.start, config->crs.lower, sizeof local.start); /* until there is a better one */
+    status = auvid_line_search_init(&optimizer->line_search, &local);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
+    return auvid_crs_init(&optimizer->crs, &config->crs);
+}
+
+auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta)
+{
+    return optimizer == NULL ? AUVID_ERR_NULL : auvid_crs_add_point(&optimizer->crs, theta);
+}
+
+static auvid_status_t ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
+{
+    auvid_status_t status = auvid_line_search_ask(&optimizer->line_search, theta);
+    if (status == AUVID_FINISHED || status == AUVID_CAPPED) {
+        optimizer->phase = AUVID_OPTIMIZER_DONE;
+    }
+    return status;
+}
+
+auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta)
+{
+    if (optimizer == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL) {
+        return ask_local(optimizer, theta);
+    }
+    auvid_status_t status = auvid_crs_ask(&optimizer->crs, theta);
+    if (status != AUVID_FINISHED && status != AUVID_CAPPED) {
+        return status;
+    }
+    /* S is complete in either case, so there is a best point, and it is in the box. */
+    optimizer->phase = AUVID_OPTIMIZER_LOCAL;
+    (void)auvid_line_search_start(&optimizer->line_search, auvid_crs_best(&optimizer->crs, NULL));
+    return ask_local(optimizer, theta);
+}
+
+auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost)
+{
+    if (optimizer == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return optimizer->phase == AUVID_OPTIMIZER_GLOBAL
+               ? auvid_crs_tell(&optimizer->crs, cost)
+               : auvid_line_search_tell(&optimizer->line_search, cost);
+}
+
+auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer)
+{
+    if (optimizer == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
+        return auvid_crs_reevaluate(&optimizer->crs);
+    }
+    optimizer->phase = AUVID_OPTIMIZER_LOCAL;
+    return auvid_line_search_reevaluate(&optimizer->line_search);
+}
+
+auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer)
+{
+    return optimizer == NULL ? AUVID_OPTIMIZER_GLOBAL : (auvid_optimizer_phase_t)optimizer->phase;
+}
+
+const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auvid_real_t *cost)
+{
+    if (optimizer == NULL) {
+        return NULL;
+    }
+    if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL && optimizer->line_search.evaluations > 0) {
+        return auvid_line_search_best(&optimizer->line_search, cost);
+    }
+    return auvid_crs_best(&optimizer->crs, cost);
+}
+
+auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer)
+{
+    auvid_optimizer_work_t work = {0, 0, 0};
+    if (optimizer != NULL) {
+        work.crs = optimizer->crs.evaluations;
+        work.line_search = optimizer->line_search.evaluations;
+        work.attempts = optimizer->crs.attempts + optimizer->line_search.attempts;
+    }
+    return work;
+}

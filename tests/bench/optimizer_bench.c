@@ -1,0 +1,158 @@
+/*
+ * How many evaluations an identification takes, and whether it always gets there.
+ *
+ *     optimizer_bench [seeds]          default 200; every seed is another recorded problem
+ *
+ * Success: excess cost <= 1e-3 of the residual, and every parameter within 1 % of the least-squares
+ * optimum computed in double. The interval of a share of 100 % of N seeds is [1 - 3/N, 1] at 95 %.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/optimizer.h"
+#include "ls_problem.h"
+
+typedef struct {
+    const char *name;
+    uint16_t population;
+    auvid_real_t omega;
+    bool column; /* scale by the inverse norms of the columns, else by the box */
+    bool literal;
+    int point; /* 0 none, 1 within 30 % of the optimum, -1 a corner of the box */
+} row_t;
+
+static const row_t rows[] = {
+    {"m 4n,  omega n", 52, 0, false, false, 0},
+    {"m 4n,  omega n,     columns", 52, 0, true, false, 0},
+    {"m 4n,  omega n,              literal", 52, 0, false, true, 0},
+    {"m 4n,  omega n,     columns, literal", 52, 0, true, true, 0},
+    {"m 10n, omega n", 130, 0, false, false, 0},
+    {"m 10n, omega n,              literal", 130, 0, false, true, 0},
+    {"m 4n,  omega 1e6 n", 52, AUVID_C(13e6), false, false, 0},
+    {"m 10n, omega 1e6 n", 130, AUVID_C(13e6), false, false, 0},
+    {"m 10n, omega 1e6 n,          literal", 130, AUVID_C(13e6), false, true, 0},
+    {"m 4n,  omega n,     good point", 52, 0, false, false, 1},
+    {"m 4n,  omega n,     bad point", 52, 0, false, false, -1},
+    {"m 4n,  omega n,     good,    literal", 52, 0, false, true, 1},
+    {"m 4n,  omega n,     bad,     literal", 52, 0, false, true, -1},
+};
+
+static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_problem_t *p,
+                      uint64_t seed)
+{
+    auvid_optimizer_defaults(c, LS_N);
+    c->crs.population = row->population;
+    c->crs.omega = row->omega;
+    c->crs.seed = seed + 1u;
+    if (row->omega > 0) { /* this one converges by itself: let it */
+        c->crs.epsilon = AUVID_C(1e-6);
+        c->crs.max_evaluations = 150u * row->population;
+    }
+    c->line_search.literal = row->literal;
+    if (row->literal) {
+        c->line_search.epsilon = AUVID_C(1e-5);
+    }
+    for (int i = 0; i < LS_N; ++i) {
+        c->crs.lower[i] = AUVID_C(-1000.0);
+        c->crs.upper[i] = AUVID_C(1000.0);
+        c->scale[i] = row->column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
+    }
+}
+
+static auvid_optimizer_t optimizer;
+
+static void solve(const row_t *row, ls_problem_t *p, uint64_t seed)
+{
+    auvid_optimizer_config_t config;
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    configure(&config, row, p, seed);
+    if (auvid_optimizer_init(&optimizer, &config) != AUVID_OK) {
+        fprintf(stderr, "%s: configuration refused\n", row->name);
+        exit(1);
+    }
+    for (int i = 0; i < LS_N; ++i) {
+        double factor = 1.0 + 0.3 * sin(1.0 + (double)seed * 7.0 + i * 3.0);
+        theta[i] = row->point > 0 ? (auvid_real_t)fmin(p->optimum[i] * factor, 1000.0)
+                                  : (auvid_real_t)(p->optimum[i] > 0 ? -1000.0 : 1000.0);
+    }
+    if (row->point != 0 && auvid_optimizer_add_point(&optimizer, theta) != AUVID_OK) {
+        exit(1);
+    }
+    for (;;) {
+        auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
+        if (status == AUVID_OK) {
+            float pi[LS_N];
+            for (int i = 0; i < LS_N; ++i) {
+                pi[i] = (float)theta[i];
+            }
+            (void)auvid_optimizer_tell(&optimizer, (auvid_real_t)ls_problem_cost(p, pi));
+        } else if (status != AUVID_PENDING) {
+            return;
+        }
+    }
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double quantile(double *x, size_t n, double q)
+{
+    qsort(x, n, sizeof *x, ascending);
+    return x[(size_t)(q * (double)(n - 1) + 0.5)];
+}
+
+int main(int argc, char **argv)
+{
+    size_t seeds = argc > 1 ? (size_t)strtoul(argv[1], NULL, 10) : 200u;
+    seeds = seeds > 0 ? seeds : 200u;
+    double *x = malloc(3 * seeds * sizeof *x), *local = x + seeds, *total = local + seeds;
+    if (x == NULL || AUVID_MAX_POPULATION < 130) {
+        fprintf(stderr, "build with -DAUVID_MAX_POPULATION=130 or more\n");
+        return 1;
+    }
+    printf("%zu problems, 13 parameters, box [-1000, 1000]; evaluations median / p95\n"
+           "%-38s %8s %14s %14s %14s %9s %10s\n", seeds, "", "success", "global", "local", "total",
+           "rejected*", "worst dev");
+    for (size_t r = 0; r < sizeof rows / sizeof *rows; ++r) {
+        size_t good = 0;
+        uint32_t rejections = 0;
+        double worst = 0.0;
+        for (size_t s = 0; s < seeds; ++s) {
+            ls_problem_t p;
+            double pi[LS_N], deviation = 0.0;
+            if (ls_problem_make(&p, s) != 0) {
+                return 1;
+            }
+            solve(&rows[r], &p, s);
+            const auvid_real_t *best = auvid_optimizer_best(&optimizer, NULL);
+            for (int i = 0; i < LS_N; ++i) {
+                pi[i] = (double)best[i];
+                deviation = fmax(deviation, fabs(pi[i] / p.optimum[i] - 1.0));
+            }
+            good += deviation <= 0.01 && ls_problem_cost_double(&p, pi) <= 1e-3 * p.constant;
+            worst = fmax(worst, deviation);
+            auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
+            x[s] = work.crs;
+            local[s] = work.line_search;
+            total[s] = x[s] + local[s];
+            if (optimizer.crs.most_rejections > rejections) {
+                rejections = optimizer.crs.most_rejections;
+            }
+        }
+        double *columns[3] = {x, local, total};
+        printf("%-38s %7.1f%%", rows[r].name, 100.0 * (double)good / (double)seeds);
+        for (int i = 0; i < 3; ++i) {
+            double median = quantile(columns[i], seeds, 0.5);
+            printf(" %6.0f /%6.0f", median, quantile(columns[i], seeds, 0.95));
+        }
+        printf(" %9u %9.2f%%\n", (unsigned)rejections, 100.0 * worst);
+    }
+    printf("* most consecutive rejections of any run. m 4n = 52, 10n = 130.\n");
+    free(x);
+    return 0;
+}

@@ -1,0 +1,476 @@
+/* Controlled random search, through its public header. */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/crs.h"
+#include "unity.h"
+
+static auvid_crs_t crs;
+static auvid_crs_config_t config;
+static auvid_real_t theta[AUVID_MAX_PARAMETERS];
+
+static void box(uint8_t n, auvid_real_t half)
+{
+    auvid_crs_defaults(&config, n);
+    for (int i = 0; i < n; ++i) {
+        config.lower[i] = -half;
+        config.upper[i] = half;
+    }
+}
+
+void setUp(void)
+{
+    memset(&crs, 0, sizeof crs);
+    box(4, AUVID_C(10.0));
+}
+
+void tearDown(void)
+{
+}
+
+static auvid_real_t sphere(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        sum += (x[i] - 1) * (x[i] - 1);
+    }
+    return sum;
+}
+
+static auvid_real_t corner(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        sum += config.upper[i] - x[i];
+    }
+    return sum;
+}
+
+static auvid_real_t plateau(const auvid_real_t *x)
+{
+    (void)x;
+    return 7;
+}
+
+static auvid_real_t fails(const auvid_real_t *x)
+{
+    (void)x;
+    return (auvid_real_t)NAN;
+}
+
+static auvid_real_t fails_on_one_side(const auvid_real_t *x)
+{
+    return x[0] > 2 ? (auvid_real_t)NAN : x[1] > 2 ? (auvid_real_t)INFINITY : sphere(x);
+}
+
+static auvid_real_t on_a_high_floor(const auvid_real_t *x)
+{
+    return sphere(x) + AUVID_C(1e6);
+}
+
+/* Until it ends; fails if that takes more asks than the caps allow. */
+static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
+{
+    uint64_t m = crs.config.population;
+    uint64_t most = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
+    for (uint64_t k = 0; k <= most + 1u; ++k) {
+        auvid_status_t status = auvid_crs_ask(&crs, theta);
+        if (status == AUVID_OK) {
+            for (int i = 0; i < config.n; ++i) {
+                TEST_ASSERT_TRUE(theta[i] >= config.lower[i] && theta[i] <= config.upper[i]);
+            }
+            TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_tell(&crs, cost(theta)));
+        } else if (status != AUVID_PENDING) {
+            return status;
+        }
+    }
+    TEST_FAIL_MESSAGE("the search did not end");
+    return AUVID_OK;
+}
+
+static void init(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&crs, &config));
+}
+
+static void refuse(auvid_status_t expected)
+{
+    auvid_crs_t before;
+    memset(&crs, 0x5a, sizeof crs);
+    memcpy(&before, &crs, sizeof crs);
+    TEST_ASSERT_EQUAL_INT(expected, auvid_crs_init(&crs, &config));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &crs, sizeof crs));
+    setUp();
+}
+
+static void test_init_names_what_is_wrong_and_changes_nothing(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(&crs, NULL));
+    config.n = 0;
+    refuse(AUVID_ERR_PARAMETERS);
+    config.n = AUVID_MAX_PARAMETERS + 1;
+    refuse(AUVID_ERR_PARAMETERS);
+    config.population = 4;
+    refuse(AUVID_ERR_POPULATION);
+    config.population = AUVID_MAX_POPULATION + 1;
+    refuse(AUVID_ERR_POPULATION);
+    config.epsilon = (auvid_real_t)NAN;
+    refuse(AUVID_ERR_NOT_FINITE);
+    config.upper[3] = (auvid_real_t)INFINITY;
+    refuse(AUVID_ERR_NOT_FINITE);
+    config.upper[3] = config.lower[3];
+    refuse(AUVID_ERR_BOUNDS);
+    config.upper[3] = AUVID_C(2e18);
+    refuse(AUVID_ERR_RANGE);
+    config.epsilon = -1;
+    refuse(AUVID_ERR_RANGE);
+    config.omega = AUVID_C(2e9);
+    refuse(AUVID_ERR_RANGE);
+}
+
+static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(16, crs.config.population);
+    TEST_ASSERT_TRUE(crs.config.omega == 4);
+    TEST_ASSERT_EQUAL_UINT32(640, crs.config.max_evaluations);
+    TEST_ASSERT_EQUAL_UINT32(800, crs.config.max_rejections);
+    box(1, 1);
+    init();
+    TEST_ASSERT_EQUAL_INT(4, crs.config.population);
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_ask(&crs, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_reevaluate(&crs));
+    TEST_ASSERT_NULL(auvid_crs_best(&crs, NULL));
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_tell(&crs, 1));
+    TEST_ASSERT_NULL(auvid_crs_best(&crs, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_ask(&crs, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_tell(&crs, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_tell(&crs, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_ask(NULL, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_ask(&crs, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_tell(NULL, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_reevaluate(NULL));
+}
+
+static void test_asking_twice_gives_the_same_point_and_counts_once(void)
+{
+    auvid_real_t again[AUVID_MAX_PARAMETERS];
+    init();
+    for (int k = 0; k < 100; ++k) {
+        if (auvid_crs_ask(&crs, theta) != AUVID_OK) {
+            continue;
+        }
+        uint32_t attempts = crs.attempts;
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_ask(&crs, again));
+        TEST_ASSERT_EQUAL_INT(0, memcmp(theta, again, config.n * sizeof *theta));
+        TEST_ASSERT_EQUAL_UINT32(attempts, crs.attempts);
+        auvid_crs_tell(&crs, sphere(theta));
+    }
+}
+
+static void test_a_known_point_enters_the_population_and_bad_ones_are_refused(void)
+{
+    const auvid_real_t good[4] = {1, 1, 1, AUVID_C(1.5)};
+    auvid_real_t bad[4] = {0, 0, 0, AUVID_C(10.001)}, cost;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_add_point(&crs, good));
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_add_point(&crs, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_crs_add_point(&crs, bad));
+    bad[3] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_crs_add_point(&crs, bad));
+    for (int k = 0; k < 16; ++k) {
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_add_point(&crs, good));
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_POPULATION, auvid_crs_add_point(&crs, good));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_ask(&crs, theta));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(theta, good, sizeof good));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_add_point(&crs, good));
+    auvid_crs_tell(&crs, AUVID_C(0.25));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(auvid_crs_best(&crs, &cost), good, sizeof good));
+    TEST_ASSERT_TRUE(cost == AUVID_C(0.25));
+}
+
+/* Lines 9-11 in double from the state before the trial. Which points were drawn is read from the
+ * state; that they are n + 1 distinct ones is checked. */
+static void test_the_trial_is_the_weighted_reflection_of_algorithm_1(void)
+{
+    int trials = 0;
+    config.population = 20;
+    config.epsilon = AUVID_C(1e-3);
+    init();
+    double spread0 = 0.0;
+    while (trials < 300) {
+        auvid_status_t status = auvid_crs_ask(&crs, theta);
+        if (status == AUVID_FINISHED) {
+            break;
+        }
+        double n = 4.0, low = 1e30, high = -1e30;
+        for (int k = 0; k < 20; ++k) {
+            low = fmin(low, (double)crs.cost[k]);
+            high = fmax(high, (double)crs.cost[k]);
+        }
+        if (crs.evaluations == 20 && trials == 0) {
+            spread0 = high - low;
+        }
+        if (crs.evaluations >= 20) {
+            double phi = n * (high - low) * (high - low) / spread0, eta = 0.0, mean = 0.0;
+            double c[4] = {0}, worst = -1e30;
+            int i0 = 0, seen[20] = {0};
+            for (int j = 0; j <= 4; ++j) {
+                int k = crs.order[j];
+                TEST_ASSERT_EQUAL_INT(0, seen[k]++);
+                double w = 1.0 / ((double)crs.cost[k] - low + phi);
+                eta += w;
+                mean += w * (double)crs.cost[k];
+                for (int i = 0; i < 4; ++i) {
+                    c[i] += w * (double)crs.theta[k][i];
+                }
+                if ((double)crs.cost[k] > worst) {
+                    worst = (double)crs.cost[k];
+                    i0 = k;
+                }
+            }
+            double alpha = 1.0 - (worst - mean / eta) / (high - low + phi);
+            for (int i = 0; i < 4; ++i) {
+                double x = c[i] / eta - alpha * ((double)crs.theta[i0][i] - c[i] / eta);
+                TEST_ASSERT_TRUE(fabs(x - (double)crs.trial[i]) <= 1e-4);
+            }
+            ++trials;
+        }
+        if (status == AUVID_OK) {
+            auvid_crs_tell(&crs, sphere(theta));
+        }
+    }
+    TEST_ASSERT_TRUE(trials > 50);
+}
+
+static void test_every_point_is_drawn_equally_often(void)
+{
+    enum { M = 16, TRIALS = 20000 };
+    int count[M] = {0};
+    config.max_rejections = TRIALS;
+    config.max_evaluations = 2 * TRIALS;
+    init();
+    for (int k = 0; k < M; ++k) {
+        auvid_crs_ask(&crs, theta);
+        auvid_crs_tell(&crs, sphere(theta));
+    }
+    for (int k = 0; k < TRIALS; ++k) {
+        if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
+            auvid_crs_tell(&crs, AUVID_CRS_COST_FAILED); /* never accepted */
+        }
+        for (int j = 0; j <= 4; ++j) {
+            ++count[crs.order[j]];
+        }
+    }
+    double p = 5.0 / M, sigma = sqrt(TRIALS * p * (1.0 - p));
+    for (int k = 0; k < M; ++k) { /* 4.5 sigma, 16 points: false alarm 1e-4, and the seed is fixed */
+        TEST_ASSERT_TRUE(fabs(count[k] - TRIALS * p) < 4.5 * sigma);
+    }
+}
+
+static void test_the_population_is_the_best_m_points_ever_evaluated(void)
+{
+    static auvid_real_t all[1000];
+    int n = 0;
+    init();
+    for (int k = 0; k < 400; ++k) {
+        if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
+            all[n++] = sphere(theta);
+            auvid_crs_tell(&crs, all[n - 1]);
+        }
+    }
+    auvid_real_t worst = 0, best;
+    for (int k = 0; k < 16; ++k) {
+        worst = crs.cost[k] > worst ? crs.cost[k] : worst;
+    }
+    int as_good = 0;
+    for (int k = 0; k < n; ++k) {
+        as_good += all[k] <= worst;
+    }
+    TEST_ASSERT_TRUE(n > 100);
+    TEST_ASSERT_EQUAL_INT(16, as_good);
+    auvid_crs_best(&crs, &best);
+    for (int k = 0; k < n; ++k) {
+        TEST_ASSERT_TRUE(best <= all[k]);
+    }
+}
+
+static void test_it_finishes_when_the_spread_is_epsilon(void)
+{
+    config.omega = AUVID_C(4e6);
+    config.max_evaluations = 100000;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+    auvid_real_t low = crs.cost[0], high = low;
+    for (int k = 1; k < 16; ++k) {
+        low = crs.cost[k] < low ? crs.cost[k] : low;
+        high = crs.cost[k] > high ? crs.cost[k] : high;
+    }
+    TEST_ASSERT_TRUE(high - low <= config.epsilon);
+    TEST_ASSERT_TRUE(low < AUVID_C(0.1));
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_crs_ask(&crs, theta));
+}
+
+/* m = n + 1, an optimum in a corner: the paper's loops do not end. */
+static void test_it_ends_whatever_the_cost_and_the_population(void)
+{
+    auvid_real_t (*const costs[])(const auvid_real_t *) = {
+        sphere, corner, plateau, fails, fails_on_one_side, on_a_high_floor};
+    const uint8_t sizes[] = {1, 2, 4, 13, AUVID_MAX_PARAMETERS};
+    for (size_t s = 0; s < sizeof sizes; ++s) {
+        uint8_t n = sizes[s] <= AUVID_MAX_PARAMETERS ? sizes[s] : AUVID_MAX_PARAMETERS;
+        for (size_t c = 0; c < 6; ++c) {
+            for (uint64_t seed = 0; seed < 20; ++seed) {
+                if (c == 4 && n < 2) {
+                    continue;
+                }
+                box(n, 10);
+                config.seed = seed;
+                config.population = seed % 2 ? 0 : (uint16_t)(n + 1);
+                config.epsilon = seed % 4 < 2 ? AUVID_C(1e-2) : 0;
+                init();
+                (void)run(costs[c]);
+                TEST_ASSERT_NOT_NULL(auvid_crs_best(&crs, NULL));
+            }
+        }
+    }
+}
+
+static void test_consecutive_rejections_are_capped(void)
+{
+    bool met = false;
+    for (uint64_t seed = 0; seed < 50 && !met; ++seed) {
+        config.population = 5;
+        config.max_rejections = 37;
+        config.seed = seed;
+        init();
+        met = run(corner) == AUVID_CAPPED && crs.rejections == 37;
+        TEST_ASSERT_TRUE(crs.most_rejections <= 37);
+    }
+    TEST_ASSERT_TRUE(met);
+}
+
+static void test_evaluations_are_capped(void)
+{
+    config.max_evaluations = 30;
+    config.epsilon = 0;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, run(sphere));
+    TEST_ASSERT_EQUAL_UINT32(30, crs.evaluations);
+}
+
+static void test_a_plateau_is_finished_and_a_model_that_always_fails_is_not(void)
+{
+    auvid_real_t cost;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, run(fails));
+    auvid_crs_best(&crs, &cost);
+    TEST_ASSERT_TRUE(cost == AUVID_CRS_COST_FAILED);
+}
+
+static void test_points_where_the_model_fails_leave_the_population(void)
+{
+    config.epsilon = AUVID_C(1e-4);
+    config.population = 60; /* 4 n = 16 points may collapse early: that is what phase 2 is for */
+    config.omega = AUVID_C(4e6);
+    config.max_evaluations = 100000;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails_on_one_side));
+    for (int i = 0; i < 4; ++i) {
+        TEST_ASSERT_TRUE(fabs((double)auvid_crs_best(&crs, NULL)[i] - 1.0) < 0.1);
+    }
+}
+
+static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart(void)
+{
+    auvid_real_t points[16][4], cost;
+    int found[16] = {0};
+    init();
+    while (crs.evaluations < 100) {
+        if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
+            auvid_crs_tell(&crs, sphere(theta));
+        }
+    }
+    (void)auvid_crs_ask(&crs, theta); /* a point is out: it is dropped */
+    for (int k = 0; k < 16; ++k) {
+        memcpy(points[k], crs.theta[k], sizeof points[k]);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_reevaluate(&crs));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_crs_tell(&crs, 0));
+    memcpy(theta, auvid_crs_best(&crs, NULL), sizeof points[0]);
+    for (int k = 0; k < 16; ++k) {
+        auvid_real_t asked[AUVID_MAX_PARAMETERS];
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_ask(&crs, asked));
+        if (k == 0) {
+            TEST_ASSERT_EQUAL_INT(0, memcmp(asked, theta, sizeof points[0]));
+        }
+        for (int j = 0; j < 16; ++j) {
+            found[j] += memcmp(asked, points[j], sizeof points[j]) == 0;
+        }
+        auvid_crs_tell(&crs, 1000 + sphere(asked)); /* all dearer than before */
+        auvid_crs_best(&crs, &cost);
+        TEST_ASSERT_TRUE(cost >= 1000);
+    }
+    for (int k = 0; k < 16; ++k) {
+        TEST_ASSERT_EQUAL_INT(1, found[k]);
+    }
+    TEST_ASSERT_EQUAL_UINT32(116, crs.evaluations);
+    TEST_ASSERT_EQUAL_UINT32(16, crs.extra_evaluations);
+    auvid_status_t status = run(on_a_high_floor);
+    TEST_ASSERT_TRUE(status == AUVID_FINISHED || status == AUVID_CAPPED);
+}
+
+static void test_same_seed_same_bits_and_another_seed_another_population(void)
+{
+    static auvid_crs_t other;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &config));
+    (void)run(sphere);
+    for (int k = 0; k < 100000; ++k) {
+        auvid_status_t status = auvid_crs_ask(&other, theta);
+        if (status == AUVID_OK) {
+            auvid_crs_tell(&other, sphere(theta));
+        } else if (status != AUVID_PENDING) {
+            break;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&crs, &other, sizeof crs));
+    config.seed = 2;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &config));
+    init();
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&crs, &other, sizeof crs));
+    config.seed = 3;
+    init();
+    TEST_ASSERT_TRUE(memcmp(crs.theta, other.theta, sizeof crs.theta) != 0);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_init_names_what_is_wrong_and_changes_nothing);
+    RUN_TEST(test_zeros_of_the_configuration_mean_what_the_header_says);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_asking_twice_gives_the_same_point_and_counts_once);
+    RUN_TEST(test_a_known_point_enters_the_population_and_bad_ones_are_refused);
+    RUN_TEST(test_the_trial_is_the_weighted_reflection_of_algorithm_1);
+    RUN_TEST(test_every_point_is_drawn_equally_often);
+    RUN_TEST(test_the_population_is_the_best_m_points_ever_evaluated);
+    RUN_TEST(test_it_finishes_when_the_spread_is_epsilon);
+    RUN_TEST(test_it_ends_whatever_the_cost_and_the_population);
+    RUN_TEST(test_consecutive_rejections_are_capped);
+    RUN_TEST(test_evaluations_are_capped);
+    RUN_TEST(test_a_plateau_is_finished_and_a_model_that_always_fails_is_not);
+    RUN_TEST(test_points_where_the_model_fails_leave_the_population);
+    RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart);
+    RUN_TEST(test_same_seed_same_bits_and_another_seed_another_population);
+    return UNITY_END();
+}

@@ -1,0 +1,467 @@
+/* Coordinate line search, through its public header. */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/line_search.h"
+#include "unity.h"
+
+typedef auvid_real_t (*cost_t)(const auvid_real_t *);
+
+static auvid_line_search_t ls;
+static auvid_line_search_config_t config;
+static auvid_real_t theta[AUVID_MAX_PARAMETERS];
+
+static void box(uint8_t n, auvid_real_t half)
+{
+    auvid_line_search_defaults(&config, n);
+    for (int i = 0; i < n; ++i) {
+        config.lower[i] = -half;
+        config.upper[i] = half;
+    }
+}
+
+void setUp(void)
+{
+    memset(&ls, 0, sizeof ls);
+    box(4, AUVID_C(8.0));
+}
+
+void tearDown(void)
+{
+}
+
+/* J = |A x - b|^2 with A = I + lower diagonal k: the larger k, the worse for single parameters */
+static auvid_real_t chain(const auvid_real_t *x, auvid_real_t k)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        auvid_real_t e = x[i] - 1 + (i > 0 ? k * x[i - 1] : 0);
+        sum += e * e;
+    }
+    return sum;
+}
+
+static auvid_real_t coupled(const auvid_real_t *x)
+{
+    return chain(x, AUVID_C(0.5));
+}
+
+static auvid_real_t strongly_coupled(const auvid_real_t *x)
+{
+    return chain(x, AUVID_C(1.25));
+}
+
+static auvid_real_t absolute(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        auvid_real_t e = x[i] - AUVID_C(0.3) * (auvid_real_t)(i + 1);
+        sum += e < 0 ? -e : e;
+    }
+    return sum;
+}
+
+/* flat within +-0.5 of the optimum, a kink at its edge, as a dead band makes */
+static auvid_real_t dead_band(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        auvid_real_t e = (x[i] < 0 ? -x[i] : x[i]) - AUVID_C(0.5);
+        sum += e > 0 ? e * e + e : 0;
+    }
+    return sum;
+}
+
+static auvid_real_t rosenbrock(const auvid_real_t *x)
+{
+    auvid_real_t a = x[1] - x[0] * x[0], b = 1 - x[0];
+    return 100 * a * a + b * b;
+}
+
+static auvid_real_t corner(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < config.n; ++i) {
+        sum += (auvid_real_t)(i + 1) * (config.upper[i] - x[i]);
+    }
+    return sum;
+}
+
+/* the free minimum lies outside the box in x0 and the parameters are coupled */
+static auvid_real_t edge(const auvid_real_t *x)
+{
+    auvid_real_t a = x[0] - 12, b = x[1] - AUVID_C(0.25) * x[0];
+    return a * a + b * b + x[2] * x[2] + x[3] * x[3];
+}
+
+static auvid_real_t plateau(const auvid_real_t *x)
+{
+    (void)x;
+    return 3;
+}
+
+static auvid_real_t fails(const auvid_real_t *x)
+{
+    (void)x;
+    return (auvid_real_t)NAN;
+}
+
+static auvid_real_t fails_beyond(const auvid_real_t *x)
+{
+    return x[0] > AUVID_C(1.5) ? (auvid_real_t)NAN
+                               : (x[1] > AUVID_C(1.5) ? (auvid_real_t)-INFINITY : coupled(x));
+}
+
+static void init(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_init(&ls, &config));
+}
+
+static auvid_status_t run(cost_t cost)
+{
+    auvid_real_t best = 0, last = AUVID_LARGEST;
+    for (uint32_t k = 0; k < 40u * ls.config.max_evaluations + 10000u; ++k) {
+        auvid_status_t status = auvid_line_search_ask(&ls, theta);
+        if (status == AUVID_OK) {
+            for (int i = 0; i < config.n; ++i) {
+                TEST_ASSERT_TRUE(theta[i] >= config.lower[i] && theta[i] <= config.upper[i]);
+            }
+            TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_tell(&ls, cost(theta)));
+            TEST_ASSERT_NOT_NULL(auvid_line_search_best(&ls, &best));
+            TEST_ASSERT_TRUE(best <= last);
+            last = best;
+        } else if (status != AUVID_PENDING) {
+            return status;
+        }
+    }
+    TEST_FAIL_MESSAGE("the search did not end");
+    return AUVID_OK;
+}
+
+static void near(const double *expected, double tolerance)
+{
+    for (int i = 0; i < config.n; ++i) {
+        TEST_ASSERT_TRUE(fabs((double)auvid_line_search_best(&ls, NULL)[i] - expected[i]) <=
+                         tolerance);
+    }
+}
+
+static void refuse(auvid_status_t expected)
+{
+    auvid_line_search_t before;
+    memset(&ls, 0x5a, sizeof ls);
+    memcpy(&before, &ls, sizeof ls);
+    TEST_ASSERT_EQUAL_INT(expected, auvid_line_search_init(&ls, &config));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &ls, sizeof ls));
+    setUp();
+}
+
+static void test_init_names_what_is_wrong_and_changes_nothing(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(&ls, NULL));
+    config.n = 0;
+    refuse(AUVID_ERR_PARAMETERS);
+    config.n = AUVID_MAX_PARAMETERS + 1;
+    refuse(AUVID_ERR_PARAMETERS);
+    config.sigma = (auvid_real_t)NAN;
+    refuse(AUVID_ERR_NOT_FINITE);
+    config.scale[2] = (auvid_real_t)INFINITY;
+    refuse(AUVID_ERR_NOT_FINITE);
+    config.lower[0] = config.upper[0];
+    refuse(AUVID_ERR_BOUNDS);
+    auvid_real_t *const fields[] = {&config.epsilon, &config.epsilon, &config.alpha0,
+                                    &config.sigma,   &config.sigma,   &config.delta,
+                                    &config.delta,   &config.gamma,   &config.gamma,
+                                    &config.start[1], &config.scale[1]};
+    const auvid_real_t values[] = {0,   AUVID_C(1.1e-3), AUVID_C(3e-5), 0,  1, 1,
+                                   101, 1,               -1,            9, -1};
+    for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
+        *fields[k] = values[k];
+        refuse(AUVID_ERR_RANGE);
+    }
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_ask(&ls, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_tell(&ls, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_start(&ls, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_reevaluate(&ls));
+    TEST_ASSERT_NULL(auvid_line_search_best(&ls, NULL));
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_tell(&ls, 1));
+    TEST_ASSERT_NULL(auvid_line_search_best(&ls, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_ask(&ls, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_ask(NULL, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_tell(NULL, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_start(&ls, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_reevaluate(NULL));
+}
+
+/* Algorithm 2 as printed, line by line, with the points it evaluates written down. Steps are
+ * powers of two and the box is far away, so both sides compute without rounding. */
+static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
+{
+    enum { N = 4 };
+    auvid_real_t y[N] = {0}, x[N], step[2 * N], trial[N];
+    int count = 0;
+    for (int i = 0; i < 2 * N; ++i) {
+        step[i] = AUVID_C(0.5);
+    }
+    memcpy(visited, y, sizeof y);
+    ++count;
+    for (;;) {
+        auvid_real_t longest = 0;
+        for (int i = 0; i < 2 * N; ++i) {
+            longest = step[i] > longest ? step[i] : longest;
+        }
+        if (longest <= AUVID_C(0.0009765625)) {
+            return count;
+        }
+        memcpy(x, y, sizeof x);
+        for (int i = 0; i < 2 * N; ++i) {
+            auvid_real_t sign = i < N ? 1 : -1, a = step[i], taken = 0;
+            for (;;) {
+                memcpy(trial, y, sizeof trial);
+                trial[i % N] += sign * a;
+                if (count < most) {
+                    memcpy(visited + N * count++, trial, sizeof trial);
+                }
+                auvid_real_t j = cost(trial);
+                if (!(j <= cost(y) - AUVID_C(0.25) * a * a && j < cost(x))) {
+                    break;
+                }
+                taken = a;
+                memcpy(x, trial, sizeof x);
+                a = 2 * a;
+            }
+            step[i] = taken > 0 ? taken : AUVID_C(0.5) * step[i];
+            y[i % N] += sign * taken;
+        }
+    }
+}
+
+static void test_literal_asks_for_the_very_points_of_algorithm_2(void)
+{
+    static auvid_real_t visited[4 * 2000];
+    const cost_t costs[] = {coupled, absolute, dead_band};
+    for (size_t c = 0; c < 3; ++c) {
+        box(4, AUVID_C(1024.0));
+        config.literal = true;
+        config.restarts = 0;
+        config.alpha0 = AUVID_C(0.5);
+        config.gamma = AUVID_C(0.25);
+        config.epsilon = AUVID_C(0.0009765625);
+        for (int i = 0; i < 4; ++i) {
+            config.scale[i] = 1;
+        }
+        int count = algorithm_2(costs[c], visited, 2000), k = 0;
+        init();
+        while (auvid_line_search_ask(&ls, theta) == AUVID_OK) {
+            TEST_ASSERT_TRUE(k < count);
+            TEST_ASSERT_EQUAL_INT(0, memcmp(theta, visited + 4 * k++, 4 * sizeof *theta));
+            auvid_line_search_tell(&ls, costs[c](theta));
+        }
+        TEST_ASSERT_EQUAL_INT(count, k);
+        TEST_ASSERT_TRUE(count > 60);
+    }
+}
+
+static void test_it_finds_the_optimum_of_coupled_quadratics(void)
+{
+    const double optimum[4] = {1.0, 0.5, 0.75, 0.625};
+    for (int literal = 0; literal < 2; ++literal) {
+        config.literal = literal != 0;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
+        near(optimum, 1e-3);
+    }
+}
+
+static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void)
+{
+    const double optimum[4] = {1.0, -0.25, 1.3125, -0.640625};
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
+    near(optimum, 1e-4);
+    uint32_t accelerated = ls.evaluations;
+    config.literal = true;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
+    near(optimum, 1e-2);
+    TEST_ASSERT_TRUE(2 * accelerated < ls.evaluations);
+}
+
+static void test_it_finds_the_optimum_of_costs_with_kinks(void)
+{
+    const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
+    for (int literal = 0; literal < 2; ++literal) {
+        config.literal = literal != 0;
+        config.start[0] = -6;
+        config.start[3] = 7;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(absolute));
+        near(optimum, 8 * 3e-5);
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(dead_band));
+        for (int i = 0; i < 4; ++i) {
+            TEST_ASSERT_TRUE(fabs((double)ls.theta[i]) <= 0.5 + 8 * 3e-5);
+        }
+    }
+}
+
+static void test_it_follows_a_curved_valley(void)
+{
+    const double optimum[2] = {1.0, 1.0};
+    box(2, 2);
+    config.start[0] = AUVID_C(-1.2);
+    config.start[1] = 1;
+    config.max_evaluations = 20000;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rosenbrock));
+    near(optimum, 0.02);
+}
+
+static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly(void)
+{
+    for (int literal = 0; literal < 2; ++literal) {
+        config.literal = literal != 0;
+        config.start[1] = AUVID_C(0.1);
+        config.start[2] = config.lower[2];
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(corner));
+        for (int i = 0; i < 4; ++i) {
+            TEST_ASSERT_TRUE(ls.theta[i] == config.upper[i]);
+        }
+        const double optimum[4] = {8.0, 2.0, 0.0, 0.0};
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(edge));
+        near(optimum, 2e-3);
+    }
+}
+
+static void test_units_of_the_parameters_do_not_matter(void)
+{
+    const auvid_real_t unit[4] = {AUVID_C(1e-6), 1, AUVID_C(1e6), AUVID_C(1e3)};
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
+    uint32_t evaluations = ls.evaluations;
+    for (int i = 0; i < 4; ++i) {
+        config.lower[i] *= unit[i];
+        config.upper[i] *= unit[i];
+    }
+    init();
+    auvid_real_t x[4];
+    auvid_status_t status;
+    while ((status = auvid_line_search_ask(&ls, theta)) == AUVID_OK || status == AUVID_PENDING) {
+        for (int i = 0; i < 4; ++i) {
+            x[i] = theta[i] / unit[i];
+        }
+        if (status == AUVID_OK) {
+            auvid_line_search_tell(&ls, coupled(x));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, status);
+    TEST_ASSERT_TRUE(fabs((double)ls.theta[0] / 1e-6 - 1.0) < 1e-3);
+    TEST_ASSERT_TRUE(fabs((double)ls.theta[3] / 1e3 - 0.625) < 1e-3);
+    TEST_ASSERT_TRUE(ls.evaluations < 2 * evaluations);
+}
+
+static void test_the_last_steps_are_no_longer_than_epsilon(void)
+{
+    config.epsilon = AUVID_C(1e-3);
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
+    for (int i = 0; i < 8; ++i) {
+        TEST_ASSERT_TRUE(ls.alpha[i] > 0 && ls.alpha[i] <= config.epsilon);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_line_search_ask(&ls, theta));
+}
+
+static void test_plateaus_and_failing_models_end(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails));
+    const double optimum[4] = {1.0, 0.5, 0.75, 0.625};
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails_beyond));
+    near(optimum, 1e-3);
+}
+
+static void test_evaluations_are_capped(void)
+{
+    config.max_evaluations = 17;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, run(coupled));
+    TEST_ASSERT_EQUAL_UINT32(17, ls.evaluations);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_reevaluate(&ls));
+    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, auvid_line_search_ask(&ls, theta));
+}
+
+static void test_each_restart_takes_the_steps_down_once_more(void)
+{
+    config.restarts = 0;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+    uint32_t once = ls.evaluations;
+    config.restarts = 2;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+    TEST_ASSERT_TRUE(ls.evaluations > 2 * once);
+    TEST_ASSERT_TRUE(ls.evaluations < 3 * once);
+}
+
+static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found(void)
+{
+    const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
+    auvid_real_t before[4];
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
+    memcpy(before, auvid_line_search_best(&ls, NULL), sizeof before);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_reevaluate(&ls));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_ask(&ls, theta));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(theta, before, sizeof before));
+    auvid_line_search_tell(&ls, absolute(theta));
+    TEST_ASSERT_TRUE(ls.cost > 0); /* dearer than before, and yet taken */
+    for (int i = 0; i < 8; ++i) {
+        TEST_ASSERT_TRUE(ls.alpha[i] >= AUVID_C(0.005));
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(absolute));
+    near(optimum, 1e-3);
+}
+
+static void test_start_begins_anew_at_another_point(void)
+{
+    const auvid_real_t there[4] = {1, 2, 3, 4}, outside[4] = {1, 2, 3, 9};
+    init();
+    (void)run(coupled);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_line_search_start(&ls, outside));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_start(&ls, there));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_ask(&ls, theta));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(theta, there, sizeof there));
+    TEST_ASSERT_EQUAL_UINT32(0, ls.evaluations);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_init_names_what_is_wrong_and_changes_nothing);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_literal_asks_for_the_very_points_of_algorithm_2);
+    RUN_TEST(test_it_finds_the_optimum_of_coupled_quadratics);
+    RUN_TEST(test_pattern_step_and_parabola_pay_where_parameters_are_coupled);
+    RUN_TEST(test_it_finds_the_optimum_of_costs_with_kinks);
+    RUN_TEST(test_it_follows_a_curved_valley);
+    RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly);
+    RUN_TEST(test_units_of_the_parameters_do_not_matter);
+    RUN_TEST(test_the_last_steps_are_no_longer_than_epsilon);
+    RUN_TEST(test_plateaus_and_failing_models_end);
+    RUN_TEST(test_evaluations_are_capped);
+    RUN_TEST(test_each_restart_takes_the_steps_down_once_more);
+    RUN_TEST(test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found);
+    RUN_TEST(test_start_begins_anew_at_another_point);
+    return UNITY_END();
+}

@@ -1,0 +1,401 @@
+/* Both phases together: composition, bookkeeping and a zoo of costs. */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/optimizer.h"
+#include "unity.h"
+
+typedef auvid_real_t (*cost_t)(const auvid_real_t *);
+
+static auvid_optimizer_t optimizer, other;
+static auvid_optimizer_config_t config;
+static auvid_real_t theta[AUVID_MAX_PARAMETERS];
+static int n;
+
+static void box(int parameters, auvid_real_t half)
+{
+    n = parameters;
+    auvid_optimizer_defaults(&config, (uint8_t)n);
+    for (int i = 0; i < n; ++i) {
+        config.crs.lower[i] = -half;
+        config.crs.upper[i] = half;
+    }
+}
+
+void setUp(void)
+{
+    memset(&optimizer, 0, sizeof optimizer);
+    memset(&other, 0, sizeof other);
+    box(5, 10);
+}
+
+void tearDown(void)
+{
+}
+
+static auvid_real_t sphere(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < n; ++i) {
+        sum += (x[i] - 1) * (x[i] - 1);
+    }
+    return sum / (auvid_real_t)n;
+}
+
+static auvid_real_t moved_sphere(const auvid_real_t *x)
+{
+    auvid_real_t sum = 2;
+    for (int i = 0; i < n; ++i) {
+        sum += (x[i] + 3) * (x[i] + 3);
+    }
+    return sum / (auvid_real_t)n;
+}
+
+static auvid_real_t ill_scaled(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0, weight = 1;
+    for (int i = 0; i < n; ++i) {
+        auvid_real_t e = x[i] - 1 + (i > 0 ? AUVID_C(0.3) * x[i - 1] : 0);
+        sum += weight * e * e;
+        weight *= 10;
+    }
+    return sum / weight;
+}
+
+static auvid_real_t kinks(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < n; ++i) {
+        sum += (auvid_real_t)fabs((double)x[i] - 0.5 * i) * (auvid_real_t)(1 + i);
+    }
+    return sum;
+}
+
+static auvid_real_t corner(const auvid_real_t *x)
+{
+    auvid_real_t sum = 0;
+    for (int i = 0; i < n; ++i) {
+        sum += i % 2 ? x[i] - config.crs.lower[i] : config.crs.upper[i] - x[i];
+    }
+    return sum;
+}
+
+static auvid_real_t plateau(const auvid_real_t *x)
+{
+    (void)x;
+    return -5;
+}
+
+static auvid_real_t fails(const auvid_real_t *x)
+{
+    (void)x;
+    return (auvid_real_t)NAN;
+}
+
+static auvid_real_t fails_in_half_the_box(const auvid_real_t *x)
+{
+    return x[0] < -1 ? (auvid_real_t)NAN : sphere(x);
+}
+
+static auvid_real_t rosenbrock(const auvid_real_t *x)
+{
+    auvid_real_t a = x[1] - x[0] * x[0], b = 1 - x[0];
+    return 100 * a * a + b * b;
+}
+
+static auvid_real_t rastrigin(const auvid_real_t *x)
+{
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+        double e = (double)x[i] - 0.7;
+        sum += e * e + 10.0 - 10.0 * cos(6.283185307179586 * e);
+    }
+    return (auvid_real_t)sum;
+}
+
+static void init(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
+}
+
+/* Up to `most` asks; the best must never rise. AUVID_PENDING: not at its end. */
+static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long most)
+{
+    auvid_real_t last = AUVID_LARGEST, best = 0, x[AUVID_MAX_PARAMETERS];
+    for (long k = 0; k < most; ++k) {
+        auvid_status_t status = auvid_optimizer_ask(o, x);
+        if (status == AUVID_OK) {
+            for (int i = 0; i < n; ++i) {
+                TEST_ASSERT_TRUE(x[i] >= config.crs.lower[i] && x[i] <= config.crs.upper[i]);
+            }
+            auvid_real_t j = cost(x);
+            TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_tell(o, j));
+            TEST_ASSERT_NOT_NULL(auvid_optimizer_best(o, &best));
+            TEST_ASSERT_TRUE(best <= last && !(best > j));
+            last = best;
+        } else if (status != AUVID_PENDING) {
+            return status;
+        }
+    }
+    return AUVID_PENDING;
+}
+
+static auvid_status_t run(cost_t cost)
+{
+    auvid_status_t status = steps(&optimizer, cost, 1000000);
+    TEST_ASSERT_TRUE_MESSAGE(status != AUVID_PENDING, "the search did not end");
+    TEST_ASSERT_EQUAL_INT(AUVID_OPTIMIZER_DONE, auvid_optimizer_phase(&optimizer));
+    return status;
+}
+
+static double best_at(int i)
+{
+    return (double)auvid_optimizer_best(&optimizer, NULL)[i];
+}
+
+static void test_init_checks_both_phases_and_changes_nothing_when_it_refuses(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(&optimizer, NULL));
+    memset(&optimizer, 0x5a, sizeof optimizer);
+    memcpy(&other, &optimizer, sizeof other);
+    config.crs.population = 3;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_POPULATION, auvid_optimizer_init(&optimizer, &config));
+    config.crs.population = 0;
+    config.line_search.sigma = 2;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &config));
+    config.line_search.sigma = AUVID_C(0.5);
+    config.scale[2] = -1;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &config));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &optimizer, sizeof other));
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    auvid_optimizer_work_t none = auvid_optimizer_work(NULL);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_ask(&optimizer, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_tell(&optimizer, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_reevaluate(&optimizer));
+    TEST_ASSERT_NULL(auvid_optimizer_best(&optimizer, NULL));
+    TEST_ASSERT_NULL(auvid_optimizer_best(NULL, NULL));
+    TEST_ASSERT_EQUAL_UINT32(0, none.crs + none.line_search + none.attempts);
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_tell(&optimizer, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_ask(&optimizer, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_tell(NULL, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_reevaluate(NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_add_point(NULL, theta));
+}
+
+static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void)
+{
+    auvid_real_t best[AUVID_MAX_PARAMETERS];
+    init();
+    while (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
+        if (optimizer.crs.evaluations > 0) {
+            memcpy(best, auvid_optimizer_best(&optimizer, NULL), sizeof best);
+        }
+        if (auvid_optimizer_ask(&optimizer, theta) == AUVID_OK &&
+            auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
+            auvid_optimizer_tell(&optimizer, sphere(theta));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OPTIMIZER_LOCAL, auvid_optimizer_phase(&optimizer));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(best, theta, (size_t)n * sizeof *best));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(best, auvid_optimizer_best(&optimizer, NULL),
+                                    (size_t)n * sizeof *best));
+}
+
+static void test_work_counts_every_evaluation_and_every_point_made(void)
+{
+    uint32_t told = 0, asked = 0;
+    config.crs.population = 6; /* n + 1: many rejections */
+    init();
+    for (;;) {
+        auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
+        if (status != AUVID_OK && status != AUVID_PENDING) {
+            break;
+        }
+        ++asked;
+        if (status == AUVID_OK) {
+            ++told;
+            auvid_optimizer_tell(&optimizer, sphere(theta));
+        }
+    }
+    auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
+    TEST_ASSERT_EQUAL_UINT32(told, work.crs + work.line_search);
+    TEST_ASSERT_TRUE(work.crs >= 6 && work.line_search > 50);
+    /* the rejection that meets the cap is handed over to the local phase within the same ask */
+    TEST_ASSERT_TRUE(work.attempts >= asked && work.attempts <= asked + 1);
+}
+
+static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &config));
+    (void)run(ill_scaled);
+    for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks, ending between an ask and its tell */
+        (void)steps(&other, ill_scaled, 1 + k % 7);
+        (void)auvid_optimizer_ask(&other, theta);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OPTIMIZER_DONE, auvid_optimizer_phase(&other));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &other, sizeof other));
+}
+
+static void test_two_instances_do_not_interact(void)
+{
+    static auvid_optimizer_t alone;
+    auvid_optimizer_config_t second = config;
+    second.crs.seed = 99;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &second));
+    memset(&alone, 0, sizeof alone);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&alone, &config));
+    (void)steps(&alone, kinks, 1000000);
+    for (int k = 0; k < 3000; ++k) {
+        (void)steps(&optimizer, kinks, 1);
+        (void)steps(&other, sphere, 1);
+    }
+    (void)run(kinks);
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &alone, sizeof alone));
+    TEST_ASSERT_TRUE(memcmp(&optimizer, &other, sizeof other) != 0);
+}
+
+static void test_it_finds_smooth_and_kinked_optima_in_all_sizes(void)
+{
+    const int sizes[] = {1, 2, 5, AUVID_MAX_PARAMETERS};
+    for (int s = 0; s < 4; ++s) {
+        for (uint64_t seed = 0; seed < 25; ++seed) {
+            for (int literal = 0; literal < 2; ++literal) {
+                box(sizes[s], 10);
+                config.crs.seed = seed;
+                config.line_search.literal = literal != 0;
+                init();
+                TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+                for (int i = 0; i < n; ++i) {
+                    TEST_ASSERT_TRUE(fabs(best_at(i) - 1.0) <= 2e-3);
+                }
+                init();
+                TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(kinks));
+                for (int i = 0; i < n; ++i) {
+                    TEST_ASSERT_TRUE(fabs(best_at(i) - 0.5 * i) <= 2e-3);
+                }
+            }
+        }
+    }
+}
+
+static void test_it_finds_an_ill_scaled_optimum(void)
+{
+    for (uint64_t seed = 0; seed < 50; ++seed) {
+        double expected = 1.0;
+        config.crs.seed = seed;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(ill_scaled));
+        for (int i = 0; i < n; ++i) {
+            TEST_ASSERT_TRUE(fabs(best_at(i) - expected) <= 0.01);
+            expected = 1.0 - 0.3 * expected;
+        }
+    }
+}
+
+static void test_it_finds_the_end_of_rosenbrocks_valley(void)
+{
+    for (uint64_t seed = 0; seed < 50; ++seed) {
+        box(2, 2);
+        config.crs.seed = seed;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rosenbrock));
+        TEST_ASSERT_TRUE(fabs(best_at(0) - 1.0) <= 0.02 && fabs(best_at(1) - 1.0) <= 0.04);
+    }
+}
+
+/* 11^2 local minima. m = 25 n as in Brachetti et al., and the omega that keeps S from collapsing. */
+static void test_it_finds_the_global_one_of_many_minima(void)
+{
+    int found = 0;
+    for (uint64_t seed = 0; seed < 100; ++seed) {
+        box(2, AUVID_C(5.12));
+        config.crs.seed = seed;
+        config.crs.population = 50;
+        config.crs.omega = AUVID_C(2e6);
+        config.crs.max_evaluations = 20000;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rastrigin));
+        found += fabs(best_at(0) - 0.7) < 0.01 && fabs(best_at(1) - 0.7) < 0.01;
+    }
+    TEST_ASSERT_TRUE(found >= 95);
+}
+
+static void test_it_meets_an_optimum_in_a_corner_exactly(void)
+{
+    for (uint64_t seed = 0; seed < 50; ++seed) {
+        box(5, 10);
+        config.crs.seed = seed;
+        config.crs.population = seed % 2 ? 6 : 0;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(corner));
+        for (int i = 0; i < n; ++i) {
+            TEST_ASSERT_TRUE(fabs(best_at(i)) == 10.0);
+        }
+    }
+}
+
+static void test_it_ends_on_plateaus_and_where_the_model_fails(void)
+{
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        config.crs.seed = seed;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails));
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails_in_half_the_box));
+        for (int i = 0; i < n; ++i) {
+            TEST_ASSERT_TRUE(fabs(best_at(i) - 1.0) <= 2e-3);
+        }
+    }
+}
+
+static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
+{
+    const long when[] = {3, 100, 500, 1000000};
+    for (int k = 0; k < 4; ++k) {
+        auvid_real_t cost;
+        init();
+        (void)steps(&optimizer, sphere, when[k]);
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_reevaluate(&optimizer));
+        for (;;) { /* the old cost of the best stands until its new one is told */
+            auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
+            if (status == AUVID_OK) {
+                auvid_optimizer_tell(&optimizer, moved_sphere(theta));
+            } else if (status != AUVID_PENDING) {
+                break;
+            }
+        }
+        auvid_optimizer_best(&optimizer, &cost);
+        TEST_ASSERT_TRUE(cost >= AUVID_C(2.0) / AUVID_C(5.0));
+        for (int i = 0; i < n; ++i) {
+            TEST_ASSERT_TRUE(fabs(best_at(i) + 3.0) <= 3e-3);
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);
+    RUN_TEST(test_work_counts_every_evaluation_and_every_point_made);
+    RUN_TEST(test_a_split_run_and_a_single_run_give_the_same_bits);
+    RUN_TEST(test_two_instances_do_not_interact);
+    RUN_TEST(test_it_finds_smooth_and_kinked_optima_in_all_sizes);
+    RUN_TEST(test_it_finds_an_ill_scaled_optimum);
+    RUN_TEST(test_it_finds_the_end_of_rosenbrocks_valley);
+    RUN_TEST(test_it_finds_the_global_one_of_many_minima);
+    RUN_TEST(test_it_meets_an_optimum_in_a_corner_exactly);
+    RUN_TEST(test_it_ends_on_plateaus_and_where_the_model_fails);
+    RUN_TEST(test_a_change_of_data_in_any_phase_leads_to_the_new_optimum);
+    return UNITY_END();
+}
