@@ -19,7 +19,7 @@
 #pragma clang attribute push(__attribute__((target("fma"))), apply_to = function)
 #else
 #pragma GCC push_options
-#pragma GCC optimize("fp-contract=fast")
+#pragma GCC optimize("O2", "fp-contract=fast")
 #pragma GCC target("fma")
 #endif
 #define auvid_selftest contracted_selftest
