@@ -319,7 +319,8 @@ void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double w
     double commanded[SIM_THRUSTERS] = {0}, direct[6] = {0};
     memset(out, 0, sizeof *out);
     for (int j = 0; thruster_N != NULL && j < SIM_THRUSTERS; ++j) {
-        commanded[j] = fmax(-c->thruster_max_N, fmin(c->thruster_max_N, thruster_N[j]));
+        double asked = isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
+        commanded[j] = fmax(-c->thruster_max_N, fmin(c->thruster_max_N, asked));
     }
     if (wrench != NULL) {
         memcpy(direct, wrench, sizeof direct);

@@ -33,7 +33,7 @@ extern "C" {
 #define SIM_TICK_US 20000u
 #define SIM_SUBSTEPS 4
 #define SIM_THRUSTERS 5
-/** Samples that may be under way from one sensor: age_s * rate_hz must stay below. */
+/** Room for samples under way from one sensor: age_s * rate_hz must stay below this less one. */
 #define SIM_QUEUE 32
 
 /** The 13 parameters, in the order of the paper. */
@@ -67,7 +67,7 @@ typedef enum {
 typedef struct {
     double rate_hz; /**< 0..50; 0: switched off */
     double phase_s; /**< 0.. ; time of the first sample; 0: the first after one period */
-    double age_s;   /**< from sample to arrival, 0..; age_s * rate_hz < SIM_QUEUE */
+    double age_s;   /**< from sample to arrival, 0..; age_s * rate_hz < SIM_QUEUE - 1 */
     double dropout; /**< probability that a sample never arrives, 0..1 */
 } sim_sensor_config_t;
 
@@ -94,7 +94,7 @@ typedef struct {
     double lag_s;          /**< first-order lag of thrusters and wrench [s]; default 0: none */
     bool feedback_true;    /**< out.thruster_N: what acts; default false: what was commanded */
     double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
-    double disturbance_Nm; /**< rms in N; default 0; the worlds of DESIGN take 0.4 disturbance_N */
+    double disturbance_Nm; /**< rms in N; default 0 */
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
     double seabed_m;       /**< depth of the bottom [m]; default 80 */
 
@@ -175,7 +175,8 @@ bool sim_init(sim_t *sim, const sim_config_t *config);
 
 /**
  * Advance by one tick.
- * @param thruster_N commanded force of each thruster, clipped to +-thruster_max_N; null: none.
+ * @param thruster_N commanded force of each thruster, clipped to +-thruster_max_N (not finite: 0);
+ *                   null: none.
  * @param wrench     body wrench commanded directly [N, Nm], without limits; null: none. Neutral
  *                   trim takes Z = -(W-B).
  * @param out        written.
