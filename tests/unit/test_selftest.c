@@ -4,7 +4,6 @@
  */
 #include <fenv.h>
 #if defined(__x86_64__)
-#include <pmmintrin.h>
 #include <xmmintrin.h>
 #endif
 
@@ -32,6 +31,11 @@
 #endif
 #endif
 
+#if defined(__x86_64__)
+#define FLUSH_TO_ZERO 0x8000u /* bits of the control register MXCSR */
+#define DENORMALS_ARE_ZERO 0x0040u
+#endif
+
 void setUp(void)
 {
 }
@@ -40,8 +44,7 @@ void tearDown(void)
 {
     fesetround(FE_TONEAREST);
 #if defined(__x86_64__)
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_OFF);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_OFF);
+    _mm_setcsr(_mm_getcsr() & ~(FLUSH_TO_ZERO | DENORMALS_ARE_ZERO));
 #endif
 }
 
@@ -65,7 +68,7 @@ static void test_other_rounding_modes_are_refused(void)
 static void test_flush_to_zero_is_refused(void)
 {
 #if defined(__x86_64__)
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _mm_setcsr(_mm_getcsr() | FLUSH_TO_ZERO);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_ARITHMETIC, auvid_selftest());
 #else
     TEST_IGNORE_MESSAGE("set on x86-64 only");
@@ -75,7 +78,7 @@ static void test_flush_to_zero_is_refused(void)
 static void test_denormals_are_zero_is_refused(void)
 {
 #if defined(__x86_64__)
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    _mm_setcsr(_mm_getcsr() | DENORMALS_ARE_ZERO);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_ARITHMETIC, auvid_selftest());
 #else
     TEST_IGNORE_MESSAGE("set on x86-64 only");
