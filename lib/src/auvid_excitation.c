@@ -14,7 +14,7 @@
 #include "auvid_math.h"
 
 #define TWO_PI AUVID_C(6.28318530717958647693)
-#define LOWEST_LEVEL AUVID_C(0.3)  /* of a random step */
+#define LOW_LEVEL AUVID_C(0.3)  /* of a random step */
 #define SIGN_CHANGES AUVID_C(0.75) /* probability */
 #define JITTER AUVID_C(0.12)       /* of the frequencies of a sum of sines */
 #define POINTS_PER_PERIOD AUVID_C(8.0)
@@ -77,7 +77,7 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
     } else {
         memcpy(rng.s, c->rng, sizeof rng.s);
         bool change = auvid_rng_uniform(&rng) < SIGN_CHANGES;
-        auvid_real_t level = LOWEST_LEVEL + (AUVID_C(1.0) - LOWEST_LEVEL) * auvid_rng_uniform(&rng);
+        auvid_real_t level = auvid_rng_uniform(&rng) < AUVID_C(0.5) ? LOW_LEVEL : AUVID_C(1.0);
         /* Within pairs the sign has changed already: each begins with the first one's. */
         c->negative = c->negative != (change && !segment->pairs);
         c->level = c->negative ? -level : level;

@@ -117,6 +117,7 @@ static void publish(auvid_identifier_t *id)
     memcpy(e->pi, id->candidate, sizeof e->pi);
     (void)auvid_optimizer_best(&id->optimizer, &e->cost);
     memcpy(e->delay_s, id->metric.delay_s, sizeof e->delay_s);
+    e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
     e->evaluations_crs = work.crs;
     e->evaluations_line = work.line_search;

@@ -34,9 +34,10 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
         .set_rows = 60,
         .sets = AUVID_MAX_SETS,
         .smoothing = AUVID_SMOOTH_ROWS,
-        .half_width = {10, 10},
+        .half_width = {10, 7},
         .order = 2,
         .passes = 2,
+        .lag = {2, 1},
         .estimate_delay = true,
     };
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -77,7 +78,8 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) || cfg->cell_us < 1000 ||
         cfg->cell_us > 1000000 || cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 ||
         cfg->sets > AUVID_MAX_SETS || (uint32_t)cfg->set_rows * cfg->sets > 60000 ||
-        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
+        cfg->lag[0] < 1 || cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 ||
+        cfg->lag[1] > AUVID_METRIC_LAGS || cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
         !(cfg->command_delay_s >= AUVID_C(0.0) && cfg->command_delay_s <= longest) ||
         (cfg->smoothing != AUVID_SMOOTH_ROWS && cfg->smoothing != AUVID_SMOOTH_STATES) ||
         (cfg->smoothing == AUVID_SMOOTH_STATES && cfg->estimate_delay)) {
@@ -310,19 +312,25 @@ static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s, a
 static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
 {
     auvid_set_t *set = &m->set[m->current];
-    for (int j = 0; j < AUVID_DOF_COUNT && m->paired; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
+        uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
+        const auvid_real_t *previous =
+            m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS];
+        if (m->since_gap < lag) {
+            continue;
+        }
         for (int band = 0; band < AUVID_METRIC_BANDS && n > 0; ++band) {
             auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
             auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
             for (int i = 0; i < n; ++i) {
-                row[i] = AUVID_C(0.5) * channel[at + i] + other * m->previous[at + i];
+                row[i] = AUVID_C(0.5) * channel[at + i] + other * previous[at + i];
             }
             auvid_triangle_add(set->factor[band] + m->factor_at[j], n, 0, row);
         }
     }
-    memcpy(m->previous, channel, sizeof m->previous);
-    m->paired = true;
+    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS], channel, sizeof m->previous[0]);
+    ++m->since_gap;
 }
 
 /* A row is complete: into the triangles, or into the store. */
@@ -423,7 +431,7 @@ void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
         metric->cells = 0;
-        metric->paired = false;
+        metric->since_gap = 0;
     }
 }
 

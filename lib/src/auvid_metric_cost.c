@@ -35,12 +35,14 @@ static bool has_regressor(const auvid_metric_t *m)
     return m->cfg.vehicle->regressor != NULL;
 }
 
-/* Lagrange polynomials through 0, 1, 2 at s. */
-static void lagrange(auvid_real_t s, auvid_real_t l[AUVID_METRIC_DELAYS])
+/* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
+ * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
+static void delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS])
 {
-    l[0] = AUVID_C(0.5) * (s - AUVID_C(1.0)) * (s - AUVID_C(2.0));
-    l[1] = s * (AUVID_C(2.0) - s);
-    l[2] = AUVID_C(0.5) * s * (s - AUVID_C(1.0));
+    auvid_real_t b = lag ? AUVID_C(2.0) * s * s : s * s;
+    l[0] = AUVID_C(1.0) - AUVID_C(1.5) * s + AUVID_C(0.5) * b;
+    l[1] = AUVID_C(2.0) * s - b;
+    l[2] = AUVID_C(0.5) * (b - s);
 }
 
 static auvid_real_t node_s(const auvid_metric_t *m)
@@ -48,33 +50,33 @@ static auvid_real_t node_s(const auvid_metric_t *m)
     return (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6) * (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
 }
 
-/* ||T l(s)||^2, T the last 3 x 3 block of DoF j's triangle: what no pi explains at delay s. */
-static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s)
+/* ||T l||^2, T the last 3 x 3 block of DoF j's triangle: what no pi explains at delay or lag s. */
+static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
     int n = order_of(m, j);
     const auvid_real_t *t =
         m->merged + m->factor_at[j] + auvid_triangle_row(n, n - AUVID_METRIC_DELAYS);
     auvid_real_t l[AUVID_METRIC_DELAYS];
-    lagrange(s, l);
+    delay_weights(s, lag, l);
     auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
     auvid_real_t b = t[3] * l[1] + t[4] * l[2], c = t[5] * l[2];
     return a * a + b * b + c * c;
 }
 
-/* The delay of least unexplained wrench: on a grid, then the vertex of the parabola through the best
- * point and its neighbours. */
-static auvid_real_t best_delay(const auvid_metric_t *m, int j)
+/* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola through
+ * the best point and its neighbours. */
+static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 {
-    auvid_real_t least = unexplained(m, j, AUVID_C(0.0)), best = AUVID_C(0.0);
+    auvid_real_t least = unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     for (int i = 0; i <= DELAY_STEPS; ++i) {
-        auvid_real_t s = DELAY_FIRST + DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s);
+        auvid_real_t s = DELAY_FIRST + DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s, lag);
         if (e < least) {
             least = e;
             best = s;
         }
     }
-    auvid_real_t left = unexplained(m, j, best - DELAY_STEP);
-    auvid_real_t right = unexplained(m, j, best + DELAY_STEP);
+    auvid_real_t left = unexplained(m, j, best - DELAY_STEP, lag);
+    auvid_real_t right = unexplained(m, j, best + DELAY_STEP, lag);
     auvid_real_t bend = left - AUVID_C(2.0) * least + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     return best + DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
@@ -88,11 +90,16 @@ static void settle_dof(auvid_metric_t *m, int j)
     auvid_real_t l[AUVID_METRIC_DELAYS], single[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)];
     auvid_real_t s = m->cfg.delay_s[j] / node_s(m);
     bool driven = (m->driven >> j & 1) != 0;
+    bool lag = false;
     if (m->cfg.estimate_delay) {
-        s = driven ? best_delay(m, j) : AUVID_C(0.0);
+        auvid_real_t as_delay = best_delay(m, j, false), as_lag = best_delay(m, j, true);
+        lag = as_lag > AUVID_C(0.0) &&
+              unexplained(m, j, as_lag, true) < unexplained(m, j, as_delay, false);
+        s = driven ? (lag ? as_lag : as_delay) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * node_s(m);
-    lagrange(s, l);
+    m->lagged = (uint8_t)((m->lagged & ~(1u << j)) | (unsigned)lag << j);
+    delay_weights(s, lag, l);
     for (int i = 0; i < count; ++i) {
         const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
         m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
@@ -105,7 +112,7 @@ static void settle_dof(auvid_metric_t *m, int j)
         m->candidate[at + count + d] = -l[d];
     }
     if (driven) {
-        m->constant += m->weight[j] * unexplained(m, j, s);
+        m->constant += m->weight[j] * unexplained(m, j, s, lag);
     }
 }
 
@@ -351,7 +358,7 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi)
         take_candidate(metric, pi);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t l[AUVID_METRIC_DELAYS];
-            lagrange(metric->delay_s[j] / node_s(metric), l);
+            delay_weights(metric->delay_s[j] / node_s(metric), metric->lagged >> j & 1, l);
             for (int d = 0; d < AUVID_METRIC_DELAYS && order_of(metric, j) > 0; ++d) {
                 metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
             }

@@ -3,8 +3,9 @@
  * recorded inputs.
  *
  * From the middle of one cell to the middle of the next, by two steps of the classical Runge-Kutta
- * method: in the first the wrench is the older cell's mean, in the second the newer one's. Attitude
- * and the velocities that are not integrated run straight between the cells.
+ * method: in the first the wrench is the older cell's mean, in the second the newer one's, shifted by
+ * the delay or passed through the lag T y' = tau - y. Attitude and the velocities that are not
+ * integrated run straight between the cells.
  */
 #include "auvid/validation.h"
 
@@ -20,7 +21,7 @@ enum { WARM_UP = AUVID_VALIDATION_PAST };
 
 auvid_status_t auvid_validation_init(auvid_validation_t *validation,
                                      const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
-                                     uint32_t dofs, const auvid_real_t *delay_s,
+                                     uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s)
 {
     if (validation == NULL || pi == NULL) {
@@ -52,6 +53,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation,
     memset(v, 0, sizeof *v);
     v->vehicle = vehicle;
     v->cell_s = cell_s;
+    v->lagged = lagged;
     memcpy(v->pi, pi, vehicle->parameters * sizeof pi[0]);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool integrate = vehicle->columns[j] != 0 && (dofs == 0 || (dofs >> j & 1u));
@@ -113,6 +115,23 @@ static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_rea
     }
 }
 
+/* The wrench of one half cell, mean over it: `ago` is that half's cell, before delay. */
+static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!(v->lagged >> j & 1u) || !(v->delay_cells[j] > AUVID_C(0.0))) {
+            tau[j] = past_wrench(v, j, ago + v->delay_cells[j]);
+            continue;
+        }
+        /* y(h) - y(0) by the trapezoidal rule, h half a cell */
+        auvid_real_t target = past_wrench(v, j, ago);
+        auvid_real_t step = (target - v->wrench[j]) * AUVID_C(0.5) /
+                            (v->delay_cells[j] + AUVID_C(0.25));
+        tau[j] = v->wrench[j] + AUVID_C(0.5) * step;
+        v->wrench[j] += step;
+    }
+}
+
 static void compare(auvid_validation_t *v, const auvid_sample_t *s)
 {
     ++v->cells;
@@ -143,14 +162,13 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     memcpy(v->past[v->since_gap % AUVID_VALIDATION_PAST], sample->tau, sizeof sample->tau);
     if (v->since_gap == WARM_UP) {
         memcpy(v->predicted, sample->nu, sizeof v->predicted);
+        memcpy(v->wrench, v->last.tau, sizeof v->wrench);
     } else if (v->since_gap > WARM_UP) {
-        auvid_real_t older[AUVID_DOF_COUNT], newer[AUVID_DOF_COUNT];
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            older[j] = past_wrench(v, j, AUVID_C(1.0) + v->delay_cells[j]);
-            newer[j] = past_wrench(v, j, v->delay_cells[j]);
-        }
-        half_cell(v, sample, AUVID_C(0.0), older);
-        half_cell(v, sample, AUVID_C(0.5), newer);
+        auvid_real_t tau[AUVID_DOF_COUNT];
+        wrench_of_half(v, AUVID_C(1.0), tau);
+        half_cell(v, sample, AUVID_C(0.0), tau);
+        wrench_of_half(v, AUVID_C(0.0), tau);
+        half_cell(v, sample, AUVID_C(0.5), tau);
     }
     if (v->since_gap >= WARM_UP) {
         compare(v, sample);

@@ -72,7 +72,7 @@
 /** Rows under construction at once: the filter's taps over the cells between two rows, rounded up.
  * 1..64. */
 #ifndef AUVID_MAX_OVERLAP
-#define AUVID_MAX_OVERLAP 11
+#define AUVID_MAX_OVERLAP 9
 #endif
 
 /** Largest half-width of the stand-alone smoother, in samples. 1..127. */

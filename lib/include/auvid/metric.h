@@ -19,8 +19,9 @@
  * - *Residual path*, for any other model: smoothed samples are stored and the user's function is
  *   called on each: J(pi) = sum_j sum_k residual_jk^2 / (tau_max_j^2 rows_j).
  *
- * Delay between command and response, for each DoF: z_j(d) = Z_j l(d) with l the quadratic Lagrange
- * polynomials through 0, 2 and 4 cells; d_j is where the part of the wrench that no pi explains is
+ * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
+ * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a first-order
+ * lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi explains is
  * smallest, over all sets in the ring. Regressor path only; a given delay holds for both.
  *
  * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
@@ -47,6 +48,8 @@ extern "C" {
 
 /** Bands into which the rows are split: sums and differences of neighbours. */
 #define AUVID_METRIC_BANDS 2
+/** Rows kept for them. */
+#define AUVID_METRIC_LAGS 2
 
 /** Which buffers the rows are made of. */
 typedef enum {
@@ -70,7 +73,9 @@ typedef struct {
     uint8_t sets;        /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     auvid_smoothing_t smoothing;              /**< default AUVID_SMOOTH_ROWS */
     uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces and for moments; the
-                                residual path and the literal reading use the first */
+                                residual path and the literal reading use the first; default 10, 7 */
+    uint8_t lag[2]; /**< rows between those whose sums and differences are formed, for forces and for
+                         moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t order;         /**< of the polynomial, default 2 */
     uint8_t passes;        /**< how often the smoother is applied, 1 or 2; default 2 */
     bool estimate_delay;   /**< default true; regressor path with AUVID_SMOOTH_ROWS only */
@@ -105,9 +110,9 @@ typedef struct {
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
                          [AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
-    auvid_real_t previous[AUVID_MAX_COLUMNS]; /* the last row */
-    uint32_t cells; /* since the record began */
-    bool paired;    /* there is a last row */
+    auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
+    uint32_t cells;     /* since the record began */
+    uint32_t since_gap; /* rows since then */
     auvid_set_t set[AUVID_MAX_SETS + 1];
     uint8_t current; /* the set being recorded */
 
@@ -128,6 +133,8 @@ typedef struct {
     uint8_t driven;                        /**< bit j: DoF j is driven in some set of the ring */
     uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is driven */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
+    uint8_t lagged;                        /**< bit j: DoF j's delay is that of a first-order lag,
+                                                not a shift */
     auvid_real_t constant;                 /**< part of the cost that no pi explains */
     auvid_real_t cost;                     /**< J of the last finished evaluation */
     auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished

@@ -28,6 +28,8 @@ typedef struct {
     const auvid_vehicle_t *vehicle;
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     auvid_real_t delay_cells[AUVID_DOF_COUNT];
+    auvid_real_t wrench[AUVID_DOF_COUNT]; /* after the lag */
+    uint32_t lagged;
     auvid_real_t cell_s;
     uint32_t dofs;               /* bit j: this DoF is integrated */
     auvid_sample_t last;         /* the cell before */
@@ -47,12 +49,13 @@ typedef struct {
  * @param dofs bit j: integrate DoF j (0: every modelled DoF); others come from the record. Leave out
  * what was not identified
  * @param delay_s [6] delay of each DoF's wrench, -1 to 6 cells; null: none
+ * @param lagged bit j: DoF j's delay is that of a first-order lag (estimate.lagged)
  * @param cell_s the record's cell [s], > 0
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_MODEL (no acceleration,
  * or it refuses pi); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. */
 auvid_status_t auvid_validation_init(auvid_validation_t *validation,
                                      const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
-                                     uint32_t dofs, const auvid_real_t *delay_s,
+                                     uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s);
 
 /** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). */
