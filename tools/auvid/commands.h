@@ -1,0 +1,14 @@
+/**
+ * @file commands.h
+ * The sub-commands. Each returns the program's exit status, after its report or after one line on
+ * stderr.
+ */
+#ifndef PROGRAM_COMMANDS_H
+#define PROGRAM_COMMANDS_H
+
+#include "options.h"
+
+int demo(const options_t *options);
+int fit(const options_t *options);
+
+#endif

@@ -1,0 +1,323 @@
+/*
+ * auvid demo: excite a simulated Girona500, identify it on line, and check the estimate on an
+ * excitation that it has not seen.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "complain.h"
+#include "csv.h"
+#include "progress.h"
+#include "report.h"
+#include "statistics.h"
+#include "world.h"
+
+/* A search may go on for so long after the last set [s of simulated time]. */
+#define PATIENCE_S 600.0
+
+/* Sets of the held-out excitation: one of steps, one of sines. */
+#define HELD_OUT_SETS 2
+
+/* Rows that wait for the DVL sample after them: half a second of ticks, and one. */
+enum { WAITING = 26 };
+
+/* The log under way. Velocity is taken at the DVL's own times and runs straight in between, as the
+ * recorder takes it; so a row must wait for the next DVL sample. */
+typedef struct {
+    csv_writer_t *writer; /* null: no log */
+    csv_row_t row[WAITING];
+    int rows;
+    auvid_nav_knot_t knot; /* the last velocity */
+} logger_t;
+
+/* One run. */
+typedef struct {
+    world_t world;
+    logger_t logger;
+    auvid_validation_t validation[WORLD_IDENTIFIERS];
+    result_t result[WORLD_IDENTIFIERS]; /* all sets; last set only (literal) */
+    double simulated_s;
+} run_t;
+
+/* A new velocity: rows since the last one can be written. After a gap they are dropped. */
+static void log_velocity(logger_t *logger, const auvid_nav_knot_t *knot)
+{
+    double t0 = 1e-6 * (double)logger->knot.t_us, t1 = 1e-6 * (double)knot->t_us;
+    for (int k = 0; k < logger->rows && logger->knot.sequence > 0 && t1 - t0 <= 0.5; ++k) {
+        csv_row_t *row = &logger->row[k];
+        double part = (row->value[CSV_T] - t0) / (t1 - t0);
+        if (part < 0.0 || part >= 1.0) {
+            continue;
+        }
+        for (int i = 0; i < 3; ++i) {
+            double from = (double)logger->knot.velocity[i], to = (double)knot->velocity[i];
+            row->value[CSV_NU + i] = from + part * (to - from);
+        }
+        csv_write_row(logger->writer, row);
+    }
+    logger->rows = 0;
+    logger->knot = *knot;
+}
+
+/* A tick: attitude and rates now, wrench from now on. */
+static void log_tick(logger_t *logger, const world_t *world)
+{
+    auvid_nav_state_t state;
+    const auvid_nav_knot_t *knot = &world->id[0].nav.ground;
+    if (logger->writer == NULL || auvid_nav_state(&world->id[0].nav, &state) != AUVID_OK) {
+        return;
+    }
+    if (knot->sequence != logger->knot.sequence) {
+        log_velocity(logger, knot);
+    }
+    if (logger->rows == WAITING) {
+        logger->rows = 0;
+    }
+    csv_row_t *row = &logger->row[logger->rows++];
+    memset(row, 0, sizeof *row);
+    row->value[CSV_T] = 1e-6 * (double)state.t_us;
+    for (int i = 0; i < 3; ++i) {
+        row->value[CSV_ATTITUDE + i] = (double)state.attitude[i];
+        row->value[CSV_NU + 3 + i] = (double)state.rates[i];
+    }
+    memcpy(&row->value[CSV_WRENCH], world->wrench, sizeof world->wrench);
+}
+
+static void show_progress(const run_t *run, const options_t *options, progress_t *progress)
+{
+    const auvid_identifier_t *id = &run->world.id[0];
+    double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
+    double rms = report_rms_percent(&id->estimate);
+    if (id->estimate.number == 0) {
+        progress_bar(progress, t / total, "%.0f s", t);
+        return;
+    }
+    progress_bar(progress, t < total ? t / total : 1.0, "%.0f s, %u sets: rms error %.1f %%", t,
+                 (unsigned)id->estimate.sets, rms);
+    if (run->world.events & AUVID_EVENT_ESTIMATE) {
+        progress_line(progress, "%5.0f s  %2u set%s  rms error %.2f %%", t,
+                      (unsigned)id->estimate.sets, id->estimate.sets == 1 ? " " : "s", rms);
+    }
+}
+
+/* Excite, record and identify. Progress may be null. */
+static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
+{
+    world_t *world = &run->world;
+    const world_config_t config = {.seed = seed,
+                                   .disturbance_N = options->disturbance_N,
+                                   .lag_s = options->lag_s,
+                                   .sets = options->sets,
+                                   .literal = options->literal};
+    if (!world_begin(world, &config)) {
+        return false;
+    }
+    if (options->literal) {
+        auvid_identifier_config_t cfg;
+        world_identifier(&cfg, &config);
+        cfg.metric.sets = 1;
+        if (!world_listen(world, &cfg)) {
+            return false;
+        }
+    }
+    bool busy = true;
+    double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
+    while (busy && world_time_s(world) < end_s) {
+        world_tick(world);
+        log_tick(&run->logger, world);
+        busy = false;
+        for (int i = 0; i < world->identifiers; ++i) {
+            auvid_status_t status = auvid_identifier_work(&world->id[i], AUVID_DEFAULT_BUDGET);
+            busy = busy || status == AUVID_PENDING ||
+                   world->id[i].metric.sets_recorded < options->sets;
+        }
+        if (progress != NULL) {
+            show_progress(run, options, progress);
+        }
+    }
+    for (int i = 0; i < world->identifiers; ++i) {
+        run->result[i] = (result_t){.seed = seed,
+                                    .vehicle = world->id[i].cfg.vehicle,
+                                    .free = world->id[i].cfg.metric.free,
+                                    .estimate = world->id[i].estimate,
+                                    .work_most = world->id[i].work_most,
+                                    .has_truth = true};
+        run->result[i].estimate.capped |= busy; /* it ran out of time */
+    }
+    run->simulated_s = world_time_s(world);
+    return true;
+}
+
+/* Simulate with the estimate and with the truth what the vehicle does under another excitation. */
+static bool validate(run_t *run, const options_t *options, uint64_t seed)
+{
+    world_t *world = &run->world;
+    result_t *result = &run->result[0];
+    const world_config_t config = {.seed = ~seed,
+                                   .disturbance_N = options->disturbance_N,
+                                   .lag_s = options->lag_s,
+                                   .sets = HELD_OUT_SETS};
+    const auvid_real_t *pi[WORLD_IDENTIFIERS] = {result->estimate.pi, auvid_girona500_paper};
+    double *r2[WORLD_IDENTIFIERS] = {result->r2, result->r2_truth};
+    bool valid[WORLD_IDENTIFIERS] = {false};
+    auvid_identifier_config_t cfg;
+    world_identifier(&cfg, &config);
+    if (!world_begin(world, &config) || !world_listen(world, &cfg)) {
+        return false;
+    }
+    for (int i = 0; i < WORLD_IDENTIFIERS; ++i) {
+        valid[i] = auvid_validation_init(&run->validation[i], result->vehicle, pi[i], 0,
+                                         result->estimate.delay_s, result->estimate.lagged,
+                                         AUVID_C(1e-6) * (auvid_real_t)cfg.recorder.cell_us) >= 0;
+        auvid_identifier_attach(&world->id[i], valid[i] ? &run->validation[i] : NULL);
+    }
+    while (world_time_s(world) < HELD_OUT_SETS * WORLD_SET_S) {
+        world_tick(world);
+    }
+    for (int i = 0; i < WORLD_IDENTIFIERS; ++i) {
+        auvid_real_t value[AUVID_DOF_COUNT];
+        valid[i] = valid[i] && auvid_validation_r2(&run->validation[i], value) == AUVID_OK;
+        for (int j = 0; j < AUVID_DOF_COUNT && valid[i]; ++j) {
+            r2[i][j] = (double)value[j];
+        }
+    }
+    result->has_validation = true;
+    result->validated = valid[0] ? UINT32_MAX : 0u;
+    result->has_r2_truth = valid[0] && valid[1];
+    run->simulated_s += world_time_s(world);
+    return true;
+}
+
+static bool run_once(run_t *run, const options_t *options, uint64_t seed, csv_writer_t *writer,
+                     progress_t *progress)
+{
+    memset(run, 0, sizeof *run);
+    run->logger.writer = writer;
+    return identify(run, options, seed, progress) && validate(run, options, seed);
+}
+
+static void print_heading(const options_t *options)
+{
+    printf("auvid %s demo: a simulated Girona500, seed %llu", AUVID_VERSION_STRING,
+           (unsigned long long)options->seed);
+    if (options->runs > 1) {
+        printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
+    }
+    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: %d N on X, Y, Z, %d Nm on N\n",
+           (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S, WORLD_FORCE_N,
+           WORLD_MOMENT_NM);
+    printf("  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
+           options->disturbance_N, options->lag_s);
+    printf("  metric       %s\n\n", options->literal ? "our reading of the paper: smoothed states, "
+                                                       "raw wrench"
+                                                     : "rows and wrench smoothed alike");
+}
+
+static int single_run(run_t *run, const options_t *options, csv_writer_t *writer)
+{
+    progress_t progress;
+    progress_begin(&progress, !options->json);
+    bool done = run_once(run, options, options->seed, writer, &progress);
+    double wall_s = progress_end(&progress);
+    if (!done) {
+        return complain("demo: the identifier refused its configuration");
+    }
+    const result_t *last = options->literal ? &run->result[1] : NULL;
+    if (options->json) {
+        report_json(&run->result[0], NULL, last, NULL);
+    } else {
+        print_heading(options);
+        report_result(&run->result[0], last);
+        printf("  time  %.0f s simulated in %.2f s\n", run->simulated_s, wall_s);
+    }
+    return report_exit(&run->result[0]);
+}
+
+/* All runs into the tallies; the first one's results are kept. */
+static bool run_all(run_t *run, const options_t *options, csv_writer_t *writer, tally_t *tally,
+                    result_t *first, progress_t *progress)
+{
+    uint32_t told = 0;
+    for (uint32_t k = 0; k < options->runs; ++k) {
+        if (!run_once(run, options, options->seed + k, k == 0 ? writer : NULL, NULL)) {
+            return false;
+        }
+        for (int i = 0; i < (options->literal ? 2 : 1); ++i) {
+            tally_add(&tally[i], &run->result[i]);
+        }
+        if (k == 0) {
+            memcpy(first, run->result, sizeof run->result);
+        }
+        progress_bar(progress, (double)(k + 1) / options->runs, "run %u of %u", (unsigned)(k + 1),
+                     (unsigned)options->runs);
+        if (10 * (k + 1) / options->runs != told) {
+            told = 10 * (k + 1) / options->runs;
+            progress_line(progress, "%u of %u runs", (unsigned)(k + 1), (unsigned)options->runs);
+        }
+    }
+    return true;
+}
+
+static int many_runs(run_t *run, const options_t *options, csv_writer_t *writer)
+{
+    tally_t tally[WORLD_IDENTIFIERS] = {0};
+    result_t first[WORLD_IDENTIFIERS];
+    progress_t progress;
+    int lists = options->literal ? 2 : 1, status = 0;
+    for (int i = 0; i < lists; ++i) {
+        if (!tally_begin(&tally[i], options->runs)) {
+            return complain("demo: not enough memory for %u runs", (unsigned)options->runs);
+        }
+    }
+    progress_begin(&progress, !options->json);
+    bool done = run_all(run, options, writer, tally, first, &progress);
+    double wall_s = progress_end(&progress);
+    for (int i = 0; i < lists && done; ++i) {
+        tally_finish(&tally[i], options->seed);
+    }
+    const campaign_t *all = &tally[0].sum, *last = options->literal ? &tally[1].sum : NULL;
+    if (!done) {
+        status = complain("demo: the identifier refused its configuration");
+    } else if (options->json) {
+        report_json(&first[0], all, options->literal ? &first[1] : NULL, last);
+        status = all->capped;
+    } else {
+        print_heading(options);
+        report_campaign(all, last);
+        printf("\n  %u runs of %.0f s simulated in %.1f s\n", (unsigned)all->runs,
+               run->simulated_s, wall_s);
+        status = all->capped;
+    }
+    for (int i = 0; i < lists; ++i) {
+        tally_free(&tally[i]);
+    }
+    return status;
+}
+
+int demo(const options_t *options)
+{
+    csv_writer_t writer = {0};
+    run_t *run = malloc(sizeof *run);
+    int status = run == NULL ? complain("demo: not enough memory") : 0;
+    bool log = options->csv != NULL && status == 0;
+    if (log) {
+        status = csv_create(&writer, options->csv);
+        log = status == 0;
+    }
+    if (log) {
+        csv_write_header(&writer);
+    }
+    if (status == 0) {
+        csv_writer_t *to = log ? &writer : NULL;
+        status = options->runs > 0 ? many_runs(run, options, to) : single_run(run, options, to);
+    }
+    if (log && status == EXIT_REFUSED) {
+        csv_discard(&writer);
+    } else if (log && csv_commit(&writer) != 0) {
+        status = EXIT_REFUSED;
+    }
+    free(run);
+    return status;
+}

@@ -1,0 +1,270 @@
+/*
+ * auvid fit: identify a vehicle from a recorded log, with the recorder, metric and optimizer that
+ * work on board.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "complain.h"
+#include "csv.h"
+#include "heldout.h"
+#include "replay.h"
+#include "report.h"
+
+/* Shortest set [rows of half a second]: a set is what is left out in cross-validation. */
+#define SHORTEST_SET 20
+/* Most rows that the ring may hold (metric.h). */
+#define MOST_ROWS 60000u
+
+/* An input whose largest value is below this part of the largest of all does not count as driven:
+ * it is what rounding leaves of zero. */
+#define NEGLIGIBLE 1e-3
+
+/* The log with its model at work. */
+typedef struct {
+    const options_t *options;
+    csv_log_t train, test;
+    replay_t replay;
+    auvid_real_t tau_max[AUVID_DOF_COUNT];
+    const char *why[AUVID_DOF_COUNT];      /* why a DoF cannot be identified; null: it may be */
+    auvid_identifier_t *coupled, *decoupled; /* whichever are wanted */
+    double error[2];                       /* cross-validation: coupled, decoupled; < 0: none */
+} job_t;
+
+/* ---- what the log holds ---- */
+
+static bool has_inputs(const csv_log_t *log, input_kind_t kind)
+{
+    bool any = false;
+    for (int k = 0; k < MODELLED; ++k) {
+        any = any || log->has[replay_inputs(kind) + report_dof[k]];
+    }
+    return any;
+}
+
+/* A force needs its velocity in the log; a missing yaw rate counts as zero, so yaw is left out. */
+static int check_columns(const csv_log_t *log, const replay_t *replay)
+{
+    for (int k = 0; k < MODELLED; ++k) {
+        auvid_dof_t j = report_dof[k];
+        int input = replay_inputs(replay->kind) + (int)j, velocity = CSV_NU + (int)j;
+        if (j != AUVID_YAW && log->has[input] && !log->has[velocity]) {
+            return complain("%s:1:1: no column %s in the header, but %s", log->path,
+                            csv_name[velocity], csv_name[input]);
+        }
+    }
+    return 0;
+}
+
+static int find_inputs(job_t *job)
+{
+    const csv_log_t *log = &job->train;
+    bool wrench = has_inputs(log, INPUT_WRENCH);
+    if (!wrench && !has_inputs(log, INPUT_COMMAND)) {
+        return complain("%s:1:1: no input column (X_N Y_N Z_N N_Nm, or cmd_surge cmd_sway "
+                        "cmd_heave cmd_yaw) in the header",
+                        log->path);
+    }
+    job->replay.kind = wrench ? INPUT_WRENCH : INPUT_COMMAND;
+    return check_columns(log, &job->replay);
+}
+
+/* Which DoF can be identified, and how large their inputs are. */
+static void find_driven(job_t *job)
+{
+    const csv_log_t *log = &job->train;
+    double most = 0.0, largest[AUVID_DOF_COUNT] = {0};
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int input = replay_inputs(job->replay.kind) + j;
+        for (size_t i = 0; i < log->rows; ++i) {
+            largest[j] = fmax(largest[j], fabs(log->row[i].value[input]));
+        }
+        most = fmax(most, largest[j]);
+    }
+    for (int k = 0; k < MODELLED; ++k) {
+        auvid_dof_t j = report_dof[k];
+        if (!log->has[replay_inputs(job->replay.kind) + (int)j]) {
+            job->why[j] = "no input column";
+        } else if (!log->has[CSV_NU + (int)j]) {
+            job->why[j] = "no velocity column";
+        } else if (!(largest[j] > NEGLIGIBLE * most)) {
+            job->why[j] = "input is always zero";
+        } else {
+            job->replay.dofs = (uint8_t)(job->replay.dofs | 1u << j);
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool used = (job->replay.dofs >> j & 1u) != 0;
+        job->tau_max[j] = used ? (auvid_real_t)largest[j] : AUVID_C(1.0);
+    }
+}
+
+static int read_logs(job_t *job)
+{
+    const options_t *options = job->options;
+    int status = csv_read(&job->train, options->train);
+    status = status != 0 ? status : find_inputs(job);
+    if (status == 0 && options->validate != NULL) {
+        status = csv_read(&job->test, options->validate);
+        if (status == 0 && !has_inputs(&job->test, job->replay.kind)) {
+            status = complain("%s:1:1: no input column of the kind that %s has (%s)",
+                              options->validate, options->train,
+                              job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
+        }
+        status = status != 0 ? status : check_columns(&job->test, &job->replay);
+    }
+    return status;
+}
+
+/* ---- identification ---- */
+
+static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
+                      auvid_identifier_config_t *cfg)
+{
+    const options_t *options = job->options;
+    auvid_identifier_defaults(cfg, vehicle);
+    cfg->seed = options->seed;
+    cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
+    memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
+    cfg->metric.free = options->bias ? AUVID_G500_FREE_BIAS : AUVID_G500_FREE;
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        cfg->lower[i] = (auvid_real_t)options->lower;
+        cfg->upper[i] = (auvid_real_t)options->upper;
+    }
+    if (options->literal) {
+        auvid_identifier_literal(cfg);
+    }
+    /* the whole log fits the ring */
+    double row_s = 1e-6 * cfg->recorder.cell_us * cfg->metric.row_cells;
+    double span_s = 1e-6 * (double)(replay_time_us(&job->train, job->train.rows - 1) -
+                                    replay_time_us(&job->train, 0));
+    double rows = ceil((span_s / row_s + 1.0) / cfg->metric.sets);
+    double most = MOST_ROWS / cfg->metric.sets;
+    cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), most);
+}
+
+/* Replay the log with a model and search. */
+static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
+{
+    auvid_identifier_config_t cfg;
+    auvid_identifier_t *id = malloc(sizeof *id);
+    configure(job, vehicle, &cfg);
+    auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
+    if (status < 0) {
+        (void)complain("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
+        free(id);
+        return NULL;
+    }
+    replay_identify(&job->train, &job->replay, id);
+    do {
+        status = auvid_identifier_work(id, AUVID_DEFAULT_BUDGET);
+    } while (status == AUVID_PENDING);
+    return id;
+}
+
+/* Identify with the models wanted. Returns the one to report, or null after a complaint. */
+static auvid_identifier_t *choose(job_t *job)
+{
+    coupling_t coupling = job->options->coupling;
+    if (coupling != COUPLING_OFF) {
+        job->coupled = identify(job, &auvid_girona500);
+        if (job->coupled == NULL || coupling == COUPLING_ON) {
+            return job->coupled;
+        }
+    }
+    job->decoupled = identify(job, &auvid_girona500_decoupled);
+    if (job->decoupled == NULL || coupling == COUPLING_OFF) {
+        return job->decoupled;
+    }
+    job->error[0] = heldout_cross_validation(&job->coupled->metric);
+    job->error[1] = heldout_cross_validation(&job->decoupled->metric);
+    bool decoupled = job->error[1] >= 0.0 && !(job->error[0] < job->error[1]);
+    return decoupled ? job->decoupled : job->coupled;
+}
+
+/* ---- report ---- */
+
+static void print_heading(const job_t *job, const auvid_identifier_t *id)
+{
+    const csv_log_t *log = &job->train;
+    bool commands = job->replay.kind == INPUT_COMMAND;
+    printf("auvid %s fit: %s, %zu rows, %.0f s\n", AUVID_VERSION_STRING, log->path, log->rows,
+           log->row[log->rows - 1].value[CSV_T] - log->row[0].value[CSV_T]);
+    printf("  inputs   %s, %s\n", commands ? "commands (cmd_*)" : "forces and moments",
+           job->options->linear_input ? "straight from row to row" : "held until the next row");
+    if (commands) {
+        printf("           parameters are in units of command (cmd): times the newtons (yaw: Nm) of\n"
+               "           one unit of command they are in SI units\n");
+    }
+    printf("  metric   %s, %u set%s of up to %.0f s\n",
+           job->options->literal ? "our reading of the paper: smoothed states, raw wrench"
+                                 : "rows and wrench smoothed alike",
+           (unsigned)id->metric.sets_recorded, id->metric.sets_recorded == 1 ? "" : "s",
+           1e-6 * id->cfg.recorder.cell_us * id->cfg.metric.row_cells * id->cfg.metric.set_rows);
+    printf("  model    %s\n", id->cfg.vehicle->name);
+    if (job->error[0] >= 0.0 && job->error[1] >= 0.0) {
+        printf("           chosen by cross-validation: rms force residual %.4f coupled, %.4f "
+               "decoupled\n           (in parts of the largest input)\n",
+               sqrt(job->error[0]), sqrt(job->error[1]));
+    }
+    putchar('\n');
+}
+
+static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
+{
+    *result = (result_t){.seed = job->options->seed,
+                         .vehicle = id->cfg.vehicle,
+                         .free = id->cfg.metric.free,
+                         .estimate = id->estimate,
+                         .work_most = id->work_most,
+                         .in_commands = job->replay.kind == INPUT_COMMAND};
+    for (int k = 0; k < MODELLED; ++k) {
+        auvid_dof_t j = report_dof[k];
+        bool driven = (id->estimate.driven >> j & 1u) != 0;
+        result->why[j] = job->why[j];
+        if (!driven && job->why[j] == NULL) {
+            result->why[j] =
+                id->metric.sets_recorded == 0 ? "no unbroken stretch of data" : "input hardly varies";
+        }
+    }
+}
+
+static int run(job_t *job)
+{
+    result_t result;
+    int status = read_logs(job);
+    if (status != 0) {
+        return status;
+    }
+    find_driven(job);
+    auvid_identifier_t *id = choose(job);
+    if (id == NULL) {
+        return EXIT_REFUSED;
+    }
+    gather(job, id, &result);
+    if (job->options->validate != NULL && result.estimate.number > 0 &&
+        !heldout_r2(&job->test, &job->replay, &id->cfg.recorder, job->options->seed, &result)) {
+        return complain("%s: not enough memory", job->options->validate);
+    }
+    if (job->options->json) {
+        report_json(&result, NULL, NULL, NULL);
+    } else {
+        print_heading(job, id);
+        report_result(&result, NULL);
+    }
+    return report_exit(&result);
+}
+
+int fit(const options_t *options)
+{
+    job_t job = {.options = options, .error = {-1.0, -1.0}};
+    int status = run(&job);
+    free(job.coupled);
+    free(job.decoupled);
+    csv_free(&job.train);
+    csv_free(&job.test);
+    return status;
+}

@@ -1,0 +1,76 @@
+/*
+ * auvid: identify the dynamics of an underwater vehicle, simulated (demo) or recorded (fit).
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/config.h"
+#include "commands.h"
+#include "complain.h"
+#include "options.h"
+#include "report.h"
+
+static const char help[] =
+    "auvid " AUVID_VERSION_STRING ": identify the dynamics of an underwater vehicle\n"
+    "\n"
+    "usage: auvid demo [options]             identify a simulated Girona500, and check the result\n"
+    "       auvid fit TRAIN.csv [options]    identify a vehicle from a recorded log\n"
+    "       auvid --help | --version\n"
+    "\n"
+    "options of both\n"
+    "  --seed N           of all that is random; default 1\n"
+    "  --literal          our reading of the paper's metric: smoothed states, raw wrench\n"
+    "  --json             print one JSON object instead of tables\n"
+    "\n"
+    "options of demo\n"
+    "  --sets K           sets of 30 s of excitation; default 8\n"
+    "  --disturbance N    rms of an unknown force on X, Y, Z [N], 0.4 of it [Nm] on N; default 0\n"
+    "  --lag S            first-order lag of the thrusters [s], which nobody tells the identifier\n"
+    "  --runs R           seeds N .. N+R-1: error statistics over the runs (JSON: the other values\n"
+    "                     are those of the first run)\n"
+    "  --csv FILE         write the (first) run as a log that fit reads\n"
+    "\n"
+    "options of fit\n"
+    "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
+    "  --bounds=LO,HI        of every parameter; default -1000,1000\n"
+    "  --bias                also a constant force on X and Y and a moment on N\n"
+    "  --input hold|linear   an input holds until the next row (default), or runs straight to it\n"
+    "  --coupling auto|on|off  terms between degrees of freedom; auto: by cross-validation\n"
+    "\n"
+    "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
+    "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
+    "cmd_roll cmd_pitch cmd_yaw. Missing attitude or rates count as zero. A degree of freedom\n"
+    "without a varying input is left out.\n"
+    "\n"
+    "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";
+
+int main(int count, char **argument)
+{
+    options_t options;
+    const char *command = count > 1 ? argument[1] : "";
+    for (int i = 1; i < count; ++i) {
+        if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) {
+            fputs(help, stdout);
+            return report_finish(0);
+        }
+    }
+    if (strcmp(command, "--version") == 0) {
+        puts("auvid " AUVID_VERSION_STRING);
+        return report_finish(0);
+    }
+    int status = EXIT_REFUSED;
+    if (strcmp(command, "demo") == 0) {
+        status = options_demo(&options, count - 2, argument + 2);
+        status = status != 0 ? status : demo(&options);
+    } else if (strcmp(command, "fit") == 0) {
+        status = options_fit(&options, count - 2, argument + 2);
+        status = status != 0 ? status : fit(&options);
+    } else if (command[0] == '\0') {
+        return complain("no command: use 'auvid demo', 'auvid fit TRAIN.csv' or 'auvid --help'");
+    } else {
+        return complain("unknown command '%s': use 'auvid demo', 'auvid fit TRAIN.csv' or "
+                        "'auvid --help'",
+                        command);
+    }
+    return status == EXIT_REFUSED ? status : report_finish(status);
+}

@@ -1,0 +1,252 @@
+#include "options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "complain.h"
+
+/* The arguments, and how far they have been read. */
+typedef struct {
+    int count, next;
+    char **argument;
+    const char *name;   /* option at hand, "--seed" */
+    const char *value;  /* what follows "=" in it, or null */
+    char name_text[32]; /* room for its name */
+} reader_t;
+
+/* Take the next argument: an option, its value split off, or a plain word (name null). */
+static bool next(reader_t *r)
+{
+    if (r->next >= r->count) {
+        return false;
+    }
+    const char *word = r->argument[r->next++];
+    r->name = NULL;
+    r->value = word;
+    if (word[0] == '-' && word[1] != '\0') {
+        const char *equals = strchr(word, '=');
+        size_t length = equals == NULL ? strlen(word) : (size_t)(equals - word);
+        length = length < sizeof r->name_text ? length : sizeof r->name_text - 1;
+        memcpy(r->name_text, word, length);
+        r->name_text[length] = '\0';
+        r->name = r->name_text;
+        r->value = equals == NULL ? NULL : equals + 1;
+    }
+    return true;
+}
+
+static bool is(const reader_t *r, const char *name)
+{
+    return strcmp(r->name, name) == 0;
+}
+
+/* The option's value: after "=", or the next argument. */
+static int take_value(reader_t *r, const char **value)
+{
+    if (r->value == NULL && r->next < r->count) {
+        r->value = r->argument[r->next++];
+    }
+    if (r->value == NULL || r->value[0] == '\0') {
+        return complain("%s needs a value", r->name);
+    }
+    *value = r->value;
+    return 0;
+}
+
+static int take_flag(const reader_t *r, bool *flag)
+{
+    if (r->value != NULL) {
+        return complain("%s takes no value", r->name);
+    }
+    *flag = true;
+    return 0;
+}
+
+static int take_count(reader_t *r, uint64_t low, uint64_t high, uint64_t *out)
+{
+    const char *text = NULL;
+    char *end = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    errno = 0;
+    unsigned long long x = strtoull(text, &end, 10);
+    if (text[strspn(text, "0123456789")] != '\0' || errno != 0 || x < low || x > high) {
+        return complain("%s: '%s' is not a whole number from %llu to %llu", r->name, text,
+                        (unsigned long long)low, (unsigned long long)high);
+    }
+    *out = x;
+    return 0;
+}
+
+static int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out)
+{
+    uint64_t x = 0;
+    int status = take_count(r, low, high, &x);
+    *out = status == 0 ? (uint32_t)x : *out;
+    return status;
+}
+
+/* A plain decimal number at the start of text; *end is what follows. */
+static bool number(const char *text, const char **end, double *out)
+{
+    char *stop = NULL;
+    size_t plain = strspn(text, "0123456789+-.eE");
+    *out = strtod(text, &stop);
+    *end = stop;
+    return stop != text && stop <= text + plain && isfinite(*out);
+}
+
+static int take_number(reader_t *r, double high, double *out)
+{
+    const char *text = NULL, *end = NULL;
+    double x = 0.0;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    if (!number(text, &end, &x) || *end != '\0' || !(x >= 0.0 && x <= high)) {
+        return complain("%s: '%s' is not a number from 0 to %g", r->name, text, high);
+    }
+    *out = x;
+    return 0;
+}
+
+static int take_bounds(reader_t *r, options_t *options)
+{
+    const char *text = NULL, *end = NULL;
+    double low = 0.0, high = 0.0;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    if (!number(text, &end, &low) || *end != ',' || !number(end + 1, &end, &high) || *end != '\0' ||
+        fabs(low) > 1e6 || fabs(high) > 1e6) {
+        return complain("%s: '%s' is not LO,HI within +-1e6", r->name, text);
+    }
+    if (!(low < high)) {
+        return complain("%s: '%s': the lower bound is not below the upper bound", r->name, text);
+    }
+    options->lower = low;
+    options->upper = high;
+    return 0;
+}
+
+/* One of several words; *out is its index. */
+static int take_word(reader_t *r, const char *const *words, int count, int *out)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(text, words[i]) == 0) {
+            *out = i;
+            return 0;
+        }
+    }
+    return complain("%s: '%s' is not one of %s, %s%s%s", r->name, text, words[0], words[1],
+                    count > 2 ? ", " : "", count > 2 ? words[2] : "");
+}
+
+/* Options that both sub-commands have; -1: not one of them. */
+static int common_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--seed")) {
+        return take_count(r, 0, UINT64_MAX, &options->seed);
+    }
+    if (is(r, "--json")) {
+        return take_flag(r, &options->json);
+    }
+    if (is(r, "--literal")) {
+        return take_flag(r, &options->literal);
+    }
+    return -1;
+}
+
+static int demo_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--disturbance")) {
+        return take_number(r, 1000.0, &options->disturbance_N);
+    }
+    if (is(r, "--lag")) {
+        return take_number(r, 10.0, &options->lag_s);
+    }
+    if (is(r, "--sets")) {
+        return take_count32(r, 1, 1000, &options->sets);
+    }
+    if (is(r, "--runs")) {
+        return take_count32(r, 1, 100000, &options->runs);
+    }
+    if (is(r, "--csv")) {
+        return take_value(r, &options->csv);
+    }
+    return complain("demo: unknown option %s (auvid --help lists them)", r->name);
+}
+
+static int fit_option(reader_t *r, options_t *options)
+{
+    static const char *const inputs[] = {"hold", "linear"};
+    static const char *const couplings[] = {"auto", "on", "off"};
+    int choice = 0, status = 0;
+    if (is(r, "--validate")) {
+        return take_value(r, &options->validate);
+    }
+    if (is(r, "--bounds")) {
+        return take_bounds(r, options);
+    }
+    if (is(r, "--bias")) {
+        return take_flag(r, &options->bias);
+    }
+    if (is(r, "--input")) {
+        status = take_word(r, inputs, 2, &choice);
+        options->linear_input = choice == 1;
+        return status;
+    }
+    if (is(r, "--coupling")) {
+        status = take_word(r, couplings, 3, &choice);
+        options->coupling = (coupling_t)choice;
+        return status;
+    }
+    return complain("fit: unknown option %s (auvid --help lists them)", r->name);
+}
+
+static int read_all(options_t *options, int count, char **argument, const char *command,
+                    int (*own_option)(reader_t *, options_t *), const char **word)
+{
+    reader_t r = {.count = count, .argument = argument};
+    *options = (options_t){.seed = 1, .sets = 8, .lower = -1000.0, .upper = 1000.0};
+    while (next(&r)) {
+        if (r.name == NULL) {
+            if (word == NULL || *word != NULL) {
+                return complain("%s: unexpected argument '%s'", command, r.value);
+            }
+            *word = r.value;
+            continue;
+        }
+        int status = common_option(&r, options);
+        if (status < 0) {
+            status = own_option(&r, options);
+        }
+        if (status != 0) {
+            return status;
+        }
+    }
+    return 0;
+}
+
+int options_demo(options_t *options, int count, char **argument)
+{
+    return read_all(options, count, argument, "demo", demo_option, NULL);
+}
+
+int options_fit(options_t *options, int count, char **argument)
+{
+    const char *train = NULL;
+    int status = read_all(options, count, argument, "fit", fit_option, &train);
+    options->train = train;
+    if (status == 0 && train == NULL) {
+        return complain("fit: no TRAIN.csv given");
+    }
+    return status;
+}

@@ -1,0 +1,40 @@
+/**
+ * @file options.h
+ * The command line.
+ */
+#ifndef PROGRAM_OPTIONS_H
+#define PROGRAM_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/** Is the coupling between the degrees of freedom part of the model? */
+typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
+
+/** Everything that can be chosen. */
+typedef struct {
+    bool json;
+    bool literal;
+    uint64_t seed; /**< default 1 */
+
+    /* demo */
+    double disturbance_N; /**< rms of the unmodelled force; default 0 */
+    double lag_s;         /**< of the thrusters; default 0 */
+    uint32_t sets;        /**< of 30 s; default 8 */
+    uint32_t runs;        /**< 0: one run, reported in full */
+    const char *csv;      /**< file to write; null: none */
+
+    /* fit */
+    const char *train;
+    const char *validate;       /**< null: none */
+    double lower, upper;        /**< bounds of every parameter; default -1000, 1000 */
+    bool bias;
+    bool linear_input;
+    coupling_t coupling;
+} options_t;
+
+/** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr. */
+int options_demo(options_t *options, int count, char **argument);
+int options_fit(options_t *options, int count, char **argument);
+
+#endif

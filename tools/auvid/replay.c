@@ -1,0 +1,109 @@
+#include "replay.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One row in the library's terms. */
+typedef struct {
+    uint64_t t_us;
+    auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
+} instant_t;
+
+int replay_inputs(input_kind_t kind)
+{
+    return kind == INPUT_WRENCH ? CSV_WRENCH : CSV_COMMAND;
+}
+
+uint64_t replay_time_us(const csv_log_t *log, size_t row)
+{
+    double since = log->row[row].value[CSV_T] - log->row[0].value[CSV_T];
+    return (uint64_t)(1e6 * since + 0.5) + 1000000u;
+}
+
+/* Row i. *turns counts the whole turns by which psi has jumped so far. */
+static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i, double *turns,
+                         instant_t *out)
+{
+    const double turn = 6.283185307179586;
+    const double *value = log->row[i].value;
+    if (i > 0) {
+        double step = value[CSV_ATTITUDE + 2] - log->row[i - 1].value[CSV_ATTITUDE + 2];
+        *turns -= floor(step / turn + 0.5);
+    }
+    out->t_us = replay_time_us(log, i);
+    for (int k = 0; k < 3; ++k) {
+        double unwrapped = value[CSV_ATTITUDE + k] + (k == 2 ? *turns * turn : 0.0);
+        out->attitude[k] = (auvid_real_t)unwrapped;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double input = value[replay_inputs(replay->kind) + j];
+        out->nu[j] = (auvid_real_t)value[CSV_NU + j];
+        out->wrench[j] = (auvid_real_t)((replay->dofs >> j & 1u) ? input : 0.0);
+    }
+}
+
+void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id)
+{
+    double turns = 0.0;
+    for (size_t i = 0; i < log->rows; ++i) {
+        instant_t now;
+        read_instant(log, replay, i, &turns, &now);
+        (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
+        (void)auvid_identifier_applied(id, now.t_us, now.wrench, NULL);
+    }
+    (void)auvid_identifier_close(id);
+}
+
+/* Make room for one more cell. */
+static bool grow(cells_t *cells, size_t *room)
+{
+    if (cells->cells < *room) {
+        return true;
+    }
+    *room = *room == 0 ? 1024 : 2 * *room;
+    auvid_sample_t *cell = realloc(cells->cell, *room * sizeof *cell);
+    cells->cell = cell == NULL ? cells->cell : cell;
+    bool *after_gap = realloc(cells->after_gap, *room * sizeof *after_gap);
+    cells->after_gap = after_gap == NULL ? cells->after_gap : after_gap;
+    return cell != NULL && after_gap != NULL;
+}
+
+bool replay_record(const csv_log_t *log, const replay_t *replay,
+                   const auvid_recorder_config_t *cfg, cells_t *cells)
+{
+    auvid_recorder_t recorder;
+    double turns = 0.0;
+    size_t room = 0;
+    bool gap = true;
+    memset(cells, 0, sizeof *cells);
+    (void)auvid_recorder_init(&recorder, cfg);
+    for (size_t i = 0; i < log->rows; ++i) {
+        instant_t now;
+        auvid_status_t status = AUVID_OK;
+        read_instant(log, replay, i, &turns, &now);
+        (void)auvid_recorder_attitude(&recorder, now.t_us, now.attitude, now.nu + AUVID_ROLL);
+        (void)auvid_recorder_velocity(&recorder, now.t_us, now.nu);
+        (void)auvid_recorder_input(&recorder, now.t_us, now.wrench, NULL);
+        while (status == AUVID_OK || status == AUVID_GAP) {
+            if (!grow(cells, &room)) {
+                cells_free(cells);
+                return false;
+            }
+            status = auvid_recorder_pop(&recorder, &cells->cell[cells->cells]);
+            gap = gap || status == AUVID_GAP;
+            if (status == AUVID_OK) {
+                cells->after_gap[cells->cells++] = gap;
+                gap = false;
+            }
+        }
+    }
+    return true;
+}
+
+void cells_free(cells_t *cells)
+{
+    free(cells->cell);
+    free(cells->after_gap);
+    memset(cells, 0, sizeof *cells);
+}

@@ -1,0 +1,116 @@
+#include "statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "simulator.h"
+
+enum { PARAMETERS = AUVID_G500_N_RR + 1 };
+
+/* A mass off by more than this fails the run. */
+#define MASS_TOLERANCE 0.1
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double statistics_quantile(double *value, size_t n, double part)
+{
+    if (n == 0) {
+        return 0.0;
+    }
+    qsort(value, n, sizeof value[0], ascending);
+    double at = part * (double)(n - 1);
+    size_t low = (size_t)at, high = low + 1 < n ? low + 1 : low;
+    return value[low] + (at - (double)low) * (value[high] - value[low]);
+}
+
+bool tally_begin(tally_t *tally, uint32_t runs)
+{
+    memset(tally, 0, sizeof *tally);
+    tally->memory = calloc((size_t)runs * (2 + 2 * AUVID_DOF_COUNT), sizeof(double));
+    if (tally->memory == NULL) {
+        return false;
+    }
+    double *at = tally->memory;
+    tally->room = runs;
+    tally->square = at;
+    tally->evaluations = at + runs;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        tally->r2[j] = at + (size_t)(2 + j) * runs;
+        tally->r2_truth[j] = at + (size_t)(2 + AUVID_DOF_COUNT + j) * runs;
+    }
+    return true;
+}
+
+void tally_add(tally_t *tally, const result_t *result)
+{
+    campaign_t *c = &tally->sum;
+    const auvid_estimate_t *e = &result->estimate;
+    bool capped = strcmp(report_status(result), "ok") != 0, failed = capped;
+    double rms = report_rms_percent(e) / 100.0;
+    for (int i = 0; i < PARAMETERS; ++i) {
+        double error = fabs((double)e->pi[i] / report_truth(i) - 1.0);
+        c->parameter_rms[i] += error * error;
+        c->parameter_worst[i] = fmax(c->parameter_worst[i], 100.0 * error);
+        failed = failed || (i <= AUVID_G500_M_R && !(error <= MASS_TOLERANCE));
+    }
+    tally->square[c->runs] = rms * rms;
+    tally->evaluations[c->runs] = (double)e->evaluations_crs + (double)e->evaluations_line;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        tally->r2[j][c->runs] = result->r2[j];
+        tally->r2_truth[j][c->runs] = result->r2_truth[j];
+    }
+    c->worst_percent = fmax(c->worst_percent, report_worst_percent(e));
+    c->failed += failed;
+    c->capped = c->capped || capped;
+    c->work_most = result->work_most > c->work_most ? result->work_most : c->work_most;
+    ++c->runs;
+}
+
+/* 95 % interval of the rms error: runs are drawn again, with replacement. */
+static void bootstrap(const tally_t *tally, uint64_t seed, double interval[2])
+{
+    double rms[RESAMPLES];
+    uint32_t runs = tally->sum.runs;
+    sim_rng_t rng;
+    sim_rng_seed(&rng, seed, 0);
+    for (int k = 0; k < RESAMPLES; ++k) {
+        double sum = 0.0;
+        for (uint32_t i = 0; i < runs; ++i) {
+            sum += tally->square[(size_t)(sim_rng_uniform(&rng) * runs)];
+        }
+        rms[k] = 100.0 * sqrt(sum / runs);
+    }
+    interval[0] = statistics_quantile(rms, RESAMPLES, 0.025);
+    interval[1] = statistics_quantile(rms, RESAMPLES, 0.975);
+}
+
+void tally_finish(tally_t *tally, uint64_t seed)
+{
+    campaign_t *c = &tally->sum;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < c->runs; ++i) {
+        sum += tally->square[i];
+    }
+    c->rms_percent = 100.0 * sqrt(sum / c->runs);
+    bootstrap(tally, seed, c->interval);
+    for (int i = 0; i < PARAMETERS; ++i) {
+        c->parameter_rms[i] = 100.0 * sqrt(c->parameter_rms[i] / c->runs);
+    }
+    c->evaluations_median = statistics_quantile(tally->evaluations, c->runs, 0.5);
+    c->evaluations_p95 = statistics_quantile(tally->evaluations, c->runs, 0.95);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        c->r2_median[j] = statistics_quantile(tally->r2[j], c->runs, 0.5);
+        c->r2_truth_median[j] = statistics_quantile(tally->r2_truth[j], c->runs, 0.5);
+    }
+}
+
+void tally_free(tally_t *tally)
+{
+    free(tally->memory);
+    tally->memory = NULL;
+}
