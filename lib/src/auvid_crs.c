@@ -104,8 +104,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
     for (uint16_t k = 0; k < c->population; ++k) { /* (3) */
         crs->order[k] = k;
         for (size_t i = 0; i < c->n; ++i) {
-            auvid_real_t x =
-                c->lower[i] + (c->upper[i] - c->lower[i]) * auvid_rng_uniform(&rng);
+            auvid_real_t x = c->lower[i] + (c->upper[i] - c->lower[i]) * auvid_rng_uniform(&rng);
             crs->theta[k][i] = auvid_min(x, c->upper[i]); /* the sum may round upwards */
         }
     }
@@ -116,11 +115,12 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
 
 static bool inside(const auvid_crs_config_t *c, const auvid_real_t *theta)
 {
-    bool in = true;
     for (size_t i = 0; i < c->n; ++i) {
-        in = in && theta[i] >= c->lower[i] && theta[i] <= c->upper[i];
+        if (!(theta[i] >= c->lower[i] && theta[i] <= c->upper[i])) {
+            return false;
+        }
     }
-    return in;
+    return true;
 }
 
 auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
@@ -142,11 +142,6 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
     }
     memcpy(crs->theta[crs->known++], theta, crs->config.n * sizeof *theta);
     return AUVID_OK;
-}
-
-static auvid_real_t spread(const auvid_crs_t *crs)
-{
-    return crs->cost[crs->worst] - crs->cost[crs->best];
 }
 
 /* (6) and the caps: has the search come to its end? */
@@ -196,61 +191,100 @@ static void complete(auvid_crs_t *crs)
     crs->state = next_state(crs);
 }
 
+/* The n + 1 points drawn; point and weight side by side, as the inner loop reads them. */
+typedef struct {
+    struct {
+        const auvid_real_t *point;
+        auvid_real_t eta;
+    } of[AUVID_MAX_PARAMETERS + 1];
+    auvid_real_t sum;     /* of eta */
+    auvid_real_t d_worst; /* d of theta_i0 */
+    uint32_t worst;       /* its place among the points */
+} family_t;
+
 /* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a lasting permutation.
- * drawn[0] becomes the worst of them. */
-static void draw(auvid_crs_t *crs, uint16_t *drawn)
+ * One random number serves two picks, 16 bits each: bias < m / 2^16. */
+static void draw(auvid_crs_t *crs, auvid_real_t phi, family_t *f)
 {
+    const auvid_real_t low = crs->cost[crs->best];
+    const uint32_t n = crs->config.n, m = crs->config.population;
+    auvid_real_t sum = AUVID_C(0.0), d_worst = AUVID_C(-1.0);
+    uint32_t worst = 0, bits = 0;
     auvid_rng_t rng;
-    uint16_t worst = 0;
     memcpy(rng.s, crs->rng, sizeof rng.s);
-    for (uint16_t j = 0; j <= crs->config.n; ++j) {
-        uint32_t pick = j + auvid_rng_below(&rng, (uint32_t)crs->config.population - j);
-        uint16_t point = crs->order[pick];
+    for (uint32_t j = 0; j <= n; ++j) {
+        bits = j % 2u != 0 ? bits >> 16 : auvid_rng_next(&rng);
+        uint32_t pick = j + (((bits & 0xffffu) * (m - j)) >> 16);
+        uint16_t k = crs->order[pick];
         crs->order[pick] = crs->order[j];
-        crs->order[j] = point;
-        drawn[j] = point;
-        if (crs->cost[point] > crs->cost[drawn[worst]]) {
+        crs->order[j] = k;
+        auvid_real_t d = crs->cost[k] - low;
+        auvid_real_t eta = AUVID_C(1.0) / (d + phi);
+        if (d > d_worst) {
+            d_worst = d;
             worst = j;
         }
+        f->of[j].point = crs->theta[k];
+        f->of[j].eta = eta;
+        sum += eta;
     }
-    uint16_t point = drawn[worst];
-    drawn[worst] = drawn[0];
-    drawn[0] = point;
     memcpy(crs->rng, rng.s, sizeof rng.s);
+    f->sum = sum;
+    f->d_worst = d_worst;
+    f->worst = worst;
 }
 
-/* (10, 11) Write the trial; is it in the box? */
+/* trial_i = factor sum_j eta_j theta_ij, i = first..first+3: four at a time halve the loads. */
+static void combine_four(const family_t *f, size_t n, size_t first, auvid_real_t factor,
+                         auvid_real_t *trial)
+{
+    auvid_real_t a = AUVID_C(0.0), b = a, c = a, d = a;
+    for (size_t j = 0; j <= n; ++j) {
+        const auvid_real_t eta = f->of[j].eta, *x = f->of[j].point + first;
+        a += eta * x[0];
+        b += eta * x[1];
+        c += eta * x[2];
+        d += eta * x[3];
+    }
+    trial[first] = factor * a;
+    trial[first + 1] = factor * b;
+    trial[first + 2] = factor * c;
+    trial[first + 3] = factor * d;
+}
+
+static void combine_one(const family_t *f, size_t n, size_t i, auvid_real_t factor,
+                        auvid_real_t *trial)
+{
+    auvid_real_t a = AUVID_C(0.0);
+    for (size_t j = 0; j <= n; ++j) {
+        a += f->of[j].eta * f->of[j].point[i];
+    }
+    trial[i] = factor * a;
+}
+
+/* (10, 11) Write the trial; is it in the box? With eta_j d_j = 1 - phi eta_j the mean of the d_j
+ * is (n + 1) / sum - phi. Centroid and reflection are one weighted sum:
+ *     c - alpha (theta_i0 - c) = factor sum eta_j theta_ij,   factor = (1 + alpha) / sum,
+ * when alpha / factor is taken from eta_0. d_0 <= D, hence alpha >= 0 and factor > 0. */
 static bool reflect(auvid_crs_t *crs)
 {
-    uint16_t drawn[AUVID_MAX_PARAMETERS + 1];
-    auvid_real_t weight[AUVID_MAX_PARAMETERS + 1];
-    auvid_real_t centroid[AUVID_MAX_PARAMETERS];
+    family_t f;
     const size_t n = crs->config.n;
-    const auvid_real_t low = crs->cost[crs->best];
-    const auvid_real_t d = spread(crs);
+    const auvid_real_t d = crs->cost[crs->worst] - crs->cost[crs->best];
     const auvid_real_t ratio = auvid_min(d / crs->initial_spread, RATIO_MAX);
     const auvid_real_t phi = auvid_max(crs->config.omega * d * ratio, AUVID_EPSILON * d);
-    auvid_real_t sum = AUVID_C(0.0), mean = AUVID_C(0.0);
 
-    draw(crs, drawn);
-    for (size_t j = 0; j <= n; ++j) {
-        weight[j] = AUVID_C(1.0) / (crs->cost[drawn[j]] - low + phi);
-        sum += weight[j];
+    draw(crs, phi, &f);
+    const auvid_real_t mean = (auvid_real_t)(int32_t)(n + 1u) / f.sum - phi;
+    const auvid_real_t alpha = AUVID_C(1.0) - (f.d_worst - mean) / (d + phi);
+    const auvid_real_t factor = (AUVID_C(1.0) + alpha) / f.sum;
+    f.of[f.worst].eta -= alpha / factor;
+    size_t i = 0;
+    for (; i + 4 <= n; i += 4) {
+        combine_four(&f, n, i, factor, crs->trial);
     }
-    memset(centroid, 0, n * sizeof *centroid);
-    for (size_t j = 0; j <= n; ++j) {
-        const auvid_real_t w = weight[j] / sum;
-        const auvid_real_t *point = crs->theta[drawn[j]];
-        mean += w * (crs->cost[drawn[j]] - low);
-        for (size_t i = 0; i < n; ++i) {
-            centroid[i] += w * point[i];
-        }
-    }
-    const auvid_real_t *worst = crs->theta[drawn[0]];
-    const auvid_real_t alpha =
-        AUVID_C(1.0) - (crs->cost[drawn[0]] - low - mean) / (d + phi);
-    for (size_t i = 0; i < n; ++i) {
-        crs->trial[i] = centroid[i] - alpha * (worst[i] - centroid[i]);
+    for (; i < n; ++i) {
+        combine_one(&f, n, i, factor, crs->trial);
     }
     return inside(&crs->config, crs->trial);
 }

@@ -212,8 +212,8 @@ static void next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
     const uint8_t next = (uint8_t)(ls->direction + 1u);
-    if (next < pattern || (next == pattern && !ls->config.literal &&
-                           ls->cost < ls->previous_cost)) {
+    if (next < pattern ||
+        (next == pattern && !ls->config.literal && ls->cost < ls->previous_cost)) {
         begin_line(ls, next);
     } else {
         begin_sweep(ls);
@@ -226,19 +226,22 @@ static void next_line(auvid_line_search_t *ls)
 static bool aim(auvid_line_search_t *ls)
 {
     const auvid_real_t failed = AUVID_LINE_SEARCH_COST_FAILED;
-    const auvid_real_t near = (ls->cost_near - ls->base_cost) / ls->t_near;
     auvid_real_t c = is_pattern(ls) ? AUVID_C(0.0) : ls->curvature[parameter(ls)];
     if (!(ls->cost_near < failed && ls->base_cost < failed)) {
         return false;
     }
-    if (ls->t_far > AUVID_C(0.0) && ls->cost_far < failed) {
+    const auvid_real_t near = (ls->cost_near - ls->base_cost) / ls->t_near;
+    if (ls->t_far > ls->t_near && ls->cost_far < failed) {
         c = ((ls->cost_far - ls->base_cost) / ls->t_far - near) / (ls->t_far - ls->t_near);
         if (!is_pattern(ls)) {
             ls->curvature[parameter(ls)] = c;
         }
     }
+    if (!(c > AUVID_C(0.0))) {
+        return false;
+    }
     ls->t = (ls->t_near - near / c) * AUVID_C(0.5);
-    return c > AUVID_C(0.0) && auvid_abs(ls->t) <= MAGNITUDE_MAX;
+    return auvid_abs(ls->t) <= MAGNITUDE_MAX;
 }
 
 /* The trial at t has this cost (7-17): move on. A step without room counts as a failure. */

@@ -116,8 +116,8 @@ int main(int argc, char **argv)
         return 1;
     }
     printf("%zu problems, 13 parameters, box [-1000, 1000]; evaluations median / p95\n"
-           "%-38s %8s %14s %14s %14s %9s %10s\n", seeds, "", "success", "global", "local", "total",
-           "rejected*", "worst dev");
+           "%-38s %8s %14s %14s %14s %9s %10s\n",
+           seeds, "", "success", "global", "local", "total", "rejected*", "worst dev");
     for (size_t r = 0; r < sizeof rows / sizeof *rows; ++r) {
         size_t good = 0;
         uint32_t rejections = 0;

@@ -5,14 +5,21 @@
 #include <string.h>
 
 static const double pi_ = 3.14159265358979323846;
-static const double dt = 0.05;           /* simulation step and grid of the rows [s] */
-enum { MAX_STEPS = 4800, HALF = 10, COLUMNS = LS_N + 1, DOFS = 4, PER_DVL = 4, KEEP = 10,
-       PIECE = 600 };
+static const double dt = 0.05; /* simulation step and grid of the rows [s] */
+enum {
+    MAX_STEPS = 4800,
+    HALF = 10,
+    COLUMNS = LS_N + 1,
+    DOFS = 4,
+    PER_DVL = 4,
+    KEEP = 10,
+    PIECE = 600
+};
 
 /* Parameters: the paper's estimates for Girona500 (m_u m_v m_w m_r W-B X_u X_uu Y_v Y_vv ...). */
-static const double girona[LS_N] = {249.5384,  367.7126, 659.9799,  74.9024,  -37.3058,
+static const double girona[LS_N] = {249.5384,  367.7126,  659.9799, 74.9024,   -37.3058,
                                     -42.4181,  -125.3578, -75.7673, -447.6195, -44.0561,
-                                    -325.0138, -20.5833, -60.9373};
+                                    -325.0138, -20.5833,  -60.9373};
 
 /* ---- random numbers: splitmix64, Gauss by Box-Muller ---- */
 static double uniform(uint64_t *s)
@@ -42,12 +49,15 @@ static void derivative(const double *pi, const double *s, const double *tau, dou
     /* roll and pitch: a damped pendulum pushed by sway and surge */
     ds[P] = (-100.0 * p - 80.0 * fabs(p) * p - 180.0 * sp * ct + 0.10 * tau[1]) / 120.0;
     ds[Q] = (-100.0 * q - 80.0 * fabs(q) * q - 180.0 * st + 0.10 * tau[0]) / 120.0;
-    ds[U] = (tau[0] + pi[1] * v * r - pi[2] * w * q - pi[4] * st + pi[5] * u +
-             pi[6] * fabs(u) * u) / pi[0];
+    ds[U] =
+        (tau[0] + pi[1] * v * r - pi[2] * w * q - pi[4] * st + pi[5] * u + pi[6] * fabs(u) * u) /
+        pi[0];
     ds[V] = (tau[1] + pi[2] * w * p - pi[0] * u * r + pi[4] * ct * sp + pi[7] * v +
-             pi[8] * fabs(v) * v) / pi[1];
+             pi[8] * fabs(v) * v) /
+            pi[1];
     ds[W] = (tau[2] + pi[0] * u * q - pi[1] * v * p + pi[4] * ct * cp + pi[9] * w +
-             pi[10] * fabs(w) * w) / pi[2];
+             pi[10] * fabs(w) * w) /
+            pi[2];
     ds[R] = (tau[3] + (pi[0] - pi[1]) * u * v + pi[11] * r + pi[12] * fabs(r) * r) / pi[3];
 }
 

@@ -19,11 +19,11 @@
 enum { LS_N = 13 };
 
 typedef struct {
-    double r[LS_N][LS_N];   /**< upper triangular */
-    double z[LS_N];         /**< right-hand side */
-    double constant;        /**< residual of the optimum, J* */
-    double optimum[LS_N];   /**< least-squares parameters */
-    double column[LS_N];    /**< norms of the columns of R */
+    double r[LS_N][LS_N];            /**< upper triangular */
+    double z[LS_N];                  /**< right-hand side */
+    double constant;                 /**< residual of the optimum, J* */
+    double optimum[LS_N];            /**< least-squares parameters */
+    double column[LS_N];             /**< norms of the columns of R */
     float rf[LS_N * (LS_N + 1) / 2]; /**< r packed by rows, as an embedded metric would hold it */
     float zf[LS_N];
     unsigned long evaluations; /**< calls of ls_problem_cost so far */

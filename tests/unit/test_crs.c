@@ -270,7 +270,7 @@ static void test_every_point_is_drawn_equally_often(void)
         }
     }
     double p = 5.0 / M, sigma = sqrt(TRIALS * p * (1.0 - p));
-    for (int k = 0; k < M; ++k) { /* 4.5 sigma, 16 points: false alarm 1e-4, and the seed is fixed */
+    for (int k = 0; k < M; ++k) { /* 4.5 sigma, 16 points: a false alarm in 1e4 seeds */
         TEST_ASSERT_TRUE(fabs(count[k] - TRIALS * p) < 4.5 * sigma);
     }
 }
@@ -355,6 +355,38 @@ static void test_consecutive_rejections_are_capped(void)
         TEST_ASSERT_TRUE(crs.most_rejections <= 37);
     }
     TEST_ASSERT_TRUE(met);
+}
+
+static void test_a_trial_in_the_box_ends_the_run_of_rejections(void)
+{
+    int ended = 0;
+    init();
+    for (int k = 0; k < 400; ++k) {
+        uint32_t before = crs.rejections;
+        if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
+            ended += before > 0;
+            TEST_ASSERT_EQUAL_UINT32(0, crs.rejections);
+            auvid_crs_tell(&crs, corner(theta));
+        }
+    }
+    TEST_ASSERT_TRUE(ended > 0);
+}
+
+static void test_a_trial_as_dear_as_the_worst_is_not_taken(void)
+{
+    static auvid_real_t before[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS];
+    init();
+    while (crs.evaluations < 16) {
+        auvid_crs_ask(&crs, theta);
+        auvid_crs_tell(&crs, sphere(theta));
+    }
+    memcpy(before, crs.theta, sizeof before);
+    while (crs.evaluations < 30) {
+        if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
+            auvid_crs_tell(&crs, crs.cost[crs.worst]);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(0, memcmp(before, crs.theta, sizeof before));
 }
 
 static void test_evaluations_are_capped(void)
@@ -467,6 +499,8 @@ int main(void)
     RUN_TEST(test_it_finishes_when_the_spread_is_epsilon);
     RUN_TEST(test_it_ends_whatever_the_cost_and_the_population);
     RUN_TEST(test_consecutive_rejections_are_capped);
+    RUN_TEST(test_a_trial_in_the_box_ends_the_run_of_rejections);
+    RUN_TEST(test_a_trial_as_dear_as_the_worst_is_not_taken);
     RUN_TEST(test_evaluations_are_capped);
     RUN_TEST(test_a_plateau_is_finished_and_a_model_that_always_fails_is_not);
     RUN_TEST(test_points_where_the_model_fails_leave_the_population);

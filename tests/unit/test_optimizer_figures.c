@@ -117,9 +117,9 @@ static void test_every_seed_reaches_the_least_squares_optimum_within_the_evaluat
         campaign(x, column != 0, false, NOTHING);
         double median = upper_end(x, 0.5), p95 = upper_end(x, 0.95);
         printf("%d of %d seeds (95 %%: >= %.1f %%), %s: evaluations median %.0f (<= %.0f), "
-               "p95 %.0f (<= %.0f), most %.0f\n", seeds, seeds, 100.0 - 300.0 / seeds,
-               column ? "columns" : "box", x[seeds / 2], median, x[seeds * 95 / 100], p95,
-               x[seeds - 1]);
+               "p95 %.0f (<= %.0f), most %.0f\n",
+               seeds, seeds, 100.0 - 300.0 / seeds, column ? "columns" : "box", x[seeds / 2],
+               median, x[seeds * 95 / 100], p95, x[seeds - 1]);
         TEST_ASSERT_TRUE(median <= goal_median);
         TEST_ASSERT_TRUE(p95 <= goal_p95);
     }
@@ -148,8 +148,8 @@ static void no_worse(const double *known, const double *none, const char *name)
     (void)upper_end(a, 0.95);
     (void)upper_end(b, 0.95);
     double ratio = a[seeds * 95 / 100] / b[seeds * 95 / 100];
-    printf("%s known point: mean %+.1f %% (<= %+.1f %%), p95 %+.1f %%\n", name,
-           100.0 * mean / base, 100.0 * end / base, 100.0 * (ratio - 1.0));
+    printf("%s known point: mean %+.1f %% (<= %+.1f %%), p95 %+.1f %%\n", name, 100.0 * mean / base,
+           100.0 * end / base, 100.0 * (ratio - 1.0));
     TEST_ASSERT_TRUE(end <= 0.1 * base);
     TEST_ASSERT_TRUE(ratio <= 1.1);
 }

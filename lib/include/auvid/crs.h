@@ -11,9 +11,9 @@
  * the caller computes its cost in whatever time it takes, auvid_crs_tell hands it back. The module
  * never sees the cost function.
  *
- * Cost: one ask makes at most one trial. For n = 13, m = 52 a trial is ~1.4k instructions on a
- * Cortex-M4F, plus ~0.3k in tell when it is accepted. Memory: about
- * 4 m (n + 1) + 2 m + 16 n bytes at AUVID_MAX_POPULATION and AUVID_MAX_PARAMETERS: 5.4 KiB by
+ * Cost: one ask makes at most one trial. For n = 13, m = 52 a trial is 1.8k instructions on a
+ * Cortex-M4F (-O2), plus 0.5-0.7k in tell when it is accepted, 0.1k when not. Memory: about
+ * 4 m (n + 1) + 2 m + 12 n bytes at AUVID_MAX_POPULATION and AUVID_MAX_PARAMETERS: 5.2 KiB by
  * default.
  *
  * Sources: Algorithm 1 of Karras et al., IROS 2013 ("the paper"); Brachetti, De Felice Ciccoli,
@@ -22,7 +22,8 @@
  * Deviations from the paper, none of which changes a run that the paper's algorithm would end:
  * - caps on evaluations and on consecutive rejections (both loops of the paper are unbounded, and
  *   with m = n + 1, or an optimum in a corner of the box, they do not end);
- * - phi is kept above AUVID_EPSILON (J_max - J_min), so that no weight divides by zero;
+ * - phi is kept above AUVID_EPSILON (J_max - J_min), so that no weight divides by zero, and its
+ *   ratio (J_max - J_min) / (J0_max - J0_min) below 1000; J0 is of points that did not fail;
  * - a population whose spread is below the resolution of the arithmetic has converged, whatever
  *   epsilon says (in float32 ties would freeze it);
  * - a cost that is not finite, or above AUVID_CRS_COST_FAILED, counts as AUVID_CRS_COST_FAILED.
@@ -42,41 +43,41 @@ extern "C" {
 
 /** Configuration; copied at init. */
 typedef struct {
-    uint8_t n;              /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
-    uint16_t population;    /**< m, n+1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2, and as many
+    uint8_t n;            /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
+    uint16_t population;  /**< m, n+1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2, and as many
                                  as AUVID_MAX_POPULATION allows) */
-    auvid_real_t epsilon;   /**< ends when J_max - J_min <= epsilon [cost]; >= 0; default 1e-2 */
-    auvid_real_t omega;     /**< factor of phi, 0..1e9; 0: n, as in the paper. Larger (1e6 n) keeps
+    auvid_real_t epsilon; /**< ends when J_max - J_min <= epsilon [cost]; >= 0; default 1e-2 */
+    auvid_real_t omega;   /**< factor of phi, 0..1e9; 0: n, as in the paper. Larger (1e6 n) keeps
                                  the population from collapsing, at more evaluations */
     uint32_t max_evaluations; /**< cap on evaluations, those after auvid_crs_reevaluate apart; the
                                    initial population is always evaluated; 0: 40 m */
     uint32_t max_rejections;  /**< cap on consecutive trials outside the box; 0: 50 m */
-    uint64_t seed;          /**< of the random numbers; any value; default 1 */
+    uint64_t seed;            /**< of the random numbers; any value; default 1 */
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< the box D [parameter's unit]; first n used; */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18 */
 } auvid_crs_config_t;
 
 /** State; private but for what the accessors give. Written by this module alone. */
 typedef struct {
-    auvid_crs_config_t config;      /**< as given, zeros replaced by their meaning */
+    auvid_crs_config_t config; /**< as given, zeros replaced by their meaning */
     auvid_real_t theta[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
-    auvid_real_t cost[AUVID_MAX_POPULATION]; /**< J of each point, once evaluated */
-    uint16_t order[AUVID_MAX_POPULATION];    /**< a permutation of 0..m-1; draws shuffle it */
+    auvid_real_t cost[AUVID_MAX_POPULATION];  /**< J of each point, once evaluated */
+    uint16_t order[AUVID_MAX_POPULATION];     /**< a permutation of 0..m-1; draws shuffle it */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
-    auvid_real_t initial_spread;    /**< J0_max - J0_min over the points that did not fail */
-    uint32_t rng[4];                /**< state of the random numbers */
-    uint32_t evaluations;           /**< costs told, 0.. */
-    uint32_t extra_evaluations;     /**< of these, after auvid_crs_reevaluate */
-    uint32_t attempts;              /**< points made, rejected ones too */
-    uint32_t rejections;            /**< consecutive trials outside the box, now */
-    uint32_t most_rejections;       /**< the most there have been */
-    uint16_t filled;                /**< points of S with a valid cost, 0..m */
-    uint16_t known;                 /**< points added by auvid_crs_add_point, 0..m */
-    uint16_t first;                 /**< S is evaluated from this point on, around */
-    uint16_t best, worst;           /**< indices of theta_min and theta_max */
-    uint8_t state;                  /**< private enum */
-    bool asked;                     /**< a point is out, its cost not yet told */
-    bool again;                     /**< S has been complete: its evaluation is an extra */
+    auvid_real_t initial_spread; /**< J0_max - J0_min over the points that did not fail */
+    uint32_t rng[4];             /**< state of the random numbers */
+    uint32_t evaluations;        /**< costs told, 0.. */
+    uint32_t extra_evaluations;  /**< of these, after auvid_crs_reevaluate */
+    uint32_t attempts;           /**< points made, rejected ones too */
+    uint32_t rejections;         /**< consecutive trials outside the box, now */
+    uint32_t most_rejections;    /**< the most there have been */
+    uint16_t filled;             /**< points of S with a valid cost, 0..m */
+    uint16_t known;              /**< points added by auvid_crs_add_point, 0..m */
+    uint16_t first;              /**< S is evaluated from this point on, around */
+    uint16_t best, worst;        /**< indices of theta_min and theta_max */
+    uint8_t state;               /**< private enum */
+    bool asked;                  /**< a point is out, its cost not yet told */
+    bool again;                  /**< S has been complete: its evaluation is an extra */
 } auvid_crs_t;
 
 /** Fill *config with the defaults for n parameters; the box, which has none, is set to zeros.
@@ -96,8 +97,7 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config);
  *         AUVID_ERR_RANGE (epsilon, omega or a bound out of range). On an error *crs is untouched.
  * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
  */
-#define auvid_crs_init                                                                             \
-    AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config);
 
 /**
@@ -119,7 +119,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
  *         AUVID_FINISHED: J_max - J_min <= epsilon;
  *         AUVID_CAPPED: ended by max_evaluations or max_rejections;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
- * Cost: n + 1 draws, n + 1 divisions, n (n + 3) multiply-adds.
+ * Cost: (n + 1) / 2 random numbers, n + 1 divisions, n (n + 1) multiply-adds. Stack: ~0.3 KiB.
  */
 auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta);
 
