@@ -54,8 +54,9 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             return AUVID_ERR_BOUNDS;
         }
     }
+    n += cfg->vehicle->regressor == NULL && cfg->metric.estimate_delay; /* searched too */
     unsigned population = cfg->population == 0 ? 4 * n : cfg->population;
-    if (n == 0) {
+    if (n == 0 || n > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
     }
     return population < n + 1 || population > AUVID_MAX_POPULATION ? AUVID_ERR_POPULATION

@@ -11,22 +11,31 @@
 
 #include "auvid_math.h"
 
+/* Is the delay one of the parameters of the search? It is the last one then. */
+static bool searches_delay(const auvid_identifier_t *id)
+{
+    return id->cfg.vehicle->regressor == NULL && id->cfg.metric.estimate_delay;
+}
+
 /* A point for the optimizer: the active parameters of pi, clipped to the box. */
 static void add_point(auvid_identifier_t *id, const auvid_optimizer_config_t *cfg,
-                      const auvid_real_t *pi)
+                      const auvid_real_t *pi, auvid_real_t delay_s)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
-    for (int i = 0; i < cfg->crs.n; ++i) {
+    int n = cfg->crs.n - (searches_delay(id) ? 1 : 0);
+    for (int i = 0; i < n; ++i) {
         theta[i] = auvid_clamp(pi[id->place[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
+    }
+    if (searches_delay(id)) {
+        theta[n] = delay_s;
     }
     (void)auvid_optimizer_add_point(&id->optimizer, theta);
 }
 
-/* Begin a search over the parameters that the data can tell. */
-static auvid_status_t begin_search(auvid_identifier_t *id)
+/* The box and the scale of the search over the active parameters. */
+static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
 {
     const auvid_identifier_config_t *cfg = &id->cfg;
-    auvid_optimizer_config_t search;
     auvid_real_t scale[AUVID_MAX_PARAMETERS];
     uint8_t n = 0;
     id->active = auvid_metric_active(&id->metric);
@@ -35,44 +44,57 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
             id->place[n++] = i;
         }
     }
-    auvid_optimizer_defaults(&search, n);
+    auvid_optimizer_defaults(search, (uint8_t)(n + searches_delay(id)));
     auvid_metric_scale(&id->metric, scale);
     for (int i = 0; i < n; ++i) {
         int p = id->place[i];
         auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
-        search.crs.lower[i] = cfg->lower[p];
-        search.crs.upper[i] = cfg->upper[p];
-        search.scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
+        search->crs.lower[i] = cfg->lower[p];
+        search->crs.upper[i] = cfg->upper[p];
+        search->scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
     }
-    search.crs.population = cfg->population;
+    if (searches_delay(id)) {
+        search->crs.upper[n] = auvid_metric_longest_delay(&id->metric);
+    }
+    if (cfg->population > 0) {
+        search->crs.population = cfg->population;
+    }
     if (cfg->omega > AUVID_C(0.0)) {
-        search.crs.omega = cfg->omega;
+        search->crs.omega = cfg->omega;
     }
-    search.crs.seed = cfg->seed + id->searches;
-    search.line_search.literal = cfg->literal_search;
+    search->crs.seed = cfg->seed + id->searches;
+    search->line_search.literal = cfg->literal_search;
+}
+
+static auvid_status_t begin_search(auvid_identifier_t *id)
+{
+    auvid_optimizer_config_t search;
+    pose_search(id, &search);
     auvid_status_t status = auvid_optimizer_init(&id->optimizer, &search);
     if (status < 0) {
         return status;
     }
     ++id->searches;
-    if (cfg->has_good) {
-        add_point(id, &search, cfg->good);
+    if (id->cfg.has_good) {
+        add_point(id, &search, id->cfg.good, id->cfg.metric.delay_s[0]);
     }
     if (id->estimate.number > 0) {
-        add_point(id, &search, id->estimate.pi);
+        add_point(id, &search, id->estimate.pi, id->delay_s);
     }
     return AUVID_OK;
 }
 
 /* All parameters of the model from the optimizer's: the others keep their fixed value. */
-static void expand(const auvid_identifier_t *id, const auvid_real_t *theta, auvid_real_t *pi)
+static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
-    memcpy(pi, id->cfg.metric.fixed, sizeof id->cfg.metric.fixed);
-    for (int i = 0, k = 0; i < id->cfg.vehicle->parameters; ++i) {
+    int k = 0;
+    memcpy(id->candidate, id->cfg.metric.fixed, sizeof id->candidate);
+    for (int i = 0; i < id->cfg.vehicle->parameters; ++i) {
         if (id->active >> i & 1u) {
-            pi[i] = theta[k++];
+            id->candidate[i] = theta[k++];
         }
     }
+    id->delay_s = searches_delay(id) ? theta[k] : id->cfg.metric.delay_s[0];
 }
 
 /* The sets are together: search anew, or go on with costs evaluated again. */
@@ -94,12 +116,12 @@ static void ask(auvid_identifier_t *id)
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
     if (status == AUVID_OK) {
-        expand(id, theta, id->candidate);
-        auvid_metric_cost_begin(&id->metric, id->candidate);
+        expand(id, theta);
+        auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
-        expand(id, auvid_optimizer_best(&id->optimizer, NULL), id->candidate);
-        auvid_metric_measure_begin(&id->metric, id->candidate);
+        expand(id, auvid_optimizer_best(&id->optimizer, NULL));
+        auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
         id->estimate.capped = status == AUVID_CAPPED;
         id->phase = AUVID_WORK_MEASURE;
     }
@@ -116,7 +138,10 @@ static void publish(auvid_identifier_t *id)
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
     (void)auvid_optimizer_best(&id->optimizer, &e->cost);
-    memcpy(e->delay_s, id->metric.delay_s, sizeof e->delay_s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool common = id->cfg.vehicle->regressor == NULL && (e->driven >> j & 1);
+        e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
+    }
     e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
     e->evaluations_crs = work.crs;

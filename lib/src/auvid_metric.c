@@ -80,7 +80,6 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
         cfg->sets > AUVID_MAX_SETS || (uint32_t)cfg->set_rows * cfg->sets > 60000 ||
         cfg->lag[0] < 1 || cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 ||
         cfg->lag[1] > AUVID_METRIC_LAGS || cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
-        !(cfg->command_delay_s >= AUVID_C(0.0) && cfg->command_delay_s <= longest) ||
         (cfg->smoothing != AUVID_SMOOTH_ROWS && cfg->smoothing != AUVID_SMOOTH_STATES) ||
         (cfg->smoothing == AUVID_SMOOTH_STATES && cfg->estimate_delay)) {
         return AUVID_ERR_RANGE;
@@ -181,9 +180,6 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     if (status == AUVID_OK) {
         status = lay_out(metric);
     }
-    if (cfg->vehicle->regressor == NULL) {
-        metric->cfg.estimate_delay = false;
-    }
     memcpy(metric->delay_s, cfg->delay_s, sizeof metric->delay_s);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         metric->band_weight[0][j] = metric->band_weight[1][j] = AUVID_C(1.0);
@@ -191,34 +187,27 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     return status;
 }
 
-/* The wrench (or command) i, `delay` cells before the newest, straight between cells. */
-static auvid_real_t delayed(const auvid_metric_t *m, int i, auvid_real_t delay)
+/* The wrench (i < 6) or command at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
+static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
 {
     enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
-    uint32_t whole = (uint32_t)delay;
-    uint32_t further = whole + 1 < PAST ? whole + 1 : PAST - 1;
-    auvid_real_t part = delay - (auvid_real_t)whole;
-    auvid_real_t near = m->past_tau[(m->cells + PAST - whole) % PAST][i];
-    auvid_real_t far = m->past_tau[(m->cells + PAST - further) % PAST][i];
-    return near + part * (far - near);
+    uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS);
+    return m->past_tau[(m->cells + PAST - ago) % PAST][i];
 }
 
-/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench, commands. */
+/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all delays.
+ * The literal reading makes its accelerations of nu. */
 static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
 {
-    auvid_real_t per_cell = AUVID_C(1e6) / (auvid_real_t)m->cfg.cell_us;
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
     bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
     channel[0] = s->phi;
     channel[1] = s->theta;
     channel[2] = s->psi;
     memcpy(channel + MOTION_NU, s->nu, sizeof s->nu);
     memcpy(channel + MOTION_NU_DOT, literal ? s->nu : s->nu_dot, sizeof s->nu_dot);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        channel[MOTION_TAU + j] = delayed(m, j, m->cfg.delay_s[j] * per_cell);
-    }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-        channel[MOTION_COMMAND + i] =
-            delayed(m, AUVID_DOF_COUNT + i, m->cfg.command_delay_s * per_cell);
+    for (int i = 0; i < AUVID_METRIC_DELAYS * INPUTS; ++i) {
+        channel[MOTION_TAU + i] = delayed(m, i % INPUTS, i / INPUTS);
     }
 }
 
@@ -243,8 +232,7 @@ static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid
             to[k] = y.row[j][m->index[m->channel_at[j] + k]];
         }
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            to[m->count[j] + d] =
-                delayed(m, j, (auvid_real_t)(d * AUVID_METRIC_DELAY_CELLS)) - known;
+            to[m->count[j] + d] = delayed(m, j, d) - known;
         }
     }
 }
@@ -299,7 +287,7 @@ static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s, a
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *tau = channel + m->channel_at[j] + m->count[j];
         if (vehicle->columns[j] != 0) {
-            auvid_real_t off = s->tau[j] - delayed(m, j, AUVID_C(0.0));
+            auvid_real_t off = s->tau[j] - delayed(m, j, 0);
             tau[0] += off;
             tau[1] = tau[2] = tau[0];
         }
@@ -353,7 +341,10 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *cha
     sample_from_channels(channel, &sample);
     sample.t_us = t_us;
     if (vehicle->regressor == NULL) {
-        m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u] = sample;
+        auvid_row_t *store =
+            &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u];
+        store->sample = sample;
+        memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     } else {
         auvid_real_t rows[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
         literal_channels(m, &sample, rows);

@@ -261,8 +261,14 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
     return AUVID_OK;
 }
 
-static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi)
+auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
+    return node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
+}
+
+static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
+{
+    delay_weights(delay_s / node_s(m), false, m->delay_weight);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
     }
@@ -278,11 +284,11 @@ static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi)
     m->sum = m->compensation = AUVID_C(0.0);
 }
 
-void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi)
+void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     if (metric != NULL && pi != NULL) {
         metric->pass = PASS_COST;
-        take_candidate(metric, pi);
+        take_candidate(metric, pi, delay_s);
     }
 }
 
@@ -314,6 +320,21 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
+/* The stored sample with wrench and commands at the candidate's delay. */
+static auvid_sample_t delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
+{
+    const auvid_real_t *l = m->delay_weight;
+    auvid_sample_t s = row->sample;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        int k = AUVID_DOF_COUNT + i;
+        s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
+    }
+    return s;
+}
+
 /* J = sum over stored samples, compensated: the constant part is in it. */
 static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
@@ -325,9 +346,9 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
             auvid_real_t e[AUVID_DOF_COUNT], squares = AUVID_C(0.0);
-            const auvid_sample_t *sample =
-                &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row];
-            auvid_vehicle_residual(m->cfg.vehicle, sample, m->pi, e);
+            const auvid_sample_t sample =
+                delayed_sample(m, &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row]);
+            auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, e);
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if (set->driven >> j & 1) {
                     squares += m->weight[j] * e[j] * e[j];
@@ -351,11 +372,12 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
     return has_regressor(metric) ? triangle_cost(metric, budget) : sample_cost(metric, budget);
 }
 
-void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi)
+void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s)
 {
     if (metric != NULL && pi != NULL) {
         rewind_rows(metric, PASS_MEASURE);
-        take_candidate(metric, pi);
+        take_candidate(metric, pi, delay_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t l[AUVID_METRIC_DELAYS];
             delay_weights(metric->delay_s[j] / node_s(metric), metric->lagged >> j & 1, l);

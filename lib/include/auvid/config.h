@@ -59,9 +59,10 @@
 #endif
 
 /** Columns of all equations together, three for the wrench of each degree of freedom included: the
- * sum over the degrees of freedom of c + 3. Girona500 with biases takes 39. 4..512. */
+ * sum over the degrees of freedom of c + 3; Girona500 with biases takes 39. A model without
+ * regressor takes 33 and three for each thruster of AUVID_MAX_THRUSTERS. 4..512. */
 #ifndef AUVID_MAX_COLUMNS
-#define AUVID_MAX_COLUMNS 39
+#define AUVID_MAX_COLUMNS 57
 #endif
 
 /** Taps of the filter through which rows and wrench pass, in cells of the recorder. 3..255. */

@@ -8,7 +8,7 @@
  * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <-> optimizer
  * (optimizer.h) -> estimate. Each completed data set starts a global search with the last estimate as
  * a known good point; a set that completes during a search makes its costs stale, and they are
- * evaluated again.
+ * evaluated again. For a model without regressor the delay is one more parameter of the search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most AUVID_CELLS_PER_STEP
  * cells of the recorder. Cost of work: a unit is one row of a triangle, one stored sample put through
@@ -173,6 +173,7 @@ typedef struct {
     uint8_t place[AUVID_MAX_PARAMETERS]; /* parameter that the optimizer's i-th is */
     uint32_t active;               /* parameters in the present search */
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
+    auvid_real_t delay_s;          /* its delay, where that is searched too */
     bool started, exciting, set_pending, searching;
 } auvid_identifier_t;
 

@@ -22,7 +22,8 @@
  * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
  * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a first-order
  * lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi explains is
- * smallest, over all sets in the ring. Regressor path only; a given delay holds for both.
+ * smallest, over all sets in the ring. In the residual path one shift, common to wrench and commands,
+ * is searched together with the parameters.
  *
  * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
  * (they would pull its parameters to zero with a small formal error).
@@ -58,6 +59,13 @@ typedef enum {
                                   the accelerations, wrench raw */
 } auvid_smoothing_t;
 
+/** A stored row of the residual path: a smoothed sample, and wrench and commands at the other delays.
+ * Written by the metric. */
+typedef struct {
+    auvid_sample_t sample;
+    auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
+} auvid_row_t;
+
 typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
     uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
@@ -78,12 +86,12 @@ typedef struct {
                          moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t order;         /**< of the polynomial, default 2 */
     uint8_t passes;        /**< how often the smoother is applied, 1 or 2; default 2 */
-    bool estimate_delay;   /**< default true; regressor path with AUVID_SMOOTH_ROWS only */
+    bool estimate_delay;   /**< default true; must be false with AUVID_SMOOTH_STATES */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..4 cells,
-                                                default 0 */
-    auvid_real_t command_delay_s;          /**< of the commands [s]; 0..4 cells, default 0 */
-    auvid_sample_t *rows;  /**< residual path: storage for (sets + 1) set_rows samples, owned by the
-                                caller, must outlive the metric; null otherwise */
+                                                default 0; in the residual path the first is that of
+                                                wrench and commands */
+    auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the caller,
+                            must outlive the metric; null otherwise */
 } auvid_metric_config_t;
 
 /** One data set. Private but for `rows` and `driven`. */
@@ -123,6 +131,7 @@ typedef struct {
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];     /* pi by parameter */
+    auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];      /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation;
     uint16_t at_row; /* progress */
@@ -183,8 +192,9 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
  * set, or no DoF driven in any); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 
-/** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored. */
-void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi);
+/** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored.
+ * @param delay_s residual path: the common delay, 0..4 cells; not read in the regressor path. */
+void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
 /** Go on with it.
  * @param budget as in merge: one unit for each row of R, or for each stored sample
@@ -193,7 +203,11 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi);
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 
 /** Begin to measure the residuals of pi [n] for each DoF, unweighted (for R2). */
-void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi);
+void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s);
+
+/** Longest delay that can be had [s]: 4 cells. */
+auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
  * AUVID_PENDING; AUVID_ERR_NULL. */
