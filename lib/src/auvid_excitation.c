@@ -14,7 +14,7 @@
 #include "auvid_math.h"
 
 #define TWO_PI AUVID_C(6.28318530717958647693)
-#define LOW_LEVEL AUVID_C(0.3)  /* of a random step */
+#define LOW_LEVEL AUVID_C(0.3)     /* of a random step */
 #define SIGN_CHANGES AUVID_C(0.75) /* probability */
 #define JITTER AUVID_C(0.12)       /* of the frequencies of a sum of sines */
 #define POINTS_PER_PERIOD AUVID_C(8.0)
@@ -54,7 +54,8 @@ static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
 
 static auvid_real_t steps_value(const channel_t *c, uint32_t s_us, uint32_t fade_us)
 {
-    return c->before + (c->level - c->before) * raised_cosine(s_us - c->hold_from_us, fade_us);
+    auvid_real_t part = raised_cosine(s_us - c->hold_from_us, fade_us);
+    return part < AUVID_C(1.0) ? c->before + (c->level - c->before) * part : c->level;
 }
 
 /* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the

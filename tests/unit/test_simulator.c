@@ -268,9 +268,9 @@ static void test_acceleration_of_the_truth_is_the_derivative_of_its_velocity(voi
 }
 
 /* Pitch is an oscillator of damping z = 60 / (2 sqrt(80 * 150)), driven by 0.08 m times at most
- * 100 N. Its first overshoot is o = exp(-pi z / sqrt(1 - z^2)); the worst force within the limit, one
- * that changes sign with every swing, takes it to (1 + o) / (1 - o) times the static angle. Roll has
- * the shorter arm. */
+ * 100 N. Its first overshoot is o = exp(-pi z / sqrt(1 - z^2)); the worst force within the limit,
+ * which changes sign with every swing, takes it to (1 + o) / (1 - o) times the static angle. Roll
+ * has the shorter arm. */
 static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
 {
     const auvid_real_t amplitude[6] = {100, 100, 100, 0, 0, 40};

@@ -54,8 +54,9 @@ typedef enum {
      * AUVID_EXCITATION_SCAN / 8 periods of the highest, and by sines that cancel. */
     AUVID_SEGMENT_SINES,
     /** Steps to A or 0.3 A at random (two speeds tell linear from quadratic drag), each held
-     * hold_min_s..hold_max_s; the first sign is random, the sign then changes with probability 3/4,
-     * or always and with equal level and hold within a pair when `pairs` is set. The last hold is cut where the fade to zero must begin. */
+     * hold_min_s..hold_max_s; the first sign is random, the sign then changes with probability
+     * 3/4, or always and with equal level and hold within a pair when `pairs` is set. The last
+     * hold is cut where the fade to zero must begin. */
     AUVID_SEGMENT_STEPS,
     AUVID_SEGMENT_KIND_COUNT
 } auvid_segment_kind_t;
