@@ -10,7 +10,7 @@
  * identification must record.
  *
  * Who calls it: the control tick. Cost: 12 n multiplications and at most 4 n divisions for n
- * thrusters; init about 3000 operations for 6 x 8. Memory: sizeof(auvid_allocation_t), 0.7 KiB with
+ * thrusters; init about 3000 operations for 6 x 8. Memory: sizeof(auvid_allocation_t), 0.6 KiB with
  * 8 thrusters in float. No state: all functions but init take the struct as const.
  *
  * Sources: Karras et al. 2013, III-A ("transformed to thruster commands through the thruster
