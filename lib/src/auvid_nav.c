@@ -1,0 +1,286 @@
+/*
+ * Navigation filter, first part: configuration, prediction, output (Karras et al. 2013, II-B).
+ *
+ * Eq. 5 with R = R(phi_k, theta_k, psi_k), t the tick and n the accelerations:
+ *
+ *     p_k = p_{k-1} + R (v_{k-1} t + n t^2/2)          F = [ I  t R ]      G = [ R t^2/2 ]
+ *     v_k = v_{k-1} + n t                                  [ 0   I  ]          [ I t     ]
+ *
+ *     P_k = F P F' + G Q G',   Q = diag(q) / t,   q = sigma^2 reference_tick
+ *
+ * In blocks, with A = Pvv + diag(q) t/4, C = t R A and N = Ppv + C/2:
+ *
+ *     Ppp += N (t R)' + (t R) N'
+ *     Ppv += C + t R diag(q) t/4
+ *     Pvv += diag(q) t
+ */
+#include <string.h>
+
+#include "auvid_nav_private.h"
+
+#define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
+#define LARGEST_RATE AUVID_C(100.0)
+#define LARGEST_AGE_US 2000000u
+#define LARGEST_SIGMA AUVID_C(1e3)
+
+void auvid_nav_defaults(auvid_nav_config_t *config)
+{
+    if (config == NULL) {
+        return;
+    }
+    memset(config, 0, sizeof *config);
+    for (int i = 0; i < 3; ++i) {
+        config->sigma_acceleration[i] = AUVID_C(1.0);
+    }
+    config->reference_tick = AUVID_C(0.02);
+    config->sigma_dvl = AUVID_C(0.007);
+    config->sigma_current = AUVID_C(0.3);
+    config->sigma_depth = AUVID_C(0.015);
+    config->sigma_gps = AUVID_C(1.5);
+    config->sigma_position = AUVID_C(1.0);
+    config->sigma_velocity = AUVID_C(1.0);
+    config->gate = AUVID_C(16.0);
+    config->speed_limit = AUVID_C(3.0);
+    config->density = AUVID_C(1025.0);
+    config->gravity = AUVID_C(9.80665);
+    config->surface_pressure = AUVID_C(101325.0);
+    config->surface_depth = AUVID_C(0.5);
+    config->dvl_max_age_us = 500000;
+    config->depth_max_age_us = 500000;
+    config->gps_max_age_us = 500000;
+    config->future_us = 20000;
+    config->stale_us = 1000000;
+    config->gap_us = 1000000;
+    config->lockout = 10;
+    config->gps_start = 4;
+}
+
+/* AUVID_OK when low <= x <= high and x is not 0 where that is ruled out. */
+static auvid_status_t check_field(auvid_real_t x, auvid_real_t high, bool zero_allowed)
+{
+    auvid_status_t status = nav_within(&x, 1, high);
+    bool good = x > AUVID_C(0.0) || (zero_allowed && x >= AUVID_C(0.0));
+    return status == AUVID_OK && !good ? AUVID_ERR_RANGE : status;
+}
+
+static auvid_status_t check_config(const auvid_nav_config_t *c)
+{
+    const struct {
+        auvid_real_t x, high;
+        bool zero_allowed;
+    } field[] = {
+        {c->sigma_acceleration[0], LARGEST_SIGMA, false},
+        {c->sigma_acceleration[1], LARGEST_SIGMA, false},
+        {c->sigma_acceleration[2], LARGEST_SIGMA, false},
+        {c->reference_tick, AUVID_C(10.0), false},
+        {c->sigma_dvl, LARGEST_SIGMA, false},
+        {c->sigma_current, LARGEST_SIGMA, true},
+        {c->sigma_depth, LARGEST_SIGMA, false},
+        {c->sigma_gps, LARGEST_SIGMA, false},
+        {c->sigma_position, LARGEST_SIGMA, false},
+        {c->sigma_velocity, LARGEST_SIGMA, false},
+        {c->gate, AUVID_LARGEST, true},
+        {c->speed_limit, NAV_LARGEST_SPEED, true},
+        {c->density, AUVID_C(1e5), false},
+        {c->gravity, AUVID_C(100.0), false},
+        {c->surface_pressure, AUVID_C(1e6), true},
+    };
+    auvid_status_t status = AUVID_OK;
+    for (size_t i = 0; i < sizeof field / sizeof field[0] && status == AUVID_OK; ++i) {
+        status = check_field(field[i].x, field[i].high, field[i].zero_allowed);
+    }
+    const struct {
+        const auvid_real_t *x;
+        int n;
+        auvid_real_t limit;
+    } array[] = {
+        {c->position, 3, NAV_LARGEST_POSITION},
+        {c->dvl_euler, 3, AUVID_C(10.0)},
+        {c->dvl_lever, 3, AUVID_C(1e3)},
+        {&c->surface_depth, 1, NAV_LARGEST_POSITION},
+    };
+    for (size_t i = 0; i < sizeof array / sizeof array[0] && status == AUVID_OK; ++i) {
+        status = nav_within(array[i].x, array[i].n, array[i].limit);
+    }
+    if (status == AUVID_OK &&
+        (c->dvl_max_age_us > LARGEST_AGE_US || c->depth_max_age_us > LARGEST_AGE_US ||
+         c->gps_max_age_us > LARGEST_AGE_US || c->future_us > LARGEST_AGE_US || c->stale_us == 0 ||
+         c->gps_start > AUVID_NAV_GPS_START_MAX)) {
+        status = AUVID_ERR_RANGE;
+    }
+    return status;
+}
+
+static inline auvid_real_t square(auvid_real_t x)
+{
+    return x * x;
+}
+
+auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config)
+{
+    if (nav == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = check_config(config);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    memset(nav, 0, sizeof *nav);
+    for (int i = 0; i < 3; ++i) {
+        nav->q[i] = square(config->sigma_acceleration[i]) * config->reference_tick;
+        nav->position[i] = config->position[i];
+        nav->pp[nav_packed[i][i]] = square(config->sigma_position);
+        nav->vv[nav_packed[i][i]] = square(config->sigma_velocity);
+    }
+    nav->r[AUVID_NAV_DVL_BOTTOM] = square(config->sigma_dvl);
+    nav->r[AUVID_NAV_DVL_WATER] = square(config->sigma_dvl) + square(config->sigma_current);
+    nav->r[AUVID_NAV_DEPTH] = square(config->sigma_depth);
+    nav->r[AUVID_NAV_GPS] = square(config->sigma_gps);
+    nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = config->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DVL_WATER] = config->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DEPTH] = config->depth_max_age_us;
+    nav->max_age_us[AUVID_NAV_GPS] = config->gps_max_age_us;
+    nav->future_us = config->future_us;
+    nav->stale_us = config->stale_us;
+    nav->gap_us = config->gap_us == 0 ? UINT32_MAX : config->gap_us;
+    nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
+    nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
+    nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
+    nav->surface_pressure = config->surface_pressure;
+    nav->surface_depth = config->surface_depth;
+    nav->lockout = config->lockout;
+    nav->gps_start = config->gps_start;
+    memcpy(nav->lever, config->dvl_lever, sizeof nav->lever);
+    auvid_rotation(config->dvl_euler[0], config->dvl_euler[1], config->dvl_euler[2], nav->mount);
+    nav->ready = NAV_READY;
+    return AUVID_OK;
+}
+
+/* Eq. 5 and the covariance that goes with it, as above. */
+static void predict(auvid_nav_t *nav, auvid_real_t t)
+{
+    auvid_real_t tr[3][3], n[3][3], quarter[3];
+    for (int k = 0; k < 3; ++k) {
+        quarter[k] = nav->q[k] * t * AUVID_C(0.25);
+    }
+    const auvid_real_t *vv = nav->vv;
+    auvid_real_t a00 = vv[0] + quarter[0], a01 = vv[1], a02 = vv[2];
+    auvid_real_t a11 = vv[3] + quarter[1], a12 = vv[4], a22 = vv[5] + quarter[2];
+    for (int i = 0; i < 3; ++i) {
+        auvid_real_t x = tr[i][0] = t * nav->rotation[i][0];
+        auvid_real_t y = tr[i][1] = t * nav->rotation[i][1];
+        auvid_real_t z = tr[i][2] = t * nav->rotation[i][2];
+        auvid_real_t c0 = x * a00 + y * a01 + z * a02;
+        auvid_real_t c1 = x * a01 + y * a11 + z * a12;
+        auvid_real_t c2 = x * a02 + y * a12 + z * a22;
+        auvid_real_t *pv = nav->pv[i];
+        n[i][0] = pv[0] + AUVID_C(0.5) * c0;
+        n[i][1] = pv[1] + AUVID_C(0.5) * c1;
+        n[i][2] = pv[2] + AUVID_C(0.5) * c2;
+        pv[0] += c0 + x * quarter[0];
+        pv[1] += c1 + y * quarter[1];
+        pv[2] += c2 + z * quarter[2];
+        nav_move(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
+    }
+    nav->pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
+    nav->pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
+    nav->pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
+    nav->pp[3] += AUVID_C(2.0) * nav_dot(n[1], tr[1]);
+    nav->pp[4] += nav_dot(n[1], tr[2]) + nav_dot(n[2], tr[1]);
+    nav->pp[5] += AUVID_C(2.0) * nav_dot(n[2], tr[2]);
+    nav->vv[0] += AUVID_C(4.0) * quarter[0];
+    nav->vv[3] += AUVID_C(4.0) * quarter[1];
+    nav->vv[5] += AUVID_C(4.0) * quarter[2];
+}
+
+/* Whole turns that psi left behind when it jumped by more than half a turn. */
+static int32_t jumped_turns(auvid_real_t from, auvid_real_t to)
+{
+    auvid_real_t turns = (from - to) * (AUVID_C(0.5) / AUVID_PI);
+    return (int32_t)(turns + (turns < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
+}
+
+auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
+                             const auvid_real_t rates[3])
+{
+    if (nav == NULL || attitude == NULL || rates == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready == NAV_BLANK) {
+        return AUVID_ERR_STATE;
+    }
+    bool running = nav->ready == NAV_RUNNING;
+    auvid_status_t status = nav_within(attitude, 3, LARGEST_ANGLE);
+    if (status == AUVID_OK) {
+        status = nav_within(rates, 3, LARGEST_RATE);
+    }
+    if (status != AUVID_OK) {
+        nav_count(&nav->imu_invalid);
+        return status;
+    }
+    if (running && t_us <= nav->t_us) {
+        nav_count(&nav->imu_time);
+        return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
+    }
+    bool gap = running && t_us - nav->t_us > nav->gap_us;
+    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
+    if (running) {
+        nav->turns += jumped_turns(nav->attitude[2], attitude[2]);
+        predict(nav, auvid_seconds(nav->t_us, t_us));
+    } else {
+        nav->touched_us = t_us;
+    }
+    for (int i = 0; i < 3; ++i) {
+        nav->attitude[i] = attitude[i];
+        nav->rates[i] = rates[i];
+    }
+    nav->t_us = t_us;
+    nav->ready = NAV_RUNNING;
+    nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
+    if (gap) {
+        nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
+        nav_count(&nav->imu_gaps);
+    }
+    return gap ? AUVID_GAP : AUVID_OK;
+}
+
+auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
+{
+    if (nav == NULL || state == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
+    }
+    state->t_us = nav->t_us;
+    for (int i = 0; i < 3; ++i) {
+        state->position[i] = nav->position[i] + nav->residue[i];
+        state->attitude[i] = nav->attitude[i];
+        state->velocity[i] = nav->velocity[i];
+        state->rates[i] = nav->rates[i];
+    }
+    state->attitude[2] += (auvid_real_t)nav->turns * (AUVID_C(2.0) * AUVID_PI);
+    state->flags = nav->flags;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        state->flags |= nav_fresh(nav, i) ? 1u << i : 0u;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6])
+{
+    if (nav == NULL || p == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready == NAV_BLANK) {
+        return AUVID_ERR_STATE;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            p[i][j] = nav->pp[nav_packed[i][j]];
+            p[i][3 + j] = p[3 + j][i] = nav->pv[i][j];
+            p[3 + i][3 + j] = nav->vv[nav_packed[i][j]];
+        }
+    }
+    return AUVID_OK;
+}

@@ -1,0 +1,104 @@
+/**
+ * @file auvid_nav_private.h
+ * Private: what the parts of the navigation filter share.
+ */
+#ifndef AUVID_NAV_PRIVATE_H
+#define AUVID_NAV_PRIVATE_H
+
+#include "auvid/nav.h"
+#include "auvid_math.h"
+
+/* auvid_nav_t.ready */
+enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
+
+/* Largest values that are taken for a measurement or a setting. */
+#define NAV_LARGEST_POSITION AUVID_C(1e5)
+#define NAV_LARGEST_SPEED AUVID_C(100.0)
+
+/* Where element (i, j) of a symmetric block stands in its six numbers. */
+static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/** Raise a counter that stops at its largest value. */
+static inline void nav_count(uint16_t *counter)
+{
+    *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
+}
+
+/** AUVID_OK when |x| <= limit for all n values, else AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE. */
+static inline auvid_status_t nav_within(const auvid_real_t *x, int n, auvid_real_t limit)
+{
+    for (int i = 0; i < n; ++i) {
+        if (!(auvid_abs(x[i]) <= limit)) {
+            return auvid_is_finite(x[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
+/** Has a sample of this sensor passed the gate within stale_us? */
+static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
+{
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
+    return d->alive && (int64_t)(nav->t_us - d->good_us) <= (int64_t)nav->stale_us;
+}
+
+static inline auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
+ * exact while |position| >= |step|; else the loss is a rounding of step, once). */
+static inline void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
+{
+    auvid_real_t d = nav->residue[axis] + step;
+    auvid_real_t sum = nav->position[axis] + d;
+    nav->residue[axis] = d - (sum - nav->position[axis]);
+    nav->position[axis] = sum;
+}
+
+/* One scalar, linearised. */
+typedef struct {
+    auvid_real_t c[6]; /* covariance of the state and nu */
+    auvid_real_t s;    /* variance of nu */
+    auvid_real_t nu;   /* innovation */
+} auvid_nav_scalar_t;
+
+/* One sample on its way into the filter. */
+typedef struct {
+    uint64_t t_us;
+    uint8_t sensor;
+    uint8_t n;        /* scalars */
+    uint8_t first;    /* position: axis of the first */
+    bool is_velocity; /* else position */
+    bool directed;    /* velocity along the rows of h, else along the body's axes */
+    bool clean;       /* nothing entered the filter since it was taken */
+    uint8_t outside;  /* bit j: scalar j is outside the gate and enters all the same */
+    auvid_real_t age; /* [s] */
+    auvid_real_t z[3];
+    auvid_real_t h[3][3];
+    auvid_nav_scalar_t scalar; /* the first one, linearised */
+} auvid_nav_measurement_t;
+
+/** The sample of t_us has passed. */
+static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
+{
+    d->good_us = t_us;
+    d->alive = true;
+    d->refusals = 0;
+}
+
+/** Linearise all scalars of *m and write them down in the sensor's diagnostics; returns a bit for
+ * each that is outside the gate. Leaves the first of them in m->scalar. */
+uint8_t auvid_nav_look(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+
+/** auvid_nav_look(), the gate, and the way out of it: AUVID_OK or AUVID_GATED. */
+auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+
+/** Eq. 6 for all scalars of a sample that passed, one after the other. */
+void auvid_nav_enter(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+
+/** Move one axis of the position by `step` and give it a variance, whatever was known of it. */
+void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance);
+
+#endif
