@@ -1,0 +1,25 @@
+/**
+ * @file auvid.h
+ * All of auvid. Firmware that only identifies needs identifier.h alone; each module can also be
+ * used by itself through its own header.
+ */
+#ifndef AUVID_AUVID_H
+#define AUVID_AUVID_H
+
+#include "auvid/types.h"
+#include "auvid/selftest.h"
+
+#include "auvid/nav.h"
+#include "auvid/excitation.h"
+#include "auvid/allocation.h"
+#include "auvid/smoother.h"
+#include "auvid/vehicle.h"
+#include "auvid/recorder.h"
+#include "auvid/metric.h"
+#include "auvid/crs.h"
+#include "auvid/line_search.h"
+#include "auvid/optimizer.h"
+#include "auvid/validation.h"
+#include "auvid/identifier.h"
+
+#endif
