@@ -20,6 +20,9 @@
 #include "auvid_linalg.h"
 #include "auvid_metric.h"
 
+/* Standard deviation of the weights by which residuals are smoothed in the residual path. */
+#define RESIDUAL_SMOOTHING_S AUVID_C(0.32)
+
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
 {
     if (cfg == NULL) {
@@ -114,9 +117,40 @@ static auvid_status_t make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8
     return status;
 }
 
+/* Binomial weights over an odd number of rows: n of them have a variance of (n - 1) / 4. */
+static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
+{
+    auvid_real_t rows = deviation_s * AUVID_C(1e6) /
+                        ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
+    auvid_real_t pairs = auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
+                                   (auvid_real_t)(AUVID_METRIC_WINDOW / 2));
+    m->window_length = (uint8_t)(2 * (int)pairs + 1);
+    memset(m->share, 0, sizeof m->share);
+    m->share[0] = AUVID_C(1.0);
+    for (int n = 1; n < m->window_length; ++n) {
+        for (int k = n; k >= 0; --k) { /* Pascal's triangle, halved from line to line */
+            auvid_real_t left = k > 0 ? m->share[k - 1] : AUVID_C(0.0);
+            m->share[k] = AUVID_C(0.5) * (m->share[k] + left);
+        }
+    }
+}
+
 static auvid_status_t make_filter(auvid_metric_t *m)
 {
     const auvid_metric_config_t *cfg = &m->cfg;
+    if (cfg->vehicle->regressor == NULL && cfg->smoothing == AUVID_SMOOTH_ROWS) {
+        if (cfg->row_cells > AUVID_MAX_TAPS) {
+            return AUVID_ERR_SIZE;
+        }
+        m->taps = (uint8_t)cfg->row_cells; /* means over the row; the residuals are smoothed later */
+        m->overlap = 1;
+        for (int i = 0; i < m->taps; ++i) {
+            m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
+        }
+        make_window(m, RESIDUAL_SMOOTHING_S);
+        return AUVID_OK;
+    }
+    make_window(m, AUVID_C(0.0));
     uint32_t wide = cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
     uint32_t taps = 2 * wide * cfg->passes + 1;
     uint32_t overlap = (taps + cfg->row_cells - 1) / cfg->row_cells;
@@ -406,7 +440,7 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
             auvid_real_t *row = m->accumulator[(n - age) / step % m->overlap];
             accumulate(m, row, age, channel);
             if (age + 1u == m->taps) {
-                uint64_t middle = sample->t_us - (uint64_t)(m->taps / 2u) * m->cfg.cell_us;
+                uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
                 finish_row(m, middle, row);
                 if (m->set[m->current].rows >= m->cfg.set_rows) {
                     status = auvid_metric_close(m);

@@ -281,6 +281,7 @@ static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real
     }
     m->at_set = m->at_dof = 0;
     m->at_row = 0;
+    m->window_rows = 0;
     m->sum = m->compensation = AUVID_C(0.0);
 }
 
@@ -335,24 +336,49 @@ static auvid_sample_t delayed_sample(const auvid_metric_t *m, const auvid_row_t 
     return s;
 }
 
-/* J = sum over stored samples, compensated: the constant part is in it. */
+/* Residuals of one stored row into the window. @return the window is full of successive rows */
+static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
+{
+    uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
+    auvid_sample_t sample = delayed_sample(m, row);
+    if (m->window_rows > 0 && sample.t_us - m->window_us != row_us) {
+        m->window_rows = 0;
+    }
+    m->window_us = sample.t_us;
+    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
+                           m->window[m->window_rows % m->window_length]);
+    ++m->window_rows;
+    return m->window_rows >= m->window_length;
+}
+
+static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
+{
+    auvid_real_t e = AUVID_C(0.0);
+    for (uint32_t k = 0; k < m->window_length; ++k) {
+        e += m->share[k] * m->window[(m->window_rows + k) % m->window_length][j];
+    }
+    return e;
+}
+
+/* J = sum over stored rows, oldest set first; compensated, since the constant part is in it. */
 static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_set < m->cfg.sets; ++m->at_set, m->at_row = 0) {
-        int slot = auvid_metric_slot(m, m->at_set);
+        int slot = auvid_metric_slot(m, m->cfg.sets - 1 - m->at_set);
         const auvid_set_t *set = &m->set[slot];
         for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row, --*budget) {
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-            auvid_real_t e[AUVID_DOF_COUNT], squares = AUVID_C(0.0);
-            const auvid_sample_t sample =
-                delayed_sample(m, &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row]);
-            auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, e);
+            auvid_real_t squares = AUVID_C(0.0);
+            if (!push_residual(m, &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row])) {
+                continue;
+            }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if (set->driven >> j & 1) {
-                    squares += m->weight[j] * e[j] * e[j];
-                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e[j] * e[j] : AUVID_C(0.0);
+                    auvid_real_t e = smoothed_residual(m, j);
+                    squares += m->weight[j] * e * e;
+                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
                 }
             }
             auvid_real_t term = squares - m->compensation, total = m->sum + term;

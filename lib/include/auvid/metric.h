@@ -16,8 +16,10 @@
  *       J(pi) = sum_j ||R_j pi - z_j||^2 / (tau_max_j^2 rows_j),
  *   without the part that no pi can explain (kept apart in `constant`): in float32 it would swamp
  *   the differences the optimizer lives on.
- * - *Residual path*, for any other model: smoothed samples are stored and the user's function is
- *   called on each: J(pi) = sum_j sum_k residual_jk^2 / (tau_max_j^2 rows_j).
+ * - *Residual path*, for any other model: means over each row's time are stored, the user's function
+ *   is called on each, and the residuals are smoothed, by binomial weights of about 0.3 s standard
+ *   deviation. (A model that is not linear in the commands, a dead band, say, must see them as they
+ *   were: for such a model make rows of two cells.) J(pi) = sum_j sum_k smoothed_jk^2 / (tau_max_j^2 rows_j).
  *
  * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
  * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a first-order
@@ -51,6 +53,8 @@ extern "C" {
 #define AUVID_METRIC_BANDS 2
 /** Rows kept for them. */
 #define AUVID_METRIC_LAGS 2
+/** Most rows whose residuals are summed in the residual path. */
+#define AUVID_METRIC_WINDOW 11
 
 /** Which buffers the rows are made of. */
 typedef enum {
@@ -81,7 +85,8 @@ typedef struct {
     uint8_t sets;        /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     auvid_smoothing_t smoothing;              /**< default AUVID_SMOOTH_ROWS */
     uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces and for moments; the
-                                residual path and the literal reading use the first; default 10, 7 */
+                                literal reading uses the first; default 10, 7. Not used in the
+                                residual path */
     uint8_t lag[2]; /**< rows between those whose sums and differences are formed, for forces and for
                          moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t order;         /**< of the polynomial, default 2 */
@@ -134,6 +139,11 @@ typedef struct {
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];      /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation;
+    auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
+    auvid_real_t share[AUVID_METRIC_WINDOW];   /* and their weights */
+    uint8_t window_length;
+    uint64_t window_us;                        /* time of the last */
+    uint32_t window_rows;                      /* since a gap */
     uint16_t at_row; /* progress */
     uint8_t at_set, at_band, at_dof, pass;
 
