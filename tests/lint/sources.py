@@ -110,14 +110,15 @@ def check_literals(text):
 
 
 def check_lengths(text):
-    start = None
+    start, previous = None, ""
     for number, line in enumerate(text.splitlines(), 1):
-        if line == "{":
+        if line == "{" and previous.endswith(")"):
             start = number
         elif line.startswith("}") and start is not None:
             if number - start > 61:
                 yield "length", f"function at line {start} has {number - start - 1} lines"
             start = None
+        previous = line
 
 
 def check_file(path, text):
