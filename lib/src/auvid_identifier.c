@@ -110,11 +110,11 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     return status < 0 ? status : init_excitation(id);
 }
 
-/* Cells that have become complete go to the metric, and to whoever is attached. */
-static void take_cells(auvid_identifier_t *id)
+/* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
+static void take_cells(auvid_identifier_t *id, int most)
 {
     auvid_sample_t cell;
-    for (int i = 0; i < AUVID_CELLS_PER_STEP; ++i) {
+    for (int i = 0; i < most; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
             auvid_metric_gap(&id->metric);
@@ -227,7 +227,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
         auvid_recorder_input(&id->recorder, in->t_us, in->applied.wrench, in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
-    take_cells(id);
+    take_cells(id, AUVID_CELLS_PER_STEP);
     excite(id, out);
     out->events = id->events;
     id->events = 0;
@@ -267,7 +267,7 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
         auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
     if (status == AUVID_OK) {
         status = auvid_recorder_velocity(&id->recorder, t_us, nu);
-        take_cells(id);
+        take_cells(id, AUVID_RECORDER_CELLS);
     }
     return status;
 }
@@ -279,7 +279,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
-    take_cells(id);
+    take_cells(id, AUVID_RECORDER_CELLS);
     return status;
 }
 

@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-int complain(const char *format, ...)
+void complain_line(const char *format, ...)
 {
     char line[512];
     va_list arguments;
@@ -17,5 +17,4 @@ int complain(const char *format, ...)
     }
     (void)fflush(stdout);
     fprintf(stderr, "auvid: %s\n", line);
-    return EXIT_REFUSED;
 }

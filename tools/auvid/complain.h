@@ -8,8 +8,10 @@
 /** Exit status of bad usage or data. */
 #define EXIT_REFUSED 2
 
-/** Print "auvid: <message>" as exactly one line, whatever the arguments hold; returns
- * EXIT_REFUSED. */
-int complain(const char *format, ...);
+/** Print "auvid: <message>" as exactly one line, whatever the arguments hold. */
+void complain_line(const char *format, ...);
+
+/** The same; its value is EXIT_REFUSED: return complain(...); */
+#define complain(...) (complain_line(__VA_ARGS__), EXIT_REFUSED)
 
 #endif

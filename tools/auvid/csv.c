@@ -11,9 +11,9 @@
 #define LARGEST_TIME 1e9 /* [s] from the first row */
 
 const char *const csv_name[CSV_COLUMNS] = {
-    "t_s",       "phi_rad",   "theta_rad", "psi_rad",  "u_mps",     "v_mps",    "w_mps", "p_radps",
-    "q_radps",   "r_radps",   "X_N",       "Y_N",      "Z_N",       "K_Nm",     "M_Nm",  "N_Nm",
-    "cmd_surge", "cmd_sway",  "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"};
+    "t_s",       "phi_rad",  "theta_rad", "psi_rad",  "u_mps",     "v_mps",  "w_mps", "p_radps",
+    "q_radps",   "r_radps",  "X_N",       "Y_N",      "Z_N",       "K_Nm",   "M_Nm",  "N_Nm",
+    "cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"};
 
 /* Where reading has come to. A field is the text between commas, blanks and quotes stripped. */
 typedef struct {
@@ -182,8 +182,8 @@ static int check_time(const reader_t *r, const char *field, const csv_row_t *row
     double t = row->value[CSV_T];
     const char *trouble = NULL;
     if (log->rows > 0 && t <= log->row[log->rows - 1].value[CSV_T]) {
-        trouble = t < log->row[log->rows - 1].value[CSV_T] ? "time goes back"
-                                                           : "time does not advance";
+        trouble =
+            t < log->row[log->rows - 1].value[CSV_T] ? "time goes back" : "time does not advance";
     } else if (log->rows > 0 && t - log->row[0].value[CSV_T] > LARGEST_TIME) {
         trouble = "more than 1e9 s after the first row";
     }
@@ -199,8 +199,8 @@ static int read_row(reader_t *r, char *rest, csv_row_t *row)
     for (int i = 0; i < r->fields; ++i) {
         char *field = next_field(&rest);
         if (field == NULL) {
-            return complain("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path, r->line,
-                            strlen(r->start) + 1, i, r->fields);
+            return complain("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path,
+                            r->line, strlen(r->start) + 1, i, r->fields);
         }
         int column = r->column[i];
         if (column >= 0 && read_value(r, field, column, &row->value[column]) != 0) {
@@ -234,8 +234,7 @@ static int read_rows(reader_t *r)
     }
     if (log->rows < 2) {
         return complain("%s:%zu:1: %s", log->path, r->line,
-                        log->rows == 0 ? "there is a header and no row"
-                                       : "there is only one row");
+                        log->rows == 0 ? "there is a header and no row" : "there is only one row");
     }
     return 0;
 }

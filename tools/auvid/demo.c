@@ -85,20 +85,23 @@ static void log_tick(logger_t *logger, const world_t *world)
     memcpy(&row->value[CSV_WRENCH], world->wrench, sizeof world->wrench);
 }
 
-static void show_progress(const run_t *run, const options_t *options, progress_t *progress)
+/* told: number of the estimate that was shown last. */
+static void show_progress(const run_t *run, const options_t *options, progress_t *progress,
+                          uint32_t *told)
 {
-    const auvid_identifier_t *id = &run->world.id[0];
+    const auvid_estimate_t *e = &run->world.id[0].estimate;
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
-    double rms = report_rms_percent(&id->estimate);
-    if (id->estimate.number == 0) {
-        progress_bar(progress, t / total, "%.0f s", t);
+    double part = t < total ? t / total : 1.0;
+    if (e->number == 0) {
+        progress_bar(progress, part, "%.0f s", t);
         return;
     }
-    progress_bar(progress, t < total ? t / total : 1.0, "%.0f s, %u sets: rms error %.1f %%", t,
-                 (unsigned)id->estimate.sets, rms);
-    if (run->world.events & AUVID_EVENT_ESTIMATE) {
-        progress_line(progress, "%5.0f s  %2u set%s  rms error %.2f %%", t,
-                      (unsigned)id->estimate.sets, id->estimate.sets == 1 ? " " : "s", rms);
+    progress_bar(progress, part, "%.0f s, %u set%s: rms error %.2f %%", t, (unsigned)e->sets,
+                 e->sets == 1 ? "" : "s", report_rms_percent(e));
+    if (e->number != *told) {
+        *told = e->number;
+        progress_line(progress, "%5.0f s, %2u set%s rms error %5.2f %%", t, (unsigned)e->sets,
+                      e->sets == 1 ? ": " : "s:", report_rms_percent(e));
     }
 }
 
@@ -123,6 +126,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         }
     }
     bool busy = true;
+    uint32_t told = 0;
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
     while (busy && world_time_s(world) < end_s) {
         world_tick(world);
@@ -134,7 +138,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
                    world->id[i].metric.sets_recorded < options->sets;
         }
         if (progress != NULL) {
-            show_progress(run, options, progress);
+            show_progress(run, options, progress, &told);
         }
     }
     for (int i = 0; i < world->identifiers; ++i) {
@@ -205,9 +209,10 @@ static void print_heading(const options_t *options)
     if (options->runs > 1) {
         printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
     }
-    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: %d N on X, Y, Z, %d Nm on N\n",
-           (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S, WORLD_FORCE_N,
-           WORLD_MOMENT_NM);
+    printf(
+        "\n  excitation   %u set%s of %d s, steps and sines in turn: %d N on X, Y, Z, %d Nm on N\n",
+        (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S, WORLD_FORCE_N,
+        WORLD_MOMENT_NM);
     printf("  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
            options->disturbance_N, options->lag_s);
     printf("  metric       %s\n\n", options->literal ? "our reading of the paper: smoothed states, "
@@ -286,8 +291,8 @@ static int many_runs(run_t *run, const options_t *options, csv_writer_t *writer)
     } else {
         print_heading(options);
         report_campaign(all, last);
-        printf("\n  %u runs of %.0f s simulated in %.1f s\n", (unsigned)all->runs,
-               run->simulated_s, wall_s);
+        printf("\n  %u runs of %.0f s simulated in %.1f s\n", (unsigned)all->runs, run->simulated_s,
+               wall_s);
         status = all->capped;
     }
     for (int i = 0; i < lists; ++i) {

@@ -41,7 +41,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     if (!merge(&test)) {
         return 0.0;
     }
-    auvid_metric_measure_begin(&test, pi);
+    auvid_metric_measure_begin(&test, pi, AUVID_C(0.0));
     if (auvid_metric_measure(&test, &budget) != AUVID_OK) {
         return 0.0;
     }
@@ -126,9 +126,9 @@ static size_t simulate(auvid_validation_t *validation, const cells_t *cells, blo
     size_t used = 0;
     double began_us = -1e18;
     for (size_t i = 0; i < cells->cells; ++i) {
-        const auvid_sample_t *cell = &cells->cell[i];
+        const auvid_sample_t *cell = &cells->cell[i].sample;
         uint32_t before = validation->cells;
-        if (cells->after_gap[i]) {
+        if (cells->cell[i].after_gap) {
             auvid_validation_gap(validation);
         }
         if (auvid_validation_add(validation, cell) != AUVID_OK || validation->cells == before) {
@@ -168,8 +168,8 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
         cells_free(&cells);
         return false;
     }
-    if (auvid_validation_init(&validation, result->vehicle, pi, dofs, result->estimate.delay_s, result->estimate.lagged,
-                              cell_s) == AUVID_OK) {
+    if (auvid_validation_init(&validation, result->vehicle, pi, dofs, result->estimate.delay_s,
+                              result->estimate.lagged, cell_s) == AUVID_OK) {
         size_t blocks = simulate(&validation, &cells, block);
         sim_rng_t rng;
         sim_rng_seed(&rng, seed, 0);

@@ -26,8 +26,8 @@ typedef struct {
 
     /* fit */
     const char *train;
-    const char *validate;       /**< null: none */
-    double lower, upper;        /**< bounds of every parameter; default -1000, 1000 */
+    const char *validate; /**< null: none */
+    double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
     coupling_t coupling;

@@ -58,19 +58,19 @@ void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identif
 /* Make room for one more cell. */
 static bool grow(cells_t *cells, size_t *room)
 {
-    if (cells->cells < *room) {
-        return true;
+    if (cells->cells == *room) {
+        *room = *room == 0 ? 1024 : 2 * *room;
+        cell_t *cell = realloc(cells->cell, *room * sizeof *cell);
+        if (cell == NULL) {
+            return false;
+        }
+        cells->cell = cell;
     }
-    *room = *room == 0 ? 1024 : 2 * *room;
-    auvid_sample_t *cell = realloc(cells->cell, *room * sizeof *cell);
-    cells->cell = cell == NULL ? cells->cell : cell;
-    bool *after_gap = realloc(cells->after_gap, *room * sizeof *after_gap);
-    cells->after_gap = after_gap == NULL ? cells->after_gap : after_gap;
-    return cell != NULL && after_gap != NULL;
+    return true;
 }
 
-bool replay_record(const csv_log_t *log, const replay_t *replay,
-                   const auvid_recorder_config_t *cfg, cells_t *cells)
+bool replay_record(const csv_log_t *log, const replay_t *replay, const auvid_recorder_config_t *cfg,
+                   cells_t *cells)
 {
     auvid_recorder_t recorder;
     double turns = 0.0;
@@ -90,11 +90,13 @@ bool replay_record(const csv_log_t *log, const replay_t *replay,
                 cells_free(cells);
                 return false;
             }
-            status = auvid_recorder_pop(&recorder, &cells->cell[cells->cells]);
+            cell_t *cell = &cells->cell[cells->cells];
+            status = auvid_recorder_pop(&recorder, &cell->sample);
             gap = gap || status == AUVID_GAP;
             if (status == AUVID_OK) {
-                cells->after_gap[cells->cells++] = gap;
+                cell->after_gap = gap;
                 gap = false;
+                ++cells->cells;
             }
         }
     }
@@ -104,6 +106,5 @@ bool replay_record(const csv_log_t *log, const replay_t *replay,
 void cells_free(cells_t *cells)
 {
     free(cells->cell);
-    free(cells->after_gap);
     memset(cells, 0, sizeof *cells);
 }

@@ -26,10 +26,15 @@ uint64_t replay_time_us(const csv_log_t *log, size_t row);
 /** Feed all rows. */
 void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id);
 
+/** A cell of a record. */
+typedef struct {
+    auvid_sample_t sample;
+    bool after_gap; /**< the record was broken before this cell */
+} cell_t;
+
 /** The log as cells of a record. */
 typedef struct {
-    auvid_sample_t *cell;
-    bool *after_gap; /**< [cells] the record was broken before this cell */
+    cell_t *cell;
     size_t cells;
 } cells_t;
 

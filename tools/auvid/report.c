@@ -82,6 +82,13 @@ static bool is_driven(const result_t *result, auvid_dof_t j)
     return result->estimate.number > 0 && (result->estimate.driven >> j & 1u) != 0;
 }
 
+/* Within a thousandth of the bounds' distance? */
+static bool is_at_bound(const result_t *result, int i)
+{
+    double x = (double)result->estimate.pi[i], near = 1e-3 * (result->upper - result->lower);
+    return near > 0.0 && (x < result->lower + near || x > result->upper - near);
+}
+
 /* ---- tables ---- */
 
 static void parameter_row(const result_t *result, const result_t *last, int i)
@@ -97,6 +104,9 @@ static void parameter_row(const result_t *result, const result_t *last, int i)
     if (result->has_truth) {
         printf("  %10.3f  %8.2f %%", report_truth(i), 100.0 * error_of(&result->estimate, i));
     }
+    if (is_at_bound(result, i)) {
+        printf("   at its bound");
+    }
     if (last != NULL) {
         printf("    %10.3f  %8.2f %%", (double)last->estimate.pi[i],
                100.0 * error_of(&last->estimate, i));
@@ -110,8 +120,13 @@ static void parameter_table(const result_t *result, const result_t *last)
         printf("  %-20s  %-34s    %s\n", "", "all sets", "last set only");
     }
     printf("  %-9s  %-9s  %10s", "parameter", "unit", "estimate");
-    printf(result->has_truth ? "  %10s  %10s" : "", "truth", "error");
-    printf(last != NULL ? "    %10s  %10s\n" : "\n", "estimate", "error");
+    if (result->has_truth) {
+        printf("  %10s  %10s", "truth", "error");
+    }
+    if (last != NULL) {
+        printf("    %10s  %10s", "estimate", "error");
+    }
+    putchar('\n');
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         if (is_free(result, i)) {
             parameter_row(result, last, i);
@@ -128,12 +143,12 @@ static void parameter_table(const result_t *result, const result_t *last)
 }
 
 /* One line with a value for each modelled degree of freedom; "-" where mask has no bit. */
-static void dof_line(const char *title, const double *value, uint32_t mask)
+static void dof_line(const char *title, int digits, const double *value, uint32_t mask)
 {
     printf("  %-34s", title);
     for (int k = 0; k < MODELLED; ++k) {
         if (mask >> report_dof[k] & 1u) {
-            printf("  %8.3f", value[report_dof[k]]);
+            printf("  %8.*f", digits, value[report_dof[k]]);
         } else {
             printf("  %8s", "-");
         }
@@ -154,18 +169,26 @@ static void dof_table(const result_t *result)
     uint32_t driven = result->estimate.driven;
     printf("\n  %-34s  %8s  %8s  %8s  %8s\n", "", "X, u", "Y, v", "Z, w", "N, r");
     to_double(value, result->estimate.delay_s);
-    dof_line("delay from input to response [s]", value, driven);
+    dof_line("delay from input to response [s]", 3, value, driven);
+    if (result->estimate.lagged & driven) {
+        printf("  %-34s", "  which is that of a");
+        for (int k = 0; k < MODELLED; ++k) {
+            bool lag = (result->estimate.lagged >> report_dof[k] & 1u) != 0;
+            printf("  %8s", driven >> report_dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
+        }
+        putchar('\n');
+    }
     to_double(value, result->estimate.r2_force);
-    dof_line("R2 of the force", value, driven);
+    dof_line("R2 of the force", 4, value, driven);
     if (result->has_validation) {
-        dof_line("R2 of held-out velocity", result->r2, result->validated);
+        dof_line("R2 of held-out velocity", 4, result->r2, result->validated);
     }
     if (result->has_interval) {
-        dof_line("  95 % interval from", result->r2_low, result->validated);
-        dof_line("                to", result->r2_high, result->validated);
+        dof_line("  95 % interval from", 4, result->r2_low, result->validated);
+        dof_line("                to", 4, result->r2_high, result->validated);
     }
     if (result->has_r2_truth) {
-        dof_line("  with the true parameters", result->r2_truth, result->validated);
+        dof_line("  with the true parameters", 4, result->r2_truth, result->validated);
     }
 }
 
@@ -198,7 +221,10 @@ static void campaign_summary(const campaign_t *c, const char *title)
 void report_campaign(const campaign_t *campaign, const campaign_t *last)
 {
     printf("  %-9s  %-9s  %10s  %10s  %10s", "parameter", "unit", "truth", "rms error", "worst");
-    printf(last != NULL ? "    %10s  %10s\n" : "\n", "last set", "worst");
+    if (last != NULL) {
+        printf("    %10s  %10s", "last set", "worst");
+    }
+    putchar('\n');
     for (int i = 0; i <= AUVID_G500_N_RR; ++i) {
         const auvid_parameter_t *p = &auvid_girona500.parameter[i];
         printf("  %-9s  %-9s  %10.3f  %8.2f %%  %8.2f %%", p->name, p->unit, report_truth(i),
@@ -214,8 +240,8 @@ void report_campaign(const campaign_t *campaign, const campaign_t *last)
         campaign_summary(last, "\n  last set only");
     }
     printf("\n  %-34s  %8s  %8s  %8s  %8s\n", "", "u", "v", "w", "r");
-    dof_line("R2 of held-out velocity, median", campaign->r2_median, UINT32_MAX);
-    dof_line("  with the true parameters", campaign->r2_truth_median, UINT32_MAX);
+    dof_line("R2 of held-out velocity, median", 4, campaign->r2_median, UINT32_MAX);
+    dof_line("  with the true parameters", 4, campaign->r2_truth_median, UINT32_MAX);
 }
 
 /* ---- JSON ---- */
@@ -322,7 +348,8 @@ void report_json(const result_t *result, const campaign_t *campaign, const resul
     json_dof_values(result);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
            (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
-    printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", AUVID_DEFAULT_BUDGET, (unsigned)worst);
+    printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", AUVID_DEFAULT_BUDGET,
+           (unsigned)worst);
     if (campaign != NULL) {
         json_campaign(campaign);
     }

@@ -11,13 +11,14 @@
 typedef struct {
     uint64_t seed;
     const auvid_vehicle_t *vehicle;
-    uint32_t free;            /**< bit i: parameter i was to be identified */
+    uint32_t free; /**< bit i: parameter i was to be identified */
     auvid_estimate_t estimate;
-    uint32_t work_most;       /**< units in any call of work */
-    bool has_truth;           /**< the true parameters are the paper's */
-    bool in_commands;         /**< inputs were commands: units are those of the command */
+    uint32_t work_most;  /**< units in any call of work */
+    bool has_truth;      /**< the true parameters are the paper's */
+    double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
+    bool in_commands;    /**< inputs were commands: units are those of the command */
     bool has_validation;
-    uint32_t validated;       /**< bit j: r2 of DoF j is there */
+    uint32_t validated; /**< bit j: r2 of DoF j is there */
     double r2[AUVID_DOF_COUNT];
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
     bool has_interval;

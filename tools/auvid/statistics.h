@@ -15,9 +15,9 @@ double statistics_quantile(double *value, size_t n, double part);
 
 /** Values of every run. */
 typedef struct {
-    campaign_t sum;   /**< what is reported, complete after tally_finish */
-    size_t room;      /* runs */
-    double *square;   /* mean squared relative error of the run's 13 parameters */
+    campaign_t sum; /**< what is reported, complete after tally_finish */
+    size_t room;    /* runs */
+    double *square; /* mean squared relative error of the run's 13 parameters */
     double *evaluations;
     double *r2[AUVID_DOF_COUNT], *r2_truth[AUVID_DOF_COUNT];
     double *memory;

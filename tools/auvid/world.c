@@ -98,7 +98,7 @@ static void drive(world_t *world, const auvid_output_t *out)
 void world_tick(world_t *world)
 {
     auvid_input_t in;
-    auvid_output_t out;
+    auvid_output_t out = {0};
     auvid_real_t feedback[AUVID_DOF_COUNT];
     uint64_t began_us = world->seen.t_us;
     sim_step(&world->sim, world->force_N, NULL, &world->seen);

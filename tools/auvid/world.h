@@ -35,10 +35,10 @@ typedef struct {
     sim_output_t seen; /**< sensors and thrust of the last tick */
     auvid_identifier_t id[WORLD_IDENTIFIERS];
     int identifiers;
-    uint32_t events;   /**< of id[0] in the last tick */
-    double force_N[SIM_THRUSTERS]; /**< commanded from the last tick on */
+    uint32_t events;                /**< of id[0] in the last tick */
+    double force_N[SIM_THRUSTERS];  /**< commanded from the last tick on */
     double wrench[AUVID_DOF_COUNT]; /**< which they make [N, Nm] */
-    double hover_N; /**< in Z */
+    double hover_N;                 /**< in Z */
 } world_t;
 
 /** What an identifier in this world is configured like; change it and give it to world_listen. */

@@ -207,7 +207,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
                                      auvid_output_t *out);
 
 /** Record motion that is known from elsewhere (a navigation of one's own, a log) instead of sensors
- * through step.
+ * through step. Takes every complete cell of the record, up to AUVID_RECORDER_CELLS.
  * @param attitude [3] rad, psi unwrapped; @param nu [6]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME;
  * refused samples change nothing. */
