@@ -18,8 +18,15 @@
 /* No band is trusted more than this times the other (in variance). */
 #define LARGEST_RATIO AUVID_C(1e3)
 
-/* Delays tried, in units of the nodes' distance: -0.5 .. 2.5. */
-enum { DELAY_STEPS = 30 };
+/* A delay is taken when it is known this well [s] and is this many standard deviations from none. The
+ * thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that misses
+ * something, a thruster's curve, say, makes look like a delay is not: it fits a little better with it
+ * and predicts worse. */
+#define DELAY_PRECISION_S AUVID_C(0.0125)
+#define DELAY_SIGMAS AUVID_C(4.0)
+
+/* Delays tried, in units of the nodes' distance: -0.5 .. 2. */
+enum { DELAY_STEPS = 25 };
 #define DELAY_FIRST AUVID_C(-0.5)
 #define DELAY_STEP AUVID_C(0.1)
 
@@ -79,7 +86,25 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
     auvid_real_t right = unexplained(m, j, best + DELAY_STEP, lag);
     auvid_real_t bend = left - AUVID_C(2.0) * least + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
-    return best + DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
+    best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
+    return auvid_clamp(best, DELAY_FIRST, DELAY_FIRST + DELAY_STEP * (auvid_real_t)DELAY_STEPS);
+}
+
+/* Shift or first-order lag, whichever leaves less unexplained; none without evidence. With E(s) the
+ * unexplained part, N rows and E nearly a parabola: sigma^2 = s^2 / (N (E(0) / E(s) - 1)). */
+static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
+{
+    auvid_real_t as_shift = best_delay(m, j, false), as_lag = best_delay(m, j, true);
+    auvid_real_t shift_leaves = unexplained(m, j, as_shift, false);
+    auvid_real_t lag_leaves = unexplained(m, j, as_lag, true);
+    *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
+    auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
+    auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
+                        (unexplained(m, j, AUVID_C(0.0), false) - leaves);
+    auvid_real_t precise = s * node_s(m) / DELAY_PRECISION_S;
+    bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
+    *lag = *lag && sure;
+    return sure ? s : AUVID_C(0.0);
 }
 
 /* After a merge pass: delay, z, and candidate = [pi_j, -l] of the DoF's own least squares. */
@@ -92,10 +117,7 @@ static void settle_dof(auvid_metric_t *m, int j)
     bool driven = (m->driven >> j & 1) != 0;
     bool lag = false;
     if (m->cfg.estimate_delay) {
-        auvid_real_t as_delay = best_delay(m, j, false), as_lag = best_delay(m, j, true);
-        lag = as_lag > AUVID_C(0.0) &&
-              unexplained(m, j, as_lag, true) < unexplained(m, j, as_delay, false);
-        s = driven ? (lag ? as_lag : as_delay) : AUVID_C(0.0);
+        s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * node_s(m);
     m->lagged = (uint8_t)((m->lagged & ~(1u << j)) | (unsigned)lag << j);
@@ -282,7 +304,7 @@ static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real
     m->at_set = m->at_dof = 0;
     m->at_row = 0;
     m->window_rows = 0;
-    m->sum = m->compensation = AUVID_C(0.0);
+    m->sum = m->compensation = m->squares = AUVID_C(0.0);
 }
 
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s)
@@ -302,7 +324,6 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
             continue;
         }
         const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        auvid_real_t squares = AUVID_C(0.0);
         for (; m->at_row < count && *budget > 0; ++m->at_row, --*budget) {
             int i = m->at_row;
             const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
@@ -310,12 +331,13 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
             for (int k = i; k < count; ++k) {
                 e += r[k - i] * x[k];
             }
-            squares += e * e;
+            m->squares += e * e;
         }
-        m->sum += m->weight[j] * squares;
         if (m->at_row < count) {
             return AUVID_PENDING;
         }
+        m->sum += m->weight[j] * m->squares;
+        m->squares = AUVID_C(0.0);
     }
     m->cost = m->sum;
     return AUVID_OK;
@@ -336,12 +358,13 @@ static auvid_sample_t delayed_sample(const auvid_metric_t *m, const auvid_row_t 
     return s;
 }
 
-/* Residuals of one stored row into the window. @return the window is full of successive rows */
+/* Residuals of one stored row into the window; rows are successive when their times are, to half a
+ * cell. @return the window is full of successive rows */
 static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
     uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
     auvid_sample_t sample = delayed_sample(m, row);
-    if (m->window_rows > 0 && sample.t_us - m->window_us != row_us) {
+    if (sample.t_us - m->window_us + m->cfg.cell_us / 2 - row_us > m->cfg.cell_us) {
         m->window_rows = 0;
     }
     m->window_us = sample.t_us;
@@ -487,7 +510,8 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     auvid_real_t x[AUVID_MAX_PARAMETERS];
     int place[AUVID_MAX_PARAMETERS], n = 0;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        place[i] = (active >> i & 1u) ? n++ : -1;
+        bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
+        place[i] = free && (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int order = order_of(m, j), at = m->channel_at[j];

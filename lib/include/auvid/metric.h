@@ -47,7 +47,7 @@ extern "C" {
 
 /** Delays at which the wrench is kept, and their distance in cells. */
 #define AUVID_METRIC_DELAYS 3
-#define AUVID_METRIC_DELAY_CELLS 2
+#define AUVID_METRIC_DELAY_CELLS 3
 
 /** Bands into which the rows are split: sums and differences of neighbours. */
 #define AUVID_METRIC_BANDS 2
@@ -92,7 +92,7 @@ typedef struct {
     uint8_t order;         /**< of the polynomial, default 2 */
     uint8_t passes;        /**< how often the smoother is applied, 1 or 2; default 2 */
     bool estimate_delay;   /**< default true; must be false with AUVID_SMOOTH_STATES */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..4 cells,
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..6 cells,
                                                 default 0; in the residual path the first is that of
                                                 wrench and commands */
     auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the caller,
@@ -121,6 +121,7 @@ typedef struct {
 
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
+    auvid_real_t wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* smoothed too, all of it */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
                          [AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
@@ -138,7 +139,7 @@ typedef struct {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];     /* pi by parameter */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];      /* 1 / (tau_max^2 rows) */
-    auvid_real_t sum, compensation;
+    auvid_real_t sum, compensation, squares;
     auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
     auvid_real_t share[AUVID_METRIC_WINDOW];   /* and their weights */
     uint8_t window_length;
@@ -203,7 +204,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 
 /** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored.
- * @param delay_s residual path: the common delay, 0..4 cells; not read in the regressor path. */
+ * @param delay_s residual path: the common delay, 0..6 cells; not read in the regressor path. */
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
 /** Go on with it.
@@ -216,7 +217,7 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
-/** Longest delay that can be had [s]: 4 cells. */
+/** Longest delay that can be had [s]: 6 cells. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
