@@ -21,6 +21,7 @@ typedef struct {
     char *text, *at; /* the file, and the start of the next line */
     size_t line;     /* number of the line at hand, from 1 */
     char *start;     /* of that line */
+    size_t length;   /* of that line */
     int fields;      /* in the header */
     int *column;     /* [fields] the log's column, or -1 */
     size_t room;     /* rows there is memory for */
@@ -82,6 +83,7 @@ static char *next_line(reader_t *r)
         if (end > r->start && end[-1] == '\r') {
             end[-1] = '\0';
         }
+        r->length = strlen(r->start);
         if (r->start[strspn(r->start, " \t")] != '\0') {
             return r->start;
         }
@@ -200,7 +202,7 @@ static int read_row(reader_t *r, char *rest, csv_row_t *row)
         char *field = next_field(&rest);
         if (field == NULL) {
             return complain("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path,
-                            r->line, strlen(r->start) + 1, i, r->fields);
+                            r->line, r->length + 1, i, r->fields);
         }
         int column = r->column[i];
         if (column >= 0 && read_value(r, field, column, &row->value[column]) != 0) {

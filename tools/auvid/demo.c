@@ -194,12 +194,27 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
     return true;
 }
 
-static bool run_once(run_t *run, const options_t *options, uint64_t seed, csv_writer_t *writer,
-                     progress_t *progress)
+/* One run, and a log of it unless path is null. Returns 0, or EXIT_REFUSED after a complaint. */
+static int run_once(run_t *run, const options_t *options, uint64_t seed, const char *path,
+                    progress_t *progress)
 {
+    csv_writer_t writer;
     memset(run, 0, sizeof *run);
-    run->logger.writer = writer;
-    return identify(run, options, seed, progress) && validate(run, options, seed);
+    if (path != NULL) {
+        if (csv_create(&writer, path) != 0) {
+            return EXIT_REFUSED;
+        }
+        csv_write_header(&writer);
+        run->logger.writer = &writer;
+    }
+    bool done = identify(run, options, seed, progress) && validate(run, options, seed);
+    if (!done && path != NULL) {
+        csv_discard(&writer);
+    }
+    if (!done) {
+        return complain("demo: the identifier refused its configuration");
+    }
+    return path == NULL ? 0 : csv_commit(&writer);
 }
 
 static void print_heading(const options_t *options)
@@ -215,25 +230,26 @@ static void print_heading(const options_t *options)
         WORLD_MOMENT_NM);
     printf("  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
            options->disturbance_N, options->lag_s);
-    printf("  metric       %s\n\n", options->literal ? "our reading of the paper: smoothed states, "
-                                                       "raw wrench"
-                                                     : "rows and wrench smoothed alike");
+    printf("  metric       %s\n", options->literal ? "our reading of the paper: smoothed states, "
+                                                     "raw wrench"
+                                                   : "rows and wrench smoothed alike");
 }
 
-static int single_run(run_t *run, const options_t *options, csv_writer_t *writer)
+static int single_run(run_t *run, const options_t *options)
 {
     progress_t progress;
     progress_begin(&progress, !options->json);
-    bool done = run_once(run, options, options->seed, writer, &progress);
+    int status = run_once(run, options, options->seed, options->csv, &progress);
     double wall_s = progress_end(&progress);
-    if (!done) {
-        return complain("demo: the identifier refused its configuration");
+    if (status != 0) {
+        return status;
     }
     const result_t *last = options->literal ? &run->result[1] : NULL;
     if (options->json) {
         report_json(&run->result[0], NULL, last, NULL);
     } else {
         print_heading(options);
+        putchar('\n');
         report_result(&run->result[0], last);
         printf("  time  %.0f s simulated in %.2f s\n", run->simulated_s, wall_s);
     }
@@ -241,59 +257,61 @@ static int single_run(run_t *run, const options_t *options, csv_writer_t *writer
 }
 
 /* All runs into the tallies; the first one's results are kept. */
-static bool run_all(run_t *run, const options_t *options, csv_writer_t *writer, tally_t *tally,
-                    result_t *first, progress_t *progress)
+static int run_all(run_t *run, const options_t *options, tally_t *tally, result_t *first)
 {
     uint32_t told = 0;
-    for (uint32_t k = 0; k < options->runs; ++k) {
-        if (!run_once(run, options, options->seed + k, k == 0 ? writer : NULL, NULL)) {
-            return false;
-        }
-        for (int i = 0; i < (options->literal ? 2 : 1); ++i) {
+    int status = 0;
+    progress_t progress;
+    progress_begin(&progress, !options->json);
+    for (uint32_t k = 0; k < options->runs && status == 0; ++k) {
+        status = run_once(run, options, options->seed + k, k == 0 ? options->csv : NULL, NULL);
+        for (int i = 0; i < (options->literal ? 2 : 1) && status == 0; ++i) {
             tally_add(&tally[i], &run->result[i]);
         }
         if (k == 0) {
             memcpy(first, run->result, sizeof run->result);
         }
-        progress_bar(progress, (double)(k + 1) / options->runs, "run %u of %u", (unsigned)(k + 1),
+        progress_bar(&progress, (double)(k + 1) / options->runs, "run %u of %u", (unsigned)(k + 1),
                      (unsigned)options->runs);
-        if (10 * (k + 1) / options->runs != told) {
-            told = 10 * (k + 1) / options->runs;
-            progress_line(progress, "%u of %u runs", (unsigned)(k + 1), (unsigned)options->runs);
+        uint32_t tenths = (uint32_t)(10.0 * (k + 1) / options->runs);
+        if (tenths != told) {
+            told = tenths;
+            progress_line(&progress, "%u of %u runs", (unsigned)(k + 1), (unsigned)options->runs);
         }
     }
-    return true;
+    double wall_s = progress_end(&progress);
+    if (status == 0 && !options->json) {
+        print_heading(options);
+        printf("  time         %u runs of %.0f s simulated in %.1f s\n\n", (unsigned)options->runs,
+               run->simulated_s, wall_s);
+    }
+    return status;
 }
 
-static int many_runs(run_t *run, const options_t *options, csv_writer_t *writer)
+static int many_runs(run_t *run, const options_t *options)
 {
     tally_t tally[WORLD_IDENTIFIERS] = {0};
     result_t first[WORLD_IDENTIFIERS];
-    progress_t progress;
     int lists = options->literal ? 2 : 1, status = 0;
-    for (int i = 0; i < lists; ++i) {
+    for (int i = 0; i < lists && status == 0; ++i) {
         if (!tally_begin(&tally[i], options->runs)) {
-            return complain("demo: not enough memory for %u runs", (unsigned)options->runs);
+            status = complain("demo: not enough memory for %u runs", (unsigned)options->runs);
         }
     }
-    progress_begin(&progress, !options->json);
-    bool done = run_all(run, options, writer, tally, first, &progress);
-    double wall_s = progress_end(&progress);
-    for (int i = 0; i < lists && done; ++i) {
-        tally_finish(&tally[i], options->seed);
+    if (status == 0) {
+        status = run_all(run, options, tally, first);
     }
-    const campaign_t *all = &tally[0].sum, *last = options->literal ? &tally[1].sum : NULL;
-    if (!done) {
-        status = complain("demo: the identifier refused its configuration");
-    } else if (options->json) {
-        report_json(&first[0], all, options->literal ? &first[1] : NULL, last);
-        status = all->capped;
-    } else {
-        print_heading(options);
-        report_campaign(all, last);
-        printf("\n  %u runs of %.0f s simulated in %.1f s\n", (unsigned)all->runs, run->simulated_s,
-               wall_s);
-        status = all->capped;
+    if (status == 0) {
+        const campaign_t *all = &tally[0].sum, *last = options->literal ? &tally[1].sum : NULL;
+        for (int i = 0; i < lists; ++i) {
+            tally_finish(&tally[i], options->seed);
+        }
+        if (options->json) {
+            report_json(&first[0], all, options->literal ? &first[1] : NULL, last);
+        } else {
+            report_campaign(all, last);
+        }
+        status = all->capped ? 1 : 0;
     }
     for (int i = 0; i < lists; ++i) {
         tally_free(&tally[i]);
@@ -303,26 +321,11 @@ static int many_runs(run_t *run, const options_t *options, csv_writer_t *writer)
 
 int demo(const options_t *options)
 {
-    csv_writer_t writer = {0};
     run_t *run = malloc(sizeof *run);
-    int status = run == NULL ? complain("demo: not enough memory") : 0;
-    bool log = options->csv != NULL && status == 0;
-    if (log) {
-        status = csv_create(&writer, options->csv);
-        log = status == 0;
+    if (run == NULL) {
+        return complain("demo: not enough memory");
     }
-    if (log) {
-        csv_write_header(&writer);
-    }
-    if (status == 0) {
-        csv_writer_t *to = log ? &writer : NULL;
-        status = options->runs > 0 ? many_runs(run, options, to) : single_run(run, options, to);
-    }
-    if (log && status == EXIT_REFUSED) {
-        csv_discard(&writer);
-    } else if (log && csv_commit(&writer) != 0) {
-        status = EXIT_REFUSED;
-    }
+    int status = options->runs > 0 ? many_runs(run, options) : single_run(run, options);
     free(run);
     return status;
 }

@@ -26,11 +26,6 @@
  * it is what rounding leaves of zero. */
 #define NEGLIGIBLE 1e-3
 
-/* Delays are used when they take this part of the residual away. A real one takes a third and more
- * (0.15 s, Girona500); on logs of real vehicles less has proven to be an artefact that differs from
- * log to log and takes the masses with it. */
-#define DELAY_GAIN 0.2
-
 /* The log with its models. */
 typedef struct {
     const options_t *options;
@@ -160,10 +155,12 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 }
 
 /* Replay the log with a model and search. Null after a complaint. */
-static auvid_identifier_t *search(const job_t *job, const auvid_identifier_config_t *cfg)
+static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
 {
+    auvid_identifier_config_t cfg;
     auvid_identifier_t *id = malloc(sizeof *id);
-    auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, cfg);
+    configure(job, vehicle, &cfg);
+    auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
     if (status < 0) {
         (void)complain("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
         free(id);
@@ -174,34 +171,6 @@ static auvid_identifier_t *search(const job_t *job, const auvid_identifier_confi
         status = auvid_identifier_work(id, AUVID_DEFAULT_BUDGET);
     } while (status == AUVID_PENDING);
     return id;
-}
-
-/* Squared force residual of the estimate, in parts of tau_max. */
-static double residual(const auvid_metric_t *metric)
-{
-    double sum = 0.0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double scale = (double)metric->cfg.tau_max[j];
-        sum += (metric->driven >> j & 1u) ? (double)metric->sse[j] / (scale * scale) : 0.0;
-    }
-    return sum;
-}
-
-/* Identify with a model, with delays only where they matter. Null after a complaint. */
-static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
-{
-    auvid_identifier_config_t cfg;
-    configure(job, vehicle, &cfg);
-    auvid_identifier_t *delayed = search(job, &cfg);
-    if (delayed == NULL || !cfg.metric.estimate_delay) {
-        return delayed;
-    }
-    cfg.metric.estimate_delay = false;
-    auvid_identifier_t *prompt = search(job, &cfg);
-    bool matters = prompt != NULL &&
-                   residual(&delayed->metric) < (1.0 - DELAY_GAIN) * residual(&prompt->metric);
-    free(matters ? prompt : delayed);
-    return matters ? delayed : prompt;
 }
 
 /* Identify with the models wanted. Returns the one to report, or null after a complaint. */
@@ -252,10 +221,6 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
         printf("           chosen by cross-validation: rms residual %.4f coupled, %.4f decoupled,\n"
                "           in parts of the largest input\n",
                sqrt(job->error[0]), sqrt(job->error[1]));
-    }
-    if (id->estimate.number > 0 && !job->options->literal && !id->cfg.metric.estimate_delay) {
-        printf("  delays   none: they would take away less than %.0f %% of the residual\n",
-               100.0 * DELAY_GAIN);
     }
     putchar('\n');
 }

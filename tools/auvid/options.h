@@ -33,7 +33,8 @@ typedef struct {
     coupling_t coupling;
 } options_t;
 
-/** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr. */
+/** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr.
+ */
 int options_demo(options_t *options, int count, char **argument);
 int options_fit(options_t *options, int count, char **argument);
 

@@ -1,0 +1,59 @@
+# Shared by tests/program/test_*.sh: the program under test, a directory for files, checks.
+# usage of each test: test_x.sh [PROGRAM]     (default $AUVID, else build/auvid)
+set -uo pipefail
+AUVID=$(realpath "${1:-${AUVID:-build/auvid}}")
+ROOT=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
+cd "$(mktemp -d)" || exit 1
+trap 'rm -rf "$PWD"' EXIT
+failed=0
+
+# check NAME COMMAND...: one test; it passes when the command succeeds.
+check() {
+    local name=$1
+    shift
+    if "$@" >check.log 2>&1; then
+        echo "ok - $name"
+    else
+        echo "not ok - $name"
+        sed 's/^/# /' check.log | head -n 20
+        failed=1
+    fi
+}
+
+# is FILE CODE: Python that sees the JSON object in FILE as d; passes when no assertion fails.
+is() {
+    python3 - "$1" "$2" <<'END'
+import json, math, sys
+d = json.load(open(sys.argv[1]))
+P = {p["name"]: p for p in d["parameters"]}
+error = lambda n: abs(P[n]["estimate"] / TRUTH[n] - 1)
+TRUTH = dict(zip("m_u m_v m_w m_r W-B X_u X_uu Y_v Y_vv Z_w Z_ww N_r N_rr".split(),
+    [249.5384, 367.7126, 659.9799, 74.9024, -37.3058, -42.4181, -125.3578, -75.7673, -447.6195,
+     -44.0561, -325.0138, -20.5833, -60.9373]))
+exec(sys.argv[2])
+END
+}
+
+# refuses PATTERN ARGUMENTS...: exit 2, nothing on stdout, exactly one line on stderr, which
+# matches the extended regular expression.
+refuses() {
+    local pattern=$1 status=0
+    shift
+    "$AUVID" "$@" >refuse.out 2>refuse.err </dev/null || status=$?
+    cat refuse.err
+    [ "$status" = 2 ] && [ ! -s refuse.out ] && [ "$(wc -l <refuse.err)" = 1 ] &&
+        grep -Eq -- "$pattern" refuse.err
+}
+
+# exits STATUS ARGUMENTS...: what the program prints is in out and err.
+exits() {
+    local wanted=$1 status=0
+    shift
+    "$AUVID" "$@" >out 2>err </dev/null || status=$?
+    head -n 3 err
+    [ "$status" = "$wanted" ]
+}
+
+finish() {
+    exit "$failed"
+}

@@ -1,0 +1,120 @@
+#!/usr/bin/env bash
+# auvid demo, from outside.
+. "$(dirname "$0")/common.sh"
+
+check "demo identifies and exits 0" exits 0 demo --json
+cp out one.json
+check "its JSON has the keys it should have" is one.json '
+assert list(d) == ["version", "status", "seed", "model", "parameters", "delay_s", "r2_force",
+                   "r2_validation", "evaluations", "budget"], list(d)
+assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
+assert [p["name"] for p in d["parameters"]] == list(TRUTH)
+assert all(set(p) == {"name", "unit", "estimate", "truth"} for p in d["parameters"])
+assert all(abs(p["truth"] - TRUTH[p["name"]]) < 1e-4 for p in d["parameters"])
+for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "uvwr"):
+    assert list(d[key]) == list(names) and all(isinstance(x, (int, float)) for x in d[key].values())
+assert d["evaluations"]["crs"] > 0 and d["evaluations"]["line_search"] > 0'
+check "every parameter is within 8 % of the truth" is one.json \
+    'assert all(error(n) < 0.08 for n in TRUTH), {n: error(n) for n in TRUTH}'
+check "held-out velocity is predicted" is one.json \
+    'assert min(d["r2_validation"].values()) > 0.99, d["r2_validation"]'
+check "without lag there is no delay" is one.json \
+    'assert max(map(abs, d["delay_s"].values())) < 0.02, d["delay_s"]'
+check "no tick works more than its budget" is one.json \
+    'assert 0 < d["budget"]["worst"] <= d["budget"]["limit"]'
+
+exits 0 demo --json && cp out again.json
+check "same seed, same output" cmp one.json again.json
+exits 0 demo --json --seed 2 && cp out two.json
+check "another seed, other estimates" is two.json '
+assert d["seed"] == 2
+assert P["m_u"]["estimate"] != {p["name"]: p for p in json.load(open("one.json"))["parameters"]
+                                }["m_u"]["estimate"]'
+
+check "a thruster lag is found and does no harm" exits 0 demo --json --lag 0.15
+check "  delay near the lag" is out \
+    'assert all(0.12 < x < 0.18 for x in d["delay_s"].values()), d["delay_s"]'
+check "  masses within 3 %" is out \
+    'assert all(error(n) < 0.03 for n in ("m_u", "m_v", "m_w", "m_r"))'
+check "two sets are enough to come near" exits 0 demo --json --sets 2
+check "  masses within 5 %" is out \
+    'assert all(error(n) < 0.05 for n in ("m_u", "m_v", "m_w", "m_r"))'
+
+exits 0 demo --json --runs 8 --disturbance 1 && cp out runs.json
+check "runs: statistics over the seeds" is runs.json '
+assert d["runs"] == 8 and d["failed"] == 0
+low, high = d["rms_interval"]
+assert 0.5 < low < d["rms_percent"] < high < 5
+assert d["rms_percent"] < d["worst_percent"] < 30
+assert d["budget"]["worst"] <= d["budget"]["limit"]'
+exits 0 demo --json --runs 8 --disturbance 1
+check "runs: same seeds, same output" cmp out runs.json
+exits 0 demo --json --disturbance 1
+check "runs: the other values are those of the first run" is out '
+assert d["parameters"] == json.load(open("runs.json"))["parameters"]'
+exits 0 demo --json --runs 1 --disturbance 1
+check "runs: one run's rms is that of its parameters" is out '
+rms = 100 * (sum(error(n) ** 2 for n in TRUTH) / 13) ** 0.5
+assert abs(rms - d["rms_percent"]) < 1e-3, (rms, d["rms_percent"])
+assert d["rms_interval"] == [d["rms_percent"]] * 2'
+
+exits 0 demo --json --literal --disturbance 1
+check "literal: all sets, and the last set beside them" is out '
+assert [p["name"] for p in d["last_set"]["parameters"]] == list(TRUTH)
+all_sets = 100 * (sum(error(n) ** 2 for n in TRUTH) / 13) ** 0.5
+assert all_sets < 15 and d["last_set"]["rms_percent"] > all_sets'
+exits 0 demo --json --literal --disturbance 1 --runs 6 && cp out literal.json
+check "literal: worse than the default" is literal.json '
+assert d["rms_percent"] > 2 * json.load(open("runs.json"))["rms_percent"]
+assert d["last_set"]["rms_percent"] > d["rms_percent"]'
+
+# ---- the log it writes ----
+check "--csv writes a log" exits 0 demo --json --csv run.csv
+check "--csv changes nothing else" cmp out one.json
+check "  no temporary file is left" test "$(ls run.csv*)" = run.csv
+check "  fit reads it" exits 0 fit run.csv --json
+check "  and gives the demo's parameters back, within 1 %" is out '
+demo = {p["name"]: p["estimate"] for p in json.load(open("one.json"))["parameters"]}
+assert all(abs(P[n]["estimate"] / demo[n] - 1) < 0.01 for n in TRUTH), \
+    {n: P[n]["estimate"] / demo[n] for n in TRUTH}
+assert d["model"] == "Girona500, Eq. 12-15"'
+check "--csv to a file in no directory is refused" refuses 'no/where.csv: cannot be written' \
+    demo --csv no/where.csv
+mkdir taken.csv
+check "--csv over a directory is refused" refuses 'taken.csv: cannot be written' \
+    demo --json --csv taken.csv
+check "  and leaves nothing" test ! -e taken.csv.part
+check "a full disk is refused" refuses 'cannot be written' demo --json --csv /dev/full
+
+# ---- for people ----
+check "tables" exits 0 demo --literal
+check "  every parameter has a row" python3 -c '
+text = open("out").read()
+assert all("\n  %s " % n in text for n in "m_u W-B X_uu N_rr".split()), text
+assert "last set only" in text and "budget of 200" in text'
+check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
+check "plain progress, one line a set, where stderr is no terminal" python3 -c '
+lines = open("err", "rb").read().split(b"\n")
+assert 5 <= len(lines) <= 10 and not any(b"\r" in l or b"\x1b" in l for l in lines), lines'
+check "a bar on a terminal" python3 - "$AUVID" <<'END'
+import os, pty, subprocess, sys
+master, slave = pty.openpty()
+p = subprocess.Popen([sys.argv[1], "demo", "--runs", "3"], stdout=subprocess.PIPE, stderr=slave)
+os.close(slave)
+seen = b""
+while True:
+    try:
+        part = os.read(master, 4096)
+    except OSError:
+        break
+    if not part:
+        break
+    seen += part
+out = p.stdout.read()
+assert p.wait() == 0
+assert b"\r[" in seen and b"run 3 of 3" in seen and seen.endswith(b"\r\x1b[K"), seen
+assert b"rms error" in out and b"\x1b" not in out
+END
+check "--json is silent on stderr" exits 0 demo --json
+check "  nothing on stderr" test ! -s err
+finish

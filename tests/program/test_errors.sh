@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# What the program refuses: exit 2, one line on stderr that names the place, nothing on stdout.
+. "$(dirname "$0")/common.sh"
+
+# ---- usage ----
+check "no command" refuses 'no command'
+check "unknown command" refuses "unknown command 'fly'" fly
+check "unknown option of demo" refuses 'demo: unknown option --bias' demo --bias
+check "unknown option of fit" refuses 'fit: unknown option --runs' fit x.csv --runs=3
+check "unexpected argument" refuses "demo: unexpected argument 'x'" demo x
+check "no training log" refuses 'fit: no TRAIN.csv' fit --json
+check "two training logs" refuses "unexpected argument 'b.csv'" fit a.csv b.csv
+check "a value that is missing" refuses -- '--seed needs a value' demo --seed
+check "a value that is empty" refuses -- '--csv needs a value' demo --csv=
+check "a flag with a value" refuses -- '--json takes no value' demo --json=yes
+for bad in -1 1.5 x 99999999999999999999 0x10 ' 1' ''; do
+    check "--seed '$bad'" refuses -- '--seed' demo "--seed=$bad"
+done
+check "--seed of 64 bits is taken" exits 0 demo --json --sets 1 --seed 18446744073709551615
+for bad in -1 nan inf 1e99 1x; do
+    check "--disturbance $bad" refuses -- '--disturbance' demo "--disturbance=$bad"
+    check "--lag $bad" refuses -- '--lag' demo "--lag=$bad"
+done
+for bad in 0 -1 1001 1.5; do
+    check "--sets $bad" refuses -- '--sets' demo "--sets=$bad"
+done
+check "--runs 0" refuses -- '--runs' demo --runs 0
+for bad in 1 1, ,1 1,2,3 a,b nan,1 -inf,inf -1e9,1 '1;2'; do
+    check "--bounds=$bad" refuses 'is not LO,HI' fit x.csv "--bounds=$bad"
+done
+check "--bounds reversed" refuses 'lower bound is not below' fit x.csv --bounds=1,-1
+check "--bounds of no width" refuses 'lower bound is not below' fit x.csv --bounds=1,1
+check "--input of another kind" refuses "'cubic' is not one of hold, linear" fit x.csv --input cubic
+check "--coupling of another kind" refuses "'no' is not one of auto, on, off" \
+    fit x.csv --coupling no
+
+# ---- logs ----
+header=t_s,u_mps,X_N
+log() { printf '%s\n' "$@" >log.csv; }
+check "no such file" refuses 'none.csv: No such file' fit none.csv
+check "a directory" refuses '\.: Is a directory' fit .
+: >log.csv
+check "empty file" refuses 'log.csv:1:1: the file is empty' fit log.csv
+printf '\n\n' >log.csv
+check "nothing but empty lines" refuses 'log.csv:1:1: the file is empty' fit log.csv
+log "$header"
+check "a header and no row" refuses 'log.csv:1:1: there is a header and no row' fit log.csv
+log "$header" 0,0,0
+check "one row" refuses 'log.csv:2:1: there is only one row' fit log.csv
+log u_mps,X_N 0,0 1,1
+check "no column t_s" refuses 'log.csv:1:1: no column t_s' fit log.csv
+log t_s,X_N 0,0 1,1
+check "a force without its velocity" refuses 'log.csv:1:1: no column u_mps' fit log.csv
+log t_s,u_mps 0,0 1,1
+check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
+log t_s,u_mps,X_N,u_mps 0,0,0,0 1,1,1,1
+check "a second column of the same name" refuses 'log.csv:1:15: .*second column u_mps' fit log.csv
+log "$header" 0,0,0 0.1,fast,0 0.2,0,0
+check "text in a number" refuses "log.csv:3:5: u_mps: 'fast' is not a number" fit log.csv
+log "$header" 0,0,0 0.1,0,1.2.3
+check "two points in a number" refuses "log.csv:3:7: X_N: '1.2.3' is not a number" fit log.csv
+log "$header" 0,0,0 0.1,0,1e5N
+check "a unit after a number" refuses "log.csv:3:7: X_N: '1e5N' is not a number" fit log.csv
+log "$header" 0,0,0 0.1,0,0x10
+check "a hexadecimal number" refuses "log.csv:3:7: X_N: '0x10' is not a number" fit log.csv
+for bad in nan NaN inf -inf Infinity 1e999; do
+    log "$header" 0,0,0 "0.1,$bad,0"
+    check "$bad" refuses "log.csv:3:5: u_mps: '$bad' is not a finite number" fit log.csv
+done
+log "$header" 0,0,0 0.1,,0
+check "an empty field" refuses "log.csv:3:5: u_mps: '' is empty" fit log.csv
+log "$header" 0,0,0 0.1,2e6,0
+check "a value out of all proportion" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
+log "$header" 0,0,0 nan,0,0
+check "a time that is not finite" refuses 'log.csv:3:1: t_s: .*not a finite' fit log.csv
+log "$header" 0,0,0 0.2,0,0 0.1,0,0
+check "time that goes back" refuses "log.csv:4:1: t_s: time goes back: '0.1'" fit log.csv
+log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
+check "time that stands still" refuses 'log.csv:4:3: t_s: time does not advance' fit log.csv
+log "$header" 0,0,0 2e9,0,0
+check "a gap of decades" refuses 'log.csv:3:1: t_s: more than 1e9 s' fit log.csv
+log "$header" 0,0,0 0.1,0
+check "a row too short" refuses 'log.csv:3:6: the row ends after 2 of 3 columns' fit log.csv
+log "$header" 0,0,0 0.1,0,0,0
+check "a row too long" refuses 'log.csv:3:9: the row has more than 3 columns' fit log.csv
+log "$header" 0,0,0 '' 0.1,x,0
+check "empty lines count as lines" refuses 'log.csv:4:5: u_mps' fit log.csv
+printf '%s\n0,0,0\n0.1,0\0,0\n' "$header" >log.csv
+check "a binary file" refuses 'log.csv: not a text file' fit log.csv
+log "$header" 0,0,0 "$(printf '0.1,a\033[31m,0')"
+check "control characters do not reach the terminal" refuses "'a\?\[31m'" fit log.csv
+
+"$AUVID" demo --json --sets 1 --csv good.csv >/dev/null
+log t_s,u_mps,X_N 0,0,0 0.1,x,0
+check "an error in the test log names it" refuses 'log.csv:3:5: u_mps' \
+    fit good.csv --validate log.csv
+check "no such test log" refuses 'none.csv: No such file' fit good.csv --validate none.csv
+full() {
+    ! "$AUVID" "$@" >/dev/full 2>err && [ "$(wc -l <err)" = 1 ] && grep -q 'standard output' err
+}
+check "standard output that is full" full fit good.csv --json
+
+check "--help" exits 0 --help
+check "  names the options" grep -q -- '--disturbance' out
+check "--version" exits 0 --version
+version=$(sed -n 's/#define AUVID_VERSION_STRING "\(.*\)"/\1/p' "$ROOT/lib/include/auvid/config.h")
+check "  is that of the library" grep -qx "auvid $version" out
+finish

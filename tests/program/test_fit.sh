@@ -1,0 +1,151 @@
+#!/usr/bin/env bash
+# auvid fit, from outside: logs made by the demo, and changed.
+. "$(dirname "$0")/common.sh"
+
+"$AUVID" demo --json --seed 5 --disturbance 1 --csv train.csv >demo.json
+"$AUVID" demo --json --seed 6 --disturbance 1 --csv test.csv >/dev/null
+
+# change PYTHON <IN >OUT: run code on h (header) and r (rows of numbers).
+change() {
+    python3 -c '
+import csv, math, sys
+rows = list(csv.reader(sys.stdin)); h = rows[0]; r = [[float(x) for x in y] for y in rows[1:]]
+C = {n: i for i, n in enumerate(h)}
+def drop(*names):
+    global h, r
+    keep = [i for i, n in enumerate(h) if n not in names]
+    h = [h[i] for i in keep]; r = [[y[i] for i in keep] for y in r]
+exec(sys.argv[1])
+out = csv.writer(sys.stdout, lineterminator="\n"); out.writerow(h)
+out.writerows([["%.9g" % x for x in y] for y in r])' "$1"
+}
+
+check "a log is identified" exits 0 fit train.csv --json --validate test.csv
+cp out fit.json
+check "its JSON has the keys it should have" is fit.json '
+assert list(d) == ["version", "status", "seed", "model", "parameters", "delay_s", "r2_force",
+                   "r2_validation", "r2_interval", "evaluations", "budget"], list(d)
+assert all(set(p) == {"name", "unit", "estimate"} for p in d["parameters"])
+assert [p["name"] for p in d["parameters"]] == list(TRUTH)'
+check "parameters within 10 %, masses within 2 %" is fit.json '
+assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in TRUTH), {n: error(n) for n in TRUTH}'
+check "the other log is predicted" is fit.json '
+for k in "uvwr":
+    low, high = d["r2_interval"][k]
+    assert 0.98 < low < d["r2_validation"][k] < high <= 1, (k, d["r2_interval"])'
+check "no call works more than its budget" is fit.json \
+    'assert 0 < d["budget"]["worst"] <= d["budget"]["limit"]'
+exits 0 fit train.csv --json --validate test.csv
+check "same log, same output" cmp out fit.json
+exits 0 fit train.csv --json --seed 7
+check "the seed of the search does not matter" is out '
+first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
+assert d["seed"] == 7
+assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH)'
+check "without --validate there is no R2 of velocity" is out \
+    'assert set(d["r2_validation"].values()) == {None} and "r2_interval" not in d'
+
+# same FILE: fit of this log gives what fit of train.csv gives.
+same() {
+    exits 0 fit "$1" --json "${@:2}" && is out '
+first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
+assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
+    {n: P[n]["estimate"] / first[n] for n in TRUTH}'
+}
+change 'h = h[::-1]; r = [y[::-1] for y in r]' <train.csv >order.csv
+check "columns may stand in any order" same order.csv
+change 'h.append("note"); r = [y + [1e99] for y in r]' <train.csv >more.csv
+check "other columns are not looked at" same more.csv
+sed '1s/^/\xef\xbb\xbf/; s/$/\r/; s/,/ , /' train.csv >windows.csv
+printf '\n\n' >>windows.csv
+check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
+change 'for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 3) % (2 * math.pi)' <train.csv >wrapped.csv
+check "yaw may be wrapped" same wrapped.csv
+python3 -c '
+import csv, sys
+rows = list(csv.reader(open("train.csv")))
+out = csv.writer(open("epoch.csv", "w"), lineterminator="\n"); out.writerow(rows[0])
+out.writerows([["%.6f" % (float(y[0]) + 1.7e9)] + y[1:] for y in rows[1:]])'
+check "time may count from 1970" same epoch.csv
+change 'r = r[::20]' <train.csv >slow.csv
+check "rows may be 0.4 s apart" exits 0 fit slow.csv --json --input linear
+check "  masses within 5 %" is out 'assert all(error(n) < 0.05 for n in TRUTH if n[0] == "m")'
+change 'r = [y for y in r if not 60 < y[0] < 63 and not 100 < y[0] < 107]' <train.csv >gaps.csv
+check "gaps are left out" exits 0 fit gaps.csv --json
+check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
+change 'r = [y for i, y in enumerate(r) if i * i % 7 not in (1, 4)]' <train.csv >irregular.csv
+check "times may be irregular" exits 0 fit irregular.csv --json
+check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
+
+change 'drop("N_Nm")' <train.csv >no_yaw.csv
+check "a DoF without input is left out" exits 0 fit no_yaw.csv --json --validate test.csv
+check "  its parameters are null, the others are there" is out '
+for n in TRUTH:
+    assert (P[n]["estimate"] is None) == (n in ("m_r", "N_r", "N_rr")), n
+assert d["status"] == "ok" and d["delay_s"]["N"] is None and d["r2_validation"]["r"] is None
+assert d["r2_validation"]["u"] > 0.98'
+change 'for y in r: y[C["Y_N"]] = 5' <train.csv >constant.csv
+check "nor is one identified whose input is constant" exits 0 fit constant.csv --json
+check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'
+change 'for i, y in enumerate(r): y[C["Y_N"]] = 1e-13 * (i % 3)' <train.csv >dust.csv
+check "nor one whose input is rounding dust" exits 0 fit dust.csv --json
+check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None'
+change 'drop("X_N", "Y_N", "Z_N", "K_Nm", "M_Nm"); drop("u_mps", "v_mps", "w_mps", "phi_rad")' \
+    <train.csv >yaw.csv
+check "yaw alone can be identified" exits 0 fit yaw.csv --json --coupling off
+check "  and nothing else is" is out \
+    'assert {n for n in TRUTH if P[n]["estimate"] is not None} == {"m_r", "N_r", "N_rr"}'
+change 'for y in r: y[C["X_N"]] = y[C["Y_N"]] = y[C["Z_N"]] = y[C["N_Nm"]] = 0' <train.csv >rest.csv
+check "nothing driven: exit 1" exits 1 fit rest.csv --json
+check "  and status not_driven" is out '
+assert d["status"] == "not_driven" and all(p["estimate"] is None for p in d["parameters"])'
+head -n 40 train.csv >short.csv
+check "a log too short for one row: exit 1" exits 1 fit short.csv --json
+check "  and status not_driven" is out 'assert d["status"] == "not_driven"'
+change 'r = r[::30]' <train.csv >sparse.csv
+check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv
+
+change '
+names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
+             N_Nm="cmd_yaw")
+for y in r:
+    for n in "XYZ": y[C[n + "_N"]] /= 200
+    y[C["N_Nm"]] /= 200
+h = [names.get(n, n) for n in h]' <train.csv >commands.csv
+check "commands: parameters per newtons of a unit" exits 0 fit commands.csv --json
+check "  200 N a unit, and units say so" is out '
+assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" else 0.1)
+           for n in TRUTH)
+assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
+check "training and test log must have the same kind of inputs" refuses 'test.csv:1:1: .*kind' \
+    fit commands.csv --validate test.csv
+
+check "--bias identifies constant forces too" exits 0 fit train.csv --json --bias
+check "  three more parameters, near zero" is out '
+assert [p["name"] for p in d["parameters"]] == list(TRUTH) + ["X_0", "Y_0", "N_0"]
+assert all(abs(P[n]["estimate"]) < 1.5 for n in ("X_0", "Y_0", "N_0"))'
+change 'for y in r: y[C["X_N"]] -= 12' <train.csv >biased.csv
+check "  a force of 12 N is found" exits 0 fit biased.csv --json --bias
+check "  in X_0" is out 'assert abs(P["X_0"]["estimate"] - 12) < 1.5, P["X_0"]'
+check "--bounds hold" exits 0 fit train.csv --json --bounds=-500,500
+check "  m_w stops at its bound" is out 'assert abs(P["m_w"]["estimate"] - 500) < 1, P["m_w"]'
+check "--bounds may be two words" exits 0 fit train.csv --json --bounds -500,500
+check "--coupling off: the model says so" exits 0 fit train.csv --json --coupling off
+check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
+check "--coupling auto takes what predicts better" is fit.json \
+    'assert d["model"] == "Girona500, Eq. 12-15"'
+check "--literal works" exits 0 fit train.csv --json --literal
+check "  and is worse" is out '
+rms = lambda e: sum((e[n] / TRUTH[n] - 1) ** 2 for n in TRUTH)
+mine = {n: P[n]["estimate"] for n in TRUTH}
+default = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
+assert rms(mine) > 2 * rms(default) and set(d["delay_s"].values()) == {0}'
+"$AUVID" demo --lag 0.15 --csv lag.csv >/dev/null 2>&1
+check "a delay that matters is used" exits 0 fit lag.csv --json
+check "  near 0.15 s" is out 'assert all(0.12 < x < 0.18 for x in d["delay_s"].values())'
+
+check "tables" exits 0 fit commands.csv --validate commands.csv
+check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
+check "  what a parameter is measured in is said" grep -q 'units of command' out
+check "  nothing on stderr" test ! -s err
+finish
