@@ -1,0 +1,174 @@
+#include "chain.h"
+
+#include <string.h>
+
+#define TICKS_PER_S (1000000 / SIM_TICK_US)
+
+/* Cells, smoother and DVL lag behind the clock; the fades of the excitation are within its run. */
+#define TAIL_S 6.0
+
+void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    memset(config, 0, sizeof *config);
+    sim_defaults(&config->sim);
+    config->sim.seed = seed;
+    config->sim.disturbance_N = disturbance_N;
+    config->sim.disturbance_Nm = 0.4 * disturbance_N;
+    auvid_identifier_defaults(&config->id, &auvid_girona500);
+    config->id.allocation = auvid_allocation_girona500;
+    config->id.seed = seed;
+    (void)auvid_excitation_plan(&config->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
+    config->budget = AUVID_DEFAULT_BUDGET;
+}
+
+void chain_set_driver(chain_config_t *config)
+{
+    config->passive = true;
+    config->driver = config->id.excitation;
+    auvid_excitation_defaults(&config->id.excitation);
+    auvid_allocation_defaults(&config->id.allocation);
+}
+
+auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config)
+{
+    memset(chain, 0, sizeof *chain);
+    chain->config = *config;
+    chain->wrench[AUVID_HEAVE] = (auvid_real_t)-config->sim.parameter[SIM_WB];
+    if (!sim_init(&chain->sim, &config->sim)) {
+        return AUVID_ERR_RANGE;
+    }
+    auvid_status_t status = auvid_identifier_init(&chain->id, &config->id);
+    if (status >= 0 && config->passive) {
+        status = auvid_excitation_init(&chain->driver, &config->driver);
+        if (status >= 0) {
+            status = auvid_excitation_start(&chain->driver, config->epoch_us + SIM_TICK_US);
+        }
+    } else if (status >= 0 && config->id.excitation.segments > 0) {
+        status = auvid_identifier_excite(&chain->id);
+    }
+    return status;
+}
+
+static void copy(auvid_real_t *to, const double *from, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        to[i] = (auvid_real_t)from[i];
+    }
+}
+
+void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
+{
+    const sim_measurement_t *imu = &seen->sensor[SIM_IMU], *dvl = &seen->sensor[SIM_DVL];
+    const sim_measurement_t *depth = &seen->sensor[SIM_DEPTH], *gps = &seen->sensor[SIM_GPS];
+    memset(in, 0, sizeof *in);
+    in->t_us = epoch_us + seen->t_us;
+    in->imu.present = imu->has;
+    in->imu.t_us = epoch_us + imu->t_us;
+    copy(in->imu.attitude, imu->value, 3);
+    copy(in->imu.rates, imu->value + 3, 3);
+    in->dvl.present = dvl->has;
+    in->dvl.sample.t_us = epoch_us + dvl->t_us;
+    in->dvl.sample.lock = dvl->bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
+    in->dvl.sample.valid = AUVID_DVL_ALL;
+    copy(in->dvl.sample.velocity, dvl->value, 3);
+    in->depth.present = depth->has;
+    in->depth.t_us = epoch_us + depth->t_us;
+    in->depth.depth_m = (auvid_real_t)depth->value[0];
+    in->gps.present = gps->has;
+    in->gps.t_us = epoch_us + gps->t_us;
+    in->gps.x_m = (auvid_real_t)gps->value[0];
+    in->gps.y_m = (auvid_real_t)gps->value[1];
+}
+
+/* Decide on the wrench from now on. */
+static void drive(chain_t *chain, const auvid_real_t *excitation)
+{
+    memcpy(chain->wrench, excitation, sizeof chain->wrench);
+    chain->wrench[AUVID_HEAVE] += (auvid_real_t)-chain->config.sim.parameter[SIM_WB];
+}
+
+static void work(chain_t *chain, uint32_t budget)
+{
+    chain->work = auvid_identifier_work(&chain->id, budget);
+    chain->over_budget = chain->over_budget || chain->id.work_last > budget;
+    chain->most_units =
+        chain->id.work_last > chain->most_units ? chain->id.work_last : chain->most_units;
+}
+
+void chain_tick(chain_t *chain)
+{
+    sim_output_t seen;
+    auvid_input_t in;
+    double wrench[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        wrench[j] = (double)chain->wrench[j];
+    }
+    sim_step(&chain->sim, NULL, wrench, &seen);
+    chain_sense(&seen, chain->config.epoch_us, &in);
+    ++chain->tick;
+    chain->t_us = in.t_us;
+    if (chain->config.passive) {
+        auvid_real_t excitation[AUVID_DOF_COUNT];
+        (void)auvid_excitation_step(&chain->driver, in.t_us, excitation);
+        drive(chain, excitation);
+        in.applied.present = true;
+        memcpy(in.applied.wrench, chain->wrench, sizeof chain->wrench);
+    }
+    if (chain->config.before != NULL) {
+        chain->config.before(chain, &in);
+    }
+    memset(&chain->out, 0xFF, sizeof chain->out);
+    chain->status = auvid_identifier_step(&chain->id, &in, &chain->out);
+    chain->events |= chain->out.events;
+    chain->estimates += (chain->out.events & AUVID_EVENT_ESTIMATE) != 0;
+    if (!chain->config.passive) {
+        drive(chain, chain->out.excitation);
+        (void)auvid_identifier_applied(&chain->id, in.t_us, chain->wrench, NULL);
+    }
+    if (chain->config.after != NULL) {
+        chain->config.after(chain, chain->status, &chain->out);
+    }
+    work(chain, chain->config.budget);
+}
+
+void chain_run(chain_t *chain, double seconds)
+{
+    for (int k = (int)(seconds * TICKS_PER_S + 0.5); k > 0; --k) {
+        chain_tick(chain);
+    }
+}
+
+auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint32_t sets)
+{
+    auvid_status_t status = chain_begin(chain, config);
+    if (status >= 0) {
+        chain_run(chain, (double)sets * CHAIN_SET_S + TAIL_S);
+    }
+    return status;
+}
+
+uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t most)
+{
+    for (uint32_t calls = 1; calls <= most; ++calls) {
+        work(chain, budget);
+        if (chain->work != AUVID_PENDING) {
+            return calls;
+        }
+    }
+    return most + 1;
+}
+
+double chain_error(const chain_t *chain, int i)
+{
+    return (double)chain->id.estimate.pi[i] / chain->sim.config.parameter[i] - 1.0;
+}
+
+double chain_mean_square(const chain_t *chain)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        sum += chain_error(chain, i) * chain_error(chain, i);
+    }
+    return sum / SIM_PARAMETERS;
+}

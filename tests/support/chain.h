@@ -1,0 +1,88 @@
+/**
+ * @file chain.h
+ * The whole chain for tests: the simulated vehicle with an identifier aboard, tick by tick.
+ *
+ * One tick of 20 ms: the simulator moves under the wrench decided upon last, its sensors become the
+ * identifier's input, `before` may tamper with it, the identifier steps, `after` may look at the
+ * answer, then it works with the budget. The wrench of the next tick is decided in one of two ways:
+ * - the identifier excites (the default): its excitation and the hover thrust; the applied wrench is
+ *   handed over after the step, by auvid_identifier_applied;
+ * - somebody else drives (chain_set_driver): the driver's excitation and the hover thrust, part of
+ *   the step's input; the identifier is passive.
+ */
+#ifndef CHAIN_H
+#define CHAIN_H
+
+#include "auvid/identifier.h"
+#include "simulator.h"
+
+/** Length of a set [s], the default. */
+#define CHAIN_SET_S 30
+
+struct chain;
+typedef void (*chain_before_t)(struct chain *chain, auvid_input_t *in);
+typedef void (*chain_after_t)(struct chain *chain, auvid_status_t status, const auvid_output_t *out);
+
+typedef struct {
+    sim_config_t sim;
+    auvid_identifier_config_t id;
+    uint32_t budget;       /**< of work, a tick; 0: none until chain_finish */
+    uint64_t epoch_us;     /**< added to all times: a clock does not begin at zero */
+    bool passive;          /**< `driver` drives, the identifier does not excite */
+    auvid_excitation_config_t driver;
+    chain_before_t before; /**< may be null */
+    chain_after_t after;   /**< may be null */
+    void *context;         /**< for the two */
+} chain_config_t;
+
+typedef struct chain {
+    chain_config_t config;
+    sim_t sim;
+    auvid_identifier_t id;
+    auvid_excitation_t driver;
+    uint32_t tick;         /**< ticks so far */
+    uint64_t t_us;         /**< of the last one */
+    uint32_t events;       /**< all that were told so far */
+    uint32_t estimates;    /**< AUVID_EVENT_ESTIMATE told so far */
+    uint32_t most_units;   /**< used by any call of work */
+    bool over_budget;      /**< some call of work used more than it was given */
+    auvid_status_t status; /**< of the last step */
+    auvid_status_t work;   /**< of the last work */
+    auvid_output_t out;    /**< of the last step */
+    auvid_real_t wrench[AUVID_DOF_COUNT]; /**< in force [N, Nm] */
+} chain_t;
+
+/** Standard world: the paper's Girona500, all DoF at 100 N / 40 Nm, `sets` sets of 30 s, bounds
+ * +-1000, disturbance [N] rms (and 0.4 of it in Nm), everything seeded with `seed`. */
+void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N);
+
+/** Somebody else drives: moves the excitation of config->id to config->driver. */
+void chain_set_driver(chain_config_t *config);
+
+/** Start, excitation running. @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
+ * simulator refuses. */
+auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
+
+/** What the simulator's sensors gave, as the identifier takes it. */
+void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
+
+/** One tick. */
+void chain_tick(chain_t *chain);
+
+/** Ticks of so many seconds. */
+void chain_run(chain_t *chain, double seconds);
+
+/** Begin and run long enough for `sets` sets to be complete. */
+auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint32_t sets);
+
+/** Work until nothing is left, `budget` units a call.
+ * @return number of calls; `most` + 1 when that many did not suffice. */
+uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t most);
+
+/** Error of parameter i of the estimate, relative to the simulator's truth. */
+double chain_error(const chain_t *chain, int i);
+
+/** Mean square of the 13 errors. */
+double chain_mean_square(const chain_t *chain);
+
+#endif
