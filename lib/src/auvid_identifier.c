@@ -36,31 +36,31 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg)
     }
 }
 
+/* Would the search over all free parameters be taken? One over fewer of them is, too. */
 static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
-    unsigned n = 0;
+    bool delay = vehicle->regressor == NULL && cfg->metric.estimate_delay; /* searched too */
+    auvid_crs_config_t search;
+    uint8_t n = 0;
+    auvid_crs_defaults(&search, 0);
     for (int i = 0; i < vehicle->parameters; ++i) {
-        if (!(free >> i & 1u)) {
-            continue;
-        }
-        ++n;
-        if (!auvid_is_finite(cfg->lower[i]) || !auvid_is_finite(cfg->upper[i]) ||
-            (cfg->has_good && !auvid_is_finite(cfg->good[i]))) {
-            return AUVID_ERR_NOT_FINITE;
-        }
-        if (!(cfg->lower[i] < cfg->upper[i])) {
-            return AUVID_ERR_BOUNDS;
+        if (free >> i & 1u) {
+            if (cfg->has_good && !auvid_is_finite(cfg->good[i])) {
+                return AUVID_ERR_NOT_FINITE;
+            }
+            search.lower[n] = cfg->lower[i];
+            search.upper[n++] = cfg->upper[i];
         }
     }
-    n += cfg->vehicle->regressor == NULL && cfg->metric.estimate_delay; /* searched too */
-    unsigned population = cfg->population == 0 ? 4 * n : cfg->population;
-    if (n == 0 || n > AUVID_MAX_PARAMETERS) {
-        return AUVID_ERR_PARAMETERS;
+    if (delay && n < AUVID_MAX_PARAMETERS) {
+        search.upper[n] = AUVID_C(1.0);
     }
-    return population < n + 1 || population > AUVID_MAX_POPULATION ? AUVID_ERR_POPULATION
-                                                                   : AUVID_OK;
+    search.n = (uint8_t)(n + delay);
+    search.population = cfg->population;
+    search.omega = cfg->omega;
+    return auvid_crs_check(&search);
 }
 
 static auvid_status_t init_excitation(auvid_identifier_t *id)
@@ -137,9 +137,12 @@ static void take_cells(auvid_identifier_t *id, int most)
 /* Sensors into the filter; what it refuses becomes an event. */
 static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
-    if (in->imu.present &&
-        auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
-        id->events |= AUVID_EVENT_IMU_DROPPED;
+    if (in->imu.present) {
+        /* The filter follows the IMU's time: one sample from far ahead would shut out all others. */
+        bool ahead = in->imu.t_us > in->t_us && in->imu.t_us - in->t_us > id->nav.future_us;
+        if (ahead || auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
+            id->events |= AUVID_EVENT_IMU_DROPPED;
+        }
     }
     if (in->dvl.present) {
         auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl.sample);
@@ -188,6 +191,10 @@ static void excite(auvid_identifier_t *id, auvid_output_t *out)
         return;
     }
     auvid_real_t wrench[AUVID_DOF_COUNT];
+    if (id->starting) {
+        id->starting = false;
+        (void)auvid_excitation_start(&id->excitation, id->t_us);
+    }
     if (auvid_excitation_step(&id->excitation, id->t_us, wrench) != AUVID_OK) {
         id->exciting = false;
         id->events |= AUVID_EVENT_EXCITATION_DONE;
@@ -242,8 +249,8 @@ auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
     if (id->cfg.excitation.segments == 0) {
         return AUVID_ERR_STATE;
     }
-    id->exciting = true;
-    return auvid_excitation_start(&id->excitation, id->t_us);
+    id->exciting = id->starting = true;
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
@@ -251,7 +258,15 @@ auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    return id->exciting ? auvid_excitation_stop(&id->excitation, id->t_us) : AUVID_ERR_STATE;
+    if (!id->exciting) {
+        return AUVID_ERR_STATE;
+    }
+    if (id->starting) {
+        id->exciting = id->starting = false;
+        id->events |= AUVID_EVENT_EXCITATION_DONE;
+        return AUVID_OK;
+    }
+    return auvid_excitation_stop(&id->excitation, id->t_us);
 }
 
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,

@@ -79,7 +79,7 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
         add_point(id, &search, id->cfg.good, id->cfg.metric.delay_s[0]);
     }
     if (id->estimate.number > 0) {
-        add_point(id, &search, id->estimate.pi, id->delay_s);
+        add_point(id, &search, id->estimate.pi, id->found_delay_s);
     }
     return AUVID_OK;
 }
@@ -120,9 +120,10 @@ static void ask(auvid_identifier_t *id)
         auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
-        expand(id, auvid_optimizer_best(&id->optimizer, NULL));
+        auvid_real_t cost = AUVID_CRS_COST_FAILED;
+        expand(id, auvid_optimizer_best(&id->optimizer, &cost));
         auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
-        id->estimate.capped = status == AUVID_CAPPED;
+        id->capped = status == AUVID_CAPPED || !(cost < AUVID_CRS_COST_FAILED);
         id->phase = AUVID_WORK_MEASURE;
     }
 }
@@ -137,6 +138,7 @@ static void publish(auvid_identifier_t *id)
     e->identified = id->active;
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
+    id->found_delay_s = id->delay_s;
     (void)auvid_optimizer_best(&id->optimizer, &e->cost);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool common = id->cfg.vehicle->regressor == NULL && (e->driven >> j & 1);
@@ -144,6 +146,7 @@ static void publish(auvid_identifier_t *id)
     }
     e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
+    e->capped = id->capped;
     e->evaluations_crs = work.crs;
     e->evaluations_line = work.line_search;
     id->events |= AUVID_EVENT_ESTIMATE;
@@ -207,5 +210,6 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     id->work_last = budget - left;
     id->work_most = id->work_last > id->work_most ? id->work_last : id->work_most;
-    return status < 0 || id->phase == AUVID_WORK_IDLE ? status : AUVID_PENDING;
+    bool idle = id->phase == AUVID_WORK_IDLE && !id->set_pending;
+    return status < 0 || idle ? status : AUVID_PENDING;
 }

@@ -131,22 +131,23 @@
 #define AUVID_SIZED0(name) name##_f64
 #define AUVID_SIZED1_(name, a) name##_f64_##a
 #define AUVID_SIZED2_(name, a, b) name##_f64_##a##_##b
-#define AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)                                                \
-    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i
+#define AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)                                         \
+    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j
 #else
 #define AUVID_SIZED0(name) name##_f32
 #define AUVID_SIZED1_(name, a) name##_f32_##a
 #define AUVID_SIZED2_(name, a, b) name##_f32_##a##_##b
-#define AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)                                                \
-    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i
+#define AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)                                         \
+    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j
 #endif
 #define AUVID_SIZED1(name, a) AUVID_SIZED1_(name, a)
 #define AUVID_SIZED2(name, a, b) AUVID_SIZED2_(name, a, b)
-#define AUVID_SIZED_ALL9(name, a, b, c, d, e, f, g, h, i) AUVID_SIZED9_(name, a, b, c, d, e, f, g, h, i)
+#define AUVID_SIZED_ALL10(name, a, b, c, d, e, f, g, h, i, j)                                      \
+    AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)
 /** All sizes, for structs that hold several modules. */
 #define AUVID_SIZED(name)                                                                          \
-    AUVID_SIZED_ALL9(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,             \
-                     AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,     \
-                     AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS)
+    AUVID_SIZED_ALL10(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
+                      AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,    \
+                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 
 #endif

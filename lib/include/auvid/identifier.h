@@ -12,7 +12,8 @@
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most AUVID_CELLS_PER_STEP
  * cells of the recorder. Cost of work: a unit is one row of a triangle, one stored sample put through
- * the user's model, or one trial point; rejected ones count too. Never more than `budget` units.
+ * the user's model, or one trial point; rejected ones count too. Never more than `budget` units. In
+ * the call in which a search begins, its population is drawn besides: m n random numbers.
  * Memory: sizeof(auvid_identifier_t), all there is.
  *
  * Nothing here arms or limits the vehicle: what excites it must be guarded by the caller.
@@ -34,7 +35,8 @@
 extern "C" {
 #endif
 
-/** Cells taken from the recorder in one step at most. */
+/** Cells taken from the recorder in one step at most. So a tick must not be longer than this many
+ * cells, or the record breaks again and again. */
 #define AUVID_CELLS_PER_STEP 2
 
 /** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in about ten seconds. */
@@ -63,7 +65,8 @@ typedef struct {
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
     auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
     bool has_good;                            /**< use it; default false. Clipped to the bounds */
-    uint16_t population;   /**< m of Algorithm 1; 0: four times the number of parameters */
+    uint16_t population;   /**< m of Algorithm 1; 0: four times the number of parameters, as far as
+                                AUVID_MAX_POPULATION allows */
     auvid_real_t omega;    /**< of Algorithm 1; 0: the number of parameters, as in the paper */
     bool scale_by_bounds;  /**< steps of the line search relative to the bounds, not to the data */
     bool literal_search;   /**< Algorithm 2 without pattern steps; default false */
@@ -95,8 +98,10 @@ typedef struct {
     } gps;
     struct {
         bool present;
-        auvid_real_t wrench[AUVID_DOF_COUNT]; /**< applied from t_us of this tick on, of all sources:
-                                                   pilot, controller, excitation [N, Nm] */
+        /** Applied from t_us of this tick on, of all sources: pilot, controller, excitation [N, Nm].
+         * Who learns of it later (the excitation is an answer of this very step; feedback tells of
+         * the tick gone by) leaves it out here and calls auvid_identifier_applied with its time. */
+        auvid_real_t wrench[AUVID_DOF_COUNT];
         auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them */
     } applied;
 } auvid_input_t;
@@ -104,15 +109,18 @@ typedef struct {
 /** News, a bit each; several at once. */
 enum {
     AUVID_EVENT_TIME = 1u << 0,          /**< the tick's time did not advance: step refused */
-    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused; why is in nav.diagnostics */
-    AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< likewise */
+    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused: counted in nav.imu_time, nav.imu_invalid,
+                                              or not at all when ahead of the tick by more than
+                                              nav.future_us */
+    AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< sample refused; why is in nav.diagnostics */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3, /**< likewise */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,   /**< likewise */
-    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite, or one was given
+                                              for this time before */
     AUVID_EVENT_VELOCITY_STALE = 1u << 6, /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,           /**< the record was broken and started anew */
     AUVID_EVENT_SET = 1u << 8,           /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the sets so far: nothing to search */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the ring's sets: nothing to search */
     AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
     AUVID_EVENT_SATURATED = 1u << 11,    /**< the excitation was scaled down by the thrusters */
     AUVID_EVENT_EXCITATION_DONE = 1u << 12 /**< the excitation's run came to its end */
@@ -140,7 +148,8 @@ typedef struct {
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; 0 where not driven */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
-    bool capped; /**< ended by a cap, not by its own criterion: treat with care */
+    bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had a
+                      finite cost: treat with care */
 } auvid_estimate_t;
 
 /** Where work() is. */
@@ -174,7 +183,10 @@ typedef struct {
     uint32_t active;               /* parameters in the present search */
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
     auvid_real_t delay_s;          /* its delay, where that is searched too */
-    bool started, exciting, set_pending, searching;
+    auvid_real_t found_delay_s;    /* that of the last estimate */
+    bool started;
+    bool starting, exciting;       /* the excitation: with the next step; now */
+    bool set_pending, searching, capped;
 } auvid_identifier_t;
 
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
@@ -186,13 +198,13 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
 /** Check the arithmetic (selftest.h) and the configuration, and start.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; AUVID_ERR_BOUNDS (a lower bound of a free
- * parameter not below its upper bound); AUVID_ERR_NOT_FINITE; AUVID_ERR_POPULATION; AUVID_ERR_LIMIT
- * (the excitation asks for more than the thrusters give); and the errors of the modules' init. On
- * error *id is not usable. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
+ * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
+ * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than the
+ * thrusters give); and the errors of the modules' init. On error *id is not usable. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
-/** Begin the excitation with the next step.
+/** Begin the excitation with the next step; one under way is begun anew, without a fade.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (no excitation configured). */
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
 
@@ -214,7 +226,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
-/** Record the applied wrench from t_us on (command may be null). Statuses as above. */
+/** Record the applied wrench from t_us on (command may be null). Statuses and cells as above. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 
@@ -228,7 +240,8 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 /** Optimize with what time is left.
  * @param budget units of work; 0 does nothing
  * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used
- * up); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no DoF driven so far; also AUVID_EVENT_NOT_DRIVEN). */
+ * up); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no DoF driven in the ring's sets; once for each set; also
+ * AUVID_EVENT_NOT_DRIVEN). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
 
 #ifdef __cplusplus
