@@ -8,7 +8,8 @@
  *     sum_i c_i Y_i pi = sum_i c_i tau_i,
  *
  * holds for the true pi exactly; which c is best is a matter of noise only. Savitzky-Golay of order
- * 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and stops what the DVL adds.
+ * 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and stops what the DVL
+ * adds.
  *
  * Evaluation is in auvid_metric_cost.c.
  */
@@ -51,9 +52,10 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
 void auvid_metric_literal(auvid_metric_config_t *cfg)
 {
     if (cfg != NULL) {
-        uint32_t half = 500000 / cfg->cell_us;
+        uint32_t half = cfg->cell_us == 0 ? 0 : 500000 / cfg->cell_us; /* init refuses 0 */
         cfg->smoothing = AUVID_SMOOTH_STATES;
-        cfg->half_width[0] = cfg->half_width[1] = (uint8_t)(half < 2 ? 2 : (half > 127 ? 127 : half));
+        half = half < 2 ? 2 : (half > 127 ? 127 : half);
+        cfg->half_width[0] = cfg->half_width[1] = (uint8_t)half;
         cfg->order = 3;
         cfg->passes = 1;
         cfg->estimate_delay = false;
@@ -68,12 +70,14 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     }
     auvid_real_t longest = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6) *
                            (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
-    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS)) {
+    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) || !auvid_is_finite(cfg->driven) ||
+        !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!(cfg->tau_max[j] > AUVID_C(0.0) && auvid_is_finite(cfg->tau_max[j]) &&
-              cfg->delay_s[j] >= AUVID_C(0.0) && cfg->delay_s[j] <= longest)) {
+        if (!(cfg->tau_max[j] > AUVID_C(0.0) && cfg->delay_s[j] >= AUVID_C(0.0) &&
+              cfg->delay_s[j] <= longest)) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -82,7 +86,8 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
         cfg->cell_us > 1000000 || cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 ||
         cfg->sets > AUVID_MAX_SETS || (uint32_t)cfg->set_rows * cfg->sets > 60000 ||
         cfg->lag[0] < 1 || cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 ||
-        cfg->lag[1] > AUVID_METRIC_LAGS || cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
+        cfg->lag[1] > AUVID_METRIC_LAGS || cfg->passes < 1 || cfg->passes > 2 ||
+        cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
         (cfg->smoothing != AUVID_SMOOTH_ROWS && cfg->smoothing != AUVID_SMOOTH_STATES) ||
         (cfg->smoothing == AUVID_SMOOTH_STATES && cfg->estimate_delay)) {
         return AUVID_ERR_RANGE;
@@ -94,27 +99,32 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     return linear || cfg->rows != NULL ? AUVID_OK : AUVID_ERR_MODEL;
 }
 
-/* kernel = Savitzky-Golay coefficients, convolved with themselves for two passes, in the middle of
- * `taps`. */
-static auvid_status_t make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
-                                  uint8_t derivative)
+/* Savitzky-Golay coefficients of one pass, in the middle of a window of 2 half_width + 1 cells. */
+static auvid_status_t coefficients(const auvid_metric_config_t *cfg, uint8_t half_width,
+                                   uint8_t derivative, auvid_real_t c[AUVID_MAX_TAPS])
 {
-    auvid_real_t c[AUVID_MAX_TAPS];
-    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
-    auvid_status_t status =
-        auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0, c);
+    auvid_real_t dt_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
+    return auvid_smoother_coefficients(half_width, cfg->order, derivative, dt_s, 0, c);
+}
+
+/* kernel = one pass, or the convolution of two (a derivative is taken once), in the middle of
+ * `taps`. */
+static void make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
+                        uint8_t derivative)
+{
+    auvid_real_t c[AUVID_MAX_TAPS], again[AUVID_MAX_TAPS];
+    (void)coefficients(&m->cfg, half_width, derivative, c); /* fits() has seen that they exist */
+    (void)coefficients(&m->cfg, half_width, 0, again);
     int n = 2 * half_width + 1;
     int before = (m->taps - (m->cfg.passes * (n - 1) + 1)) / 2;
-    memset(kernel, 0, AUVID_MAX_TAPS * sizeof kernel[0]);
-    for (int i = 0; i < n && status == AUVID_OK; ++i) {
+    for (int i = 0; i < n; ++i) {
         for (int k = 0; k < n && m->cfg.passes == 2; ++k) {
-            kernel[before + i + k] += c[i] * c[k];
+            kernel[before + i + k] += c[i] * again[k];
         }
         if (m->cfg.passes == 1) {
             kernel[before + i] = c[i];
         }
     }
-    return status;
 }
 
 /* Binomial weights over an odd number of rows: n of them have a variance of (n - 1) / 4. */
@@ -135,38 +145,83 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
     }
 }
 
-static auvid_status_t make_filter(auvid_metric_t *m)
+/* The residual path with rows of its own kind: means over the row; residuals are smoothed later. */
+static bool averages(const auvid_metric_config_t *cfg)
+{
+    return cfg->vehicle->regressor == NULL && cfg->smoothing == AUVID_SMOOTH_ROWS;
+}
+
+static uint32_t widest(const auvid_metric_config_t *cfg)
+{
+    return cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+}
+
+static uint32_t taps_of(const auvid_metric_config_t *cfg)
+{
+    return averages(cfg) ? cfg->row_cells : 2 * widest(cfg) * cfg->passes + 1;
+}
+
+static uint32_t overlap_of(const auvid_metric_config_t *cfg)
+{
+    return (taps_of(cfg) + cfg->row_cells - 1) / cfg->row_cells;
+}
+
+/* Does the filter exist, and is there room for it? */
+static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
+{
+    auvid_real_t c[AUVID_MAX_TAPS];
+    if (taps_of(cfg) > AUVID_MAX_TAPS || overlap_of(cfg) > AUVID_MAX_OVERLAP) {
+        return AUVID_ERR_SIZE;
+    }
+    if (averages(cfg)) {
+        return AUVID_OK;
+    }
+    auvid_status_t status = coefficients(cfg, cfg->half_width[0], 0, c);
+    if (status == AUVID_OK && cfg->smoothing == AUVID_SMOOTH_STATES) {
+        status = coefficients(cfg, cfg->half_width[0], 1, c);
+    }
+    return status == AUVID_OK ? coefficients(cfg, cfg->half_width[1], 0, c) : status;
+}
+
+/* Is there room for all channels and triangles? */
+static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
+{
+    bool linear = cfg->vehicle->regressor != NULL;
+    uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t order = cfg->vehicle->columns[j] == 0 ? 0 : AUVID_METRIC_DELAYS;
+        for (uint32_t left = cfg->vehicle->columns[j] & free; left != 0; left &= left - 1) {
+            ++order;
+        }
+        channels += linear ? order : 0;
+        factor += linear ? AUVID_TRIANGLE(order) : 0;
+    }
+    bool motion = !linear || cfg->smoothing == AUVID_SMOOTH_STATES;
+    bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR &&
+               !(motion && AUVID_METRIC_MOTION_CHANNELS > AUVID_MAX_COLUMNS);
+    return fit ? AUVID_OK : AUVID_ERR_SIZE;
+}
+
+static void make_filter(auvid_metric_t *m)
 {
     const auvid_metric_config_t *cfg = &m->cfg;
-    if (cfg->vehicle->regressor == NULL && cfg->smoothing == AUVID_SMOOTH_ROWS) {
-        if (cfg->row_cells > AUVID_MAX_TAPS) {
-            return AUVID_ERR_SIZE;
-        }
-        m->taps = (uint8_t)cfg->row_cells; /* means over the row; the residuals are smoothed later */
-        m->overlap = 1;
+    m->taps = (uint8_t)taps_of(cfg);
+    m->overlap = (uint8_t)overlap_of(cfg);
+    if (averages(cfg)) {
         for (int i = 0; i < m->taps; ++i) {
             m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
         }
         make_window(m, RESIDUAL_SMOOTHING_S);
-        return AUVID_OK;
+        return;
     }
     make_window(m, AUVID_C(0.0));
-    uint32_t wide = cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
-    uint32_t taps = 2 * wide * cfg->passes + 1;
-    uint32_t overlap = (taps + cfg->row_cells - 1) / cfg->row_cells;
-    if (taps > AUVID_MAX_TAPS || wide > AUVID_MAX_HALF_WIDTH || overlap > AUVID_MAX_OVERLAP) {
-        return AUVID_ERR_SIZE;
-    }
-    m->taps = (uint8_t)taps;
-    m->overlap = (uint8_t)overlap;
     bool literal = cfg->smoothing == AUVID_SMOOTH_STATES;
-    auvid_status_t status = make_kernel(m, m->kernel[0], cfg->half_width[0], 0);
-    return status < 0 ? status
-                      : make_kernel(m, m->kernel[1], cfg->half_width[literal ? 0 : 1], literal);
+    make_kernel(m, m->kernel[0], cfg->half_width[0], 0);
+    make_kernel(m, m->kernel[1], cfg->half_width[literal ? 0 : 1], literal);
 }
 
-/* Give each modelled DoF its channels and its triangle. */
-static auvid_status_t lay_out(auvid_metric_t *m)
+/* Give each modelled DoF of a model with regressor its channels and its triangle. */
+static void lay_out(auvid_metric_t *m)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
@@ -175,28 +230,19 @@ static auvid_status_t lay_out(auvid_metric_t *m)
         m->columns[j] = vehicle->columns[j] & free;
         m->factor_at[j] = (uint16_t)factor;
         m->channel_at[j] = (uint16_t)channel;
-        uint32_t count = 0;
+        if (vehicle->columns[j] == 0 || vehicle->regressor == NULL) {
+            continue;
+        }
         for (int i = 0; i < vehicle->parameters; ++i) {
             if (m->columns[j] >> i & 1u) {
-                if (channel + count >= AUVID_MAX_COLUMNS) {
-                    return AUVID_ERR_SIZE;
-                }
-                m->index[channel + count++] = (uint8_t)i;
+                m->index[channel + m->count[j]++] = (uint8_t)i;
             }
         }
-        m->count[j] = (uint8_t)count;
-        if (vehicle->columns[j] != 0 && vehicle->regressor != NULL) {
-            channel += count + AUVID_METRIC_DELAYS;
-            factor += AUVID_TRIANGLE(count + AUVID_METRIC_DELAYS);
-        }
+        uint32_t order = m->count[j] + (uint32_t)AUVID_METRIC_DELAYS;
+        channel += order;
+        factor += AUVID_TRIANGLE(order);
     }
     m->channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
-    bool motion = vehicle->regressor == NULL || m->cfg.smoothing == AUVID_SMOOTH_STATES;
-    if (channel > AUVID_MAX_COLUMNS || factor > AUVID_MAX_FACTOR ||
-        (motion && AUVID_METRIC_MOTION_CHANNELS > AUVID_MAX_COLUMNS)) {
-        return AUVID_ERR_SIZE;
-    }
-    return AUVID_OK;
 }
 
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
@@ -205,20 +251,20 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = check(cfg);
+    status = status == AUVID_OK ? filter_fits(cfg) : status;
+    status = status == AUVID_OK ? columns_fit(cfg) : status;
     if (status < 0) {
         return status;
     }
     memset(metric, 0, sizeof *metric);
     metric->cfg = *cfg;
-    status = make_filter(metric);
-    if (status == AUVID_OK) {
-        status = lay_out(metric);
-    }
+    make_filter(metric);
+    lay_out(metric);
     memcpy(metric->delay_s, cfg->delay_s, sizeof metric->delay_s);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         metric->band_weight[0][j] = metric->band_weight[1][j] = AUVID_C(1.0);
     }
-    return status;
+    return AUVID_OK;
 }
 
 /* The wrench (i < 6) or command at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
@@ -229,8 +275,8 @@ static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
     return m->past_tau[(m->cells + PAST - ago) % PAST][i];
 }
 
-/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all delays.
- * The literal reading makes its accelerations of nu. */
+/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all
+ * delays. The literal reading makes its accelerations of nu. */
 static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
 {
     enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
@@ -271,13 +317,14 @@ static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid
     }
 }
 
-/* Add weight * channel to a row under construction; `age` cells have gone into it before. */
-static void accumulate(const auvid_metric_t *m, auvid_real_t *row, uint32_t age,
-                       const auvid_real_t *channel)
+/* Add weight * channel to row under construction `slot`; `age` cells have gone into it before. */
+static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auvid_real_t *channel)
 {
+    auvid_real_t *row = m->accumulator[slot];
     if (!auvid_metric_smooths_motion(m)) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age];
+            m->wrench[slot][j] += weight * delayed(m, j, 0);
             for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
                 row[i] += weight * channel[i];
             }
@@ -313,17 +360,17 @@ static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
     memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
 }
 
-/* The raw wrench of the literal reading has no other delays than none. */
-static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+/* Rows of the literal reading: of the smoothed sample, with the raw wrench in the middle of the
+ * window instead of the newest. */
+static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
+                             const auvid_real_t *motion, auvid_real_t *channel)
 {
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
     row_channels(m, s, channel);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *tau = channel + m->channel_at[j] + m->count[j];
-        if (vehicle->columns[j] != 0) {
-            auvid_real_t off = s->tau[j] - delayed(m, j, 0);
-            tau[0] += off;
-            tau[1] = tau[2] = tau[0];
+        for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
+            tau[d] += motion[MOTION_TAU + d * INPUTS + j] - delayed(m, j, d);
         }
     }
 }
@@ -334,6 +381,10 @@ static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s, a
 static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
 {
     auvid_set_t *set = &m->set[m->current];
+    if (!auvid_all_finite(channel, m->channel_at[AUVID_DOF_COUNT])) {
+        m->since_gap = 0; /* the model's own fault; in a triangle it would stay */
+        return;
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
         uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
@@ -356,15 +407,16 @@ static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
 }
 
 /* A row is complete: into the triangles, or into the store. */
-static void finish_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *channel)
+static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
+    const auvid_real_t *channel = m->accumulator[slot];
     auvid_set_t *set = &m->set[m->current];
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     bool motion = auvid_metric_smooths_motion(m);
     ++set->rows;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->columns[j] != 0) {
-            watch_wrench(set, j, channel[motion ? MOTION_TAU + j : m->channel_at[j] + m->count[j]]);
+            watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : m->wrench[slot][j]);
         }
     }
     if (!motion) {
@@ -375,13 +427,12 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *cha
     sample_from_channels(channel, &sample);
     sample.t_us = t_us;
     if (vehicle->regressor == NULL) {
-        auvid_row_t *store =
-            &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u];
+        auvid_row_t *store = &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u];
         store->sample = sample;
         memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     } else {
         auvid_real_t rows[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
-        literal_channels(m, &sample, rows);
+        literal_channels(m, &sample, channel, rows);
         rotate_row(m, rows);
     }
 }
@@ -435,13 +486,14 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         uint32_t age = n % step;
         if (age == 0) {
             memset(m->accumulator[n / step % m->overlap], 0, sizeof m->accumulator[0]);
+            memset(m->wrench[n / step % m->overlap], 0, sizeof m->wrench[0]);
         }
         for (; age < m->taps && age <= n; age += step) {
-            auvid_real_t *row = m->accumulator[(n - age) / step % m->overlap];
-            accumulate(m, row, age, channel);
+            uint32_t slot = (n - age) / step % m->overlap;
+            accumulate(m, slot, age, channel);
             if (age + 1u == m->taps) {
                 uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
-                finish_row(m, middle, row);
+                finish_row(m, middle, slot);
                 if (m->set[m->current].rows >= m->cfg.set_rows) {
                     status = auvid_metric_close(m);
                 }
@@ -468,6 +520,10 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
     if (age >= metric->cfg.sets || age >= metric->sets_recorded) {
         return AUVID_ERR_RANGE;
     }
-    memset(&metric->set[auvid_metric_slot(metric, age)], 0, sizeof metric->set[0]);
+    auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+    if (set->rows == 0) {
+        return AUVID_ERR_RANGE; /* dropped before */
+    }
+    memset(set, 0, sizeof *set);
     return AUVID_OK;
 }

@@ -4,8 +4,8 @@
  * Three passes bring the ring together. (1) All rows of all sets and bands into one triangle for
  * each DoF, bands weighted as before; from it the delay and the DoF's own least-squares parameters.
  * (2) Each band's residual at those parameters; the new weights are the inverse of its mean square.
- * (3) As (1), with the new weights. Successive rows a, b have residual variance (1 +- rho) sigma^2 / 2
- * in their sum and difference when their correlation is rho, so this is the whitening of a
+ * (3) As (1), with the new weights. Successive rows a, b have residual variance (1 +- rho) sigma^2
+ * / 2 in their sum and difference when their correlation is rho, so this is the whitening of a
  * first-order autoregression, chosen after the fact.
  */
 #include "auvid/metric.h"
@@ -18,10 +18,10 @@
 /* No band is trusted more than this times the other (in variance). */
 #define LARGEST_RATIO AUVID_C(1e3)
 
-/* A delay is taken when it is known this well [s] and is this many standard deviations from none. The
- * thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that misses
- * something, a thruster's curve, say, makes look like a delay is not: it fits a little better with it
- * and predicts worse. */
+/* A delay is taken when it is known this well [s] and is this many standard deviations from none.
+ * The thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that
+ * misses something, a thruster's curve, say, makes look like a delay is not: it fits a little
+ * better with it and predicts worse. */
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
 
@@ -70,8 +70,8 @@ static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s, 
     return a * a + b * b + c * c;
 }
 
-/* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola through
- * the best point and its neighbours. */
+/* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola
+ * through the best point and its neighbours. */
 static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 {
     auvid_real_t least = unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
@@ -99,8 +99,8 @@ static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
     auvid_real_t lag_leaves = unexplained(m, j, as_lag, true);
     *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
     auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
-    auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
-                        (unexplained(m, j, AUVID_C(0.0), false) - leaves);
+    auvid_real_t gain =
+        (auvid_real_t)m->dof_rows[j] * (unexplained(m, j, AUVID_C(0.0), false) - leaves);
     auvid_real_t precise = s * node_s(m) / DELAY_PRECISION_S;
     bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
     *lag = *lag && sure;
@@ -254,10 +254,9 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->weight[j] = m->dof_rows[j] == 0
-                           ? AUVID_C(0.0)
-                           : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
-                                             (auvid_real_t)m->dof_rows[j]);
+        m->weight[j] = m->dof_rows[j] == 0 ? AUVID_C(0.0)
+                                           : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
+                                                             (auvid_real_t)m->dof_rows[j]);
     }
     rewind_rows(m, m->cfg.smoothing == AUVID_SMOOTH_STATES ? PASS_LAST : PASS_FIRST);
 }
@@ -324,7 +323,7 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
             continue;
         }
         const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        for (; m->at_row < count && *budget > 0; ++m->at_row, --*budget) {
+        for (; m->at_row<count && * budget> 0; ++m->at_row, --*budget) {
             int i = m->at_row;
             const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
             auvid_real_t e = -z[i];

@@ -31,6 +31,7 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
         return AUVID_ERR_NULL;
     }
     if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || cfg->gap_us < cfg->cell_us ||
+        cfg->gap_us > 1000000000 ||
         (cfg->input != AUVID_INPUT_HOLD && cfg->input != AUVID_INPUT_LINEAR)) {
         return AUVID_ERR_RANGE;
     }
@@ -51,7 +52,8 @@ static void break_record(auvid_recorder_t *rec, uint64_t t_us)
     }
 }
 
-/* Begin a record at the latest of the streams' last samples, once all have one. */
+/* Begin a record at the latest of the streams' last samples, once all have one that is not older
+ * than a gap. */
 static void begin_record(auvid_recorder_t *rec)
 {
     uint64_t origin = 0;
@@ -60,6 +62,12 @@ static void begin_record(auvid_recorder_t *rec)
             return;
         }
         origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        if (origin - rec->stream[s].t_us > rec->cfg.gap_us) {
+            rec->stream[s].valid = false;
+            return;
+        }
     }
     for (int s = 0; s < STREAMS; ++s) {
         rec->stream[s].filled_us = origin;

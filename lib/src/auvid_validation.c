@@ -3,8 +3,8 @@
  * recorded inputs.
  *
  * From the middle of one cell to the middle of the next, by two steps of the classical Runge-Kutta
- * method: in the first the wrench is the older cell's mean, in the second the newer one's, shifted by
- * the delay or passed through the lag T y' = tau - y. Attitude and the velocities that are not
+ * method: in the first the wrench is the older cell's mean, in the second the newer one's, shifted
+ * by the delay or passed through the lag T y' = tau - y. Attitude and the velocities that are not
  * integrated run straight between the cells.
  */
 #include "auvid/validation.h"
@@ -19,9 +19,9 @@
 /* Cells of a piece before its wrench is known at every delay. */
 enum { WARM_UP = AUVID_VALIDATION_PAST };
 
-auvid_status_t auvid_validation_init(auvid_validation_t *validation,
-                                     const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
-                                     uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged,
+auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid_vehicle_t *vehicle,
+                                     const auvid_real_t *pi, uint32_t dofs,
+                                     const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s)
 {
     if (validation == NULL || pi == NULL) {
@@ -45,7 +45,13 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation,
         return AUVID_ERR_RANGE;
     }
     for (int j = 0; j < AUVID_DOF_COUNT && delay_s != NULL; ++j) {
-        if (!(delay_s[j] >= -cell_s && delay_s[j] <= AUVID_C(6.0) * cell_s)) {
+        auvid_real_t cells = delay_s[j] / cell_s; /* a metric's own delay must pass, rounded */
+        if (!(cells >= AUVID_C(-2.0) && cells <= AUVID_C(6.001))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if ((dofs >> j & 1u) != 0 && vehicle->columns[j] == 0) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -125,8 +131,8 @@ static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t
         }
         /* y(h) - y(0) by the trapezoidal rule, h half a cell */
         auvid_real_t target = past_wrench(v, j, ago);
-        auvid_real_t step = (target - v->wrench[j]) * AUVID_C(0.5) /
-                            (v->delay_cells[j] + AUVID_C(0.25));
+        auvid_real_t step =
+            (target - v->wrench[j]) * AUVID_C(0.5) / (v->delay_cells[j] + AUVID_C(0.25));
         tau[j] = v->wrench[j] + AUVID_C(0.5) * step;
         v->wrench[j] += step;
     }

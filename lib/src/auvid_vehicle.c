@@ -214,9 +214,10 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                                    BIT(Y_VV) | BIT(Y_0),                                           \
                     [AUVID_HEAVE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Z_W) |         \
                                     BIT(Z_WW) | BIT(Z_0),                                          \
-                    [AUVID_YAW] = BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) |          \
-                                  BIT(N_0)},                                                       \
-        .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration, .context = &(form_)        \
+                    [AUVID_YAW] =                                                                  \
+                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIT(N_0)},         \
+        .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
+        .context = &(form_)                                                                        \
     }
 
 static const g500_form_t g500_fossen = {.coupled = true, .printed = false};

@@ -10,30 +10,32 @@
  *   rows and wrench of each DoF pass the same smoother, so that what the smoother takes from one
  *   side it takes from the other. (The paper smooths the states and names no filter for tau; that
  *   leaves a bias which more data does not cure.) Sums and differences of successive rows, the low
- *   and the high band, are kept as triangular factors [R | Z] for each DoF, where Z holds the wrench
- *   at three delays. When sets are brought together, each band is weighted by how badly it fits, which
- *   whitens the residual whatever disturbs the vehicle. The cost is
+ *   and the high band, are kept as triangular factors [R | Z] for each DoF, where Z holds the
+ *   wrench at three delays. When sets are brought together, each band is weighted by how badly it
+ *   fits, which whitens the residual whatever disturbs the vehicle. The cost is
  *       J(pi) = sum_j ||R_j pi - z_j||^2 / (tau_max_j^2 rows_j),
  *   without the part that no pi can explain (kept apart in `constant`): in float32 it would swamp
  *   the differences the optimizer lives on.
- * - *Residual path*, for any other model: means over each row's time are stored, the user's function
- *   is called on each, and the residuals are smoothed, by binomial weights of about 0.3 s standard
- *   deviation. (A model that is not linear in the commands, a dead band, say, must see them as they
- *   were: for such a model make rows of two cells.) J(pi) = sum_j sum_k smoothed_jk^2 / (tau_max_j^2 rows_j).
+ * - *Residual path*, for any other model: means over each row's time are stored, the user's
+ *   function is called on each, and the residuals are smoothed, by binomial weights of about 0.3 s
+ *   standard deviation. (A model that is not linear in the commands, a dead band, say, must see
+ *   them as they were: for such a model make rows of two cells.) J(pi) = sum_j sum_k smoothed_jk^2
+ *   / (tau_max_j^2 rows_j).
  *
  * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
- * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a first-order
- * lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi explains is
- * smallest, over all sets in the ring. In the residual path one shift, common to wrench and commands,
- * is searched together with the parameters.
+ * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a
+ * first-order lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi
+ * explains is smallest, over all sets in the ring, from -1.5 to 6 cells;
+ * none is taken unless the data determine it. In the residual path one shift, common to wrench
+ * and commands, is searched together with the parameters.
  *
  * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
  * (they would pull its parameters to zero with a small formal error).
  *
  * Called by the identifier: `add` and `gap` from the control tick, the rest from work().
  * Cost: add, Girona500: 0.4k multiplications a cell, and four rows of Givens rotations every
- * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), about 12 KiB
- * with default sizes.
+ * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), 21 KiB
+ * with default sizes, of which each set takes 1.7 KiB.
  */
 #ifndef AUVID_METRIC_H
 #define AUVID_METRIC_H
@@ -63,8 +65,8 @@ typedef enum {
                                   the accelerations, wrench raw */
 } auvid_smoothing_t;
 
-/** A stored row of the residual path: a smoothed sample, and wrench and commands at the other delays.
- * Written by the metric. */
+/** A stored row of the residual path: a smoothed sample, and wrench and commands at the other
+ * delays. Written by the metric. */
 typedef struct {
     auvid_sample_t sample;
     auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
@@ -81,40 +83,42 @@ typedef struct {
                               of tau_max; 0..1, default 0.02 */
     uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
     uint16_t row_cells;  /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s) */
+    uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s);
+                              sets * set_rows <= 60000 */
     uint8_t sets;        /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
-    auvid_smoothing_t smoothing;              /**< default AUVID_SMOOTH_ROWS */
+    auvid_smoothing_t smoothing; /**< default AUVID_SMOOTH_ROWS */
     uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces and for moments; the
                                 literal reading uses the first; default 10, 7. Not used in the
                                 residual path */
-    uint8_t lag[2]; /**< rows between those whose sums and differences are formed, for forces and for
-                         moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
-    uint8_t order;         /**< of the polynomial, default 2 */
-    uint8_t passes;        /**< how often the smoother is applied, 1 or 2; default 2 */
-    bool estimate_delay;   /**< default true; must be false with AUVID_SMOOTH_STATES */
+    uint8_t lag[2]; /**< rows between those whose sums and differences are formed, for forces and
+                         for moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
+    uint8_t order;  /**< of the polynomial, default 2 */
+    uint8_t passes; /**< how often the smoother is applied (its derivative once), 1
+                                or 2; default 2 */
+    bool estimate_delay; /**< default true; must be false with AUVID_SMOOTH_STATES */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..6 cells,
-                                                default 0; in the residual path the first is that of
-                                                wrench and commands */
-    auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the caller,
-                            must outlive the metric; null otherwise */
+                                                default 0; a shift. Not read in the residual
+                                              path: evaluations are told the delay */
+    auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the
+                            caller, must outlive the metric; null otherwise */
 } auvid_metric_config_t;
 
 /** One data set. Private but for `rows` and `driven`. */
 typedef struct {
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
-    auvid_real_t tau_mean[AUVID_DOF_COUNT]; /* of the rows' wrench */
-    auvid_real_t tau_m2[AUVID_DOF_COUNT];   /* sum of squares about that mean */
-    uint16_t rows;                          /**< rows so far */
-    uint8_t driven;                         /**< bit j: DoF j is driven; set at completion */
+    auvid_real_t tau_mean[AUVID_DOF_COUNT];                    /* of the rows' wrench */
+    auvid_real_t tau_m2[AUVID_DOF_COUNT];                      /* sum of squares about that mean */
+    uint16_t rows;                                             /**< rows so far */
+    uint8_t driven; /**< bit j: DoF j is driven; set at completion */
 } auvid_set_t;
 
 /** The metric. Fields are private but for those under "results". */
 typedef struct {
     auvid_metric_config_t cfg;
-    uint32_t columns[AUVID_DOF_COUNT];       /* free parameters in each equation */
-    uint8_t count[AUVID_DOF_COUNT];          /* how many */
-    uint8_t index[AUVID_MAX_COLUMNS];        /* their numbers, DoF after DoF */
-    uint16_t factor_at[AUVID_DOF_COUNT];     /* where each DoF's triangle starts */
+    uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
+    uint8_t count[AUVID_DOF_COUNT];           /* how many */
+    uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
+    uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's triangle starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
     auvid_real_t kernel[2][AUVID_MAX_TAPS];
     uint8_t taps, overlap;
@@ -125,27 +129,27 @@ typedef struct {
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
                          [AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
-    uint32_t cells;     /* since the record began */
-    uint32_t since_gap; /* rows since then */
+    uint32_t cells;                                              /* since the record began */
+    uint32_t since_gap;                                          /* rows since then */
     auvid_set_t set[AUVID_MAX_SETS + 1];
     uint8_t current; /* the set being recorded */
 
     /* evaluation */
-    auvid_real_t merged[AUVID_MAX_FACTOR];     /* the ring's [R_j | Z_j], bands weighted */
+    auvid_real_t merged[AUVID_MAX_FACTOR]; /* the ring's [R_j | Z_j], bands weighted */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];     /* pi by parameter */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
-    auvid_real_t weight[AUVID_DOF_COUNT];      /* 1 / (tau_max^2 rows) */
+    auvid_real_t weight[AUVID_DOF_COUNT];           /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation, squares;
     auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
-    auvid_real_t share[AUVID_METRIC_WINDOW];   /* and their weights */
+    auvid_real_t share[AUVID_METRIC_WINDOW];                   /* and their weights */
     uint8_t window_length;
-    uint64_t window_us;                        /* time of the last */
-    uint32_t window_rows;                      /* since a gap */
-    uint16_t at_row; /* progress */
+    uint64_t window_us;   /* time of the last */
+    uint32_t window_rows; /* since a gap */
+    uint16_t at_row;      /* progress */
     uint8_t at_set, at_band, at_dof, pass;
 
     /** @name results */
@@ -155,7 +159,8 @@ typedef struct {
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
     uint8_t lagged;                        /**< bit j: DoF j's delay is that of a first-order lag,
                                                 not a shift */
-    auvid_real_t constant;                 /**< part of the cost that no pi explains */
+    auvid_real_t constant;                 /**< part of the cost that no pi explains; 0 in the
+                                                residual path */
     auvid_real_t cost;                     /**< J of the last finished evaluation */
     auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
                                                 measurement [N^2, Nm^2] */
@@ -166,20 +171,24 @@ typedef struct {
 /** Fill *cfg for the Girona500 model: DESIGN of the filter in auvid_metric.c. Null is ignored. */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
 
-/** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed, accelerations
- * by the Savitzky-Golay derivative, wrench raw, no delay. Null is ignored. */
+/** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed,
+ * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. Null is
+ * ignored. */
 void auvid_metric_literal(auvid_metric_config_t *cfg);
 
 #define auvid_metric_init AUVID_SIZED(auvid_metric_init)
 /** Start empty.
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field out of
  * its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (nothing free); AUVID_ERR_SIZE (columns,
- * factor, taps or overlap exceed config.h); AUVID_ERR_MODEL (residual path without storage). */
+ * factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2 half_width);
+ * AUVID_ERR_MODEL (residual path without storage). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
 /** Take the next cell of an unbroken record.
  * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
- * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). Cost: see above. */
+ * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored: the record
+ * has a hole now, say `gap`). Rows in which the model's regressor is not finite are left out. Cost:
+ * see above. */
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
 
 /** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
@@ -190,7 +199,8 @@ void auvid_metric_gap(auvid_metric_t *metric);
 auvid_status_t auvid_metric_close(auvid_metric_t *metric);
 
 /** Forget the completed set recorded `age` sets ago (0: the last). Merge afterwards.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the ring). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the
+ * ring, or forgotten before). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 
 /** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
@@ -217,7 +227,7 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
-/** Longest delay that can be had [s]: 6 cells. */
+/** Longest delay that can be had in the residual path [s]: 6 cells. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
@@ -228,8 +238,8 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 uint32_t auvid_metric_active(const auvid_metric_t *metric);
 
 /** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
- * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in the
- * residual path.
+ * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in
+ * the residual path.
  * @param scale [n] */
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
@@ -240,7 +250,7 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 
 /** The least-squares optimum in closed form: an oracle for tests and a diagnostic for users of
  * models that are linear; the identifier does not use it.
- * @param active parameters to solve for (bit i); others keep their value in pi
+ * @param active parameters to solve for (bit i), of the free ones; others keep their value in pi
  * @param pi [n] in and out
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_SINGULAR (some
  * parameter is not determined; it is set to zero). Stack: (n + 1)(n + 2) / 2 numbers. */

@@ -13,9 +13,12 @@
  *
  * Called by the identifier in the control tick: feed the three streams, then pop cells until
  * AUVID_EMPTY. A stream silent for longer than `gap_us` breaks the record: cells not popped by then
- * are lost, pop says AUVID_GAP once, and a new record begins with the next samples.
+ * are lost, pop says AUVID_GAP once, and a new record begins with the next samples. (A stream that
+ * says nothing at all is found out when the others have run through all cells kept.) So does a
+ * stream that lags further behind than the cells kept, which must therefore span the time between
+ * its samples.
  *
- * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.8 KiB
+ * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.7 KiB
  * with default sizes.
  */
 #ifndef AUVID_RECORDER_H
@@ -39,7 +42,8 @@ typedef enum {
 
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
-    uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, default 500000 */
+    uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, <= 1e9,
+                                 default 500000 */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
@@ -73,8 +77,9 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
 /** Attitude and rates at t_us.
  * @param attitude [3] phi theta psi [rad], psi unwrapped
  * @param rates [3] p q r [rad/s]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK;
- * AUVID_ERR_TIME_SAME. Refused: nothing changed. Cost: O(cells overlapped), <= 16. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK and
+ * AUVID_ERR_TIME_SAME (not after this stream's last sample; after a break a stream that was silent
+ * may start at any time). Refused: nothing changed. Cost: O(cells overlapped), <= 16. */
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 

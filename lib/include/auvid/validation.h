@@ -3,12 +3,13 @@
  * Validation (Section IV): simulate held-out inputs with given parameters, compare with what was
  * measured, R2 for each velocity.
  *
- * The equations of motion are integrated from the first measured velocity under the recorded wrench;
- * attitude and the velocities that the model does not cover come from the record, as in the paper.
- * After a gap the integration starts again from the next measured velocity.
+ * The equations of motion are integrated from the first measured velocity under the recorded
+ * wrench; attitude and the velocities that the model does not cover come from the record, as in the
+ * paper. After a gap the integration starts again from the next measured velocity.
  *
  * Called for each cell of the record, by the identifier (attach it) or by the user's own loop.
- * Cost: eight calls of the model's acceleration a cell. Memory: below 0.7 KiB.
+ * Cost: eight calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
+ * bytes with default sizes.
  */
 #ifndef AUVID_VALIDATION_H
 #define AUVID_VALIDATION_H
@@ -31,10 +32,10 @@ typedef struct {
     auvid_real_t wrench[AUVID_DOF_COUNT]; /* after the lag */
     uint32_t lagged;
     auvid_real_t cell_s;
-    uint32_t dofs;               /* bit j: this DoF is integrated */
-    auvid_sample_t last;         /* the cell before */
+    uint32_t dofs;                                             /* bit j: this DoF is integrated */
+    auvid_sample_t last;                                       /* the cell before */
     auvid_real_t past[AUVID_VALIDATION_PAST][AUVID_DOF_COUNT]; /* wrench, newest at `cells` */
-    uint32_t since_gap;          /* cells in the running piece */
+    uint32_t since_gap;                                        /* cells in the running piece */
     auvid_real_t mean[AUVID_DOF_COUNT], m2[AUVID_DOF_COUNT], sse[AUVID_DOF_COUNT];
     uint32_t cells;                          /**< cells compared so far */
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< simulated velocity at the last cell */
@@ -45,17 +46,19 @@ typedef struct {
 
 /** Start.
  * @param vehicle model with an acceleration; must outlive the comparison
- * @param pi [n] its parameters
- * @param dofs bit j: integrate DoF j (0: every modelled DoF); others come from the record. Leave out
- * what was not identified
- * @param delay_s [6] delay of each DoF's wrench, -1 to 6 cells; null: none
+ * @param pi [n] its parameters. They must give an acceleration: Girona500 needs all four masses >
+ * 0, also where the DoF is left out
+ * @param dofs bit j: integrate DoF j, which the model must cover (0: every modelled DoF); others
+ * come from the record. Leave out what was not identified
+ * @param delay_s [6] delay of each DoF's wrench, -2 to 6 cells (rounding aside); null: none. What a
+ * negative one asks of the cell after the newest is not there: the newest stands for it
  * @param lagged bit j: DoF j's delay is that of a first-order lag (estimate.lagged)
  * @param cell_s the record's cell [s], > 0
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_MODEL (no acceleration,
  * or it refuses pi); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. */
-auvid_status_t auvid_validation_init(auvid_validation_t *validation,
-                                     const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
-                                     uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged,
+auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid_vehicle_t *vehicle,
+                                     const auvid_real_t *pi, uint32_t dofs,
+                                     const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s);
 
 /** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). */
