@@ -21,6 +21,7 @@
 #define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
 #define LARGEST_RATE AUVID_C(100.0)
 #define LARGEST_AGE_US 2000000u
+#define SMALLEST_SIGMA AUVID_C(1e-4)
 #define LARGEST_SIGMA AUVID_C(1e3)
 
 void auvid_nav_defaults(auvid_nav_config_t *config)
@@ -55,39 +56,33 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->gps_start = 4;
 }
 
-/* AUVID_OK when low <= x <= high and x is not 0 where that is ruled out. */
-static auvid_status_t check_field(auvid_real_t x, auvid_real_t high, bool zero_allowed)
-{
-    auvid_status_t status = nav_within(&x, 1, high);
-    bool good = x > AUVID_C(0.0) || (zero_allowed && x >= AUVID_C(0.0));
-    return status == AUVID_OK && !good ? AUVID_ERR_RANGE : status;
-}
-
 static auvid_status_t check_config(const auvid_nav_config_t *c)
 {
     const struct {
-        auvid_real_t x, high;
-        bool zero_allowed;
+        auvid_real_t x, low, high;
     } field[] = {
-        {c->sigma_acceleration[0], LARGEST_SIGMA, false},
-        {c->sigma_acceleration[1], LARGEST_SIGMA, false},
-        {c->sigma_acceleration[2], LARGEST_SIGMA, false},
-        {c->reference_tick, AUVID_C(10.0), false},
-        {c->sigma_dvl, LARGEST_SIGMA, false},
-        {c->sigma_current, LARGEST_SIGMA, true},
-        {c->sigma_depth, LARGEST_SIGMA, false},
-        {c->sigma_gps, LARGEST_SIGMA, false},
-        {c->sigma_position, LARGEST_SIGMA, false},
-        {c->sigma_velocity, LARGEST_SIGMA, false},
-        {c->gate, AUVID_LARGEST, true},
-        {c->speed_limit, NAV_LARGEST_SPEED, true},
-        {c->density, AUVID_C(1e5), false},
-        {c->gravity, AUVID_C(100.0), false},
-        {c->surface_pressure, AUVID_C(1e6), true},
+        {c->sigma_acceleration[0], SMALLEST_SIGMA, AUVID_C(100.0)},
+        {c->sigma_acceleration[1], SMALLEST_SIGMA, AUVID_C(100.0)},
+        {c->sigma_acceleration[2], SMALLEST_SIGMA, AUVID_C(100.0)},
+        {c->reference_tick, AUVID_C(1e-4), AUVID_C(10.0)},
+        {c->sigma_dvl, SMALLEST_SIGMA, LARGEST_SIGMA},
+        {c->sigma_current, AUVID_C(0.0), LARGEST_SIGMA},
+        {c->sigma_depth, AUVID_C(1e-3), LARGEST_SIGMA},
+        {c->sigma_gps, AUVID_C(1e-3), LARGEST_SIGMA},
+        {c->sigma_position, SMALLEST_SIGMA, LARGEST_SIGMA},
+        {c->sigma_velocity, SMALLEST_SIGMA, AUVID_C(10.0)},
+        {c->gate, AUVID_C(0.0), AUVID_C(1e6)},
+        {c->speed_limit, AUVID_C(0.0), NAV_LARGEST_SPEED},
+        {c->density, AUVID_C(1.0), AUVID_C(1e5)},
+        {c->gravity, AUVID_C(0.1), AUVID_C(100.0)},
+        {c->surface_pressure, AUVID_C(0.0), AUVID_C(1e6)},
     };
     auvid_status_t status = AUVID_OK;
     for (size_t i = 0; i < sizeof field / sizeof field[0] && status == AUVID_OK; ++i) {
-        status = check_field(field[i].x, field[i].high, field[i].zero_allowed);
+        status = nav_within(&field[i].x, 1, field[i].high);
+        if (status == AUVID_OK && field[i].x < field[i].low) {
+            status = AUVID_ERR_RANGE;
+        }
     }
     const struct {
         const auvid_real_t *x;

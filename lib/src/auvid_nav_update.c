@@ -15,11 +15,14 @@
  *     With m = a diag(q) h the covariance of x with h'w is q_x = [a/2 R m; m], and
  *     c = P H' - q_x,   S = H P H' - 2 h'm + h'm + R = H P H' - h'm + R        (Bar-Shalom's B1)
  *     The filter's velocity of the sample's time is then its present one: cov(w, nu) = m - m = 0.
- *     This holds while nothing entered since: a measurement would have told something about w. When
- *     one did, w is taken as the part beta = h'm / H P H' of what is unknown along h:
+ *     This holds while nothing entered since (a measurement would have told something about w) and
+ *     R stood still; long ticks and fast turns can make (c, S) an impossible covariance, which is
+ *     checked. Else w is taken as the part beta = h'm / H P H' of what is unknown along h:
  *     c = (1 - beta) P H',   S = (1 - beta) H P H' + R
  *     of which P - c c'/S is positive for any beta in [0, 1).
  */
+#include <string.h>
+
 #include "auvid_nav_private.h"
 
 /* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
@@ -38,21 +41,49 @@ static auvid_real_t along(const auvid_nav_t *nav, const auvid_real_t h[3], auvid
     return nav_dot(h, c + 3);
 }
 
+/* Is c' P^-1 c < s, so that P - c c'/s is positive definite? P = L D L', y = L^-1 c. */
+static bool is_possible(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s)
+{
+    auvid_real_t p[6][6], y[6], sum = AUVID_C(0.0);
+    (void)auvid_nav_covariance(nav, p);
+    for (int i = 0; i < 6; ++i) {
+        y[i] = c[i];
+    }
+    for (int j = 0; j < 6; ++j) {
+        if (!(p[j][j] > AUVID_C(0.0))) {
+            return false;
+        }
+        auvid_real_t inverse = AUVID_C(1.0) / p[j][j];
+        sum += y[j] * y[j] * inverse;
+        for (int i = j + 1; i < 6; ++i) {
+            auvid_real_t l = p[i][j] * inverse;
+            y[i] -= l * y[j];
+            for (int k = j + 1; k <= i; ++k) {
+                p[i][k] -= l * p[k][j];
+            }
+        }
+    }
+    return sum < s * (AUVID_C(1.0) - SMALLEST_REST);
+}
+
 /* Take the noise since the sample out of c; return what H P H' becomes. */
 static auvid_real_t take_noise_out(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
                                    const auvid_real_t h[3], auvid_real_t c[6], auvid_real_t hph)
 {
-    auvid_real_t noise[3];
+    auvid_real_t noise[3], exact[6];
     for (int k = 0; k < 3; ++k) {
         noise[k] = m->age * nav->q[k] * h[k];
     }
     auvid_real_t variance = nav_dot(noise, h);
     if (m->clean && hph > variance) {
         for (int k = 0; k < 3; ++k) {
-            c[k] -= AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
-            c[3 + k] -= noise[k];
+            exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
+            exact[3 + k] = c[3 + k] - noise[k];
         }
-        return hph - variance;
+        if (is_possible(nav, exact, hph - variance + nav->r[m->sensor])) {
+            memcpy(c, exact, sizeof exact);
+            return hph - variance;
+        }
     }
     auvid_real_t rest = AUVID_C(1.0) - auvid_min(variance / hph, LARGEST_BETA);
     for (int k = 0; k < 6; ++k) {

@@ -127,10 +127,10 @@ static void test_extreme_tuning_keeps_the_covariance_positive_definite()
 {
     auvid_nav_config_t c;
     auvid_nav_defaults(&c);
-    c.sigma_velocity = 100;
+    c.sigma_velocity = 10;
     c.sigma_position = 1000;
     c.sigma_dvl = auvid_real_t(0.0005);
-    c.sigma_depth = auvid_real_t(0.0005);
+    c.sigma_depth = auvid_real_t(0.001);
     c.sigma_gps = auvid_real_t(0.01);
     c.gate = 0;
     for (int i = 0; i < 3; ++i) {

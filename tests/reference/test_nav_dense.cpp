@@ -199,8 +199,9 @@ class Dense
         Vector3d m = a * q.cwiseProduct(h.tail<3>());
         qx << a / 2 * R * m, m;
         double w = h.tail<3>().dot(m);
-        if (clean) {
-            pxz -= qx;
+        Vector6d exact = pxz - qx;
+        if (clean && exact.dot(P.ldlt().solve(exact)) < hph - w + noise) {
+            pxz = exact;
             S = hph - w + noise;
         } else {
             double beta = std::min(w / hph, 0.99);

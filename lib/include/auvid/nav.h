@@ -36,7 +36,7 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test holds it. */
-#define AUVID_NAV_BYTES 704
+#define AUVID_NAV_BYTES 712
 
 /** The sensors that correct the filter; index into auvid_nav_t.diagnostics. */
 typedef enum {
@@ -65,32 +65,33 @@ typedef struct {
     uint8_t valid;            /**< AUVID_DVL_X | AUVID_DVL_Y | AUVID_DVL_Z; 0: no lock at all */
 } auvid_dvl_sample_t;
 
-/** Configuration. Fill with auvid_nav_defaults(), then change what differs. */
+/** Configuration. Fill with auvid_nav_defaults(), then change what differs. The ranges keep the
+ * covariance within what single precision can hold. */
 typedef struct {
     auvid_real_t sigma_acceleration[3]; /**< process noise n_u n_v n_w of Eq. 5 at ticks of
-        `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); (0, 1e3] */
-    auvid_real_t reference_tick; /**< tick the above is meant for [s]; default 0.02; (0, 10]. The
+        `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); 1e-4..100 */
+    auvid_real_t reference_tick; /**< tick the above is meant for [s]; default 0.02; 1e-4..10. The
         velocity variance grows by sigma^2 reference_tick per second whatever the tick. */
-    auvid_real_t sigma_dvl;      /**< noise of each DVL axis [m/s]; default 0.007; (0, 1e3] */
+    auvid_real_t sigma_dvl;      /**< noise of each DVL axis [m/s]; default 0.007; 1e-4..1e3 */
     auvid_real_t sigma_current;  /**< standard deviation of the water's own velocity, added when
-        water lock stands in for bottom lock [m/s]; default 0.3; [0, 1e3], 0: still water */
-    auvid_real_t sigma_depth;    /**< noise of depth [m]; default 0.015; (0, 1e3] */
-    auvid_real_t sigma_gps;      /**< noise of each GPS axis [m]; default 1.5; (0, 1e3] */
+        water lock stands in for bottom lock [m/s]; default 0.3; 0..1e3, 0: still water */
+    auvid_real_t sigma_depth;    /**< noise of depth [m]; default 0.015; 1e-3..1e3 */
+    auvid_real_t sigma_gps;      /**< noise of each GPS axis [m]; default 1.5; 1e-3..1e3 */
     auvid_real_t position[3];    /**< position at the start, NED [m]; default 0; |.| <= 1e5 */
-    auvid_real_t sigma_position; /**< its standard deviation [m]; default 1; (0, 1e3] */
+    auvid_real_t sigma_position; /**< its standard deviation [m]; default 1; 1e-4..1e3 */
     auvid_real_t sigma_velocity; /**< of the velocity (0 at the start) [m/s]; default 1, so that no
-        first sample within `speed_limit` is gated; (0, 1e3] */
-    auvid_real_t gate;           /**< largest nu^2/S of one scalar; default 16 (4 sigma); >= 0,
+        first sample within `speed_limit` is gated; 1e-4..10 */
+    auvid_real_t gate;           /**< largest nu^2/S of one scalar; default 16 (4 sigma); 0..1e6,
         0: no gate */
-    auvid_real_t speed_limit;    /**< largest |velocity| of a DVL sample [m/s]; default 3; [0, 100],
+    auvid_real_t speed_limit;    /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
         0: the 100 m/s that are refused in any case */
     auvid_real_t dvl_euler[3];   /**< phi theta psi that turn the body frame into the DVL's [rad];
         default 0 (aligned); |.| <= 10 */
     auvid_real_t dvl_lever[3];   /**< where the DVL sits, from the body's origin, body frame [m];
         default 0; |.| <= 1e3 */
-    auvid_real_t density;        /**< of the water [kg/m3]; default 1025; (0, 1e5] */
-    auvid_real_t gravity;        /**< [m/s2]; default 9.80665; (0, 100] */
-    auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; [0, 1e6] */
+    auvid_real_t density;        /**< of the water [kg/m3]; default 1025; 1..1e5 */
+    auvid_real_t gravity;        /**< [m/s2]; default 9.80665; 0.1..100 */
+    auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used where the filter's depth is at most this [m];
         default 0.5; |.| <= 1e5 */
     uint32_t dvl_max_age_us;   /**< oldest DVL sample taken [us]; default 500000; <= 2e6, 0: none
@@ -234,9 +235,10 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  *
  * Time: a sample up to max_age older than the filter is used at its own time. A position is compared
  * with the filter's, carried back along its present velocity: H = [e_i, -age R_i]. For a velocity
- * the noise that came in since is taken out of the covariances (algorithm B1); that is exact when
- * nothing entered the filter since the sample was taken, and else the noise is taken in proportion
- * to the covariance at hand, which keeps it positive. A sample ahead of the filter by up to future_us
+ * the noise that came in since is taken out of the covariances (algorithm B1) where nothing entered
+ * the filter since the sample was taken; that is exact while the attitude stands still. Else, and
+ * where it would cost the covariance its positivity (a sample from inside a long tick), the noise is
+ * taken in proportion to the covariance at hand, which cannot. A sample ahead of the filter by up to future_us
  * is used as if it were of the last tick. Samples of one sensor must come in order.
  *
  * Gate: a sample is refused as a whole when nu^2 > gate S for any of its scalars. After `lockout`
