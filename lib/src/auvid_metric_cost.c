@@ -25,9 +25,8 @@
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
 
-/* Delays tried, in units of the nodes' distance: -0.5 .. 2. */
-enum { DELAY_STEPS = 25 };
-#define DELAY_FIRST AUVID_C(-0.5)
+/* Delays tried, in units of the nodes' distance: 0 .. 2. A response does not precede its command. */
+enum { DELAY_STEPS = 20 };
 #define DELAY_STEP AUVID_C(0.1)
 
 enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE };
@@ -76,7 +75,7 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 {
     auvid_real_t least = unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     for (int i = 0; i <= DELAY_STEPS; ++i) {
-        auvid_real_t s = DELAY_FIRST + DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s, lag);
+        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s, lag);
         if (e < least) {
             least = e;
             best = s;
@@ -87,7 +86,7 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
     auvid_real_t bend = left - AUVID_C(2.0) * least + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
-    return auvid_clamp(best, DELAY_FIRST, DELAY_FIRST + DELAY_STEP * (auvid_real_t)DELAY_STEPS);
+    return auvid_clamp(best, AUVID_C(0.0), DELAY_STEP * (auvid_real_t)DELAY_STEPS);
 }
 
 /* Shift or first-order lag, whichever leaves less unexplained; none without evidence. With E(s) the
