@@ -25,7 +25,7 @@
  * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
  * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a
  * first-order lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi
- * explains is smallest, over all sets in the ring, from -1.5 to 6 cells;
+ * explains is smallest, over all sets in the ring, from 0 to 6 cells;
  * none is taken unless the data determine it. In the residual path one shift, common to wrench
  * and commands, is searched together with the parameters.
  *
