@@ -29,7 +29,10 @@ PROGRAM := $(wildcard tools/auvid/*.c)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
-SCRIPTS := $(wildcard tests/program/test_*.sh)
+# Runs of a real vehicle, which are not part of the project; their test runs where they are.
+export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
+NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
+SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh))
 BENCH := $(wildcard tests/bench/*.c)
 
 # The same sources are built in several ways; objects of one way live in build/<way>/.
