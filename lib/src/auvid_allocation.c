@@ -132,7 +132,7 @@ static void orthogonalise_columns(decomposition_t *d, int n)
 static void invert(const decomposition_t *d, int n, auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
     for (int dof = 0; dof < DOFS; ++dof) {
-        auvid_real_t x[DOFS];
+        auvid_real_t x[DOFS] = {AUVID_C(0.0)};
         auvid_real_t largest = AUVID_C(0.0);
         for (int i = d->rank - 1; i >= 0; --i) {
             x[i] = d->u[i][dof];

@@ -132,9 +132,10 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 {
     auvid_real_t rows = deviation_s * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
-    auvid_real_t pairs = auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
-                                   (auvid_real_t)(AUVID_METRIC_WINDOW / 2));
-    m->window_length = (uint8_t)(2 * (int)pairs + 1);
+    int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
+                               (auvid_real_t)AUVID_METRIC_WINDOW);
+    pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
+    m->window_length = (uint8_t)(2 * pairs + 1);
     memset(m->share, 0, sizeof m->share);
     m->share[0] = AUVID_C(1.0);
     for (int n = 1; n < m->window_length; ++n) {
@@ -196,9 +197,7 @@ static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
         channels += linear ? order : 0;
         factor += linear ? AUVID_TRIANGLE(order) : 0;
     }
-    bool motion = !linear || cfg->smoothing == AUVID_SMOOTH_STATES;
-    bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR &&
-               !(motion && AUVID_METRIC_MOTION_CHANNELS > AUVID_MAX_COLUMNS);
+    bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR;
     return fit ? AUVID_OK : AUVID_ERR_SIZE;
 }
 

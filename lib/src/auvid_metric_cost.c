@@ -106,6 +106,29 @@ static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
     return sure ? s : AUVID_C(0.0);
 }
 
+/* A column that depends on those before it (yaw: m_u and m_v stand there as -u v and u v) leaves a
+ * pivot of rounding, and in its row whatever direction of the others' rows rounding chose. That row
+ * goes back to where it can be explained, or not. */
+static void clear_dependent(auvid_metric_t *m, int j)
+{
+    int n = order_of(m, j);
+    auvid_real_t *triangle = m->merged + m->factor_at[j];
+    for (int i = 0; i < m->count[j]; ++i) {
+        auvid_real_t *r = triangle + auvid_triangle_row(n, i), column = AUVID_C(0.0);
+        for (int k = 0; k <= i; ++k) {
+            auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
+            column += above * above;
+        }
+        if (auvid_abs(r[0]) > AUVID_C(100.0) * AUVID_EPSILON * auvid_sqrt(column)) {
+            continue;
+        }
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        memcpy(row + i, r, (size_t)(n - i) * sizeof *r);
+        memset(r, 0, (size_t)(n - i) * sizeof *r);
+        auvid_triangle_add(triangle, n, i + 1, row);
+    }
+}
+
 /* After a merge pass: delay, z, and candidate = [pi_j, -l] of the DoF's own least squares. */
 static void settle_dof(auvid_metric_t *m, int j)
 {
@@ -115,6 +138,7 @@ static void settle_dof(auvid_metric_t *m, int j)
     auvid_real_t s = m->cfg.delay_s[j] / node_s(m);
     bool driven = (m->driven >> j & 1) != 0;
     bool lag = false;
+    clear_dependent(m, j);
     if (m->cfg.estimate_delay) {
         s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
@@ -506,7 +530,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     /* one triangle for all DoF: active parameters in order, then the wrench */
     auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
     auvid_real_t x[AUVID_MAX_PARAMETERS];
-    int place[AUVID_MAX_PARAMETERS], n = 0;
+    int place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
         place[i] = free && (active >> i & 1u) ? n++ : -1;

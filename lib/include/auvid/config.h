@@ -60,7 +60,8 @@
 
 /** Columns of all equations together, three for the wrench of each degree of freedom included: the
  * sum over the degrees of freedom of c + 3; Girona500 with biases takes 39. A model without
- * regressor takes 33 and three for each thruster of AUVID_MAX_THRUSTERS. 4..512. */
+ * regressor takes 33 and three for each thruster, so that is the least.
+ * 33 + 3 AUVID_MAX_THRUSTERS..512. */
 #ifndef AUVID_MAX_COLUMNS
 #define AUVID_MAX_COLUMNS 57
 #endif
@@ -106,8 +107,11 @@
 #if AUVID_MAX_FACTOR < 10 || AUVID_MAX_FACTOR > 8192
 #error "auvid: AUVID_MAX_FACTOR must be 10..8192"
 #endif
-#if AUVID_MAX_COLUMNS < 4 || AUVID_MAX_COLUMNS > 512
-#error "auvid: AUVID_MAX_COLUMNS must be 4..512"
+#if AUVID_MAX_COLUMNS < 36 || AUVID_MAX_COLUMNS > 512
+#error "auvid: AUVID_MAX_COLUMNS must be 36..512"
+#endif
+#if AUVID_MAX_COLUMNS < 33 + 3 * AUVID_MAX_THRUSTERS
+#error "auvid: AUVID_MAX_COLUMNS must be at least 33 + 3 AUVID_MAX_THRUSTERS"
 #endif
 #if AUVID_MAX_TAPS < 3 || AUVID_MAX_TAPS > 255
 #error "auvid: AUVID_MAX_TAPS must be 3..255"
