@@ -1,0 +1,401 @@
+/*
+ * The identifier's work: never more than the budget, always an end, the same result however it is
+ * portioned, and nothing stale when sets change on the way.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "chain.h"
+#include "unity.h"
+
+static const uint32_t budgets[] = {1, 7, 200, 100000};
+enum { BUDGETS = sizeof budgets / sizeof budgets[0] };
+
+static chain_t chain, recorded;
+static chain_config_t config;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* Most units that a search can take: the caps of crs.h (40 m evaluations, and 50 m trials outside
+ * the box before each) and of line_search.h (1000 n evaluations, of which none without room lasts),
+ * an evaluation being `rows` units, three passes of the merge, and the measurement. */
+static uint32_t units_at_most(uint32_t n, uint32_t m, uint32_t rows)
+{
+    uint32_t evaluations = 40 * m + 1000 * n;
+    return evaluations * (rows + 2) + 40 * m * 50 * m + 8 * 10000;
+}
+
+/* Work to the end with a budget; every call is checked. */
+static void finish(uint32_t budget, uint32_t units)
+{
+    chain.most_units = 0;
+    TEST_ASSERT_TRUE(chain_finish(&chain, budget, units / budget + 1) <= units / budget + 1);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain.work);
+    TEST_ASSERT_FALSE(chain.over_budget);
+    TEST_ASSERT_TRUE(chain.most_units <= budget);
+}
+
+/* Record `sets` sets without working. */
+static void record(uint32_t sets)
+{
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
+    TEST_ASSERT_EQUAL_UINT32(sets, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+}
+
+/* The cost of any pi on the data in the ring, on a copy of the metric. */
+static double cost_of(const auvid_real_t *pi)
+{
+    static auvid_metric_t metric;
+    uint32_t budget = UINT32_MAX;
+    metric = chain.id.metric;
+    auvid_metric_cost_begin(&metric, pi, chain.id.estimate.delay_s[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
+    return (double)metric.cost;
+}
+
+/* The estimate is as good as the least-squares optimum: excess cost within 1e-3 of the residual. */
+static void check_optimum(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&chain.id.metric, AUVID_G500_FREE, pi));
+    double least = cost_of(pi), found = cost_of(chain.id.estimate.pi);
+    TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)chain.id.metric.constant);
+    TEST_ASSERT_TRUE(chain.id.estimate.cost == (auvid_real_t)found); /* not a stale one */
+}
+
+/* ---- budgets ---- */
+
+static void test_work_keeps_to_its_budget_in_every_tick(void)
+{
+    for (int k = 0; k < BUDGETS; ++k) {
+        chain_defaults(&config, 1, 2, 0.0);
+        config.budget = budgets[k];
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+        TEST_ASSERT_FALSE(chain.over_budget);
+        TEST_ASSERT_TRUE(chain.most_units <= budgets[k]);
+        TEST_ASSERT_TRUE(budgets[k] > 200 || chain.most_units == budgets[k]); /* and uses it */
+        finish(budgets[k], units_at_most(13, 52, 13));
+        TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
+        check_optimum();
+    }
+}
+
+static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
+{
+    auvid_estimate_t once;
+    chain_defaults(&config, 2, 3, 0.0);
+    record(3);
+    recorded = chain;
+    for (int k = 0; k < BUDGETS; ++k) {
+        chain = recorded;
+        finish(budgets[BUDGETS - 1 - k], units_at_most(13, 52, 13));
+        if (k == 0) {
+            once = chain.id.estimate;
+        }
+        TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+        TEST_ASSERT_EQUAL_MEMORY(&once, &chain.id.estimate, sizeof once);
+    }
+}
+
+static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
+{
+    chain_defaults(&config, 2, 1, 0.0);
+    record(1);
+    recorded = chain;
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 0));
+    TEST_ASSERT_EQUAL_MEMORY(&recorded.id, &chain.id, sizeof chain.id);
+    finish(1000, units_at_most(13, 52, 13));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 0));
+}
+
+static void test_the_default_budget_searches_in_about_ten_seconds(void)
+{
+    chain_defaults(&config, 3, 8, 1.0);
+    record(8);
+    uint32_t calls = chain_finish(&chain, AUVID_DEFAULT_BUDGET, 10000);
+    TEST_ASSERT_TRUE(calls <= 10 * 50);
+}
+
+/* ---- boxes ---- */
+
+/* The box in which every parameter lies between its truth times low and its truth times high. */
+static void box(double low, double high)
+{
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double a = low * config.sim.parameter[i], b = high * config.sim.parameter[i];
+        config.id.lower[i] = (auvid_real_t)fmin(a, b);
+        config.id.upper[i] = (auvid_real_t)fmax(a, b);
+    }
+}
+
+/* In the box, and no worse than the box's point next to the truth. */
+static void check_in_box(void)
+{
+    auvid_real_t near[AUVID_MAX_PARAMETERS] = {0};
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        auvid_real_t truth = (auvid_real_t)config.sim.parameter[i], x = chain.id.estimate.pi[i];
+        TEST_ASSERT_TRUE(x >= config.id.lower[i] && x <= config.id.upper[i]);
+        near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)config.id.lower[i]),
+                                     (double)config.id.upper[i]);
+    }
+    double tie = 1e-3 * (double)chain.id.metric.constant;
+    TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tie);
+}
+
+static void search_in_box(double low, double high, uint16_t population)
+{
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+        for (int k = 0; k < BUDGETS; ++k) {
+            chain_defaults(&config, seed, 2, 0.0);
+            box(low, high);
+            config.id.population = population;
+            if (k == 0) {
+                record(2);
+                recorded = chain;
+            }
+            chain = recorded;
+            finish(budgets[k], units_at_most(13, population > 0 ? population : 52, 13));
+            TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+            check_in_box();
+        }
+    }
+}
+
+static void test_a_search_with_the_truth_on_the_bounds_ends(void)
+{
+    search_in_box(1.0, 2.0, 0);
+    search_in_box(0.5, 1.0, 0);
+}
+
+static void test_a_search_with_the_truth_outside_the_box_ends(void)
+{
+    search_in_box(1.2, 3.0, 0);
+    search_in_box(0.1, 0.8, 0);
+}
+
+static void test_a_population_of_n_plus_one_ends(void)
+{
+    search_in_box(-2.0, 3.0, 14);
+}
+
+/* ---- known good points ---- */
+
+static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
+{
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+        for (int kind = 0; kind < 4; ++kind) {
+            chain_defaults(&config, seed, 2, 0.0);
+            config.id.has_good = kind > 0;
+            for (int i = 0; i < SIM_PARAMETERS; ++i) {
+                double truth = config.sim.parameter[i];
+                /* within a tenth; a corner, far off; far outside the box: clipped to it */
+                config.id.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
+                                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
+                                                               : -1e30);
+            }
+            record(2);
+            finish(200, units_at_most(13, 52, 13));
+            check_optimum();
+            TEST_ASSERT_FALSE(chain.id.estimate.capped);
+        }
+    }
+}
+
+/* ---- sets that change on the way ---- */
+
+/* Budgets so small that sets complete before their search has ended. */
+static void test_searches_that_span_sets_end_at_the_optimum_of_the_last(void)
+{
+    static const uint32_t tiny[] = {3, 5, 8, 13};
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        chain_defaults(&config, seed, 8, 0.0);
+        config.budget = tiny[seed - 1];
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 8));
+        TEST_ASSERT_TRUE(chain.id.searches < 8); /* so some went on with costs evaluated again */
+        finish(tiny[seed - 1], units_at_most(13, 52, 13));
+        TEST_ASSERT_EQUAL_UINT32(8, chain.id.estimate.sets);
+        check_optimum();
+        for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
+            TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.05);
+        }
+    }
+}
+
+/* How far the search over vehicle A's set is when B's come: all the ways it can be caught. */
+typedef enum { IN_MERGE, IN_FILL, IN_GLOBAL, IN_LOCAL, IN_MEASURE, ENDED, CATCHES } catch_t;
+
+static bool is_there(catch_t where)
+{
+    const auvid_identifier_t *id = &chain.id;
+    auvid_optimizer_work_t done = auvid_optimizer_work(&id->optimizer);
+    bool local = auvid_optimizer_phase(&id->optimizer) == AUVID_OPTIMIZER_LOCAL;
+    switch (where) {
+    case IN_MERGE:
+        return id->phase == AUVID_WORK_MERGE;
+    case IN_FILL:
+        return done.crs == 30;
+    case IN_GLOBAL:
+        return done.crs == 150;
+    case IN_LOCAL:
+        return local && done.line_search == 200;
+    case IN_MEASURE:
+        return id->phase == AUVID_WORK_MEASURE;
+    default:
+        return id->estimate.number > 0;
+    }
+}
+
+/* One set in the ring. The vehicle grows half as heavy again and half as draggy after the first; its
+ * own set comes while the search over the first is caught somewhere. */
+static void test_no_cost_of_an_earlier_vehicle_survives(void)
+{
+    for (catch_t where = IN_MERGE; where < CATCHES; ++where) {
+        chain_defaults(&config, 7, 4, 0.0);
+        config.id.metric.sets = 1;
+        config.budget = 0;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        while (chain.id.metric.sets_recorded == 0) {
+            chain_tick(&chain);
+        }
+        for (uint32_t k = 0; k < units_at_most(13, 52, 13) && !is_there(where); ++k) {
+            (void)auvid_identifier_work(&chain.id, 1);
+        }
+        TEST_ASSERT_TRUE(is_there(where));
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            chain.sim.config.parameter[i] *= i == SIM_WB ? 1.0 : 1.5;
+        }
+        while (chain.id.metric.sets_recorded < 3) {
+            chain_tick(&chain);
+        }
+        finish(200, 2 * units_at_most(13, 52, 13));
+        TEST_ASSERT_EQUAL_UINT32(3, chain.id.estimate.sets);
+        check_optimum();
+        for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
+            TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.05);
+        }
+    }
+}
+
+static void test_an_estimate_stays_whole_until_the_next_is_ready(void)
+{
+    chain_defaults(&config, 8, 3, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 50.0);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    auvid_estimate_t before = chain.id.estimate;
+    chain.config.budget = 0;
+    chain_run(&chain, 20.0);
+    for (int k = 0; k < 100000 && chain.id.estimate.number == 1; ++k) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id.estimate, sizeof before);
+        (void)auvid_identifier_work(&chain.id, 3);
+    }
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.number);
+}
+
+/* ---- a user's model, without a regressor ---- */
+
+enum { USER_M, USER_X_U, USER_X_UU, USER_PARAMETERS };
+
+static const auvid_parameter_t user_parameter[USER_PARAMETERS] = {
+    {"m", "kg", AUVID_SURGE}, {"X_u", "N s/m", AUVID_SURGE}, {"X_uu", "N s2/m2", AUVID_SURGE}};
+
+/* Coupling, tilt and weight are left out of it: surge alone is driven. */
+static void user_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                          auvid_real_t *e)
+{
+    auvid_real_t u = s->nu[AUVID_SURGE], speed = u > 0 ? u : -u;
+    (void)context;
+    e[AUVID_SURGE] = pi[USER_M] * s->nu_dot[AUVID_SURGE] - pi[USER_X_U] * u -
+                     pi[USER_X_UU] * speed * u - s->tau[AUVID_SURGE];
+}
+
+static void failing_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                             auvid_real_t *e)
+{
+    user_residual(context, s, pi, e);
+    e[AUVID_SURGE] = (auvid_real_t)NAN;
+}
+
+static auvid_vehicle_t user_vehicle = {.name = "surge",
+                                       .parameters = USER_PARAMETERS,
+                                       .parameter = user_parameter,
+                                       .columns = {[AUVID_SURGE] = 7},
+                                       .residual = user_residual};
+
+enum { USER_SETS = 2, USER_ROWS = 60 };
+static auvid_row_t store[(USER_SETS + 1) * USER_ROWS];
+
+static void configure_user(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
+    chain_defaults(&config, 9, USER_SETS, 0.0);
+    auvid_excitation_config_t excitation = config.id.excitation;
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&excitation, amplitude, CHAIN_SET_S, USER_SETS, 9));
+    auvid_identifier_defaults(&config.id, &user_vehicle);
+    config.id.seed = 9;
+    config.id.excitation = excitation;
+    config.id.metric.rows = store;
+    config.id.metric.sets = USER_SETS;
+    config.id.metric.set_rows = USER_ROWS;
+}
+
+static void test_a_users_model_keeps_to_the_budget_and_ends(void)
+{
+    auvid_estimate_t once;
+    configure_user();
+    record(USER_SETS);
+    recorded = chain; /* the rows stay where they are: nothing is recorded from here on */
+    for (int k = 0; k < BUDGETS; ++k) {
+        chain = recorded;
+        finish(budgets[k], units_at_most(4, 16, USER_SETS * USER_ROWS));
+        if (k == 0) {
+            once = chain.id.estimate;
+        }
+        TEST_ASSERT_EQUAL_MEMORY(&once, &chain.id.estimate, sizeof once);
+    }
+    TEST_ASSERT_EQUAL_HEX32(7, once.identified);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, once.driven);
+    TEST_ASSERT_FALSE(once.capped);
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U], (double)once.pi[USER_M]);
+    TEST_ASSERT_TRUE(once.r2_force[AUVID_SURGE] > AUVID_C(0.98));
+    TEST_ASSERT_TRUE((double)once.cost == cost_of(once.pi));
+}
+
+static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
+{
+    user_vehicle.residual = failing_residual;
+    configure_user();
+    record(USER_SETS);
+    finish(7, units_at_most(4, 16, USER_SETS * USER_ROWS));
+    user_vehicle.residual = user_residual;
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    TEST_ASSERT_TRUE(chain.id.estimate.capped);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_work_keeps_to_its_budget_in_every_tick);
+    RUN_TEST(test_the_result_does_not_depend_on_how_work_is_portioned);
+    RUN_TEST(test_a_budget_of_zero_does_nothing_and_says_that_work_waits);
+    RUN_TEST(test_the_default_budget_searches_in_about_ten_seconds);
+    RUN_TEST(test_a_search_with_the_truth_on_the_bounds_ends);
+    RUN_TEST(test_a_search_with_the_truth_outside_the_box_ends);
+    RUN_TEST(test_a_population_of_n_plus_one_ends);
+    RUN_TEST(test_a_good_point_helps_and_a_bad_one_does_no_harm);
+    RUN_TEST(test_searches_that_span_sets_end_at_the_optimum_of_the_last);
+    RUN_TEST(test_no_cost_of_an_earlier_vehicle_survives);
+    RUN_TEST(test_an_estimate_stays_whole_until_the_next_is_ready);
+    RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
+    RUN_TEST(test_a_model_that_fails_everywhere_ends_and_says_so);
+    return UNITY_END();
+}
