@@ -189,9 +189,9 @@ static Vector centred(const Vector &c, int taps)
 }
 
 // Yaw has m_u and m_v in columns that are opposite: a rank lost by rounding must not be found again.
-static Eigen::ColPivHouseholderQR<Matrix> solver(const Matrix &a)
+static Eigen::CompleteOrthogonalDecomposition<Matrix> solver(const Matrix &a)
 {
-    Eigen::ColPivHouseholderQR<Matrix> qr(a.rows(), a.cols());
+    Eigen::CompleteOrthogonalDecomposition<Matrix> qr(a.rows(), a.cols());
     qr.setThreshold(1e-10);
     qr.compute(a);
     return qr;
