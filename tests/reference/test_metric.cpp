@@ -385,11 +385,11 @@ struct Reference {
         auto qr = solver(a.leftCols(n));
         Matrix t = a.rightCols(3) - a.leftCols(n) * qr.solve(a.rightCols(3));
         auto e = [&](double s) { return (t * delay_weights(s, kind)).squaredNorm(); };
-        double at = -0.5;
-        for (double s = -0.5; s <= 2.0 + 1e-9; s += 0.01) {
+        double at = 0;
+        for (double s = 0; s <= 2.0 + 1e-9; s += 0.01) {
             at = e(s) < e(at) ? s : at;
         }
-        double low = std::max(-0.5, at - 0.01), high = std::min(2.0, at + 0.01);
+        double low = std::max(0.0, at - 0.01), high = std::min(2.0, at + 0.01);
         while (high - low > 1e-9) {
             double m = low + 0.382 * (high - low), k = low + 0.618 * (high - low);
             (e(m) < e(k) ? high : low) = e(m) < e(k) ? k : m;
