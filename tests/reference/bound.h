@@ -16,7 +16,7 @@
 // and the sum of squares of the whitened innovations, to see that the simulator's noise is the one
 // assumed here.
 //
-// Left out: what the covariance of the measurements tells of pi (the trace term of the information).
+// Left out: what the covariance of the measurements tells of pi (its trace term).
 // Measured on a dense case it lowers the bound by at most 0.5 % of itself at 1 N, 3 % at 3 N.
 #ifndef TEST_BOUND_H
 #define TEST_BOUND_H

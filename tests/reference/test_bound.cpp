@@ -195,7 +195,7 @@ static double rms_percent(const Errors &squares)
 // of 13 a run, within four standard errors).
 static void check_noise(const Comparison &c)
 {
-    double freedoms = PARAMETERS * double(c.library.size());
+    double freedoms = double(PARAMETERS) * double(c.library.size());
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 1, c.innovations / c.measurements);
     TEST_ASSERT_DOUBLE_WITHIN(4 * std::sqrt(2 / freedoms), 1, c.score / freedoms);
 }
