@@ -34,6 +34,7 @@ export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh))
 BENCH := $(wildcard tests/bench/*.c)
+BENCH_SUPPORT := tests/support/ls_problem.c
 
 # The same sources are built in several ways; objects of one way live in build/<way>/.
 WAY_release := -O2
@@ -41,7 +42,8 @@ WAY_double := -O2 -DAUVID_REAL_DOUBLE
 WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
     -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 WAY_small := -Os -ffunction-sections -fno-pie
-WAYS := release double sanitized small
+WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
+WAYS := release double sanitized small bench
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
@@ -55,7 +57,7 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(SUPPORT)) build/$(1)/unity.o
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%)
-BENCH_PROGRAMS := $(BENCH:%.c=build/release/%)
+BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
 SETUP := $(if $(filter test test-long,$(MAKECMDGOALS)),setup)
@@ -126,10 +128,10 @@ build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
 	$(Q)$(CXX) -std=c++17 -O2 $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) $(CXXFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call TESTED,release) -lm
 
-build/release/tests/bench/%: tests/bench/%.c $(call objects,release,$(LIB) $(SIMULATOR))
+build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) $(WAY_release) $(FLAGS) $(FLAGS_tools) $(CFLAGS) -MF $@.d -MT $@ \
-	    -o $@ $< $(call objects,release,$(LIB) $(SIMULATOR)) -lm
+	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
+	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
 .IGNORE: $(TEST_PROGRAMS)
 
