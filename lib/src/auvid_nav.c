@@ -21,8 +21,6 @@
 #define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
 #define LARGEST_RATE AUVID_C(100.0)
 #define LARGEST_AGE_US 2000000u
-#define SMALLEST_SIGMA AUVID_C(1e-4)
-#define LARGEST_SIGMA AUVID_C(1e3)
 
 void auvid_nav_defaults(auvid_nav_config_t *config)
 {
@@ -56,54 +54,49 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->gps_start = 4;
 }
 
+/* The ranges of nav.h; `n` reals stand at `offset` in the configuration. */
+#define FIELD(name, n, low, high)                                                                  \
+    {                                                                                              \
+        (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \
+    }
+static const struct {
+    uint8_t offset, n;
+    auvid_real_t low, high;
+} ranges[] = {
+    FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
+    FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    FIELD(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    FIELD(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
+    FIELD(sigma_depth, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    FIELD(sigma_gps, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    FIELD(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    FIELD(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
+    FIELD(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
+    FIELD(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+};
+
 static auvid_status_t check_config(const auvid_nav_config_t *c)
 {
-    const struct {
-        auvid_real_t x, low, high;
-    } field[] = {
-        {c->sigma_acceleration[0], SMALLEST_SIGMA, AUVID_C(100.0)},
-        {c->sigma_acceleration[1], SMALLEST_SIGMA, AUVID_C(100.0)},
-        {c->sigma_acceleration[2], SMALLEST_SIGMA, AUVID_C(100.0)},
-        {c->reference_tick, AUVID_C(1e-4), AUVID_C(10.0)},
-        {c->sigma_dvl, SMALLEST_SIGMA, LARGEST_SIGMA},
-        {c->sigma_current, AUVID_C(0.0), LARGEST_SIGMA},
-        {c->sigma_depth, AUVID_C(1e-3), LARGEST_SIGMA},
-        {c->sigma_gps, AUVID_C(1e-3), LARGEST_SIGMA},
-        {c->sigma_position, SMALLEST_SIGMA, LARGEST_SIGMA},
-        {c->sigma_velocity, SMALLEST_SIGMA, AUVID_C(10.0)},
-        {c->gate, AUVID_C(0.0), AUVID_C(1e6)},
-        {c->speed_limit, AUVID_C(0.0), NAV_LARGEST_SPEED},
-        {c->density, AUVID_C(1.0), AUVID_C(1e5)},
-        {c->gravity, AUVID_C(0.1), AUVID_C(100.0)},
-        {c->surface_pressure, AUVID_C(0.0), AUVID_C(1e6)},
-    };
-    auvid_status_t status = AUVID_OK;
-    for (size_t i = 0; i < sizeof field / sizeof field[0] && status == AUVID_OK; ++i) {
-        status = nav_within(&field[i].x, 1, field[i].high);
-        if (status == AUVID_OK && field[i].x < field[i].low) {
-            status = AUVID_ERR_RANGE;
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; ++i) {
+        for (size_t k = 0; k < ranges[i].n; ++k) {
+            auvid_real_t x;
+            memcpy(&x, (const char *)c + ranges[i].offset + k * sizeof x, sizeof x);
+            if (!(x >= ranges[i].low && x <= ranges[i].high)) {
+                return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+            }
         }
     }
-    const struct {
-        const auvid_real_t *x;
-        int n;
-        auvid_real_t limit;
-    } array[] = {
-        {c->position, 3, NAV_LARGEST_POSITION},
-        {c->dvl_euler, 3, AUVID_C(10.0)},
-        {c->dvl_lever, 3, AUVID_C(1e3)},
-        {&c->surface_depth, 1, NAV_LARGEST_POSITION},
-    };
-    for (size_t i = 0; i < sizeof array / sizeof array[0] && status == AUVID_OK; ++i) {
-        status = nav_within(array[i].x, array[i].n, array[i].limit);
-    }
-    if (status == AUVID_OK &&
-        (c->dvl_max_age_us > LARGEST_AGE_US || c->depth_max_age_us > LARGEST_AGE_US ||
-         c->gps_max_age_us > LARGEST_AGE_US || c->future_us > LARGEST_AGE_US || c->stale_us == 0 ||
-         c->gps_start > AUVID_NAV_GPS_START_MAX)) {
-        status = AUVID_ERR_RANGE;
-    }
-    return status;
+    bool good = c->dvl_max_age_us <= LARGEST_AGE_US && c->depth_max_age_us <= LARGEST_AGE_US &&
+                c->gps_max_age_us <= LARGEST_AGE_US && c->future_us <= LARGEST_AGE_US &&
+                c->stale_us > 0 && c->gps_start <= AUVID_NAV_GPS_START_MAX;
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
 static inline auvid_real_t square(auvid_real_t x)
@@ -151,32 +144,39 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
     return AUVID_OK;
 }
 
+/* Row i of t R, N and Ppv, and the position; a: A, its upper half. */
+NAV_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
+                            const auvid_real_t quarter[3], auvid_real_t tr[3], auvid_real_t n[3])
+{
+    auvid_real_t x = t * nav->rotation[i][0];
+    auvid_real_t y = t * nav->rotation[i][1];
+    auvid_real_t z = t * nav->rotation[i][2];
+    auvid_real_t c0 = x * a[0] + y * a[1] + z * a[2];
+    auvid_real_t c1 = x * a[1] + y * a[3] + z * a[4];
+    auvid_real_t c2 = x * a[2] + y * a[4] + z * a[5];
+    auvid_real_t *pv = nav->pv[i];
+    tr[0] = x;
+    tr[1] = y;
+    tr[2] = z;
+    n[0] = pv[0] + AUVID_C(0.5) * c0;
+    n[1] = pv[1] + AUVID_C(0.5) * c1;
+    n[2] = pv[2] + AUVID_C(0.5) * c2;
+    pv[0] += c0 + x * quarter[0];
+    pv[1] += c1 + y * quarter[1];
+    pv[2] += c2 + z * quarter[2];
+    nav_move(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
+}
+
 /* Eq. 5 and the covariance that goes with it, as above. */
 static void predict(auvid_nav_t *nav, auvid_real_t t)
 {
-    auvid_real_t tr[3][3], n[3][3], quarter[3];
-    for (int k = 0; k < 3; ++k) {
-        quarter[k] = nav->q[k] * t * AUVID_C(0.25);
-    }
-    const auvid_real_t *vv = nav->vv;
-    auvid_real_t a00 = vv[0] + quarter[0], a01 = vv[1], a02 = vv[2];
-    auvid_real_t a11 = vv[3] + quarter[1], a12 = vv[4], a22 = vv[5] + quarter[2];
-    for (int i = 0; i < 3; ++i) {
-        auvid_real_t x = tr[i][0] = t * nav->rotation[i][0];
-        auvid_real_t y = tr[i][1] = t * nav->rotation[i][1];
-        auvid_real_t z = tr[i][2] = t * nav->rotation[i][2];
-        auvid_real_t c0 = x * a00 + y * a01 + z * a02;
-        auvid_real_t c1 = x * a01 + y * a11 + z * a12;
-        auvid_real_t c2 = x * a02 + y * a12 + z * a22;
-        auvid_real_t *pv = nav->pv[i];
-        n[i][0] = pv[0] + AUVID_C(0.5) * c0;
-        n[i][1] = pv[1] + AUVID_C(0.5) * c1;
-        n[i][2] = pv[2] + AUVID_C(0.5) * c2;
-        pv[0] += c0 + x * quarter[0];
-        pv[1] += c1 + y * quarter[1];
-        pv[2] += c2 + z * quarter[2];
-        nav_move(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
-    }
+    auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
+    const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
+    const auvid_real_t a[6] = {nav->vv[0] + quarter[0], nav->vv[1], nav->vv[2],
+                               nav->vv[3] + quarter[1], nav->vv[4], nav->vv[5] + quarter[2]};
+    predict_row(nav, 0, t, a, quarter, tr[0], n[0]);
+    predict_row(nav, 1, t, a, quarter, tr[1], n[1]);
+    predict_row(nav, 2, t, a, quarter, tr[2], n[2]);
     nav->pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
     nav->pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
     nav->pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
@@ -205,9 +205,9 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         return AUVID_ERR_STATE;
     }
     bool running = nav->ready == NAV_RUNNING;
-    auvid_status_t status = nav_within(attitude, 3, LARGEST_ANGLE);
+    auvid_status_t status = nav_within(attitude, LARGEST_ANGLE);
     if (status == AUVID_OK) {
-        status = nav_within(rates, 3, LARGEST_RATE);
+        status = nav_within(rates, LARGEST_RATE);
     }
     if (status != AUVID_OK) {
         nav_count(&nav->imu_invalid);
@@ -217,26 +217,26 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         nav_count(&nav->imu_time);
         return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
     }
-    bool gap = running && t_us - nav->t_us > nav->gap_us;
-    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
-    if (running) {
-        nav->turns += jumped_turns(nav->attitude[2], attitude[2]);
-        predict(nav, auvid_seconds(nav->t_us, t_us));
-    } else {
-        nav->touched_us = t_us;
-    }
-    for (int i = 0; i < 3; ++i) {
-        nav->attitude[i] = attitude[i];
-        nav->rates[i] = rates[i];
-    }
+    uint64_t dt_us = t_us - nav->t_us;
     nav->t_us = t_us;
-    nav->ready = NAV_RUNNING;
+    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
+    auvid_real_t psi = nav->attitude[2];
+    memcpy(nav->attitude, attitude, sizeof nav->attitude);
+    memcpy(nav->rates, rates, sizeof nav->rates);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
-    if (gap) {
+    if (!running) {
+        nav->ready = NAV_RUNNING;
+        nav->touched_us = t_us;
+        return AUVID_OK;
+    }
+    nav->turns += jumped_turns(psi, attitude[2]);
+    predict(nav, auvid_seconds(0, dt_us));
+    if (dt_us > nav->gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
         nav_count(&nav->imu_gaps);
+        return AUVID_GAP;
     }
-    return gap ? AUVID_GAP : AUVID_OK;
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)

@@ -8,6 +8,13 @@
 #include "auvid/nav.h"
 #include "auvid_math.h"
 
+/* For the few lines that the cost of a tick is made of. */
+#if defined(__GNUC__)
+#define NAV_INLINE static inline __attribute__((always_inline))
+#else
+#define NAV_INLINE static inline
+#endif
+
 /* auvid_nav_t.ready */
 enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 
@@ -24,15 +31,27 @@ static inline void nav_count(uint16_t *counter)
     *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
 }
 
-/** AUVID_OK when |x| <= limit for all n values, else AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE. */
-static inline auvid_status_t nav_within(const auvid_real_t *x, int n, auvid_real_t limit)
+NAV_INLINE auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
 {
-    for (int i = 0; i < n; ++i) {
-        if (!(auvid_abs(x[i]) <= limit)) {
-            return auvid_is_finite(x[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-        }
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* y += a x */
+NAV_INLINE void nav_add(auvid_real_t y[3], auvid_real_t a, const auvid_real_t x[3])
+{
+    y[0] += a * x[0];
+    y[1] += a * x[1];
+    y[2] += a * x[2];
+}
+
+/** AUVID_OK when the length of x is at most `limit`, else AUVID_ERR_NOT_FINITE or
+ * AUVID_ERR_RANGE. */
+NAV_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t limit)
+{
+    if (nav_dot(x, x) <= limit * limit) {
+        return AUVID_OK;
     }
-    return AUVID_OK;
+    return auvid_all_finite(x, 3) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
 }
 
 /** Has a sample of this sensor passed the gate within stale_us? */
@@ -42,27 +61,15 @@ static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
     return d->alive && (int64_t)(nav->t_us - d->good_us) <= (int64_t)nav->stale_us;
 }
 
-static inline auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
  * exact while |position| >= |step|; else the loss is a rounding of step, once). */
-static inline void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
+NAV_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
     auvid_real_t d = nav->residue[axis] + step;
     auvid_real_t sum = nav->position[axis] + d;
     nav->residue[axis] = d - (sum - nav->position[axis]);
     nav->position[axis] = sum;
 }
-
-/* One scalar, linearised. */
-typedef struct {
-    auvid_real_t c[6]; /* covariance of the state and nu */
-    auvid_real_t s;    /* variance of nu */
-    auvid_real_t nu;   /* innovation */
-} auvid_nav_scalar_t;
 
 /* One sample on its way into the filter. */
 typedef struct {
@@ -77,7 +84,6 @@ typedef struct {
     auvid_real_t age; /* [s] */
     auvid_real_t z[3];
     auvid_real_t h[3][3];
-    auvid_nav_scalar_t scalar; /* the first one, linearised */
 } auvid_nav_measurement_t;
 
 /** The sample of t_us has passed. */
@@ -88,15 +94,15 @@ static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
     d->refusals = 0;
 }
 
-/** Linearise all scalars of *m and write them down in the sensor's diagnostics; returns a bit for
- * each that is outside the gate. Leaves the first of them in m->scalar. */
-uint8_t auvid_nav_look(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+/** Write the innovations of *m and their variances down in the sensor's diagnostics; returns a bit
+ * for each that is outside the gate. */
+uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
 /** auvid_nav_look(), the gate, and the way out of it: AUVID_OK or AUVID_GATED. */
 auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
-/** Eq. 6 for all scalars of a sample that passed, one after the other. */
-void auvid_nav_enter(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+/** Eq. 6 for a sample that auvid_nav_pass() let in. */
+void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
 /** Move one axis of the position by `step` and give it a variance, whatever was known of it. */
 void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance);

@@ -2,6 +2,8 @@
  * Navigation filter, third part: the sensors. Each brings its sample into the form that the filter
  * takes (auvid_nav_private.h), or says why not, and counts it.
  */
+#include <string.h>
+
 #include "auvid_nav_private.h"
 
 /* Refuse a sample out of its time, or fill in the time of *m. */
@@ -57,25 +59,30 @@ static auvid_status_t tally(auvid_nav_diagnostics_t *d, auvid_status_t status)
     return status;
 }
 
-/* z in the body frame, what the lever arm adds removed: M z - omega x r; for a part of the axes the
- * directions h_j (columns of M) and z_j - h_j'(omega x r). */
-static void to_body(const auvid_nav_t *nav, const auvid_dvl_sample_t *sample,
+/* z in the body frame, what the lever arm adds removed: M v - omega x r; for a part of the axes the
+ * directions h_j (columns of M) and v_j - h_j'(omega x r). */
+static void to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned valid,
                     auvid_nav_measurement_t *m)
 {
     const auvid_real_t *w = nav->rates, *r = nav->lever;
     const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
                                      w[0] * r[1] - w[1] * r[0]};
     m->is_velocity = true;
-    m->directed = sample->valid != AUVID_DVL_ALL;
+    m->directed = valid != AUVID_DVL_ALL;
+    if (!m->directed) {
+        m->z[0] = nav_dot(nav->mount[0], v) - turning[0];
+        m->z[1] = nav_dot(nav->mount[1], v) - turning[1];
+        m->z[2] = nav_dot(nav->mount[2], v) - turning[2];
+        m->n = 3;
+        return;
+    }
     m->n = 0;
     for (int j = 0; j < 3; ++j) {
-        if (!m->directed) {
-            m->z[m->n++] = nav_dot(nav->mount[j], sample->velocity) - turning[j];
-        } else if ((sample->valid >> j & 1) != 0) {
+        if ((valid >> j & 1) != 0) {
             for (int k = 0; k < 3; ++k) {
                 m->h[m->n][k] = nav->mount[k][j];
             }
-            m->z[m->n] = sample->velocity[j] - nav_dot(m->h[m->n], turning);
+            m->z[m->n] = v[j] - nav_dot(m->h[m->n], turning);
             ++m->n;
         }
     }
@@ -84,36 +91,28 @@ static void to_body(const auvid_nav_t *nav, const auvid_dvl_sample_t *sample,
 static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t velocity[3])
 {
     knot->t_us = t_us;
-    for (int i = 0; i < 3; ++i) {
-        knot->velocity[i] = velocity[i];
-    }
+    memcpy(knot->velocity, velocity, sizeof knot->velocity);
     ++knot->sequence;
 }
 
 static auvid_status_t update_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample, uint8_t sensor)
 {
-    if (sample->valid == 0) {
+    unsigned valid = sample->valid;
+    if (valid == 0) {
         return AUVID_UNUSED;
     }
-    auvid_real_t speed_squared = AUVID_C(0.0);
-    for (int j = 0; j < 3; ++j) {
-        if ((sample->valid >> j & 1) != 0) {
-            auvid_status_t status = nav_within(&sample->velocity[j], 1, NAV_LARGEST_SPEED);
-            if (status != AUVID_OK) {
-                return status;
-            }
-            speed_squared += sample->velocity[j] * sample->velocity[j];
-        }
-    }
-    if (speed_squared > nav->speed_limit * nav->speed_limit) {
-        return AUVID_ERR_RANGE;
-    }
+    const auvid_real_t v[3] = {(valid & AUVID_DVL_X) != 0 ? sample->velocity[0] : AUVID_C(0.0),
+                               (valid & AUVID_DVL_Y) != 0 ? sample->velocity[1] : AUVID_C(0.0),
+                               (valid & AUVID_DVL_Z) != 0 ? sample->velocity[2] : AUVID_C(0.0)};
     auvid_nav_measurement_t m;
-    auvid_status_t status = admit(nav, sensor, sample->t_us, &m);
+    auvid_status_t status = nav_within(v, nav->speed_limit);
+    if (status == AUVID_OK) {
+        status = admit(nav, sensor, sample->t_us, &m);
+    }
     if (status != AUVID_OK) {
         return status;
     }
-    to_body(nav, sample, &m);
+    to_body(nav, v, valid, &m);
     bool water = sensor == AUVID_NAV_DVL_WATER;
     bool apart = water && nav_fresh(nav, AUVID_NAV_DVL_BOTTOM);
     status = auvid_nav_pass(nav, &m);
@@ -151,10 +150,20 @@ auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
     return tally(&nav->diagnostics[sensor], update_dvl(nav, sample, sensor));
 }
 
+static auvid_status_t check_position(const auvid_real_t *x, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        if (!(x[i] >= -NAV_LARGEST_POSITION && x[i] <= NAV_LARGEST_POSITION)) {
+            return auvid_is_finite(x[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
 static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
 {
     auvid_nav_measurement_t m;
-    auvid_status_t status = nav_within(&depth_m, 1, NAV_LARGEST_POSITION);
+    auvid_status_t status = check_position(&depth_m, 1);
     if (status == AUVID_OK) {
         status = admit(nav, AUVID_NAV_DEPTH, t_us, &m);
     }
@@ -168,7 +177,8 @@ static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t
     if ((nav->flags & AUVID_NAV_DEPTH_KNOWN) == 0) {
         (void)auvid_nav_look(nav, &m);
         nav_note_good(&nav->diagnostics[AUVID_NAV_DEPTH], t_us);
-        auvid_nav_restart(nav, 2, m.scalar.nu, nav->r[AUVID_NAV_DEPTH]);
+        auvid_nav_restart(nav, 2, nav->diagnostics[AUVID_NAV_DEPTH].innovation[0],
+                          nav->r[AUVID_NAV_DEPTH]);
         raise_flag(nav, AUVID_NAV_DEPTH_KNOWN);
         return AUVID_OK;
     }
@@ -231,7 +241,7 @@ static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x
     auvid_nav_measurement_t m;
     m.z[0] = x_m;
     m.z[1] = y_m;
-    auvid_status_t status = nav_within(m.z, 2, NAV_LARGEST_POSITION);
+    auvid_status_t status = check_position(m.z, 2);
     if (status == AUVID_OK) {
         status = admit(nav, AUVID_NAV_GPS, t_us, &m);
     }

@@ -1,24 +1,25 @@
 /**
  * @file nav.h
- * Navigation: an extended Kalman filter for position and body velocity from IMU, DVL, depth and GPS.
+ * Navigation: an extended Kalman filter for position and body velocity from IMU, DVL, depth, GPS.
  *
- * The filter of the paper's section II-B: state [x y z u v w], position in the world frame, velocity
- * in the body frame, constant velocity driven by white accelerations; attitude and rates are taken
- * from the IMU as they are. Around it stands what real sensors need: irregular and late samples,
- * any subset of them, a gate and a way out of it, DVL mounting, bottom and water lock kept apart,
- * GPS only at the surface, and a record of what was refused and why.
+ * The filter of the paper's section II-B: state [x y z u v w], position in the world frame,
+ * velocity in the body frame, constant velocity driven by white accelerations; attitude and rates
+ * are taken from the IMU as they are. Around it stands what real sensors need: irregular and late
+ * samples, any subset of them, a gate and a way out of it, DVL mounting, bottom and water lock kept
+ * apart, GPS only at the surface, and a record of what was refused and why.
  *
  * Who calls it, when: once a tick auvid_nav_imu(), then one call for each sample that has come in
  * since, in any order. Then auvid_nav_state() and, for identification, the knots `ground` and
  * `water`: velocity at the DVL's own times, because a constant-velocity filter held between pulses
  * lags by a tenth of a second.
  *
- * Cost: constant, no iteration; on x86-64 gcc -O2 about 0.37k instructions for auvid_nav_imu(),
- * 0.21k for a depth and 0.55k for a DVL sample. Memory: auvid_nav_t, AUVID_NAV_BYTES in float.
+ * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.65k, a depth 0.45k, a
+ * full DVL sample of the present 0.67k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
+ * nothing entered since it was taken. Memory: auvid_nav_t, AUVID_NAV_BYTES in float.
  *
  * Numbers: position is a sum of two floats (plain float32 drifts by 1 mm at 120 m); the covariance
  * is kept as three 3x3 blocks of which the symmetric two hold their upper half only, so it cannot
- * lose symmetry; measurements enter one scalar at a time.
+ * lose symmetry; measurements enter one scalar at a time, a full DVL sample of the present at once.
  *
  * Sources: Karras et al., IROS 2013, Eq. 3-8; late velocities: Bar-Shalom, "Update with
  * out-of-sequence measurements in tracking", IEEE T-AES 38(3), 2002 (algorithm B1).
@@ -163,8 +164,8 @@ typedef struct {
     uint32_t flags;           /**< AUVID_NAV_... */
 } auvid_nav_state_t;
 
-/** The filter. Its owner is the caller; `ground`, `water` and `diagnostics` may be read at any time,
- * the rest through the functions; written by the functions only. */
+/** The filter. Its owner is the caller; `ground`, `water`, `diagnostics` and the imu_ counters may
+ * be read at any time, the rest through the functions; written by the functions only. */
 typedef struct {
     auvid_nav_knot_t ground; /**< the filter's velocity just after the last accepted bottom lock */
     auvid_nav_knot_t water;  /**< velocity of the last good water lock with all axes valid */
@@ -227,19 +228,20 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
  * @return AUVID_OK; AUVID_GAP: done, and the step was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE: not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
  *         AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME. When refused only imu_time or imu_invalid has
- *         changed. Cost: one auvid_rotation() and about 200 operations. */
+ *         changed. Cost: see the top of the file. */
 auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
                              const auvid_real_t rates[3]);
 
 /* The measurements (Eq. 6-8). All of them share these rules.
  *
- * Time: a sample up to max_age older than the filter is used at its own time. A position is compared
- * with the filter's, carried back along its present velocity: H = [e_i, -age R_i]. For a velocity
- * the noise that came in since is taken out of the covariances (algorithm B1) where nothing entered
- * the filter since the sample was taken; that is exact while the attitude stands still. Else, and
- * where it would cost the covariance its positivity (a sample from inside a long tick), the noise is
- * taken in proportion to the covariance at hand, which cannot. A sample ahead of the filter by up to future_us
- * is used as if it were of the last tick. Samples of one sensor must come in order.
+ * Time: a sample up to max_age older than the filter is used at its own time. A position is
+ * compared with the filter's, carried back along its present velocity: H = [e_i, -age R_i]. For a
+ * velocity the noise that came in since is taken out of the covariances (algorithm B1) where
+ * nothing entered the filter since the sample was taken; that is exact while the attitude stands
+ * still. Else, and where it would cost the covariance its positivity (a sample from inside a long
+ * tick), the noise is taken in proportion to the covariance at hand, which cannot. A sample ahead of
+ * the filter by up to future_us is used as if it were of the last tick. Samples of one sensor must
+ * come in order.
  *
  * Gate: a sample is refused as a whole when nu^2 > gate S for any of its scalars. After `lockout`
  * refusals in a row the last one enters all the same: what its scalars outside the gate measure is
@@ -263,12 +265,12 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * @param sample velocity: |velocity| over the valid axes <= speed_limit.
  * @return the common statuses (AUVID_ERR_RANGE: too fast, lock or valid not of their enumerations);
  *         AUVID_UNUSED: water lock kept apart, or valid == 0.
- * Cost: three scalar updates, about 250 operations; the late form about 100 more. */
+ * Cost: see the top of the file. */
 auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample);
 
 /** Correct with a depth. The first sample sets z.
  * @param t_us when it was measured [us]. @param depth_m positive down [m], |.| <= 1e5.
- * @return the common statuses. Cost: one scalar update, about 80 operations. */
+ * @return the common statuses. */
 auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m);
 
 /** Correct with a pressure: auvid_nav_depth() of (pressure - surface_pressure) / (density gravity).
@@ -280,11 +282,11 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
  * move meanwhile.
  * @param x_m, y_m north and east of the origin [m], |.| <= 1e5.
  * @return the common statuses; AUVID_UNUSED: the filter's depth exceeds surface_depth;
- *         AUVID_PENDING: kept for the median. Cost: two scalar updates, about 160 operations. */
+ *         AUVID_PENDING: kept for the median. */
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m);
 
 /** Read the state. @param state written whole.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE: no auvid_nav_imu() yet. Cost: 30 operations. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE: no auvid_nav_imu() yet. */
 auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state);
 
 /** Read the covariance of [x y z u v w]. @param p 6 x 6, written whole, exactly symmetric.
