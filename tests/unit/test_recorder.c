@@ -1,0 +1,642 @@
+/*
+ * The recorder through its header. Cells are compared with the signal as the header defines it
+ * (straight, or held, between its samples), integrated in double here.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/recorder.h"
+#include "unity.h"
+
+enum { ATTITUDE, VELOCITY, INPUT, MOST = 4000 };
+#define T0 1000000000ull
+
+static auvid_recorder_t recorder, before;
+static auvid_recorder_config_t cfg;
+
+void setUp(void)
+{
+    auvid_recorder_defaults(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- signals, and their means by definition ---- */
+
+typedef struct {
+    size_t samples;
+    uint64_t t_us[MOST];
+    double value[MOST];
+} track_t;
+
+static track_t track[3];
+
+static auvid_real_t scaled(double x, int channel)
+{
+    return (auvid_real_t)(x * (channel + 1));
+}
+
+/* Channel i of a stream carries (i + 1) times the track's value. */
+static auvid_status_t feed(int stream, uint64_t t_us, double x)
+{
+    auvid_real_t a[6], b[AUVID_MAX_THRUSTERS];
+    for (int i = 0; i < 6; ++i) {
+        a[i] = scaled(x, i);
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        b[i] = scaled(x, 6 + i);
+    }
+    switch (stream) {
+    case ATTITUDE:
+        return auvid_recorder_attitude(&recorder, t_us, a, a + 3);
+    case VELOCITY:
+        return auvid_recorder_velocity(&recorder, t_us, a);
+    default:
+        return auvid_recorder_input(&recorder, t_us, a, b);
+    }
+}
+
+static auvid_status_t feed_noted(int stream, uint64_t t_us, double x)
+{
+    track_t *t = &track[stream];
+    t->t_us[t->samples] = t_us;
+    t->value[t->samples++] = (double)(auvid_real_t)x;
+    return feed(stream, t_us, x);
+}
+
+/* Integral from `from` to `to`, segment by segment. */
+static double mean_of(const track_t *t, bool hold, uint64_t from, uint64_t to)
+{
+    double sum = 0;
+    for (size_t i = 0; i + 1 < t->samples; ++i) {
+        double a = (double)t->t_us[i] - (double)from, b = (double)t->t_us[i + 1] - (double)from;
+        double low = fmax(a, 0), high = fmin(b, (double)(to - from));
+        if (low < high) {
+            double at_low = t->value[i] + (t->value[i + 1] - t->value[i]) * (low - a) / (b - a);
+            double at_high = t->value[i] + (t->value[i + 1] - t->value[i]) * (high - a) / (b - a);
+            sum += (high - low) * (hold ? t->value[i] : 0.5 * (at_low + at_high));
+        }
+    }
+    return sum / (double)(to - from);
+}
+
+static double slope_of(const track_t *t, uint64_t middle)
+{
+    double m[5];
+    for (int k = -2; k <= 2; ++k) {
+        uint64_t at = middle + (uint64_t)(int64_t)(k * (int64_t)cfg.cell_us) - cfg.cell_us / 2;
+        m[k + 2] = mean_of(t, false, at, at + cfg.cell_us);
+    }
+    return (8 * (m[3] - m[1]) - (m[4] - m[0])) / (12 * cfg.cell_us * 1e-6);
+}
+
+/* 40 roundings of a value, each eps / 2; slopes carry 18 / 12 cell times that. */
+static void assert_cell(const auvid_sample_t *s)
+{
+    uint64_t from = s->t_us - cfg.cell_us / 2, to = from + cfg.cell_us;
+    double attitude = mean_of(&track[ATTITUDE], false, from, to);
+    double velocity = mean_of(&track[VELOCITY], false, from, to);
+    double input = mean_of(&track[INPUT], cfg.input == AUVID_INPUT_HOLD, from, to);
+    double slope[2] = {slope_of(&track[VELOCITY], s->t_us), slope_of(&track[ATTITUDE], s->t_us)};
+    double tiny = 20 * (double)AUVID_EPSILON * 14 * 2; /* values reach 2, the largest scale is 14 */
+    double per_s = 1.5 / (cfg.cell_us * 1e-6);
+    TEST_ASSERT_DOUBLE_WITHIN(tiny, attitude, (double)s->phi);
+    TEST_ASSERT_DOUBLE_WITHIN(tiny, 2 * attitude, (double)s->theta);
+    TEST_ASSERT_DOUBLE_WITHIN(tiny, 3 * attitude, (double)s->psi);
+    for (int j = 0; j < 3; ++j) {
+        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 1) * velocity, (double)s->nu[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 4) * attitude, (double)s->nu[3 + j]);
+        TEST_ASSERT_DOUBLE_WITHIN(tiny * per_s, (j + 1) * slope[0], (double)s->nu_dot[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(tiny * per_s, (j + 4) * slope[1], (double)s->nu_dot[3 + j]);
+    }
+    for (int j = 0; j < 6; ++j) {
+        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 1) * input, (double)s->tau[j]);
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(tiny * (i > 7 ? i : 1), (i + 7) * input, (double)s->command[i]);
+    }
+}
+
+static uint32_t seed;
+
+static uint32_t draw(uint32_t n)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (uint32_t)(((uint64_t)seed * n) >> 32);
+}
+
+static double shape(int stream, uint64_t t_us)
+{
+    double t = (double)(t_us - T0) * 1e-6;
+    return sin(3 * t + stream) + 0.7 * cos(11 * t) + (draw(1000) / 1000.0 - 0.5) * 0.3;
+}
+
+/* All three streams in time order, samples `least` .. `most` us apart; every cell is compared. */
+static int play(const uint32_t *least, const uint32_t *most, uint64_t until_us)
+{
+    uint64_t next[3] = {T0 + 7, T0 + 13001, T0 + 40003}, last_us = 0;
+    int cells = 0;
+    auvid_sample_t s;
+    memset(track, 0, sizeof track);
+    for (;;) {
+        int first = next[0] <= next[1] && next[0] <= next[2] ? 0 : (next[1] <= next[2] ? 1 : 2);
+        if (next[first] > until_us) {
+            return cells;
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(first, next[first], shape(first, next[first])));
+        next[first] += least[first] + draw(most[first] - least[first] + 1);
+        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
+            TEST_ASSERT_TRUE(last_us == 0 || s.t_us == last_us + cfg.cell_us);
+            last_us = s.t_us;
+            assert_cell(&s);
+            ++cells;
+        }
+    }
+}
+
+static void test_cells_are_exact_means_of_streams_at_different_irregular_rates(void)
+{
+    static const uint32_t least[3] = {3000, 60000, 11000}, most[3] = {37000, 390000, 190000};
+    for (seed = 1; seed <= 5; ++seed) {
+        uint32_t keep = seed;
+        setUp();
+        TEST_ASSERT_INT_WITHIN(8, 195, play(least, most, T0 + 20000000));
+        seed = keep;
+    }
+}
+
+static void test_input_may_run_straight_instead_of_holding(void)
+{
+    static const uint32_t least[3] = {3000, 60000, 11000}, most[3] = {37000, 390000, 190000};
+    cfg.input = AUVID_INPUT_LINEAR;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    seed = 11;
+    TEST_ASSERT_INT_WITHIN(8, 195, play(least, most, T0 + 20000000));
+}
+
+static void test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike(void)
+{
+    static const uint32_t least[3] = {300, 6000, 2000}, most[3] = {900, 9000, 2000};
+    cfg.cell_us = 1000;
+    cfg.gap_us = 10000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    seed = 21;
+    TEST_ASSERT_INT_WITHIN(14, 956, play(least, most, T0 + 1000000));
+}
+
+static void test_samples_exactly_on_cell_borders_are_averaged_alike(void)
+{
+    static const uint32_t step[3] = {50000, 100000, 20000};
+    auvid_sample_t s;
+    int cells = 0;
+    memset(track, 0, sizeof track);
+    seed = 31;
+    for (uint32_t k = 0; k <= 500; ++k) {
+        for (int stream = 0; stream < 3; ++stream) {
+            uint64_t t_us = T0 + 10000ull * k;
+            if (10000u * k % step[stream] == 0) {
+                TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(stream, t_us, shape(stream, t_us)));
+            }
+        }
+        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
+            TEST_ASSERT_EQUAL_UINT64(T0 + 250000 + 100000ull * (uint64_t)cells, s.t_us);
+            assert_cell(&s);
+            ++cells;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(46, cells); /* 50 cells, less two at either end */
+}
+
+/* A cell's mean of nu_dot is (nu(end) - nu(begin)) / T; the difference of means is exact up to the
+ * fourth degree. Samples every millisecond: straight lines between them are off by h^2 / 8 nu''. */
+static void test_acceleration_is_exact_for_polynomials_of_fourth_degree(void)
+{
+    auvid_sample_t s;
+    int cells = 0;
+    for (uint32_t k = 0; k <= 1000; ++k) {
+        double t = k * 1e-3 - 0.5, x = 0.5 + t - 2 * t * t + 3 * t * t * t - 2 * t * t * t * t;
+        uint64_t t_us = T0 + 1000ull * k;
+        for (int stream = 0; stream < 3; ++stream) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(stream, t_us, x));
+        }
+        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
+            double a = (double)(s.t_us - T0) * 1e-6 - 0.55, b = a + 0.1, f[2];
+            for (int i = 0; i < 2; ++i) {
+                double y = i == 0 ? a : b;
+                f[i] = y - 2 * y * y + 3 * y * y * y - 2 * y * y * y * y;
+            }
+            double exact = (f[1] - f[0]) / 0.1;
+            double rounding = 15 * 60 * (double)AUVID_EPSILON; /* 18/12/T times a hundred sums */
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5 + rounding, exact, (double)s.nu_dot[AUVID_SURGE]);
+            TEST_ASSERT_DOUBLE_WITHIN(6e-5 + 6 * rounding, 6 * exact, (double)s.nu_dot[AUVID_YAW]);
+            ++cells;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(6, cells);
+}
+
+static void test_null_commands_are_zeros(void)
+{
+    auvid_real_t x[6] = {1, 1, 1, 1, 1, 1};
+    auvid_sample_t s;
+    memset(&s, 0xFF, sizeof s);
+    for (uint32_t k = 0; k <= 60; ++k) {
+        uint64_t t_us = T0 + 10000ull * k;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_attitude(&recorder, t_us, x, x));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, t_us, x));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_input(&recorder, t_us, x, NULL));
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        TEST_ASSERT_EQUAL_DOUBLE(0, (double)s.command[i]);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, (double)s.tau[AUVID_YAW]);
+}
+
+/* ---- order of feeding ---- */
+
+enum { TICKS = 300 };
+
+/* Samples of ticks first .. first + count - 1 of one stream. */
+static void feed_stream(int stream, int first, int count)
+{
+    static const uint32_t step[3] = {20000, 40000, 10000};
+    for (int k = first; k < first + count; ++k) {
+        uint64_t t_us = T0 + 10000ull * (uint64_t)k;
+        if (10000u * (uint32_t)k % step[stream] == 0) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(stream, t_us, sin(0.1 * k + stream)));
+        }
+    }
+}
+
+/* Streams take turns by blocks of `block` ticks, in an order that turns too. */
+static int cells_by_blocks(int block, auvid_sample_t *out)
+{
+    int cells = 0;
+    setUp();
+    for (int stream = 0; stream < 3; ++stream) {
+        feed_stream(stream, 0, 1); /* the record begins alike */
+    }
+    for (int first = 1; first < TICKS; first += block) {
+        for (int k = 0; k < 3; ++k) {
+            feed_stream((k + first) % 3, first, first + block > TICKS ? TICKS - first : block);
+        }
+        while (auvid_recorder_pop(&recorder, &out[cells]) == AUVID_OK) {
+            ++cells;
+        }
+    }
+    return cells;
+}
+
+static void test_order_in_which_the_streams_are_fed_does_not_change_a_bit(void)
+{
+    static auvid_sample_t one[64], other[64];
+    int cells = cells_by_blocks(1, one);
+    TEST_ASSERT_EQUAL_INT(25, cells);
+    static const int block[] = {2, 7, 30, 90};
+    for (size_t i = 0; i < sizeof block / sizeof block[0]; ++i) {
+        TEST_ASSERT_EQUAL_INT(cells, cells_by_blocks(block[i], other));
+        TEST_ASSERT_EQUAL_MEMORY(one, other, sizeof one[0] * (size_t)cells);
+    }
+}
+
+/* Velocity comes in steps of a cell; before each step it lags by `cells`. Returns the gaps. */
+static int gaps_when_late_by(int cells)
+{
+    auvid_sample_t s;
+    int gaps = 0;
+    setUp();
+    for (int k = 0; k <= 1000; ++k) {
+        uint64_t t_us = T0 + 10000ull * (uint64_t)k, late_us = 100000ull * (uint64_t)(cells - 1);
+        if (k == 0) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, t_us, 1));
+        } else if (t_us > T0 + late_us && k % 10 == 0) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, t_us - late_us, 1));
+        }
+        auvid_status_t status;
+        while ((status = auvid_recorder_pop(&recorder, &s)) != AUVID_EMPTY) {
+            gaps += status == AUVID_GAP;
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, t_us + 5000, 1));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, t_us + 5000, 1));
+    }
+    return gaps;
+}
+
+static void test_slow_stream_may_lag_by_the_cells_kept_less_five(void)
+{
+    TEST_ASSERT_EQUAL_INT(0, gaps_when_late_by(AUVID_RECORDER_CELLS - 5));
+    TEST_ASSERT_TRUE(gaps_when_late_by(AUVID_RECORDER_CELLS - 2) > 0);
+}
+
+/* ---- gaps ---- */
+
+static int gaps, popped;
+static uint64_t latest_us;
+
+static void pop_all(void)
+{
+    auvid_sample_t s;
+    auvid_status_t status;
+    while ((status = auvid_recorder_pop(&recorder, &s)) != AUVID_EMPTY) {
+        if (status == AUVID_GAP) {
+            ++gaps;
+        } else {
+            TEST_ASSERT_EQUAL(AUVID_OK, status);
+            TEST_ASSERT_TRUE(s.t_us > latest_us);
+            latest_us = s.t_us;
+            ++popped;
+        }
+    }
+}
+
+static void run(int from, int to, unsigned streams, bool pop)
+{
+    for (int k = from; k < to; ++k) {
+        for (int stream = 0; stream < 3; ++stream) {
+            if (streams >> stream & 1u) {
+                TEST_ASSERT_EQUAL(AUVID_OK, feed(stream, T0 + 10000ull * (uint64_t)k, 1));
+            }
+        }
+        if (pop) {
+            pop_all();
+        }
+    }
+}
+
+static void reset_counts(void)
+{
+    gaps = popped = 0;
+    latest_us = 0;
+    setUp();
+}
+
+static void test_silence_longer_than_the_gap_breaks_the_record_once(void)
+{
+    reset_counts();
+    run(0, 101, 7, true);
+    TEST_ASSERT_EQUAL_INT(6, popped);
+    run(152, 260, 7, true); /* 520 ms later */
+    TEST_ASSERT_EQUAL_INT(1, gaps);
+    TEST_ASSERT_EQUAL_INT(6 + 6, popped);
+    TEST_ASSERT_TRUE(latest_us > T0 + 1520000);
+}
+
+static void test_silence_as_long_as_the_gap_is_bridged(void)
+{
+    reset_counts();
+    run(0, 101, 7, true);
+    run(150, 251, 7, true); /* 500 ms later */
+    TEST_ASSERT_EQUAL_INT(0, gaps);
+    TEST_ASSERT_EQUAL_INT(21, popped);
+}
+
+static void test_silence_of_one_stream_breaks_the_record_for_all(void)
+{
+    for (unsigned quiet = 0; quiet < 3; ++quiet) {
+        reset_counts();
+        run(0, 101, 7, true);
+        run(101, 160, 7u & ~(1u << quiet), true);
+        TEST_ASSERT_EQUAL_INT(0, gaps);
+        run(160, 261, 7, true);
+        TEST_ASSERT_EQUAL_INT(1, gaps);
+        TEST_ASSERT_EQUAL_INT(6 + 6, popped);
+    }
+}
+
+static void test_stream_that_stops_for_good_breaks_the_record_once(void)
+{
+    for (unsigned quiet = 0; quiet < 3; ++quiet) {
+        reset_counts();
+        run(0, 101, 7, true);
+        run(101, 1000, 7u & ~(1u << quiet), true);
+        TEST_ASSERT_EQUAL_INT(1, gaps);
+        TEST_ASSERT_EQUAL_INT(6, popped);
+        run(1000, 1101, 7, true);
+        TEST_ASSERT_EQUAL_INT(1, gaps);
+        TEST_ASSERT_EQUAL_INT(12, popped);
+    }
+}
+
+/* A stream heard once, long before the others: no record was broken, so there is no gap to tell. */
+static void test_stream_heard_long_before_the_others_does_not_begin_a_record(void)
+{
+    reset_counts();
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, T0 - 50000000, 1));
+    run(0, 300, 3, true);
+    run(300, 401, 7, true);
+    TEST_ASSERT_EQUAL_INT(0, gaps);
+    TEST_ASSERT_EQUAL_INT(6, popped);
+    TEST_ASSERT_TRUE(latest_us > T0 + 3000000);
+}
+
+static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
+{
+    reset_counts();
+    run(0, 161, 7, false); /* sixteen cells: just full */
+    pop_all();
+    TEST_ASSERT_EQUAL_INT(0, gaps);
+    TEST_ASSERT_EQUAL_INT(12, popped);
+    reset_counts();
+    run(0, 300, 7, false);
+    pop_all();
+    TEST_ASSERT_EQUAL_INT(1, gaps);
+    TEST_ASSERT_TRUE(popped > 0);
+}
+
+static void test_record_after_a_gap_knows_nothing_of_the_one_before(void)
+{
+    auvid_sample_t s;
+    reset_counts();
+    run(0, 101, 7, true);
+    for (int k = 200; k <= 260; ++k) {
+        for (int stream = 0; stream < 3; ++stream) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(stream, T0 + 10000ull * (uint64_t)k, 5));
+        }
+    }
+    TEST_ASSERT_EQUAL(AUVID_GAP, auvid_recorder_pop(&recorder, &s));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
+    TEST_ASSERT_EQUAL_UINT64(T0 + 2250000, s.t_us);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 5, (double)s.nu[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, (double)s.nu_dot[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 5, (double)s.tau[0]);
+}
+
+static void test_gap_leaves_the_sample_untouched(void)
+{
+    auvid_sample_t s, untouched;
+    memset(&s, 0x5A, sizeof s);
+    untouched = s;
+    reset_counts();
+    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_recorder_pop(&recorder, &s));
+    run(0, 30, 7, false);
+    run(100, 130, 7, false);
+    TEST_ASSERT_EQUAL(AUVID_GAP, auvid_recorder_pop(&recorder, &s));
+    TEST_ASSERT_EQUAL_MEMORY(&untouched, &s, sizeof s);
+}
+
+/* ---- long records ---- */
+
+static void test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact(void)
+{
+    cfg.cell_us = 10000;
+    cfg.gap_us = 100000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    uint64_t t0 =
+        0xFFFFFFFFull * 1000; /* begins 49 days in; lasts 2.8 hours, beyond 2^32 us more */
+    auvid_real_t x[6] = {0}, nu[3] = {0};
+    auvid_sample_t s;
+    uint32_t cells = 0;
+    for (uint32_t k = 0; k <= 1000004; ++k) {
+        /* a saw tooth of 16 cells keeps its slope between the corners */
+        x[0] = x[3] = (auvid_real_t)(k % 16 < 8 ? k % 16 : 16 - k % 16);
+        nu[0] = -x[0];
+        uint64_t t_us = t0 + 10000ull * k;
+        bool ok = auvid_recorder_attitude(&recorder, t_us, x, x + 3) == AUVID_OK &&
+                  auvid_recorder_velocity(&recorder, t_us, nu) == AUVID_OK &&
+                  auvid_recorder_input(&recorder, t_us, x, NULL) == AUVID_OK;
+        TEST_ASSERT_TRUE(ok);
+        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
+            uint32_t number = cells + 2;
+            double first = number % 16 < 8 ? number % 16 : 16 - number % 16;
+            double rise = number % 16 < 8 ? 1 : -1;
+            bool straight = number % 8 >= 2 && number % 8 <= 5;
+            bool exact = s.t_us == t0 + 10000ull * number + 5000 &&
+                         fabs((double)s.phi - (first + 0.5 * rise)) < 1e-5 &&
+                         fabs((double)s.tau[0] - first) < 1e-5 &&
+                         (!straight || fabs((double)s.nu_dot[0] + 100 * rise) < 1e-3);
+            TEST_ASSERT_TRUE(exact);
+            ++cells;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(1000000, cells);
+}
+
+/* ---- refusals ---- */
+
+static void refuse(auvid_status_t expected, auvid_status_t status)
+{
+    TEST_ASSERT_EQUAL(expected, status);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &recorder, sizeof recorder);
+}
+
+static void test_times_that_do_not_advance_are_refused_and_change_nothing(void)
+{
+    reset_counts();
+    run(0, 55, 7, true);
+    before = recorder;
+    for (int stream = 0; stream < 3; ++stream) {
+        refuse(AUVID_ERR_TIME_SAME, feed(stream, T0 + 540000, 2));
+        refuse(AUVID_ERR_TIME_BACK, feed(stream, T0 + 539999, 2));
+        refuse(AUVID_ERR_TIME_BACK, feed(stream, 0, 2));
+    }
+}
+
+static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void)
+{
+    reset_counts();
+    run(0, 55, 7, true);
+    before = recorder;
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3; ++i) {
+        auvid_real_t x[6] = {0}, command[AUVID_MAX_THRUSTERS] = {0};
+        uint64_t t_us = T0 + 550000;
+        for (int k = 0; k < 6; ++k) {
+            x[k] = (auvid_real_t)bad[i];
+            refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_attitude(&recorder, t_us, x, x + 3));
+            refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_velocity(&recorder, t_us, x + k / 3 * 3));
+            refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_input(&recorder, t_us, x, NULL));
+            x[k] = 0;
+        }
+        command[AUVID_MAX_THRUSTERS - 1] = (auvid_real_t)bad[i];
+        refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_input(&recorder, t_us, x, command));
+    }
+}
+
+static void test_null_pointers_are_refused(void)
+{
+    auvid_real_t x[6] = {0};
+    auvid_sample_t s;
+    before = recorder;
+    refuse(AUVID_ERR_NULL, auvid_recorder_attitude(NULL, 1, x, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_attitude(&recorder, 1, NULL, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_attitude(&recorder, 1, x, NULL));
+    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(NULL, 1, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(&recorder, 1, NULL));
+    refuse(AUVID_ERR_NULL, auvid_recorder_input(NULL, 1, x, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_input(&recorder, 1, NULL, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_pop(NULL, &s));
+    refuse(AUVID_ERR_NULL, auvid_recorder_pop(&recorder, NULL));
+    refuse(AUVID_ERR_NULL, auvid_recorder_init(&recorder, NULL));
+    refuse(AUVID_ERR_NULL, auvid_recorder_init(NULL, &cfg));
+    auvid_recorder_defaults(NULL);
+}
+
+static void test_init_refuses_fields_out_of_their_range_and_changes_nothing(void)
+{
+    auvid_recorder_config_t bad[6];
+    for (int i = 0; i < 6; ++i) {
+        bad[i] = cfg;
+    }
+    bad[0].cell_us = 999;
+    bad[1].cell_us = 1000001;
+    bad[1].gap_us = 2000000;
+    bad[2].gap_us = 99999;
+    bad[3].gap_us = 1000000001;
+    bad[4].input = (auvid_input_mode_t)2;
+    bad[5].cell_us = bad[5].gap_us = 0;
+    before = recorder;
+    for (int i = 0; i < 6; ++i) {
+        refuse(AUVID_ERR_RANGE, auvid_recorder_init(&recorder, &bad[i]));
+    }
+}
+
+/* The largest gap: times between samples must not wrap. */
+static void test_samples_as_far_apart_as_the_largest_gap_allows_are_still_straight_lines(void)
+{
+    auvid_sample_t s;
+    cfg.cell_us = 1000000;
+    cfg.gap_us = 1000000000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, T0, 0));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, T0 + 990000000, 0));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, T0 + 990000000, 0));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, T0 + 1000000000, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, T0 + 1000000000, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, T0 + 1000000000, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
+    TEST_ASSERT_EQUAL_UINT64(T0 + 992500000, s.t_us);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.9925, (double)s.phi);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.25, (double)s.nu[0]);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_cells_are_exact_means_of_streams_at_different_irregular_rates);
+    RUN_TEST(test_input_may_run_straight_instead_of_holding);
+    RUN_TEST(test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike);
+    RUN_TEST(test_samples_exactly_on_cell_borders_are_averaged_alike);
+    RUN_TEST(test_acceleration_is_exact_for_polynomials_of_fourth_degree);
+    RUN_TEST(test_null_commands_are_zeros);
+    RUN_TEST(test_order_in_which_the_streams_are_fed_does_not_change_a_bit);
+    RUN_TEST(test_slow_stream_may_lag_by_the_cells_kept_less_five);
+    RUN_TEST(test_silence_longer_than_the_gap_breaks_the_record_once);
+    RUN_TEST(test_silence_as_long_as_the_gap_is_bridged);
+    RUN_TEST(test_silence_of_one_stream_breaks_the_record_for_all);
+    RUN_TEST(test_stream_that_stops_for_good_breaks_the_record_once);
+    RUN_TEST(test_stream_heard_long_before_the_others_does_not_begin_a_record);
+    RUN_TEST(test_cells_nobody_takes_are_lost_and_told_as_a_gap);
+    RUN_TEST(test_record_after_a_gap_knows_nothing_of_the_one_before);
+    RUN_TEST(test_gap_leaves_the_sample_untouched);
+    RUN_TEST(test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact);
+    RUN_TEST(test_times_that_do_not_advance_are_refused_and_change_nothing);
+    RUN_TEST(test_numbers_that_are_not_finite_are_refused_and_change_nothing);
+    RUN_TEST(test_null_pointers_are_refused);
+    RUN_TEST(test_init_refuses_fields_out_of_their_range_and_changes_nothing);
+    RUN_TEST(test_samples_as_far_apart_as_the_largest_gap_allows_are_still_straight_lines);
+    return UNITY_END();
+}
