@@ -78,6 +78,12 @@ static auvid_real_t position_innovation(const auvid_nav_t *nav, int i, auvid_rea
     return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->rotation[i], nav->velocity) : nu;
 }
 
+/* How many scalars; never more than three, here for all to see. */
+NAV_INLINE int scalars(const auvid_nav_measurement_t *m)
+{
+    return m->n < 3 ? m->n : 3;
+}
+
 /* Scalar j of a velocity is the velocity along this. */
 static const auvid_real_t *direction(const auvid_nav_measurement_t *m, int j)
 {
@@ -296,7 +302,7 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
         ratio[1] = note(d, 1, m->z[1] - nav->velocity[1], nav->vv[3] + r);
         ratio[2] = note(d, 2, m->z[2] - nav->velocity[2], nav->vv[5] + r);
     } else {
-        for (int j = 0; j < m->n; ++j) {
+        for (int j = 0; j < scalars(m); ++j) {
             auvid_real_t hph = innovation_of(nav, m, j, &nu);
             ratio[j] = note(d, j, nu, variance_of(nav, m, hph));
         }
@@ -358,7 +364,7 @@ static void start_again(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int 
 void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_real_t nis = AUVID_C(0.0);
-    for (int j = 0; m->outside != 0 && j < m->n; ++j) {
+    for (int j = 0; m->outside != 0 && j < scalars(m); ++j) {
         if ((m->outside >> j & 1) != 0) {
             start_again(nav, m, j);
         }
@@ -366,7 +372,7 @@ void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     if (m->outside == 0 && is_plain(m)) {
         nis = enter_velocity(nav, m);
     } else {
-        for (int j = 0; j < m->n; ++j) {
+        for (int j = 0; j < scalars(m); ++j) {
             if ((m->outside >> j & 1) == 0) {
                 nis += enter_one(nav, m, j);
             }

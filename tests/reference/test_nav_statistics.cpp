@@ -28,8 +28,8 @@ void tearDown()
 {
 }
 
-// A thousand runs: of any hundred, one mean in twenty is outside its band (seeds 1000 to 1099: NIS of
-// the GPS, 1.93), and the band of a hundred would let a fault of 2 % pass.
+// A thousand runs: of any hundred, one mean in twenty is outside its band (seeds 1000 to 1099: NIS
+// of the GPS, 1.93), and the band of a hundred would let a fault of 2 % pass.
 static const int runs = 1000, seconds = 60;
 
 struct Sum {

@@ -239,9 +239,9 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * velocity the noise that came in since is taken out of the covariances (algorithm B1) where
  * nothing entered the filter since the sample was taken; that is exact while the attitude stands
  * still. Else, and where it would cost the covariance its positivity (a sample from inside a long
- * tick), the noise is taken in proportion to the covariance at hand, which cannot. A sample ahead of
- * the filter by up to future_us is used as if it were of the last tick. Samples of one sensor must
- * come in order.
+ * tick), the noise is taken in proportion to the covariance at hand, which cannot. A sample ahead
+ * of the filter by up to future_us is used as if it were of the last tick. Samples of one sensor
+ * must come in order.
  *
  * Gate: a sample is refused as a whole when nu^2 > gate S for any of its scalars. After `lockout`
  * refusals in a row the last one enters all the same: what its scalars outside the gate measure is
