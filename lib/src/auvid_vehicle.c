@@ -73,6 +73,10 @@ auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real
         !auvid_all_finite(nu, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
+    const auvid_real_t reach = AUVID_C(1e4); /* of auvid_sincos */
+    if (auvid_abs(phi) > reach || auvid_abs(theta) > reach || auvid_abs(psi) > reach) {
+        return AUVID_ERR_RANGE;
+    }
     auvid_real_t s_phi, c_phi, s_theta, c_theta, r[3][3];
     auvid_sincos(phi, &s_phi, &c_phi);
     auvid_sincos(theta, &s_theta, &c_theta);

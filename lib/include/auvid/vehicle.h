@@ -80,10 +80,11 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT]);
 
 /** eta_dot = J(eta) nu (Eq. 1; Fossen 2011, Eq. 2.53).
- * @param phi, theta, psi attitude [rad]
+ * @param phi, theta, psi attitude [rad], each up to +-1e4
  * @param nu [6] body velocity
  * @param eta_dot [6] x y z [m/s], phi theta psi [rad/s]; may not be nu
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_SINGULAR within 1e-3 rad of
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (an angle beyond
+ * 1e4); AUVID_ERR_SINGULAR within 1e-3 rad of
  * theta = +-90 deg, where J has no angular part. Cost: three sincos. */
 auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi,
                                 const auvid_real_t *nu, auvid_real_t *eta_dot);
