@@ -21,14 +21,15 @@
 
 struct chain;
 typedef void (*chain_before_t)(struct chain *chain, auvid_input_t *in);
-typedef void (*chain_after_t)(struct chain *chain, auvid_status_t status, const auvid_output_t *out);
+typedef void (*chain_after_t)(struct chain *chain, auvid_status_t status,
+                              const auvid_output_t *out);
 
 typedef struct {
     sim_config_t sim;
     auvid_identifier_config_t id;
-    uint32_t budget;       /**< of work, a tick; 0: none until chain_finish */
-    uint64_t epoch_us;     /**< added to all times: a clock does not begin at zero */
-    bool passive;          /**< `driver` drives, the identifier does not excite */
+    uint32_t budget;   /**< of work, a tick; 0: none until chain_finish */
+    uint64_t epoch_us; /**< added to all times: a clock does not begin at zero */
+    bool passive;      /**< `driver` drives, the identifier does not excite */
     auvid_excitation_config_t driver;
     chain_before_t before; /**< may be null */
     chain_after_t after;   /**< may be null */
@@ -40,15 +41,15 @@ typedef struct chain {
     sim_t sim;
     auvid_identifier_t id;
     auvid_excitation_t driver;
-    uint32_t tick;         /**< ticks so far */
-    uint64_t t_us;         /**< of the last one */
-    uint32_t events;       /**< all that were told so far */
-    uint32_t estimates;    /**< AUVID_EVENT_ESTIMATE told so far */
-    uint32_t most_units;   /**< used by any call of work */
-    bool over_budget;      /**< some call of work used more than it was given */
-    auvid_status_t status; /**< of the last step */
-    auvid_status_t work;   /**< of the last work */
-    auvid_output_t out;    /**< of the last step */
+    uint32_t tick;                        /**< ticks so far */
+    uint64_t t_us;                        /**< of the last one */
+    uint32_t events;                      /**< all that were told so far */
+    uint32_t estimates;                   /**< AUVID_EVENT_ESTIMATE told so far */
+    uint32_t most_units;                  /**< used by any call of work */
+    bool over_budget;                     /**< some call of work used more than it was given */
+    auvid_status_t status;                /**< of the last step */
+    auvid_status_t work;                  /**< of the last work */
+    auvid_output_t out;                   /**< of the last step */
     auvid_real_t wrench[AUVID_DOF_COUNT]; /**< in force [N, Nm] */
 } chain_t;
 

@@ -17,8 +17,8 @@
 
 enum { SETS = 8 };
 static const double goal_calm = 0.013, goal_disturbed = 0.024, lag_factor = 1.25;
-static const uint32_t driven_dofs = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE |
-                                    1u << AUVID_YAW;
+static const uint32_t driven_dofs =
+    1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW;
 
 static chain_t chain;
 static chain_config_t config;
@@ -101,6 +101,7 @@ static void campaign(const char *name, uint32_t runs, double disturbance_N, doub
         identify();
         TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
         TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
+        TEST_ASSERT_EQUAL_HEX32(lag_s > 0.0 ? driven_dofs : 0, chain.id.estimate.lagged);
         check_masses();
         draw(&square, chain_mean_square(&chain));
     }
@@ -249,8 +250,8 @@ static void test_what_is_not_driven_is_not_identified(void)
     const uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_defaults(&config, 5, 2, 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude,
-                                                      CHAIN_SET_S, 2, 5));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 5));
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         config.id.metric.fixed[i] = auvid_girona500_paper[i] + 7;
     }

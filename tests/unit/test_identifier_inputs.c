@@ -2,6 +2,7 @@
  * What the identifier is fed: refused or dropped with the right status or event, nothing else
  * disturbed; the same bits for the same inputs, however they are brought.
  */
+#include <fenv.h>
 #include <math.h>
 #include <string.h>
 
@@ -143,7 +144,8 @@ static void navigate_apart(chain_t *c, auvid_input_t *in)
         auvid_real_t nu[AUVID_DOF_COUNT];
         memcpy(nu, state.velocity, sizeof state.velocity);
         memcpy(nu + AUVID_ROLL, state.rates, sizeof state.rates);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&c->id, state.t_us, state.attitude, nu));
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_identifier_motion(&c->id, state.t_us, state.attitude, nu));
     }
     in->imu.present = in->dvl.present = in->depth.present = false;
 }
@@ -180,8 +182,10 @@ typedef enum {
     DVL_FUTURE,
     DVL_PAST,
     DVL_TOO_FAST,
+    DVL_OUTLIER,
     DEPTH_VALUE,
     DEPTH_PAST,
+    DEPTH_OUTLIER,
     GPS_VALUE,
     INPUT_WRENCH,
     INPUT_COMMAND,
@@ -189,13 +193,14 @@ typedef enum {
 } spoil_t;
 
 static const uint32_t expected_event[SPOILS] = {
-    [IMU_ATTITUDE] = AUVID_EVENT_IMU_DROPPED,  [IMU_RATE] = AUVID_EVENT_IMU_DROPPED,
-    [IMU_FUTURE] = AUVID_EVENT_IMU_DROPPED,    [IMU_PAST] = AUVID_EVENT_IMU_DROPPED,
-    [IMU_SAME] = AUVID_EVENT_IMU_DROPPED,      [DVL_VALUE] = AUVID_EVENT_DVL_DROPPED,
-    [DVL_FUTURE] = AUVID_EVENT_DVL_DROPPED,    [DVL_PAST] = AUVID_EVENT_DVL_DROPPED,
-    [DVL_TOO_FAST] = AUVID_EVENT_DVL_DROPPED,  [DEPTH_VALUE] = AUVID_EVENT_DEPTH_DROPPED,
-    [DEPTH_PAST] = AUVID_EVENT_DEPTH_DROPPED,  [GPS_VALUE] = AUVID_EVENT_GPS_DROPPED,
-    [INPUT_WRENCH] = AUVID_EVENT_INPUT_DROPPED, [INPUT_COMMAND] = AUVID_EVENT_INPUT_DROPPED,
+    [IMU_ATTITUDE] = AUVID_EVENT_IMU_DROPPED,    [IMU_RATE] = AUVID_EVENT_IMU_DROPPED,
+    [IMU_FUTURE] = AUVID_EVENT_IMU_DROPPED,      [IMU_PAST] = AUVID_EVENT_IMU_DROPPED,
+    [IMU_SAME] = AUVID_EVENT_IMU_DROPPED,        [DVL_VALUE] = AUVID_EVENT_DVL_DROPPED,
+    [DVL_FUTURE] = AUVID_EVENT_DVL_DROPPED,      [DVL_PAST] = AUVID_EVENT_DVL_DROPPED,
+    [DVL_TOO_FAST] = AUVID_EVENT_DVL_DROPPED,    [DVL_OUTLIER] = AUVID_EVENT_DVL_DROPPED,
+    [DEPTH_VALUE] = AUVID_EVENT_DEPTH_DROPPED,   [DEPTH_PAST] = AUVID_EVENT_DEPTH_DROPPED,
+    [DEPTH_OUTLIER] = AUVID_EVENT_DEPTH_DROPPED, [GPS_VALUE] = AUVID_EVENT_GPS_DROPPED,
+    [INPUT_WRENCH] = AUVID_EVENT_INPUT_DROPPED,  [INPUT_COMMAND] = AUVID_EVENT_INPUT_DROPPED,
 };
 
 typedef struct {
@@ -235,6 +240,13 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
         break;
     case DVL_TOO_FAST:
         in->dvl.sample.velocity[s->element % 3] = 20;
+        break;
+    case DVL_OUTLIER:
+        in->dvl.sample.velocity[s->element % 3] +=
+            in->dvl.sample.velocity[s->element % 3] > 0 ? -1 : 1;
+        break;
+    case DEPTH_OUTLIER:
+        in->depth.depth_m += 5;
         break;
     case DEPTH_VALUE:
         in->depth.depth_m = s->value;
@@ -372,6 +384,12 @@ static void test_a_dvl_velocity_beyond_the_speed_limit_is_dropped(void)
     check_spoilt(DVL_TOO_FAST, 0);
 }
 
+static void test_outliers_are_dropped(void)
+{
+    check_spoilt(DVL_OUTLIER, 0);
+    check_spoilt(DEPTH_OUTLIER, 0);
+}
+
 /* ---- time ---- */
 
 /* A second step of the same time, or an earlier one, between two good ones. */
@@ -416,6 +434,21 @@ static void test_a_step_of_zero_dt_at_the_very_beginning_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_step(&chain.id, &in, &out));
 }
 
+static void test_news_wait_for_a_step_that_is_taken(void)
+{
+    auvid_input_t in;
+    auvid_output_t out;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 20.0);
+    TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
+    memset(&in, 0, sizeof in);
+    in.t_us = chain.t_us;
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_TIME, out.events);
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET, chain.out.events);
+}
+
 static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
 {
     static auvid_identifier_t before;
@@ -424,8 +457,7 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1000, tau, NULL));
     before = chain.id;
-    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME,
-                      auvid_identifier_motion(&chain.id, 1000, attitude, nu));
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_identifier_motion(&chain.id, 999, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_applied(&chain.id, 1000, tau, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_identifier_applied(&chain.id, 999, tau, NULL));
@@ -459,25 +491,46 @@ static void be_silent(chain_t *c, auvid_input_t *in)
     }
 }
 
+static auvid_validation_t cells;
+
+/* Compare every cell from here on with the simulated truth. */
+static void attach(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_validation_init(&cells, &auvid_girona500, auvid_girona500_paper, 0,
+                                            NULL, 0, AUVID_C(0.1)));
+    auvid_identifier_attach(&chain.id, &cells);
+}
+
+/* No row may be made of cells from both sides, and no integration run across. */
 static void test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on(void)
 {
     for (gap_t gap = GAP_DVL; gap < GAPS; ++gap) {
+        auvid_real_t r2[AUVID_DOF_COUNT];
         chain_defaults(&config, 11, SETS + 1, 0.0);
         chain_set_driver(&config);
         config.before = be_silent;
         config.context = &gap;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        attach();
         chain_run(&chain, 19.0);
         TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_GAP);
         chain_run(&chain, 8.0);
         TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_GAP, chain.events & AUVID_EVENT_GAP);
+        chain_run(&chain, 17.0); /* a set is 30 s; the gap 5; before each piece 5 of the filter */
+        TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_SET);
         chain.events = 0;
-        chain_run(&chain, 50.0);
+        chain_run(&chain, 33.0);
         finish(&chain);
         TEST_ASSERT_EQUAL_HEX32(0, chain.events & (AUVID_EVENT_GAP | ALL_DROPPED));
         TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
         TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
         check_masses(&chain);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&cells, r2));
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool driven = j != AUVID_ROLL && j != AUVID_PITCH;
+            TEST_ASSERT_TRUE(!driven || r2[j] > AUVID_C(0.98));
+        }
     }
 }
 
@@ -656,6 +709,21 @@ static void test_what_the_modules_refuse_is_refused(void)
     check_init(AUVID_ERR_SIZE);
 }
 
+static void test_another_arithmetic_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(0, fesetround(FE_UPWARD));
+    auvid_status_t status = auvid_identifier_init(&chain.id, &config.id);
+    TEST_ASSERT_EQUAL_INT(0, fesetround(FE_TONEAREST));
+    TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
+}
+
+static void test_the_metric_has_the_recorders_cell(void)
+{
+    config.id.recorder.cell_us = 50000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL_UINT32(50000, chain.id.metric.cfg.cell_us);
+}
+
 /* ---- null pointers ---- */
 
 static void test_null_pointers_are_refused_and_outputs_written(void)
@@ -756,7 +824,8 @@ static void test_the_excitation_ends_by_itself(void)
     chain_run(&chain, SETS * CHAIN_SET_S - 1.0);
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_EXCITATION_DONE);
     chain_run(&chain, 2.0);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_EXCITATION_DONE, chain.events & AUVID_EVENT_EXCITATION_DONE);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_EXCITATION_DONE,
+                            chain.events & AUVID_EVENT_EXCITATION_DONE);
     TEST_ASSERT_TRUE(is_zero(&chain.out));
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_SATURATED);
 }
@@ -772,20 +841,24 @@ static void test_a_passive_identifier_cannot_excite(void)
 static void test_the_wrench_told_is_that_of_the_thrusters_told(void)
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
+    double roll = 0.0;
+    /* a side thruster above the centre: roll comes along with sway */
+    config.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
+    config.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     for (int k = 0; k < 1000; ++k) {
         chain_tick(&chain);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_wrench(&chain.id.allocation,
-                                                            chain.out.thruster_N, wrench));
+        TEST_ASSERT_EQUAL(
+            AUVID_OK, auvid_allocation_wrench(&chain.id.allocation, chain.out.thruster_N, wrench));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)wrench[j], (double)chain.out.excitation[j]);
         }
+        roll += fabs((double)chain.out.excitation[AUVID_ROLL]);
     }
+    TEST_ASSERT_TRUE(roll > 0.0);
 }
 
 /* ---- cells ---- */
-
-static auvid_validation_t cells;
 
 static void count_cells(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
@@ -806,10 +879,7 @@ static void test_a_step_takes_no_more_cells_than_it_says(void)
     config.after = count_cells;
     config.context = &last;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_validation_init(&cells, &auvid_girona500, auvid_girona500_paper, 0,
-                                            NULL, 0, AUVID_C(0.1)));
-    auvid_identifier_attach(&chain.id, &cells);
+    attach();
     chain_run(&chain, 30.0);
     TEST_ASSERT_TRUE(cells.cells > 270); /* and it keeps up: of 300, less both ends */
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_GAP);
@@ -838,8 +908,10 @@ int main(void)
     RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow);
     RUN_TEST(test_dvl_and_depth_samples_of_a_wrong_time_are_dropped);
     RUN_TEST(test_a_dvl_velocity_beyond_the_speed_limit_is_dropped);
+    RUN_TEST(test_outliers_are_dropped);
     RUN_TEST(test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing);
     RUN_TEST(test_a_step_of_zero_dt_at_the_very_beginning_is_refused);
+    RUN_TEST(test_news_wait_for_a_step_that_is_taken);
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
     RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on);
     RUN_TEST(test_ticks_left_out_for_5_s_are_a_gap);
@@ -852,6 +924,8 @@ int main(void)
     RUN_TEST(test_too_many_parameters_or_none_are_refused);
     RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
     RUN_TEST(test_what_the_modules_refuse_is_refused);
+    RUN_TEST(test_another_arithmetic_is_refused);
+    RUN_TEST(test_the_metric_has_the_recorders_cell);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);
     RUN_TEST(test_excitation_is_zero_until_it_is_asked_for);
     RUN_TEST(test_stop_fades_the_excitation_out);

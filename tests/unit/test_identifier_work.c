@@ -31,6 +31,24 @@ static uint32_t units_at_most(uint32_t n, uint32_t m, uint32_t rows)
     return evaluations * (rows + 2) + 40 * m * 50 * m + 8 * 10000;
 }
 
+/* Rows of R: the columns of all equations together. */
+static uint32_t rows_of_girona500(void)
+{
+    uint32_t rows = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (uint32_t c = auvid_girona500.columns[j] & AUVID_G500_FREE; c != 0; c &= c - 1) {
+            ++rows;
+        }
+    }
+    return rows;
+}
+
+/* Of a search for the 13 with a population m. */
+static uint32_t units_of_13(uint32_t m)
+{
+    return units_at_most(13, m, rows_of_girona500());
+}
+
 /* Work to the end with a budget; every call is checked. */
 static void finish(uint32_t budget, uint32_t units)
 {
@@ -82,7 +100,7 @@ static void test_work_keeps_to_its_budget_in_every_tick(void)
         TEST_ASSERT_FALSE(chain.over_budget);
         TEST_ASSERT_TRUE(chain.most_units <= budgets[k]);
         TEST_ASSERT_TRUE(budgets[k] > 200 || chain.most_units == budgets[k]); /* and uses it */
-        finish(budgets[k], units_at_most(13, 52, 13));
+        finish(budgets[k], units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
         check_optimum();
     }
@@ -96,13 +114,34 @@ static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
     recorded = chain;
     for (int k = 0; k < BUDGETS; ++k) {
         chain = recorded;
-        finish(budgets[BUDGETS - 1 - k], units_at_most(13, 52, 13));
+        finish(budgets[BUDGETS - 1 - k], units_of_13(52));
         if (k == 0) {
             once = chain.id.estimate;
         }
         TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
         TEST_ASSERT_EQUAL_MEMORY(&once, &chain.id.estimate, sizeof once);
     }
+}
+
+/* Rows and points, those without room too. */
+static void test_rows_and_trial_points_are_what_is_counted(void)
+{
+    uint32_t units = 0;
+    chain_defaults(&config, 2, 1, 0.0);
+    record(1);
+    while (chain.id.phase != AUVID_WORK_ASK) {
+        (void)auvid_identifier_work(&chain.id, 1);
+    }
+    while (chain.id.phase != AUVID_WORK_MEASURE) {
+        (void)auvid_identifier_work(&chain.id, 1);
+        TEST_ASSERT_EQUAL_UINT32(1, chain.id.work_last);
+        ++units;
+    }
+    auvid_optimizer_work_t done = auvid_optimizer_work(&chain.id.optimizer);
+    TEST_ASSERT_EQUAL_UINT32(rows_of_girona500() * (done.crs + done.line_search) + done.attempts +
+                                 1, /* to learn that the search has ended */
+                             units);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.work_most);
 }
 
 static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
@@ -112,7 +151,7 @@ static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
     recorded = chain;
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 0));
     TEST_ASSERT_EQUAL_MEMORY(&recorded.id, &chain.id, sizeof chain.id);
-    finish(1000, units_at_most(13, 52, 13));
+    finish(1000, units_of_13(52));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 0));
 }
 
@@ -162,7 +201,7 @@ static void search_in_box(double low, double high, uint16_t population)
                 recorded = chain;
             }
             chain = recorded;
-            finish(budgets[k], units_at_most(13, population > 0 ? population : 52, 13));
+            finish(budgets[k], units_of_13(population > 0 ? population : 52));
             TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
             check_in_box();
         }
@@ -202,31 +241,133 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
                                                                : -1e30);
             }
             record(2);
-            finish(200, units_at_most(13, 52, 13));
+            finish(200, units_of_13(52));
             check_optimum();
             TEST_ASSERT_FALSE(chain.id.estimate.capped);
         }
     }
 }
 
+/* Work until the first point of a search is out. */
+static void ask_first(void)
+{
+    uint32_t searches = chain.id.searches;
+    for (int k = 0; k < 100000; ++k) {
+        (void)auvid_identifier_work(&chain.id, 1);
+        if (chain.id.searches > searches && chain.id.phase == AUVID_WORK_COST) {
+            return;
+        }
+    }
+    TEST_FAIL_MESSAGE("no search");
+}
+
+static void test_the_good_point_clipped_to_the_box_is_tried_first(void)
+{
+    chain_defaults(&config, 1, 1, 0.0);
+    box(0.5, 1.5);
+    config.id.has_good = true;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        config.id.good[i] = (auvid_real_t)((i % 2 ? 1.1 : 2.0) * config.sim.parameter[i]);
+    }
+    record(1);
+    ask_first();
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double expected = (i % 2 ? 1.1 : 1.5) * config.sim.parameter[i];
+        TEST_ASSERT_TRUE(chain.id.candidate[i] == (auvid_real_t)expected);
+    }
+}
+
+static void test_the_last_estimate_is_tried_first(void)
+{
+    chain_defaults(&config, 1, 2, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 55.0);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    chain.config.budget = 0;
+    chain_run(&chain, 15.0);
+    ask_first();
+    TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, chain.id.candidate, sizeof chain.id.candidate);
+}
+
+static void test_the_search_is_the_one_configured(void)
+{
+    chain_defaults(&config, 1, 1, 0.0);
+    config.id.population = 20;
+    config.id.omega = 500;
+    config.id.literal_search = true;
+    config.id.scale_by_bounds = true;
+    record(1);
+    ask_first();
+    TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.config.population);
+    TEST_ASSERT_TRUE(chain.id.optimizer.crs.config.omega == 500);
+    TEST_ASSERT_TRUE(chain.id.optimizer.line_search.config.literal);
+    TEST_ASSERT_TRUE(chain.id.optimizer.line_search.config.scale[0] == 1000);
+}
+
 /* ---- sets that change on the way ---- */
+
+/* What an estimate claims holds on the sets it claims to be of. */
+static void check_claim(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+{
+    static auvid_metric_t metric;
+    uint32_t *checked = c->config.context, budget = UINT32_MAX;
+    (void)status;
+    if ((out->events & AUVID_EVENT_ESTIMATE) && !(out->events & AUVID_EVENT_SET)) {
+        TEST_ASSERT_EQUAL_UINT32(c->id.metric.sets_recorded, c->id.estimate.sets);
+        metric = c->id.metric;
+        auvid_metric_merge_begin(&metric);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
+        auvid_metric_cost_begin(&metric, c->id.estimate.pi, 0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (double)metric.constant, (double)metric.cost,
+                                  (double)c->id.estimate.cost);
+        ++*checked;
+    }
+}
 
 /* Budgets so small that sets complete before their search has ended. */
 static void test_searches_that_span_sets_end_at_the_optimum_of_the_last(void)
 {
-    static const uint32_t tiny[] = {3, 5, 8, 13};
+    static const uint32_t tiny[] = {3, 8, 16, 25};
+    uint32_t checked = 0;
     for (uint64_t seed = 1; seed <= 4; ++seed) {
         chain_defaults(&config, seed, 8, 0.0);
         config.budget = tiny[seed - 1];
+        config.after = check_claim;
+        config.context = &checked;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 8));
         TEST_ASSERT_TRUE(chain.id.searches < 8); /* so some went on with costs evaluated again */
-        finish(tiny[seed - 1], units_at_most(13, 52, 13));
+        finish(tiny[seed - 1], units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(8, chain.id.estimate.sets);
         check_optimum();
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
             TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.05);
         }
     }
+    TEST_ASSERT_TRUE(checked > 0);
+}
+
+/* Surge alone is driven in the first set, all DoF in the second, which comes while the first is
+ * searched: what may be found has changed. */
+static void test_a_dof_driven_anew_is_searched_anew(void)
+{
+    const auvid_real_t surge[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
+    chain_config_t full;
+    chain_defaults(&config, 3, 1, 0.0);
+    full = config;
+    config.budget = 0;
+    chain_set_driver(&config);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.driver, surge, CHAIN_SET_S, 1, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000));
+    TEST_ASSERT_TRUE(chain.id.searching);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.id.excitation));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
+    chain_run(&chain, 32.0);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
+    finish(200, units_of_13(52));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
+    check_optimum();
 }
 
 /* How far the search over vehicle A's set is when B's come: all the ways it can be caught. */
@@ -265,7 +406,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
         while (chain.id.metric.sets_recorded == 0) {
             chain_tick(&chain);
         }
-        for (uint32_t k = 0; k < units_at_most(13, 52, 13) && !is_there(where); ++k) {
+        for (uint32_t k = 0; k < units_of_13(52) && !is_there(where); ++k) {
             (void)auvid_identifier_work(&chain.id, 1);
         }
         TEST_ASSERT_TRUE(is_there(where));
@@ -275,7 +416,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
         while (chain.id.metric.sets_recorded < 3) {
             chain_tick(&chain);
         }
-        finish(200, 2 * units_at_most(13, 52, 13));
+        finish(200, 2 * units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(3, chain.id.estimate.sets);
         check_optimum();
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
@@ -386,13 +527,18 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_work_keeps_to_its_budget_in_every_tick);
     RUN_TEST(test_the_result_does_not_depend_on_how_work_is_portioned);
+    RUN_TEST(test_rows_and_trial_points_are_what_is_counted);
     RUN_TEST(test_a_budget_of_zero_does_nothing_and_says_that_work_waits);
     RUN_TEST(test_the_default_budget_searches_in_about_ten_seconds);
     RUN_TEST(test_a_search_with_the_truth_on_the_bounds_ends);
     RUN_TEST(test_a_search_with_the_truth_outside_the_box_ends);
     RUN_TEST(test_a_population_of_n_plus_one_ends);
     RUN_TEST(test_a_good_point_helps_and_a_bad_one_does_no_harm);
+    RUN_TEST(test_the_good_point_clipped_to_the_box_is_tried_first);
+    RUN_TEST(test_the_last_estimate_is_tried_first);
+    RUN_TEST(test_the_search_is_the_one_configured);
     RUN_TEST(test_searches_that_span_sets_end_at_the_optimum_of_the_last);
+    RUN_TEST(test_a_dof_driven_anew_is_searched_anew);
     RUN_TEST(test_no_cost_of_an_earlier_vehicle_survives);
     RUN_TEST(test_an_estimate_stays_whole_until_the_next_is_ready);
     RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
