@@ -138,7 +138,7 @@ static void take_cells(auvid_identifier_t *id, int most)
 static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
     if (in->imu.present) {
-        /* The filter follows the IMU's time: one sample from far ahead would shut out all others. */
+        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
         bool ahead = in->imu.t_us > in->t_us && in->imu.t_us - in->t_us > id->nav.future_us;
         if (ahead || auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
             id->events |= AUVID_EVENT_IMU_DROPPED;
@@ -230,8 +230,8 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
     id->t_us = in->t_us;
     navigate(id, in);
     record(id, in);
-    if (in->applied.present &&
-        auvid_recorder_input(&id->recorder, in->t_us, in->applied.wrench, in->applied.command) < 0) {
+    if (in->applied.present && auvid_recorder_input(&id->recorder, in->t_us, in->applied.wrench,
+                                                    in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
     take_cells(id, AUVID_CELLS_PER_STEP);

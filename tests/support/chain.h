@@ -5,8 +5,8 @@
  * One tick of 20 ms: the simulator moves under the wrench decided upon last, its sensors become the
  * identifier's input, `before` may tamper with it, the identifier steps, `after` may look at the
  * answer, then it works with the budget. The wrench of the next tick is decided in one of two ways:
- * - the identifier excites (the default): its excitation and the hover thrust; the applied wrench is
- *   handed over after the step, by auvid_identifier_applied;
+ * - the identifier excites (the default): its excitation and the hover thrust; the applied wrench
+ *   is handed over after the step, by auvid_identifier_applied;
  * - somebody else drives (chain_set_driver): the driver's excitation and the hover thrust, part of
  *   the step's input; the identifier is passive.
  */

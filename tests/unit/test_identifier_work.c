@@ -394,8 +394,8 @@ static bool is_there(catch_t where)
     }
 }
 
-/* One set in the ring. The vehicle grows half as heavy again and half as draggy after the first; its
- * own set comes while the search over the first is caught somewhere. */
+/* One set in the ring. The vehicle grows half as heavy again and half as draggy after the first;
+ * its own set comes while the search over the first is caught somewhere. */
 static void test_no_cost_of_an_earlier_vehicle_survives(void)
 {
     for (catch_t where = IN_MERGE; where < CATCHES; ++where) {

@@ -5,16 +5,17 @@
  *     auvid_identifier_step   in every control tick: sense, navigate, record, excite. Short.
  *     auvid_identifier_work   whenever there is time left: so many units of optimizing.
  *
- * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <-> optimizer
- * (optimizer.h) -> estimate. Each completed data set starts a global search with the last estimate as
- * a known good point; a set that completes during a search makes its costs stale, and they are
- * evaluated again. For a model without regressor the delay is one more parameter of the search.
+ * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <->
+ * optimizer (optimizer.h) -> estimate. Each completed data set starts a global search with the last
+ * estimate as a known good point; a set that completes during a search makes its costs stale, and
+ * they are evaluated again. For a model without regressor the delay is one more parameter of the
+ * search.
  *
- * Cost of step: one prediction of the filter, the updates that arrived, at most AUVID_CELLS_PER_STEP
- * cells of the recorder. Cost of work: a unit is one row of a triangle, one stored sample put through
- * the user's model, or one trial point; rejected ones count too. Never more than `budget` units. In
- * the call in which a search begins, its population is drawn besides: m n random numbers.
- * Memory: sizeof(auvid_identifier_t), all there is.
+ * Cost of step: one prediction of the filter, the updates that arrived, at most
+ * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: a unit is one row of a triangle, one
+ * stored sample put through the user's model, or one trial point; rejected ones count too. Never
+ * more than `budget` units. In the call in which a search begins, its population is drawn besides:
+ * m n random numbers. Memory: sizeof(auvid_identifier_t), all there is.
  *
  * Nothing here arms or limits the vehicle: what excites it must be guarded by the caller.
  */
@@ -39,7 +40,8 @@ extern "C" {
  * cells, or the record breaks again and again. */
 #define AUVID_CELLS_PER_STEP 2
 
-/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in about ten seconds. */
+/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in five seconds with eight
+ * sets, up to four times that on a single one, whose data determine less (Girona500). */
 #define AUVID_DEFAULT_BUDGET 200u
 
 /** Which DVL lock the dynamics are taken from. They need velocity through the water. */
@@ -98,20 +100,22 @@ typedef struct {
     } gps;
     struct {
         bool present;
-        /** Applied from t_us of this tick on, of all sources: pilot, controller, excitation [N, Nm].
-         * Who learns of it later (the excitation is an answer of this very step; feedback tells of
-         * the tick gone by) leaves it out here and calls auvid_identifier_applied with its time. */
+        /** Applied from t_us of this tick on, of all sources: pilot, controller, excitation [N,
+         * Nm]. Who learns of it later (the excitation is an answer of this very step; feedback
+         * tells of the tick gone by) leaves it out here and calls auvid_identifier_applied with its
+         * time. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them */
+        auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them
+                                                        */
     } applied;
 } auvid_input_t;
 
 /** News, a bit each; several at once. */
 enum {
     AUVID_EVENT_TIME = 1u << 0,          /**< the tick's time did not advance: step refused */
-    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused: counted in nav.imu_time, nav.imu_invalid,
-                                              or not at all when ahead of the tick by more than
-                                              nav.future_us */
+    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused: counted in nav.imu_time or
+                                              nav.imu_invalid; not counted when ahead of
+                                              the tick by more than nav.future_us */
     AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< sample refused; why is in nav.diagnostics */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3, /**< likewise */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,   /**< likewise */
@@ -120,7 +124,8 @@ enum {
     AUVID_EVENT_VELOCITY_STALE = 1u << 6, /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,           /**< the record was broken and started anew */
     AUVID_EVENT_SET = 1u << 8,           /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the ring's sets: nothing to search */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the ring's sets: nothing to search
+                                              */
     AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
     AUVID_EVENT_SATURATED = 1u << 11,    /**< the excitation was scaled down by the thrusters */
     AUVID_EVENT_EXCITATION_DONE = 1u << 12 /**< the excitation's run came to its end */
@@ -129,8 +134,9 @@ enum {
 /** Answer of a step. */
 typedef struct {
     uint32_t events;                             /**< AUVID_EVENT_... since the last step */
-    auvid_real_t excitation[AUVID_DOF_COUNT];    /**< body wrench to add to the controller's [N, Nm];
-                                                      zero unless exciting, and on any status < 0 */
+    auvid_real_t excitation[AUVID_DOF_COUNT];    /**< body wrench to add to the controller's [N,
+                                                      Nm]; zero unless exciting, and on any status <
+                                                      0 */
     auvid_real_t thruster_N[AUVID_MAX_THRUSTERS]; /**< the same as thruster forces [N] */
 } auvid_output_t;
 
@@ -148,8 +154,8 @@ typedef struct {
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; 0 where not driven */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
-    bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had a
-                      finite cost: treat with care */
+    bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had
+                      a finite cost: treat with care */
 } auvid_estimate_t;
 
 /** Where work() is. */
@@ -200,8 +206,8 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 /** Check the arithmetic (selftest.h) and the configuration, and start.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
- * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than the
- * thrusters give); and the errors of the modules' init. On error *id is not usable. */
+ * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
+ * the thrusters give); and the errors of the modules' init. On error *id is not usable. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 /** Begin the excitation with the next step; one under way is begun anew, without a fade.
