@@ -5,8 +5,8 @@
  * undisturbed, 2.4 % with 1 N of unmodelled force; 1.25 times that with a thruster lag nobody told
  * of. A run's mean square error q is one draw; over K runs its mean has the standard error
  * s / sqrt(K). The short form fails when the goal lies below mean - 3 s / sqrt(K), so once in a
- * thousand times when it is just met; the long form (AUVID_TEST_LONG) wants mean + 2 s / sqrt(K) below the goal. A run has
- * failed when a mass is off by more than 10 %.
+ * thousand times when it is just met; the long form (AUVID_TEST_LONG) wants mean + 2 s / sqrt(K)
+ * below the goal. A run has failed when a mass is off by more than 10 %.
  */
 #include <math.h>
 #include <stdio.h>
