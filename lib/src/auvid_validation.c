@@ -80,11 +80,14 @@ static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t
     return near + (ago - (auvid_real_t)whole) * (far - near);
 }
 
-/* nu_dot with the recorded signals `part` of the way from the last cell to `to`. */
-static void rates(const auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t part,
-                  const auvid_real_t *nu, const auvid_real_t *tau, auvid_real_t *nu_dot)
+/* nu_dot with the recorded signals `part` of the way from the last cell to `to`, commands of
+ * `half`. */
+static void rates(const auvid_validation_t *v, const auvid_sample_t *to, const auvid_sample_t *half,
+                  auvid_real_t part, const auvid_real_t *nu, const auvid_real_t *tau,
+                  auvid_real_t *nu_dot)
 {
     auvid_sample_t s = v->last;
+    memcpy(s.command, half->command, sizeof s.command);
     s.phi += part * (to->phi - v->last.phi);
     s.theta += part * (to->theta - v->last.theta);
     s.psi += part * (to->psi - v->last.psi);
@@ -105,12 +108,13 @@ static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_rea
     static const auvid_real_t share[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
     auvid_real_t h = AUVID_C(0.5) * v->cell_s, k[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     auvid_real_t step[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+    const auvid_sample_t *half = from > AUVID_C(0.0) ? to : &v->last;
     for (int stage = 0; stage < 4; ++stage) {
         auvid_real_t nu[AUVID_DOF_COUNT];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             nu[j] = v->predicted[j] + reach[stage] * h * k[j];
         }
-        rates(v, to, from + AUVID_C(0.5) * reach[stage], nu, tau, k);
+        rates(v, to, half, from + AUVID_C(0.5) * reach[stage], nu, tau, k);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             step[j] += share[stage] * k[j];
         }
@@ -160,7 +164,8 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     }
     if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
         !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT)) {
+        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->command, AUVID_MAX_THRUSTERS)) {
         return AUVID_ERR_NOT_FINITE;
     }
     auvid_validation_t *v = validation;

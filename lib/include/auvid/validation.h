@@ -3,9 +3,10 @@
  * Validation (Section IV): simulate held-out inputs with given parameters, compare with what was
  * measured, R2 for each velocity.
  *
- * The equations of motion are integrated from the first measured velocity under the recorded
- * wrench; attitude and the velocities that the model does not cover come from the record, as in the
- * paper. After a gap the integration starts again from the next measured velocity.
+ * The equations of motion are integrated under the recorded wrench; attitude and the velocities that
+ * the model does not cover come from the record, as in the paper. The integration starts from the
+ * velocity measured in the eighth cell, when the wrench is known at every delay; so it does again
+ * after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
  *
  * Called for each cell of the record, by the identifier (attach it) or by the user's own loop.
  * Cost: eight calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
@@ -61,7 +62,8 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
                                      const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s);
 
-/** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored). */
+/** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell
+ * ignored: the record has a hole now, say `gap`). */
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample);
 
 /** The record was broken. Null is ignored. */
