@@ -40,16 +40,11 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     return AUVID_OK;
 }
 
-/* End the record at t_us. Streams that have spoken lately take part in the next one. */
-static void break_record(auvid_recorder_t *rec, uint64_t t_us)
+/* End the record. Streams that have spoken lately take part in the next one. */
+static void break_record(auvid_recorder_t *rec)
 {
     rec->broken = rec->broken || rec->running;
     rec->running = false;
-    for (int s = 0; s < STREAMS; ++s) {
-        if (rec->stream[s].t_us + rec->cfg.gap_us < t_us) {
-            rec->stream[s].valid = false;
-        }
-    }
 }
 
 /* Begin a record at the latest of the streams' last samples, once all have one that is not older
@@ -126,9 +121,9 @@ static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const au
         return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
     }
     if (st->valid && t_us - st->t_us > rec->cfg.gap_us) {
-        break_record(rec, t_us);
+        break_record(rec);
     } else if (rec->running && !integrate(rec, s, t_us, value)) {
-        break_record(rec, t_us);
+        break_record(rec);
     }
     memcpy(&rec->last[first_channel[s]], value, (size_t)channels * sizeof value[0]);
     st->t_us = t_us;

@@ -480,6 +480,54 @@ static void test_dof_that_is_not_driven_is_left_out(void)
     TEST_ASSERT_EQUAL_DOUBLE(at_truth, cost_of(&metric, pi));
 }
 
+/* Three periods of a sine slow enough to pass the smoother, its rms 5 % beside the threshold. */
+static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
+{
+    for (int above = 0; above < 2; ++above) {
+        setUp();
+        cfg.driven = AUVID_C(0.1);
+        cfg.tau_max[AUVID_YAW] = 30;
+        start();
+        for (int k = 0; k < cells_of(&cfg, 60); ++k) {
+            world_t w = world_of(&cfg);
+            auvid_sample_t s = cell_at(&w, k * w.cell_s);
+            double rms = 0.1 * 30 * (above ? 1.05 : 0.95);
+            s.tau[AUVID_YAW] = (auvid_real_t)(7 + rms * sqrt(2) * sin(2 * PI * 0.1 * k * 0.1));
+            TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+        }
+        merge_all(&metric);
+        TEST_ASSERT_EQUAL(above, metric.driven >> AUVID_YAW & 1);
+    }
+}
+
+static void test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2(void)
+{
+    auvid_real_t r2[2][6], pi[AUVID_MAX_PARAMETERS];
+    memcpy(pi, truth, sizeof pi);
+    pi[AUVID_G500_M_R] *= AUVID_C(1.3);
+    for (int more = 0; more < 2; ++more) {
+        uint32_t budget = UINT32_MAX;
+        setUp();
+        start();
+        world_t w = world_of(&cfg);
+        feed(&metric, &w, 0, cells_of(&cfg, 60));
+        auvid_metric_gap(&metric);
+        for (int k = 0; more && k < cells_of(&cfg, 60); ++k) {
+            auvid_sample_t s = cell_at(&w, 200 + k * w.cell_s);
+            s.tau[AUVID_YAW] = AUVID_C(1.4) * (auvid_real_t)(k / 100 % 2);
+            TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+        }
+        merge_all(&metric);
+        TEST_ASSERT_EQUAL_UINT16(60, metric.dof_rows[AUVID_YAW]);
+        TEST_ASSERT_EQUAL_UINT16(more ? 120 : 60, metric.dof_rows[AUVID_SURGE]);
+        auvid_metric_measure_begin(&metric, pi, 0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+        auvid_metric_r2(&metric, r2[more]);
+    }
+    TEST_ASSERT_TRUE(r2[0][AUVID_YAW] < AUVID_C(0.999));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (double)r2[0][AUVID_YAW], (double)r2[1][AUVID_YAW]);
+}
+
 static void test_no_dof_driven_is_no_data(void)
 {
     uint32_t budget = 100;
@@ -868,12 +916,14 @@ static void test_a_record_whose_times_are_rounded_is_still_one_record(void)
     TEST_ASSERT_TRUE(cost_of(&metric, pi) > 1e-3);
 }
 
+/* Eleven rows are smoothed at once: ten fewer results than rows, on each side of a gap. */
 static void test_residuals_are_not_smoothed_over_a_gap(void)
 {
-    double cost[2];
+    double sse[2];
     for (int k = 0; k < 2; ++k) {
         setUp();
         use_residual_path(2, 60);
+        cfg.free = 0;
         start();
         world_t w = world_of(&cfg);
         feed(&metric, &w, 0, cells_of(&cfg, 30));
@@ -888,12 +938,12 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
         auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
         memcpy(pi, truth, sizeof pi);
         pi[AUVID_G500_X_0] = 10; /* a residual of -10 N everywhere */
-        cfg.free = 0;
         auvid_metric_measure_begin(&metric, pi, 0);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
-        cost[k] = (double)metric.sse[AUVID_HEAVE];
+        sse[k] = (double)metric.sse[AUVID_SURGE];
     }
-    TEST_ASSERT_TRUE(cost[0] < 1e-2 && cost[1] < 1e-2); /* a jump smoothed in would be 1e2 */
+    TEST_ASSERT_DOUBLE_WITHIN(100, 50 * 100, sse[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(100, 40 * 100, sse[1]);
 }
 
 static void test_rows_are_stored_inside_the_storage_alone(void)
@@ -1082,6 +1132,8 @@ int main(void)
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
     RUN_TEST(test_sets_of_one_row_know_what_pairs_across_their_borders_tell);
     RUN_TEST(test_dof_that_is_not_driven_is_left_out);
+    RUN_TEST(test_dof_is_driven_from_the_stated_part_of_its_scale_on);
+    RUN_TEST(test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2);
     RUN_TEST(test_no_dof_driven_is_no_data);
     RUN_TEST(test_what_fixed_parameters_explain_does_not_drive_a_dof);
     RUN_TEST(test_the_share_of_fixed_parameters_is_taken_from_the_wrench);

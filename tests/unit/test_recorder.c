@@ -426,6 +426,8 @@ static void test_stream_heard_long_before_the_others_does_not_begin_a_record(voi
 {
     reset_counts();
     TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, T0 - 50000000, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, T0 - 40000000, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, T0 - 20000000, 1));
     run(0, 300, 3, true);
     run(300, 401, 7, true);
     TEST_ASSERT_EQUAL_INT(0, gaps);
@@ -440,6 +442,11 @@ static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
     pop_all();
     TEST_ASSERT_EQUAL_INT(0, gaps);
     TEST_ASSERT_EQUAL_INT(12, popped);
+    reset_counts();
+    run(0, 162, 7, false); /* a part of the seventeenth */
+    pop_all();
+    TEST_ASSERT_EQUAL_INT(1, gaps);
+    TEST_ASSERT_EQUAL_INT(0, popped);
     reset_counts();
     run(0, 300, 7, false);
     pop_all();
