@@ -205,11 +205,9 @@ static void excite(auvid_identifier_t *id, auvid_output_t *out)
         return;
     }
     auvid_allocation_result_t result;
-    auvid_status_t status = auvid_allocation_solve(&id->allocation, wrench, &result);
-    if (status >= 0) {
+    if (auvid_allocation_solve(&id->allocation, wrench, &result) >= 0) {
         memcpy(out->excitation, result.wrench, sizeof out->excitation);
         memcpy(out->thruster_N, result.force_N, sizeof out->thruster_N);
-        id->events |= status == AUVID_SATURATED ? AUVID_EVENT_SATURATED : 0u;
     }
 }
 
@@ -294,7 +292,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
-    take_cells(id, AUVID_RECORDER_CELLS);
+    take_cells(id, AUVID_CELLS_PER_STEP);
     return status;
 }
 
@@ -303,6 +301,7 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
+    take_cells(id, AUVID_RECORDER_CELLS);
     auvid_status_t status = auvid_metric_close(&id->metric);
     if (status == AUVID_SET_COMPLETE) {
         id->set_pending = true;

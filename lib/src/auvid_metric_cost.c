@@ -25,7 +25,7 @@
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
 
-/* Delays tried, in units of the nodes' distance: 0 .. 2. A response does not precede its command. */
+/* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command. */
 enum { DELAY_STEPS = 20 };
 #define DELAY_STEP AUVID_C(0.1)
 

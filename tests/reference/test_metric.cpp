@@ -114,8 +114,8 @@ static Vector wrench_at(double t, const Vector &x)
     return model_rows(0.05 * std::sin(0.9 * t), 0.04 * std::cos(0.7 * t), nu, nu_dot) * x;
 }
 
-// Response to the command: late by `shift` seconds, or after a first-order lag of `lag` seconds; the
-// command is found from the response.
+// Response to the command: late by `shift` seconds, or after a first-order lag of `lag` seconds;
+// the command is found from the response.
 struct World {
     double shift = 0, lag = 0, noise = 0;
     bool fine_wrench = false; // noise on the wrench that changes sign from row to row
@@ -188,7 +188,7 @@ static Vector centred(const Vector &c, int taps)
     return wide;
 }
 
-// Yaw has m_u and m_v in columns that are opposite: a rank lost by rounding must not be found again.
+// Yaw has m_u and m_v in opposite columns: a rank lost by rounding must not be found again.
 static Eigen::CompleteOrthogonalDecomposition<Matrix> solver(const Matrix &a)
 {
     Eigen::CompleteOrthogonalDecomposition<Matrix> qr(a.rows(), a.cols());

@@ -204,7 +204,7 @@ class Dense
             pxz = exact;
             S = hph - w + noise;
         } else {
-            double beta = std::min(w / hph, 0.99);
+            double beta = std::min(w / hph, 0.8);
             pxz *= 1 - beta;
             S = (1 - beta) * hph + noise;
         }

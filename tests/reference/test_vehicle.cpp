@@ -1,6 +1,6 @@
-// Girona500's forward dynamics and kinematics against Fossen's matrices in double: M nu' + C(nu) nu +
-// D(nu) nu + g = tau with M diagonal and C(nu) = Fossen (2011), Eq. 3.46 for a diagonal M, restricted
-// to the four degrees of freedom that are modelled.
+// Girona500's forward dynamics and kinematics against Fossen's matrices in double:
+// M nu' + C(nu) nu + D(nu) nu + g = tau, with M diagonal and C(nu) made of it by cross products
+// (Fossen 2011, 3.3), restricted to the four degrees of freedom that are modelled.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
@@ -43,7 +43,7 @@ static Eigen::Matrix3d cross(const Eigen::Vector3d &a)
     return s;
 }
 
-// C = [0, -S(M11 v); -S(M11 v), -S(M22 w)]: what roll and pitch inertia do falls outside the model.
+// C = [0, -S(M11 v); -S(M11 v), -S(M22 omega)]: what roll and pitch inertia do falls outside the model.
 static Matrix6 coriolis(const Vector6 &mass, const Vector6 &nu)
 {
     Eigen::Vector3d linear = mass.head<3>().cwiseProduct(nu.head<3>());

@@ -208,6 +208,21 @@ static void test_drop_outs_cost_data_and_nothing_else(void)
     check_rms("drop-outs, for as many samples", &square, goal_calm);
 }
 
+/* A DVL behind a slow gateway, depth samples in between: every sample counts, at its own time. */
+static void test_late_velocities_are_used_at_their_time(void)
+{
+    mean_t square = {0, 0, 0};
+    for (uint64_t seed = 1; seed <= runs_of(8); ++seed) {
+        chain_defaults(&config, seed, SETS, 0.0);
+        config.sim.sensor[SIM_DVL].age_s = 0.1 * (double)(1 + seed % 4);
+        identify();
+        TEST_ASSERT_TRUE(chain.id.nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated <= 2);
+        check_masses();
+        draw(&square, chain_mean_square(&chain));
+    }
+    check_rms("DVL 0.1 to 0.4 s late", &square, goal_calm);
+}
+
 static void test_the_estimate_says_what_it_is(void)
 {
     chain_defaults(&config, 3, SETS, 0.0);
@@ -327,6 +342,7 @@ int main(void)
     RUN_TEST(test_water_lock_alone_serves_under_a_current);
     RUN_TEST(test_the_other_lock_is_not_taken_for_the_one_configured);
     RUN_TEST(test_drop_outs_cost_data_and_nothing_else);
+    RUN_TEST(test_late_velocities_are_used_at_their_time);
     RUN_TEST(test_the_estimate_says_what_it_is);
     RUN_TEST(test_each_estimate_is_told_of_once);
     RUN_TEST(test_what_is_not_driven_is_not_identified);

@@ -46,7 +46,7 @@ static double at(int n, int i, int j)
     return j < i ? 0 : (double)triangle[auvid_triangle_row(n, i) + j - i];
 }
 
-/* |R'R - A'A|_ij <= c eps |a_i| |a_j|, c = 6 for each of up to ROWS rotations, in the mean fewer. */
+/* |R'R - A'A|_ij <= c eps |a_i| |a_j|; ROWS rotations of 6 roundings each add like sqrt(ROWS). */
 static void assert_normal_equations(int n, int count)
 {
     for (int i = 0; i < n; ++i) {

@@ -818,7 +818,7 @@ static void test_residual_path_has_its_minimum_where_the_regressor_path_has(void
     assert_minimum_at_truth(&metric, AUVID_G500_FREE);
 }
 
-/* Means over 0.2 s: |u| u of the mean is not the mean of |u| u; (u' T)^2 / 12 = 1e-4 m2/s2 of 0.2. */
+/* Means over 0.2 s: |u| u of the mean is not the mean of |u| u, by (u' T)^2 / 12 = 1e-4 of 0.2. */
 static void test_residual_path_with_rows_of_two_cells_is_within_half_a_percent(void)
 {
     cfg.sets = 4;

@@ -127,8 +127,7 @@ enum {
     AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the ring's sets: nothing to search
                                               */
     AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
-    AUVID_EVENT_SATURATED = 1u << 11,    /**< the excitation was scaled down by the thrusters */
-    AUVID_EVENT_EXCITATION_DONE = 1u << 12 /**< the excitation's run came to its end */
+    AUVID_EVENT_EXCITATION_DONE = 1u << 11 /**< the excitation's run came to its end */
 };
 
 /** Answer of a step. */
@@ -232,7 +231,8 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
-/** Record the applied wrench from t_us on (command may be null). Statuses and cells as above. */
+/** Record the applied wrench from t_us on (command may be null). Statuses as above; at most
+ * AUVID_CELLS_PER_STEP cells. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 

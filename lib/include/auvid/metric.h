@@ -168,12 +168,13 @@ typedef struct {
     /**@}*/
 } auvid_metric_t;
 
-/** Fill *cfg for the Girona500 model: how the filter was chosen stands in auvid_metric.c. Null is ignored. */
+/** Fill *cfg for the Girona500 model: how the filter was chosen stands in auvid_metric.c. Null is
+ * ignored. */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
 
 /** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed,
- * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. Null is
- * ignored. */
+ * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. Null
+ * is ignored. */
 void auvid_metric_literal(auvid_metric_config_t *cfg);
 
 #define auvid_metric_init AUVID_SIZED(auvid_metric_init)

@@ -3,8 +3,8 @@
  * Validation (Section IV): simulate held-out inputs with given parameters, compare with what was
  * measured, R2 for each velocity.
  *
- * The equations of motion are integrated under the recorded wrench; attitude and the velocities that
- * the model does not cover come from the record, as in the paper. The integration starts from the
+ * The equations of motion are integrated under the recorded wrench; attitude and the velocities
+ * that the model does not cover come from the record, as in the paper. The integration starts from the
  * velocity measured in the eighth cell, when the wrench is known at every delay; so it does again
  * after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
  *
