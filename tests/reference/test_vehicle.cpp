@@ -43,7 +43,8 @@ static Eigen::Matrix3d cross(const Eigen::Vector3d &a)
     return s;
 }
 
-// C = [0, -S(M11 v); -S(M11 v), -S(M22 omega)]: what roll and pitch inertia do falls outside the model.
+// C = [0, -S(M11 v); -S(M11 v), -S(M22 omega)]; what roll and pitch inertia
+// do falls outside the model.
 static Matrix6 coriolis(const Vector6 &mass, const Vector6 &nu)
 {
     Eigen::Vector3d linear = mass.head<3>().cwiseProduct(nu.head<3>());

@@ -4,9 +4,9 @@
  * measured, R2 for each velocity.
  *
  * The equations of motion are integrated under the recorded wrench; attitude and the velocities
- * that the model does not cover come from the record, as in the paper. The integration starts from the
- * velocity measured in the eighth cell, when the wrench is known at every delay; so it does again
- * after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
+ * that the model does not cover come from the record, as in the paper. The integration starts from
+ * the velocity measured in the eighth cell, when the wrench is known at every delay; so it does
+ * again after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
  *
  * Called for each cell of the record, by the identifier (attach it) or by the user's own loop.
  * Cost: eight calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
