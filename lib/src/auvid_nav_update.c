@@ -28,9 +28,9 @@
 /* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
  * must stay well above the rounding of P. It acts as a larger R. */
 #define SMALLEST_REST (AUVID_C(16.0) * AUVID_EPSILON)
-/* Other sensors may have told of w since, and then H P H' is less than h'm; taking all but a fifth of
- * it for noise keeps S a fair variance of nu (with 0.99, a quarter of DVL samples 0.4 s late fell to
- * the gate) and the gain near one. */
+/* Other sensors may have told of w since, and then H P H' is less than h'm; taking all but a fifth
+ * of it for noise keeps S a fair variance of nu (with 0.99, a quarter of DVL samples 0.4 s late
+ * fell to the gate) and the gain near one. */
 #define LARGEST_BETA AUVID_C(0.8)
 
 /* y = s x, s a symmetric block */

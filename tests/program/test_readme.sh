@@ -92,6 +92,7 @@ int main(void)
 END
 check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
-    -I"$ROOT/tools/simulator" -I. -o example main.c "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
+    -I"$ROOT/tools/simulator" -I. -o example main.c \
+    "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives" ./example
 finish

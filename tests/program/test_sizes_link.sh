@@ -30,8 +30,8 @@ report() {
 links && "$scratch/caller"
 report "a caller built like the library links and runs"
 
-# The sizes the identifier depends on: those in the AUVID_SIZED macro, each one larger (more thrusters
-# would want more columns: one fewer).
+# The sizes the identifier depends on: those in the AUVID_SIZED macro, each one larger (more
+# thrusters would want more columns: one fewer).
 config=lib/include/auvid/config.h
 sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' $config | grep -o 'AUVID_MAX_[A-Z_]*')
 for size in $sizes; do

@@ -1,5 +1,5 @@
-// The smoother against least squares by QR in long double: orders, widths, derivatives and positions
-// in the window, coefficients one by one, and whole records.
+// The smoother against least squares by QR in long double: orders, widths, derivatives and
+// positions in the window, coefficients one by one, and whole records.
 #include <Eigen/Dense>
 
 #include <cmath>

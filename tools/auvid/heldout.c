@@ -37,6 +37,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     (void)auvid_metric_least_squares(&train, auvid_metric_active(&train), pi);
     test.cfg.estimate_delay = false;
     memcpy(test.cfg.delay_s, train.delay_s, sizeof test.cfg.delay_s);
+    test.cfg.lagged = train.lagged;
     uint32_t budget = UINT32_MAX;
     if (!merge(&test)) {
         return 0.0;

@@ -99,6 +99,8 @@ typedef struct {
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..6 cells,
                                                 default 0; a shift. Not read in the residual
                                               path: evaluations are told the delay */
+    uint8_t lagged;                        /**< bit j: DoF j's given delay is that of a first-order
+                                                lag, not a shift; default 0 */
     auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric; null otherwise */
 } auvid_metric_config_t;

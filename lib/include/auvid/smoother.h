@@ -15,8 +15,9 @@
  * AUVID_MAX_HALF_WIDTH 50 in float; no large stack.
  *
  * Accuracy: an output differs from the exact one by less than 4 AUVID_EPSILON sum|c_k| max|x|, and
- * a coefficient from the exact one by less than 3 AUVID_EPSILON of itself (1.9 found among 109000): the
- * sum behind it is formed in integers (auvid_smoother.c), so that order 5 at h = 50 costs no digits in float.
+ * a coefficient from the exact one by less than 3 AUVID_EPSILON of itself (1.9 found among 109000):
+ * the sum behind it is formed in integers (auvid_smoother.c), so that order 5 at h = 50 costs no
+ * digits in float.
  *
  * Sources: Savitzky and Golay 1964; Gorry 1990 (edges, Gram polynomials); Karras et al. 2013, III-B
  * (the paper names the smoother, without order or width).
@@ -57,8 +58,8 @@ typedef struct {
 #define auvid_smoother_coefficients AUVID_SIZED0(auvid_smoother_coefficients)
 #define auvid_smoother_init AUVID_SIZED1(auvid_smoother_init, AUVID_MAX_HALF_WIDTH)
 
-/** Fill *config with the defaults above, less where AUVID_MAX_HALF_WIDTH allows less. A null pointer
- * is ignored. */
+/** Fill *config with the defaults above, less where AUVID_MAX_HALF_WIDTH allows less. A null
+ * pointer is ignored. */
 void auvid_smoother_defaults(auvid_smoother_config_t *config);
 
 /**

@@ -1,0 +1,273 @@
+/*
+ * Metric, recording (Karras et al. 2013, III-B): cells to rows to sets.
+ *
+ * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
+ * rows under construction, so no window of cells is kept.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+/* The wrench (i < 6) or command at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
+static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
+{
+    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS);
+    return m->past_tau[(m->cells + PAST - ago) % PAST][i];
+}
+
+/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all
+ * delays. The literal reading makes its accelerations of nu. */
+static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+{
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
+    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    channel[0] = s->phi;
+    channel[1] = s->theta;
+    channel[2] = s->psi;
+    memcpy(channel + MOTION_NU, s->nu, sizeof s->nu);
+    memcpy(channel + MOTION_NU_DOT, literal ? s->nu : s->nu_dot, sizeof s->nu_dot);
+    for (int i = 0; i < AUVID_METRIC_DELAYS * INPUTS; ++i) {
+        channel[MOTION_TAU + i] = delayed(m, i % INPUTS, i / INPUTS);
+    }
+}
+
+/* Channels of the regressor path: for each DoF its row and its wrench at three delays. What fixed
+ * parameters explain is taken from the wrench. */
+static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    auvid_regressor_t y;
+    memset(&y, 0, sizeof y);
+    vehicle->regressor(vehicle->context, s, &y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (vehicle->columns[j] == 0) {
+            continue;
+        }
+        auvid_real_t known = AUVID_C(0.0);
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            known += (m->columns[j] >> i & 1u) ? AUVID_C(0.0) : y.row[j][i] * m->cfg.fixed[i];
+        }
+        auvid_real_t *to = channel + m->channel_at[j];
+        for (int k = 0; k < m->count[j]; ++k) {
+            to[k] = y.row[j][m->index[m->channel_at[j] + k]];
+        }
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            to[m->count[j] + d] = delayed(m, j, d) - known;
+        }
+    }
+}
+
+/* Add weight * channel to row under construction `slot`; `age` cells have gone into it before. */
+static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auvid_real_t *channel)
+{
+    auvid_real_t *row = m->accumulator[slot];
+    if (!auvid_metric_smooths_motion(m)) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age];
+            m->wrench[slot][j] += weight * delayed(m, j, 0);
+            for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
+                row[i] += weight * channel[i];
+            }
+        }
+        return;
+    }
+    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    auvid_real_t smooth = m->kernel[0][age];
+    auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
+    auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
+    for (int i = 0; i < AUVID_METRIC_MOTION_CHANNELS; ++i) {
+        row[i] += (i < MOTION_NU_DOT ? smooth : (i < MOTION_TAU ? derivative : raw)) * channel[i];
+    }
+}
+
+/* Mean and sum of squares about it, one value at a time (Welford). */
+static void watch_wrench(auvid_set_t *set, int j, auvid_real_t tau)
+{
+    auvid_real_t off = tau - set->tau_mean[j];
+    set->tau_mean[j] += off / (auvid_real_t)set->rows;
+    set->tau_m2[j] += off * (tau - set->tau_mean[j]);
+}
+
+static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
+{
+    memset(s, 0, sizeof *s);
+    s->phi = channel[0];
+    s->theta = channel[1];
+    s->psi = channel[2];
+    memcpy(s->nu, channel + MOTION_NU, sizeof s->nu);
+    memcpy(s->nu_dot, channel + MOTION_NU_DOT, sizeof s->nu_dot);
+    memcpy(s->tau, channel + MOTION_TAU, sizeof s->tau);
+    memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
+}
+
+/* Rows of the literal reading: of the smoothed sample, with the raw wrench in the middle of the
+ * window instead of the newest. */
+static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
+                             const auvid_real_t *motion, auvid_real_t *channel)
+{
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
+    row_channels(m, s, channel);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t *tau = channel + m->channel_at[j] + m->count[j];
+        for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
+            tau[d] += motion[MOTION_TAU + d * INPUTS + j] - delayed(m, j, d);
+        }
+    }
+}
+
+/* Sums and differences of this row and the last go into the triangles. The factor 1/2 makes the two
+ * bands together weigh as much as the rows themselves:
+ *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
+static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
+{
+    auvid_set_t *set = &m->set[m->current];
+    if (!auvid_all_finite(channel, m->channel_at[AUVID_DOF_COUNT])) {
+        m->since_gap = 0; /* the model's own fault; in a triangle it would stay */
+        return;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
+        uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
+        const auvid_real_t *previous =
+            m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS];
+        if (m->since_gap < lag) {
+            continue;
+        }
+        for (int band = 0; band < AUVID_METRIC_BANDS && n > 0; ++band) {
+            auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+            auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
+            for (int i = 0; i < n; ++i) {
+                row[i] = AUVID_C(0.5) * channel[at + i] + other * previous[at + i];
+            }
+            auvid_triangle_add(set->factor[band] + m->factor_at[j], n, 0, row);
+        }
+    }
+    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS], channel, sizeof m->previous[0]);
+    ++m->since_gap;
+}
+
+/* A row is complete: into the triangles, or into the store. */
+static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+{
+    const auvid_real_t *channel = m->accumulator[slot];
+    auvid_set_t *set = &m->set[m->current];
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    bool motion = auvid_metric_smooths_motion(m);
+    ++set->rows;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (vehicle->columns[j] != 0) {
+            watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : m->wrench[slot][j]);
+        }
+    }
+    if (!motion) {
+        rotate_row(m, channel);
+        return;
+    }
+    auvid_sample_t sample;
+    sample_from_channels(channel, &sample);
+    sample.t_us = t_us;
+    if (vehicle->regressor == NULL) {
+        auvid_row_t *store = &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u];
+        store->sample = sample;
+        memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+    } else {
+        auvid_real_t rows[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+        literal_channels(m, &sample, channel, rows);
+        rotate_row(m, rows);
+    }
+}
+
+auvid_status_t auvid_metric_close(auvid_metric_t *metric)
+{
+    if (metric == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_set_t *set = &metric->set[metric->current];
+    if (set->rows == 0) {
+        return AUVID_ERR_NO_DATA;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t least = metric->cfg.driven * metric->cfg.tau_max[j];
+        bool driven = metric->cfg.vehicle->columns[j] != 0 &&
+                      set->tau_m2[j] > least * least * (auvid_real_t)set->rows;
+        set->driven = (uint8_t)(set->driven | (unsigned)driven << j);
+    }
+    ++metric->sets_recorded;
+    metric->current = (uint8_t)((metric->current + 1) % (metric->cfg.sets + 1));
+    memset(&metric->set[metric->current], 0, sizeof metric->set[0]);
+    return AUVID_SET_COMPLETE;
+}
+
+auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
+{
+    if (metric == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
+        !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(sample->command, AUVID_MAX_THRUSTERS)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
+    memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
+    auvid_status_t status = AUVID_OK;
+    if (m->cells + 1 >= PAST) { /* the wrench is known at all delays */
+        auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+        uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
+        if (auvid_metric_smooths_motion(m)) {
+            motion_channels(m, sample, channel);
+        } else {
+            row_channels(m, sample, channel);
+        }
+        uint32_t age = n % step;
+        if (age == 0) {
+            memset(m->accumulator[n / step % m->overlap], 0, sizeof m->accumulator[0]);
+            memset(m->wrench[n / step % m->overlap], 0, sizeof m->wrench[0]);
+        }
+        for (; age < m->taps && age <= n; age += step) {
+            uint32_t slot = (n - age) / step % m->overlap;
+            accumulate(m, slot, age, channel);
+            if (age + 1u == m->taps) {
+                uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
+                finish_row(m, middle, slot);
+                if (m->set[m->current].rows >= m->cfg.set_rows) {
+                    status = auvid_metric_close(m);
+                }
+            }
+        }
+    }
+    ++m->cells;
+    return status;
+}
+
+void auvid_metric_gap(auvid_metric_t *metric)
+{
+    if (metric != NULL) {
+        metric->cells = 0;
+        metric->since_gap = 0;
+    }
+}
+
+auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
+{
+    if (metric == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (age >= metric->cfg.sets || age >= metric->sets_recorded) {
+        return AUVID_ERR_RANGE;
+    }
+    auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+    if (set->rows == 0) {
+        return AUVID_ERR_RANGE; /* dropped before */
+    }
+    memset(set, 0, sizeof *set);
+    return AUVID_OK;
+}
