@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The example in README compiles without a warning, runs, and identifies.
+# The example in README compiles without a warning, runs, and identifies; the demo prints what README
+# shows.
 . "$(dirname "$0")/common.sh"
 
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" >example.c
@@ -95,4 +96,9 @@ check "README's example compiles without a warning" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives" ./example
+
+# Everything but the last line, the time it took.
+awk '/^```text$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" | sed '$d' >shown
+"$AUVID" demo 2>/dev/null | sed '$d' >printed
+check "README shows what the demo prints" diff shown printed
 finish
