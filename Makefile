@@ -73,7 +73,7 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
 	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
-test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (a quarter of an hour)
+test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house

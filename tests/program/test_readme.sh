@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The example in README compiles without a warning, runs, and identifies; the demo prints what README
-# shows.
+# The example in README compiles without a warning, runs, and identifies; the demo prints what
+# README shows.
 . "$(dirname "$0")/common.sh"
 
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" >example.c
