@@ -48,14 +48,6 @@ static inline bool auvid_all_finite(const auvid_real_t *x, size_t n)
     return true;
 }
 
-/** b - a [s], formed in integers; exact to the rounding of one conversion, limited to +-2147 s. */
-static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
-{
-    int64_t d = (int64_t)(b_us - a_us);
-    int32_t us = d > INT32_MAX ? INT32_MAX : (d < -INT32_MAX ? -INT32_MAX : (int32_t)d);
-    return (auvid_real_t)us * AUVID_C(1e-6);
-}
-
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
 

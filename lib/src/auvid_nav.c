@@ -21,6 +21,7 @@
 #define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
 #define LARGEST_RATE AUVID_C(100.0)
 #define LARGEST_AGE_US 2000000u
+#define LARGEST_STEP_US 2147483647u /* longer steps are predicted as this one */
 
 void auvid_nav_defaults(auvid_nav_config_t *config)
 {
@@ -130,7 +131,7 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
     nav->max_age_us[AUVID_NAV_GPS] = config->gps_max_age_us;
     nav->future_us = config->future_us;
     nav->stale_us = config->stale_us;
-    nav->gap_us = config->gap_us == 0 ? UINT32_MAX : config->gap_us;
+    nav->gap_us = config->gap_us;
     nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
     nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
     nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
@@ -230,8 +231,9 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         return AUVID_OK;
     }
     nav->turns += jumped_turns(psi, attitude[2]);
-    predict(nav, auvid_seconds(0, dt_us));
-    if (dt_us > nav->gap_us) {
+    predict(nav, (auvid_real_t)(uint32_t)(dt_us < LARGEST_STEP_US ? dt_us : LARGEST_STEP_US) *
+                     AUVID_C(1e-6));
+    if (nav->gap_us > 0 && dt_us > nav->gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
         nav_count(&nav->imu_gaps);
         return AUVID_GAP;

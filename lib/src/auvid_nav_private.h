@@ -58,7 +58,7 @@ NAV_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t limit
 static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    return d->alive && (int64_t)(nav->t_us - d->good_us) <= (int64_t)nav->stale_us;
+    return d->alive && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
 }
 
 /** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,

@@ -147,6 +147,33 @@ static void test_long_tick_is_predicted_in_full_and_reported(void)
     TEST_ASSERT_TRUE((state.flags & AUVID_NAV_IN_GAP) == 0);
 }
 
+static void test_clock_that_leaps_to_the_end_of_time_leaves_a_filter_that_knows_little(void)
+{
+    const uint64_t leaps[] = {4000000000u, UINT64_C(1) << 62, (UINT64_C(1) << 63) + 2,
+                              UINT64_MAX - 1000000};
+    for (int i = 0; i < 4; ++i) {
+        start();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
+        double before = variance(3);
+        TEST_ASSERT_EQUAL_INT(AUVID_GAP, auvid_nav_imu(&nav, now + leaps[i], zero, zero));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-2, before + 0.02 * 2147.483647, variance(3));
+        read_state();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-2, 2147.483647 * (double)state.velocity[0],
+                                  (double)state.position[0]);
+        TEST_ASSERT_EQUAL_HEX32(0, state.flags & AUVID_NAV_FRESH_BOTTOM);
+    }
+}
+
+static void test_gap_of_zero_never_reports_one(void)
+{
+    cfg.gap_us = 0;
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(2000000));
+    now += UINT64_C(5000000000); /* more than 32 bits of microseconds */
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(1));
+    TEST_ASSERT_EQUAL_UINT(0, nav.imu_gaps);
+}
+
 /* 1 mm/s for ten hours at 100 Hz: each step is far below the last digit of 2000 m. */
 static void test_position_far_away_sums_steps_that_plain_single_precision_loses(void)
 {
@@ -399,6 +426,8 @@ int main(void)
     RUN_TEST(test_yaw_is_unwrapped_through_several_turns);
     RUN_TEST(test_yaw_that_comes_unwrapped_is_left_alone);
     RUN_TEST(test_long_tick_is_predicted_in_full_and_reported);
+    RUN_TEST(test_clock_that_leaps_to_the_end_of_time_leaves_a_filter_that_knows_little);
+    RUN_TEST(test_gap_of_zero_never_reports_one);
     RUN_TEST(test_position_far_away_sums_steps_that_plain_single_precision_loses);
     RUN_TEST(test_first_depth_sets_z_and_its_variance);
     RUN_TEST(test_later_depth_pulls_z_by_the_gain);
