@@ -38,7 +38,7 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
     const auvid_identifier_config_t *cfg = &id->cfg;
     auvid_real_t scale[AUVID_MAX_PARAMETERS];
     uint8_t n = 0;
-    id->active = auvid_metric_active(&id->metric);
+    id->active = auvid_metric_searched(&id->metric);
     for (uint8_t i = 0; i < cfg->vehicle->parameters; ++i) {
         if (id->active >> i & 1u) {
             id->place[n++] = i;
@@ -101,7 +101,7 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 static auvid_status_t after_merge(auvid_identifier_t *id)
 {
     auvid_status_t status = AUVID_OK;
-    if (id->searching && id->active == auvid_metric_active(&id->metric)) {
+    if (id->searching && id->active == auvid_metric_searched(&id->metric)) {
         status = auvid_optimizer_reevaluate(&id->optimizer);
     } else {
         status = begin_search(id);
@@ -135,7 +135,7 @@ static void publish(auvid_identifier_t *id)
     ++e->number;
     e->t_us = id->t_us;
     e->sets = id->metric.sets_recorded;
-    e->identified = id->active;
+    e->identified = auvid_metric_active(&id->metric);
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
     id->found_delay_s = id->delay_s;

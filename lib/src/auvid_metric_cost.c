@@ -193,6 +193,23 @@ uint32_t auvid_metric_active(const auvid_metric_t *metric)
     return active;
 }
 
+uint32_t auvid_metric_searched(const auvid_metric_t *metric)
+{
+    const auvid_metric_t *m = metric;
+    uint32_t searched = auvid_metric_active(m);
+    auvid_real_t scale[AUVID_MAX_PARAMETERS];
+    if (searched == 0) {
+        return 0;
+    }
+    auvid_metric_scale(m, scale);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
+        bool known = m->cfg.fixed[i] < AUVID_C(0.0) || m->cfg.fixed[i] > AUVID_C(0.0);
+        searched |= (uint32_t)(free && !known && scale[i] > AUVID_C(0.0)) << i;
+    }
+    return searched;
+}
+
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
 {
     const auvid_metric_t *m = metric;
@@ -258,6 +275,9 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
             }
             auvid_triangle_add(joint, n + 1, 0, row);
         }
+    }
+    for (int i = 0; i < n; ++i) {
+        x[i] = joint[auvid_triangle_row(n + 1, i) + n - i];
     }
     int lost = auvid_triangle_solve(joint, n + 1, n, AUVID_C(1e-6), x);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {

@@ -84,6 +84,13 @@ for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_r", "N_r", "N_rr")), n
 assert d["status"] == "ok" and d["delay_s"]["N"] is None and d["r2_validation"]["r"] is None
 assert d["r2_validation"]["u"] > 0.98'
+change 'drop("Y_N")' <train.csv >no_sway.csv
+check "that it moves does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
+check "  which are within 10 %, masses within 2 %" is out '
+for n in TRUTH:
+    assert (P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")), n
+    assert n in ("m_v", "Y_v", "Y_vv") or error(n) < (0.02 if n[0] == "m" else 0.1), (n, error(n))
+assert min(d["r2_validation"][k] for k in "uwr") > 0.98, d["r2_validation"]'
 change 'for y in r: y[C["Y_N"]] = 5' <train.csv >constant.csv
 check "nor is one identified whose input is constant" exits 0 fit constant.csv --json
 check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'

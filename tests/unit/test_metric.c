@@ -458,6 +458,54 @@ static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
 
 /* ---- driven or not ---- */
 
+/* Two minutes in which sway moves, but is not driven. */
+static void drift_sideways(void)
+{
+    start();
+    world_t w = world_of(&cfg);
+    for (int k = 0; k < cells_of(&cfg, 120); ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        s.tau[AUVID_SWAY] = 0;
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+    merge_all(&metric);
+}
+
+/* m_v v r acts on surge, and (m_u - m_v) u v on yaw. */
+static void test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others(void)
+{
+    const uint32_t drag = 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
+    drift_sideways();
+    uint32_t searched = auvid_metric_searched(&metric);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~drag, searched);
+    TEST_ASSERT_EQUAL_HEX32(searched & ~(1u << AUVID_G500_M_V), auvid_metric_active(&metric));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, searched, pi));
+    assert_truth(pi, searched);
+}
+
+static void test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];
+    memcpy(cfg.fixed, truth, sizeof cfg.fixed);
+    drift_sideways();
+    uint32_t active = auvid_metric_active(&metric);
+    TEST_ASSERT_EQUAL_HEX32(active, auvid_metric_searched(&metric));
+    memcpy(pi, cfg.fixed, sizeof pi);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, active, pi));
+    assert_truth(pi, active);
+}
+
+static void test_columns_that_are_zero_are_not_searched(void)
+{
+    cfg.vehicle = &auvid_girona500_decoupled;
+    drift_sideways();
+    uint32_t active = auvid_metric_active(&metric);
+    TEST_ASSERT_EQUAL_HEX32(0, active & 1u << AUVID_G500_M_V);
+    TEST_ASSERT_EQUAL_HEX32(active, auvid_metric_searched(&metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_searched(NULL));
+}
+
 static void test_dof_that_is_not_driven_is_left_out(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -1131,6 +1179,9 @@ int main(void)
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
     RUN_TEST(test_sets_of_one_row_know_what_pairs_across_their_borders_tell);
+    RUN_TEST(test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others);
+    RUN_TEST(test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched);
+    RUN_TEST(test_columns_that_are_zero_are_not_searched);
     RUN_TEST(test_dof_that_is_not_driven_is_left_out);
     RUN_TEST(test_dof_is_driven_from_the_stated_part_of_its_scale_on);
     RUN_TEST(test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2);

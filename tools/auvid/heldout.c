@@ -34,7 +34,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     if (!merge(&train)) {
         return 0.0;
     }
-    (void)auvid_metric_least_squares(&train, auvid_metric_active(&train), pi);
+    (void)auvid_metric_least_squares(&train, auvid_metric_searched(&train), pi);
     test.cfg.estimate_delay = false;
     memcpy(test.cfg.delay_s, train.delay_s, sizeof test.cfg.delay_s);
     test.cfg.lagged = train.lagged;
@@ -109,13 +109,13 @@ static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result
     result->r2_high[j] = statistics_quantile(r2, RESAMPLES, 0.975);
 }
 
-/* Parameters for simulation: what was not identified is left out, but for masses, by which the
- * model divides whether or not the DoF is asked for. */
+/* Parameters for simulation: those of the estimate. The model divides by all masses, whether or not
+ * the DoF is asked for. */
 static void simulated_parameters(const result_t *result, auvid_real_t *pi)
 {
     memcpy(pi, result->estimate.pi, AUVID_MAX_PARAMETERS * sizeof pi[0]);
     for (int i = AUVID_G500_M_U; i <= AUVID_G500_M_R; ++i) {
-        if (!(result->estimate.identified >> i & 1u)) {
+        if (!(result->estimate.identified >> i & 1u) && !(pi[i] > AUVID_C(1e-6))) {
             pi[i] = AUVID_C(1e-6);
         }
     }

@@ -144,7 +144,8 @@ typedef struct {
     uint32_t number;     /**< 0: none yet; raised by one with each */
     uint64_t t_us;       /**< last tick before it was ready */
     uint32_t sets;       /**< data sets completed by then */
-    uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed` */
+    uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed`,
+                              or what serves the driven DoF best (auvid_metric_searched) */
     uint8_t driven;      /**< bit j: DoF j was driven */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];  /**< parameters, in the model's order */
     auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */

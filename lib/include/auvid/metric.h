@@ -76,7 +76,9 @@ typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
     uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
                         default the vehicle's own choice */
-    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others; default 0 */
+    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others, and of free ones while
+                                their DoF is not driven; 0 of the latter: not known, see
+                                auvid_metric_searched. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
                                                    dimensionless. Default 100, 40 */
     auvid_real_t driven; /**< a DoF is driven when its wrench's rms about its mean exceeds this part
@@ -239,6 +241,13 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
 /** Free parameters whose own DoF is driven: bit i. Valid after merge. */
 uint32_t auvid_metric_active(const auvid_metric_t *metric);
+
+/** Parameters to search for: the active ones, and in the regressor path those free ones with
+ * `fixed` zero that only the equations of other, driven DoF contain (a vehicle that turns under way
+ * drifts sideways: m_v v r acts on surge, whether or not sway is driven). Left at zero, they would
+ * bias what is identified; their own values are by-products, often poor. Bits as in active; valid
+ * after merge. */
+uint32_t auvid_metric_searched(const auvid_metric_t *metric);
 
 /** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
  * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in
