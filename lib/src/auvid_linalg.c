@@ -28,23 +28,28 @@ void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *
     }
 }
 
+auvid_real_t auvid_triangle_norm(const auvid_real_t *triangle, int n, int i)
+{
+    auvid_real_t squares = AUVID_C(0.0);
+    for (int k = 0; k <= i; ++k) {
+        auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
+        squares += above * above;
+    }
+    return auvid_sqrt(squares);
+}
+
 int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny,
                          auvid_real_t *x)
 {
     int lost = 0;
     for (int i = m - 1; i >= 0; --i) {
         const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
-        auvid_real_t rest = r[m - i], column = AUVID_C(0.0);
         for (int j = i + 1; j < m; ++j) {
-            rest -= r[j - i] * x[j];
+            x[i] -= r[j - i] * x[j];
         }
-        for (int k = 0; k <= i; ++k) {
-            auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
-            column += above * above;
-        }
-        bool usable = auvid_abs(r[0]) > tiny * auvid_sqrt(column);
+        bool usable = auvid_abs(r[0]) > tiny * auvid_triangle_norm(triangle, n, i);
         lost += !usable;
-        x[i] = usable ? rest / r[0] : AUVID_C(0.0);
+        x[i] = usable ? x[i] / r[0] : AUVID_C(0.0);
     }
     return lost;
 }

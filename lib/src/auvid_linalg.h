@@ -24,8 +24,12 @@ static inline int auvid_triangle_row(int n, int i)
  * are zero). Cost: about 6 flops for each remaining pair of entries, one square root a column. */
 void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *row);
 
-/** Solve the leading m columns against column m (m < n): triangle[0..m) x = column m.
- * A pivot not above `tiny` times the norm of its column makes its x zero (the data say nothing).
+/** Norm of column i: that of the column of which the rows were rotated in. */
+auvid_real_t auvid_triangle_norm(const auvid_real_t *triangle, int n, int i);
+
+/** Solve the leading m columns (m <= n) for a right-hand side: x[m] comes as that and goes as the
+ * solution. A pivot not above `tiny` times the norm of its column makes its x zero (the data say
+ * nothing).
  * @return number of such pivots. */
 int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny,
                          auvid_real_t *x);

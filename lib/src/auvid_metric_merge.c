@@ -97,12 +97,9 @@ static void clear_dependent(auvid_metric_t *m, int j)
     int n = auvid_metric_order(m, j);
     auvid_real_t *triangle = m->merged + m->factor_at[j];
     for (int i = 0; i < m->count[j]; ++i) {
-        auvid_real_t *r = triangle + auvid_triangle_row(n, i), column = AUVID_C(0.0);
-        for (int k = 0; k <= i; ++k) {
-            auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
-            column += above * above;
-        }
-        if (auvid_abs(r[0]) > AUVID_C(100.0) * AUVID_EPSILON * auvid_sqrt(column)) {
+        auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        auvid_real_t norm = auvid_triangle_norm(triangle, n, i);
+        if (auvid_abs(r[0]) > AUVID_C(100.0) * AUVID_EPSILON * norm) {
             continue;
         }
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
@@ -117,7 +114,7 @@ static void settle_dof(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     const auvid_real_t *triangle = m->merged + m->factor_at[j];
-    auvid_real_t l[AUVID_METRIC_DELAYS], single[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)];
+    auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
     bool driven = (m->driven >> j & 1) != 0;
     bool lag = (m->cfg.lagged >> j & 1) != 0;
@@ -131,11 +128,9 @@ static void settle_dof(auvid_metric_t *m, int j)
     for (int i = 0; i < count; ++i) {
         const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
         m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
-        auvid_real_t *to = single + auvid_triangle_row(count + 1, i);
-        memcpy(to, r, (size_t)(count - i) * sizeof *r);
-        to[count - i] = m->z[at + i];
+        m->candidate[at + i] = m->z[at + i];
     }
-    auvid_triangle_solve(single, count + 1, count, AUVID_C(1e-4), m->candidate + at);
+    (void)auvid_triangle_solve(triangle, n, count, AUVID_C(1e-4), m->candidate + at);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         m->candidate[at + count + d] = -l[d];
     }
