@@ -72,7 +72,10 @@ typedef struct {
     auvid_real_t sigma_acceleration[3]; /**< process noise n_u n_v n_w of Eq. 5 at ticks of
         `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); 1e-4..100 */
     auvid_real_t reference_tick; /**< tick the above is meant for [s]; default 0.02; 1e-4..10. The
-        velocity variance grows by sigma^2 reference_tick per second whatever the tick. */
+        velocity variance grows by sigma^2 reference_tick per second whatever the tick. A velocity
+        that changes by more than sigma sqrt(gate reference_tick dt) from one DVL sample to the
+        next, dt later, is gated: 0.25 m/s at 5 Hz with the defaults. A vehicle that reaches more
+        (turns count, v r and u r) needs a larger sigma, or its best data are lost. */
     auvid_real_t sigma_dvl;      /**< noise of each DVL axis [m/s]; default 0.007; 1e-4..1e3 */
     auvid_real_t sigma_current;  /**< standard deviation of the water's own velocity, added when
         water lock stands in for bottom lock [m/s]; default 0.3; 0..1e3, 0: still water */
