@@ -212,7 +212,8 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
             "           Parameters are in units of command (cmd): times the newtons (yaw: newton\n"
             "           metres) that one unit of command makes, they are in SI units.\n");
         if (job->options->coupling != COUPLING_OFF) {
-            printf("           Terms between degrees of freedom suppose the same for all of them.\n");
+            printf(
+                "           Terms between degrees of freedom suppose the same for all of them.\n");
         }
     }
     printf("  metric   %s, %u set%s of at most %.0f s\n",
