@@ -48,6 +48,17 @@ static inline bool auvid_all_finite(const auvid_real_t *x, size_t n)
     return true;
 }
 
+/** AUVID_OK when all n values are within +-limit, else AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE. */
+static inline auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!(auvid_abs(x[i]) <= limit)) {
+            return auvid_all_finite(x, n) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
 

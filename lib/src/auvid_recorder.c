@@ -114,8 +114,9 @@ static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const au
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
     int channels = first_channel[s + 1] - first_channel[s];
-    if (!auvid_all_finite(value, (size_t)channels)) {
-        return AUVID_ERR_NOT_FINITE;
+    auvid_status_t status = auvid_all_within(value, (size_t)channels, AUVID_RECORDER_LARGEST);
+    if (status < 0) {
+        return status;
     }
     if (st->valid && t_us <= st->t_us) {
         return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;

@@ -563,6 +563,25 @@ static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void
     }
 }
 
+static void test_numbers_out_of_all_proportion_are_refused_and_change_nothing(void)
+{
+    reset_counts();
+    run(0, 55, 7, true);
+    before = recorder;
+    const auvid_real_t bad[] = {AUVID_C(1.01) * AUVID_RECORDER_LARGEST, -AUVID_LARGEST};
+    for (size_t i = 0; i < 2; ++i) {
+        auvid_real_t x[6] = {0}, command[AUVID_MAX_THRUSTERS] = {0};
+        uint64_t t_us = T0 + 550000;
+        x[0] = x[5] = bad[i];
+        command[AUVID_MAX_THRUSTERS - 1] = bad[i];
+        refuse(AUVID_ERR_RANGE, auvid_recorder_attitude(&recorder, t_us, x, x + 3));
+        refuse(AUVID_ERR_RANGE, auvid_recorder_velocity(&recorder, t_us, x));
+        refuse(AUVID_ERR_RANGE, auvid_recorder_input(&recorder, t_us, x, NULL));
+        x[0] = x[5] = 0;
+        refuse(AUVID_ERR_RANGE, auvid_recorder_input(&recorder, t_us, x, command));
+    }
+}
+
 static void test_null_pointers_are_refused(void)
 {
     auvid_real_t x[6] = {0};
@@ -642,6 +661,7 @@ int main(void)
     RUN_TEST(test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact);
     RUN_TEST(test_times_that_do_not_advance_are_refused_and_change_nothing);
     RUN_TEST(test_numbers_that_are_not_finite_are_refused_and_change_nothing);
+    RUN_TEST(test_numbers_out_of_all_proportion_are_refused_and_change_nothing);
     RUN_TEST(test_null_pointers_are_refused);
     RUN_TEST(test_init_refuses_fields_out_of_their_range_and_changes_nothing);
     RUN_TEST(test_samples_as_far_apart_as_the_largest_gap_allows_are_still_straight_lines);

@@ -32,6 +32,9 @@ extern "C" {
 
 /** Cells kept: the slowest stream may lag behind the fastest by this many, less five. */
 #define AUVID_RECORDER_CELLS 16
+/** Largest value taken, whatever its unit: beyond it there is a fault, and in single precision its
+ * squares would stay in the data for as long as the set does. */
+#define AUVID_RECORDER_LARGEST AUVID_C(1e9)
 #define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS)
 
 /** How the applied wrench runs between its samples. */
@@ -77,9 +80,10 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
 /** Attitude and rates at t_us.
  * @param attitude [3] phi theta psi [rad], psi unwrapped
  * @param rates [3] p q r [rad/s]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK and
- * AUVID_ERR_TIME_SAME (not after this stream's last sample; after a break a stream that was silent
- * may start at any time). Refused: nothing changed. Cost: O(cells overlapped), <= 16. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a value beyond
+ * AUVID_RECORDER_LARGEST); AUVID_ERR_TIME_BACK and AUVID_ERR_TIME_SAME (not after this stream's
+ * last sample; after a break a stream that was silent may start at any time). Refused: nothing
+ * changed. Cost: O(cells overlapped), <= 16. */
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 
