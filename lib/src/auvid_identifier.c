@@ -15,7 +15,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     }
     memset(cfg, 0, sizeof *cfg);
     cfg->vehicle = vehicle;
-    (void)auvid_nav_defaults(&cfg->nav);
+    auvid_nav_defaults(&cfg->nav);
     auvid_recorder_defaults(&cfg->recorder);
     auvid_metric_defaults(&cfg->metric, vehicle);
     auvid_allocation_defaults(&cfg->allocation);
@@ -63,6 +63,21 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
     return auvid_crs_check(&search);
 }
 
+static auvid_status_t check(const auvid_identifier_config_t *cfg)
+{
+    auvid_status_t status = auvid_selftest();
+    if (status >= 0) {
+        status = auvid_vehicle_check(cfg->vehicle);
+    }
+    if (status >= 0) {
+        status = check_search(cfg);
+    }
+    /* in every tick there is the filter's velocity only, and that is over ground */
+    bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
+                    (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
+    return status >= 0 && !velocity ? AUVID_ERR_RANGE : status;
+}
+
 static auvid_status_t init_excitation(auvid_identifier_t *id)
 {
     const auvid_identifier_config_t *cfg = &id->cfg;
@@ -81,33 +96,41 @@ static auvid_status_t init_excitation(auvid_identifier_t *id)
     return status;
 }
 
-auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+static auvid_status_t init_modules(auvid_identifier_t *id)
 {
-    if (id == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_selftest();
+    auvid_status_t status = auvid_nav_init(&id->nav, &id->cfg.nav);
     if (status >= 0) {
-        status = auvid_vehicle_check(cfg->vehicle);
-    }
-    if (status >= 0) {
-        status = check_search(cfg);
-    }
-    if (status < 0) {
-        return status;
-    }
-    memset(id, 0, sizeof *id);
-    id->cfg = *cfg;
-    id->cfg.metric.vehicle = cfg->vehicle;
-    id->cfg.metric.cell_us = cfg->recorder.cell_us;
-    status = auvid_nav_init(&id->nav, &cfg->nav);
-    if (status >= 0) {
-        status = auvid_recorder_init(&id->recorder, &cfg->recorder);
+        status = auvid_recorder_init(&id->recorder, &id->cfg.recorder);
     }
     if (status >= 0) {
         status = auvid_metric_init(&id->metric, &id->cfg.metric);
     }
     return status < 0 ? status : init_excitation(id);
+}
+
+auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    if (id == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(id, 0, sizeof *id);
+    auvid_status_t status = check(cfg);
+    if (status >= 0) {
+        id->cfg = *cfg;
+        id->cfg.metric.vehicle = cfg->vehicle;
+        id->cfg.metric.cell_us = cfg->recorder.cell_us;
+        status = init_modules(id);
+    }
+    if (status < 0) {
+        memset(id, 0, sizeof *id);
+    }
+    return status;
+}
+
+/* Has init succeeded? A firmware that goes on without must not fly blind. */
+static bool is_ready(const auvid_identifier_t *id)
+{
+    return id->cfg.vehicle != NULL;
 }
 
 /* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
@@ -220,6 +243,9 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
     if (id == NULL || in == NULL || out == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (!is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
     if (id->started && in->t_us <= id->t_us) {
         out->events = AUVID_EVENT_TIME;
         return in->t_us == id->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
@@ -273,11 +299,13 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     if (id == NULL || attitude == NULL || nu == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!auvid_all_finite(nu, AUVID_DOF_COUNT)) {
-        return AUVID_ERR_NOT_FINITE;
+    if (!is_ready(id)) {
+        return AUVID_ERR_STATE;
     }
-    auvid_status_t status =
-        auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
+    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    if (status == AUVID_OK) {
+        status = auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
+    }
     if (status == AUVID_OK) {
         status = auvid_recorder_velocity(&id->recorder, t_us, nu);
         take_cells(id, AUVID_RECORDER_CELLS);
@@ -291,6 +319,9 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (!is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
     auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
     take_cells(id, AUVID_CELLS_PER_STEP);
     return status;
@@ -300,6 +331,9 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
 {
     if (id == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (!is_ready(id)) {
+        return AUVID_ERR_STATE;
     }
     take_cells(id, AUVID_RECORDER_CELLS);
     auvid_status_t status = auvid_metric_close(&id->metric);

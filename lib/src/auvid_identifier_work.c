@@ -100,15 +100,13 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 /* The sets are together: search anew, or go on with costs evaluated again. */
 static auvid_status_t after_merge(auvid_identifier_t *id)
 {
-    auvid_status_t status = AUVID_OK;
-    if (id->searching && id->active == auvid_metric_searched(&id->metric)) {
-        status = auvid_optimizer_reevaluate(&id->optimizer);
-    } else {
-        status = begin_search(id);
+    if (auvid_metric_active(&id->metric) == 0) {
+        return AUVID_ERR_NO_DATA; /* what is driven has no free parameter */
     }
-    id->searching = status >= 0;
-    id->phase = status < 0 ? AUVID_WORK_IDLE : AUVID_WORK_ASK;
-    return status;
+    if (id->searching && id->active == auvid_metric_searched(&id->metric)) {
+        return auvid_optimizer_reevaluate(&id->optimizer);
+    }
+    return begin_search(id);
 }
 
 static void ask(auvid_identifier_t *id)
@@ -161,13 +159,13 @@ static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
     switch ((auvid_work_phase_t)id->phase) {
     case AUVID_WORK_MERGE:
         status = auvid_metric_merge(&id->metric, budget);
-        if (status == AUVID_OK) {
-            status = after_merge(id);
-        } else if (status == AUVID_ERR_NO_DATA) {
-            id->events |= AUVID_EVENT_NOT_DRIVEN;
-            id->searching = false;
-            id->phase = AUVID_WORK_IDLE;
+        if (status == AUVID_PENDING) {
+            break;
         }
+        status = status == AUVID_OK ? after_merge(id) : status;
+        id->events |= status < 0 ? AUVID_EVENT_NOT_DRIVEN : 0u;
+        id->searching = status >= 0;
+        id->phase = status < 0 ? AUVID_WORK_IDLE : AUVID_WORK_ASK;
         break;
     case AUVID_WORK_ASK:
         --*budget;
@@ -197,6 +195,9 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
 {
     if (id == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (id->cfg.vehicle == NULL) {
+        return AUVID_ERR_STATE;
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;

@@ -356,6 +356,11 @@ static void test_an_applied_wrench_that_is_not_finite_is_dropped(void)
     check_not_finite(INPUT_WRENCH);
 }
 
+static void test_an_applied_wrench_out_of_all_proportion_is_dropped(void)
+{
+    check_spoilt(INPUT_WRENCH, AUVID_C(1e30)); /* its square is not finite in single precision */
+}
+
 static void test_a_thruster_command_that_is_not_finite_is_dropped(void)
 {
     check_not_finite(INPUT_COMMAND);
@@ -596,6 +601,24 @@ static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.out.events);
 }
 
+static void test_drive_without_a_free_parameter_is_not_searched(void)
+{
+    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* yaw's alone */
+    config.id.excitation.segments = 2;                                   /* surge alone */
+    TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[0].dof);
+    TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[1].dof);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    while (!(chain.events & AUVID_EVENT_SET)) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_work(&chain.id, 10000));
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, chain.id.metric.driven);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 10000));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_NOT_DRIVEN, chain.out.events);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+}
+
 /* ---- configurations that are refused ---- */
 
 static void check_init(auvid_status_t status)
@@ -715,6 +738,51 @@ static void test_another_arithmetic_is_refused(void)
     auvid_status_t status = auvid_identifier_init(&chain.id, &config.id);
     TEST_ASSERT_EQUAL_INT(0, fesetround(FE_TONEAREST));
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
+}
+
+static void test_a_velocity_source_that_cannot_be_is_refused(void)
+{
+    config.id.velocity = (auvid_velocity_source_t)2;
+    check_init(AUVID_ERR_RANGE);
+    config.id.velocity = AUVID_VELOCITY_WATER;
+    config.id.velocity_every_tick = true;
+    check_init(AUVID_ERR_RANGE);
+}
+
+static void check_refuses_all(void)
+{
+    auvid_real_t x[AUVID_DOF_COUNT] = {0};
+    auvid_input_t in;
+    auvid_output_t out;
+    memset(&in, 0, sizeof in);
+    in.t_us = 1;
+    in.applied.present = true;
+    other = chain;
+    memset(&out, 0xFF, sizeof out);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL_HEX32(0, out.events);
+    TEST_ASSERT_TRUE(is_zero(&out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_motion(&chain.id, 1, x, x));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_applied(&chain.id, 1, x, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_close(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_work(&chain.id, 1));
+    TEST_ASSERT_EQUAL_MEMORY(&other.id, &chain.id, sizeof chain.id);
+}
+
+static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
+{
+    memset(&chain.id, 0, sizeof chain.id);
+    check_refuses_all();
+    memset(&chain.id, 0xFF, sizeof chain.id);
+    config.id.omega = -1; /* refused first of all */
+    check_init(AUVID_ERR_RANGE);
+    check_refuses_all();
+    memset(&chain.id, 0xFF, sizeof chain.id);
+    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* refused last */
+    check_init(AUVID_ERR_SIZE);
+    check_refuses_all();
 }
 
 static void test_the_metric_has_the_recorders_cell(void)
@@ -902,6 +970,7 @@ int main(void)
     RUN_TEST(test_a_depth_that_is_not_finite_is_dropped);
     RUN_TEST(test_a_gps_fix_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_applied_wrench_that_is_not_finite_is_dropped);
+    RUN_TEST(test_an_applied_wrench_out_of_all_proportion_is_dropped);
     RUN_TEST(test_a_thruster_command_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_imu_sample_from_the_past_or_of_the_same_time_is_dropped);
     RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow);
@@ -917,6 +986,7 @@ int main(void)
     RUN_TEST(test_an_empty_set_cannot_be_closed);
     RUN_TEST(test_a_set_may_be_closed_early);
     RUN_TEST(test_sets_in_which_nothing_is_driven_are_not_searched);
+    RUN_TEST(test_drive_without_a_free_parameter_is_not_searched);
     RUN_TEST(test_bounds_reversed_or_equal_are_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
     RUN_TEST(test_an_omega_or_a_good_point_that_cannot_be_is_refused);
@@ -924,6 +994,8 @@ int main(void)
     RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
     RUN_TEST(test_what_the_modules_refuse_is_refused);
     RUN_TEST(test_another_arithmetic_is_refused);
+    RUN_TEST(test_a_velocity_source_that_cannot_be_is_refused);
+    RUN_TEST(test_an_identifier_that_is_not_initialised_refuses_everything);
     RUN_TEST(test_the_metric_has_the_recorders_cell);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);
     RUN_TEST(test_excitation_is_zero_until_it_is_asked_for);

@@ -55,13 +55,16 @@ typedef struct {
     const auvid_vehicle_t *vehicle;          /**< required; set by defaults */
     auvid_nav_config_t nav;                  /**< see nav.h */
     auvid_recorder_config_t recorder;        /**< see recorder.h; its cell is the metric's too */
-    auvid_metric_config_t metric;            /**< see metric.h; vehicle and cell are set at init */
+    auvid_metric_config_t metric;            /**< see metric.h; vehicle and cell are set at init.
+                                                  Residual path with estimate_delay off: the delay
+                                                  of all is delay_s[0] */
     auvid_allocation_config_t allocation;    /**< see allocation.h; no thrusters: the excitation is
                                                   not limited by them */
     auvid_excitation_config_t excitation;    /**< see excitation.h; no segments: passive */
     auvid_velocity_source_t velocity;        /**< default AUVID_VELOCITY_GROUND */
     bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates:
-                                   for our literal reading of the paper. Default false */
+                                   for our literal reading of the paper. Not with water lock.
+                                   Default false */
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< bounds of the search [parameter's unit]; default
                                                    -1000 */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
@@ -119,13 +122,14 @@ enum {
     AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< sample refused; why is in nav.diagnostics */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3, /**< likewise */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,   /**< likewise */
-    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite, or one was given
-                                              for this time before */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite, beyond
+                                              AUVID_RECORDER_LARGEST, or one was given for this
+                                              time before */
     AUVID_EVENT_VELOCITY_STALE = 1u << 6, /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,           /**< the record was broken and started anew */
     AUVID_EVENT_SET = 1u << 8,           /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF is driven in the ring's sets: nothing to search
-                                              */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF with a free parameter is driven in the
+                                              ring's sets: nothing to search */
     AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
     AUVID_EVENT_EXCITATION_DONE = 1u << 11 /**< the excitation's run came to its end */
 };
@@ -207,11 +211,14 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
  * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
- * the thrusters give); and the errors of the modules' init. On error *id is not usable. */
+ * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick); and the
+ * errors of the modules' init. On error every other function refuses *id with AUVID_ERR_STATE; so
+ * it does one that is all zeros. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 /** Begin the excitation with the next step; one under way is begun anew, without a fade.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (no excitation configured). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no excitation configured).
+ */
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
 
 /** End it: it fades out. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
@@ -219,15 +226,17 @@ auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
 
 /** One control tick. Bad sensor samples are dropped and named in out->events; the tick goes on.
  * @param out always written whole (unless null)
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (in->t_us did not
- * advance: nothing done, excitation zero, AUVID_EVENT_TIME). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_TIME_BACK,
+ * AUVID_ERR_TIME_SAME (in->t_us did not advance: nothing done, excitation zero, AUVID_EVENT_TIME).
+ */
 auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
                                      auvid_output_t *out);
 
 /** Record motion that is known from elsewhere (a navigation of one's own, a log) instead of sensors
  * through step. Takes every complete cell of the record, up to AUVID_RECORDER_CELLS.
  * @param attitude [3] rad, psi unwrapped; @param nu [6]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME;
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE;
+ * AUVID_ERR_RANGE (beyond AUVID_RECORDER_LARGEST); AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME;
  * refused samples change nothing. */
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
@@ -238,7 +247,8 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 
 /** Complete the data set under way, at the end of a dive or log.
- * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it is empty). */
+ * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA
+ * (it is empty). */
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 
 /** Hand every further cell of the record to a comparison (null: no more). It is not copied. */
@@ -247,8 +257,8 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 /** Optimize with what time is left.
  * @param budget units of work; 0 does nothing
  * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used
- * up); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no DoF driven in the ring's sets; once for each set; also
- * AUVID_EVENT_NOT_DRIVEN). */
+ * up); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no DoF with a free
+ * parameter is driven in the ring's sets; once for each set; also AUVID_EVENT_NOT_DRIVEN). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
 
 #ifdef __cplusplus
