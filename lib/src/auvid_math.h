@@ -59,6 +59,14 @@ static inline auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, a
     return AUVID_OK;
 }
 
+/** From a to b, which is not before a [s]: formed in integers, exact to the rounding of one
+ * conversion, at most 2147 s. */
+static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
+{
+    uint64_t us = b_us - a_us;
+    return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
+}
+
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
 
