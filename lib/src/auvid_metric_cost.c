@@ -236,7 +236,8 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
             const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
             total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
         }
-        r2[j] = total > AUVID_C(0.0) ? AUVID_C(1.0) - metric->sse[j] / total : AUVID_C(0.0);
+        auvid_real_t left = metric->sse[j] / total;
+        r2[j] = auvid_is_finite(left) ? AUVID_C(1.0) - left : AUVID_C(0.0);
     }
 }
 

@@ -11,6 +11,10 @@
 #include "auvid_linalg.h"
 #include "auvid_metric.h"
 
+/* Larger entries of a row are taken for a fault: the squares of 60000 such rows are still finite in
+ * single precision. */
+#define LARGEST_ENTRY AUVID_C(1e15)
+
 /* The wrench (i < 6) or command at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
 static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
 {
@@ -125,10 +129,6 @@ static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
 static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
 {
     auvid_set_t *set = &m->set[m->current];
-    if (!auvid_all_finite(channel, m->channel_at[AUVID_DOF_COUNT])) {
-        m->since_gap = 0; /* the model's own fault; in a triangle it would stay */
-        return;
-    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
         uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
@@ -150,34 +150,47 @@ static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
     ++m->since_gap;
 }
 
-/* A row is complete: into the triangles, or into the store. */
+static void store_row(auvid_metric_t *m, const auvid_sample_t *sample, const auvid_real_t *channel)
+{
+    uint32_t rows = m->set[m->current].rows;
+    auvid_row_t *store = &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + rows - 1u];
+    store->sample = *sample;
+    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+}
+
+/* A row is complete: into the triangles, or into the store. One in which the regressor failed does
+ * not count: its wrench would pass for explained. */
 static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    const auvid_real_t *channel = m->accumulator[slot];
+    const auvid_real_t *channel = m->accumulator[slot], *equations = channel;
+    auvid_real_t literal[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
     auvid_set_t *set = &m->set[m->current];
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     bool motion = auvid_metric_smooths_motion(m);
+    auvid_sample_t sample;
+    if (motion) {
+        sample_from_channels(channel, &sample);
+        sample.t_us = t_us;
+        if (vehicle->regressor != NULL) {
+            literal_channels(m, &sample, channel, literal);
+            equations = literal;
+        }
+    }
+    size_t n = m->channel_at[AUVID_DOF_COUNT]; /* 0 without a regressor */
+    if (auvid_all_within(equations, n, LARGEST_ENTRY) != AUVID_OK) {
+        m->since_gap = 0;
+        return;
+    }
     ++set->rows;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->columns[j] != 0) {
             watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : m->wrench[slot][j]);
         }
     }
-    if (!motion) {
-        rotate_row(m, channel);
-        return;
-    }
-    auvid_sample_t sample;
-    sample_from_channels(channel, &sample);
-    sample.t_us = t_us;
     if (vehicle->regressor == NULL) {
-        auvid_row_t *store = &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + set->rows - 1u];
-        store->sample = sample;
-        memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+        store_row(m, &sample, channel);
     } else {
-        auvid_real_t rows[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
-        literal_channels(m, &sample, channel, rows);
-        rotate_row(m, rows);
+        rotate_row(m, equations);
     }
 }
 

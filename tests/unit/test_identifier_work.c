@@ -520,6 +520,7 @@ static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
     user_vehicle.residual = user_residual;
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_TRUE(chain.id.estimate.capped);
+    TEST_ASSERT_EQUAL_DOUBLE(0, (double)chain.id.estimate.r2_force[AUVID_SURGE]); /* no NaN */
 }
 
 int main(void)

@@ -816,6 +816,38 @@ static void test_rows_the_model_cannot_make_are_left_out(void)
     }
 }
 
+/* What the broken regressor gives for m_u. */
+static auvid_real_t broken_entry;
+
+static void broken_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_girona500.regressor(context, s, y);
+    y->row[AUVID_SURGE][AUVID_G500_M_U] = broken_entry;
+}
+
+static void test_rows_the_model_never_can_make_do_not_count_as_explained(void)
+{
+    const auvid_real_t entries[] = {(auvid_real_t)NAN, -(auvid_real_t)INFINITY, AUVID_C(1e16)};
+    auvid_vehicle_t broken = auvid_girona500;
+    uint32_t budget = UINT32_MAX;
+    broken.regressor = broken_regressor;
+    for (int k = 0; k < 6; ++k) {
+        setUp();
+        if (k >= 3) {
+            auvid_metric_literal(&cfg);
+        }
+        cfg.vehicle = &broken;
+        broken_entry = entries[k % 3];
+        world_t w = world_of(&cfg);
+        start();
+        feed(&metric, &w, 0, cells_of(&cfg, 2 * cfg.set_rows));
+        TEST_ASSERT_EQUAL_UINT32(0, metric.sets_recorded);
+        TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_metric_close(&metric));
+        auvid_metric_merge_begin(&metric);
+        TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_metric_merge(&metric, &budget));
+    }
+}
+
 /* ---- residual path ---- */
 
 static void g500_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
@@ -1198,6 +1230,7 @@ int main(void)
     RUN_TEST(test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides);
     RUN_TEST(test_cell_that_is_not_finite_is_ignored);
     RUN_TEST(test_rows_the_model_cannot_make_are_left_out);
+    RUN_TEST(test_rows_the_model_never_can_make_do_not_count_as_explained);
     RUN_TEST(test_residual_path_has_its_minimum_where_the_regressor_path_has);
     RUN_TEST(test_residual_path_with_rows_of_two_cells_is_within_half_a_percent);
     RUN_TEST(test_residual_path_gives_the_same_bits_for_any_split_of_the_budget);

@@ -155,7 +155,7 @@ typedef struct {
     auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */
     auvid_real_t delay_s[AUVID_DOF_COUNT];  /**< between wrench and response */
     uint8_t lagged; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
-    auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; 0 where not driven */
+    auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
     bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had

@@ -191,9 +191,9 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
 
 /** Take the next cell of an unbroken record.
  * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
- * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored: the record
- * has a hole now, say `gap`). Rows in which the model's regressor is not finite are left out. Cost:
- * see above. */
+ * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored: the record has a hole
+ * now, say `gap`). Rows in which the model's regressor is not finite, or beyond 1e15, are left out
+ * and not counted. Cost: see above. */
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
 
 /** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
@@ -256,7 +256,8 @@ uint32_t auvid_metric_searched(const auvid_metric_t *metric);
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
 /** Coefficient of determination of the smoothed wrench after a finished measurement:
- * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven.
+ * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven, and where the
+ * model's residuals are not finite.
  * @param r2 [6] */
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 
