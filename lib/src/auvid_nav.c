@@ -40,6 +40,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->sigma_position = AUVID_C(1.0);
     config->sigma_velocity = AUVID_C(1.0);
     config->gate = AUVID_C(16.0);
+    config->agility = AUVID_C(3.0);
     config->speed_limit = AUVID_C(3.0);
     config->density = AUVID_C(1025.0);
     config->gravity = AUVID_C(9.80665);
@@ -74,6 +75,7 @@ static const struct {
     FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
     FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
     FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    FIELD(agility, 1, AUVID_C(0.0), AUVID_C(100.0)),
     FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
     FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
     FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
@@ -133,6 +135,7 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
     nav->stale_us = config->stale_us;
     nav->gap_us = config->gap_us;
     nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
+    nav->agility = config->agility;
     nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
     nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
     nav->surface_pressure = config->surface_pressure;

@@ -320,10 +320,29 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
                      (ratio[2] > nav->gate ? 4 : 0));
 }
 
+/* Of the scalars outside the gate, those that no manoeuvre since the last good sample explains. */
+static uint8_t beyond_agility(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+{
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
+    uint64_t us = d->alive ? m->t_us - d->good_us : 0; /* samples of a sensor come in order */
+    auvid_real_t dt = AUVID_C(1e-6) * (auvid_real_t)(uint32_t)(us < 10000000u ? us : 10000000u);
+    uint8_t outside = m->outside;
+    for (int j = 0; j < scalars(m); ++j) {
+        auvid_real_t reach = auvid_sqrt(nav->gate * d->variance[j]) + nav->agility * dt;
+        if (auvid_abs(d->innovation[j]) <= reach) {
+            outside = (uint8_t)(outside & ~(1u << j));
+        }
+    }
+    return outside;
+}
+
 auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     m->outside = auvid_nav_look(nav, m);
+    if (m->outside != 0 && m->is_velocity) {
+        m->outside = beyond_agility(nav, m);
+    }
     if (m->outside != 0) {
         nav_count(&d->refusals);
         if (nav->lockout == 0 || d->refusals < nav->lockout) {

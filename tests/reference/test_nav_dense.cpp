@@ -223,7 +223,9 @@ class Dense
             innovation(H.row(j), noise, a, velocity, clean, pxz, S);
             double nu = z[j] - H.row(j).dot(x);
             nus.push_back(nu);
-            outside[size_t(j)] = nu * nu / S > c.gate;
+            double since = velocity && s.alive ? 1e-6 * double(t_us - s.good_us) : 0.0;
+            double reach = std::sqrt(c.gate * S) + c.agility * std::min(since, 10.0);
+            outside[size_t(j)] = std::abs(nu) > reach;
         }
         bool any = std::find(outside.begin(), outside.end(), true) != outside.end();
         if (any && ++s.refusals < c.lockout) {
@@ -346,6 +348,7 @@ class Ride
         auvid_nav_config_t c;
         auvid_nav_defaults(&c);
         c.speed_limit = 8;
+        c.agility = auvid_real_t(0.1); // so that the biased DVL gets to the end of its refusals
         c.dvl_euler[0] = auvid_real_t(0.05);
         c.dvl_euler[2] = auvid_real_t(3.926990817);
         c.dvl_lever[0] = auvid_real_t(-0.75);

@@ -187,10 +187,29 @@ static void test_sample_with_one_axis_outside_the_gate_is_refused_whole(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     tick(200000);
     auvid_nav_t before = nav;
-    TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(1.02, 0.5, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(1.02, 0.95, 0));
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
     TEST_ASSERT_EQUAL_UINT(3, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].axes);
     assert_unmoved(&before);
+}
+
+/* 4 sigma is 0.25 m/s after 0.2 s, an agility of 3 m/s2 gives 0.6 m/s more; it grows with time. */
+static void test_what_a_manoeuvre_explains_is_no_outlier(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
+    tick(200000);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0.75, 0));
+    tick(400000);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, -0.5, 0));
+}
+
+static void test_without_agility_the_gate_alone_decides(void)
+{
+    cfg.agility = 0;
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
+    tick(200000);
+    TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(1.02, 0.5, 0));
 }
 
 static void test_locked_out_velocity_starts_again_and_keeps_the_other_axes(void)
@@ -320,6 +339,8 @@ int main(void)
     RUN_TEST(test_sample_faster_than_the_limit_is_refused);
     RUN_TEST(test_speed_limit_does_not_look_at_invalid_axes);
     RUN_TEST(test_sample_with_one_axis_outside_the_gate_is_refused_whole);
+    RUN_TEST(test_what_a_manoeuvre_explains_is_no_outlier);
+    RUN_TEST(test_without_agility_the_gate_alone_decides);
     RUN_TEST(test_locked_out_velocity_starts_again_and_keeps_the_other_axes);
     RUN_TEST(test_ground_knot_is_the_velocity_just_after_a_bottom_lock);
     RUN_TEST(test_knot_of_a_late_sample_has_the_time_of_the_sample);

@@ -72,10 +72,7 @@ typedef struct {
     auvid_real_t sigma_acceleration[3]; /**< process noise n_u n_v n_w of Eq. 5 at ticks of
         `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); 1e-4..100 */
     auvid_real_t reference_tick; /**< tick the above is meant for [s]; default 0.02; 1e-4..10. The
-        velocity variance grows by sigma^2 reference_tick per second whatever the tick. A velocity
-        that changes by more than sigma sqrt(gate reference_tick dt) from one DVL sample to the
-        next, dt later, is gated: 0.25 m/s at 5 Hz with the defaults. A vehicle that reaches more
-        (turns count, v r and u r) needs a larger sigma, or its best data are lost. */
+        velocity variance grows by sigma^2 reference_tick per second whatever the tick. */
     auvid_real_t sigma_dvl;      /**< noise of each DVL axis [m/s]; default 0.007; 1e-4..1e3 */
     auvid_real_t sigma_current;  /**< standard deviation of the water's own velocity, added when
         water lock stands in for bottom lock [m/s]; default 0.3; 0..1e3, 0: still water */
@@ -87,6 +84,9 @@ typedef struct {
         first sample within `speed_limit` is gated; 1e-4..10 */
     auvid_real_t gate;           /**< largest nu^2/S of one scalar; default 16 (4 sigma); 0..1e6,
         0: no gate */
+    auvid_real_t agility;        /**< acceleration that the vehicle may reach, turns (v r, u r)
+        included, beyond what the process noise tells [m/s2]: since its last sample that passed, dt
+        ago, the DVL may have changed by agility dt more than the gate has it. Default 3; 0..100 */
     auvid_real_t speed_limit;    /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
         0: the 100 m/s that are refused in any case */
     auvid_real_t dvl_euler[3];   /**< phi theta psi that turn the body frame into the DVL's [rad];
@@ -197,6 +197,7 @@ typedef struct {
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
+    auvid_real_t agility;
     auvid_real_t speed_limit;
     auvid_real_t metres_per_pascal;
     auvid_real_t surface_pressure;
@@ -246,7 +247,9 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * of the filter by up to future_us is used as if it were of the last tick. Samples of one sensor
  * must come in order.
  *
- * Gate: a sample is refused as a whole when nu^2 > gate S for any of its scalars. After `lockout`
+ * Gate: a sample is refused as a whole when |nu| > sqrt(gate S) for any of its scalars; for a
+ * velocity, sqrt(gate S) + agility dt, dt since that sensor's last sample that passed. The filter
+ * knows no thrust: to it a manoeuvre looks like an outlier. After `lockout`
  * refusals in a row the last one enters all the same: what its scalars outside the gate measure is
  * set to their values with variance R (for a late velocity with the noise since), correlations 0.
  *
