@@ -136,6 +136,7 @@ check "  a force of 12 N is found" exits 0 fit biased.csv --json --bias
 check "  in X_0" is out 'assert abs(P["X_0"]["estimate"] - 12) < 1.5, P["X_0"]'
 check "--bounds hold" exits 0 fit train.csv --json --bounds=-500,500
 check "  m_w stops at its bound" is out 'assert abs(P["m_w"]["estimate"] - 500) < 1, P["m_w"]'
+check "  and says so" is out 'assert [n for n in P if "at_bound" in P[n]] == ["m_w"]'
 check "--bounds may be two words" exits 0 fit train.csv --json --bounds -500,500
 check "--coupling off: the model says so" exits 0 fit train.csv --json --coupling off
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'

@@ -267,6 +267,9 @@ static void json_parameters(const result_t *result)
         printf("%s\n    {\"name\": \"%s\", \"unit\": \"%s\", \"estimate\": ", separator,
                result->vehicle->parameter[i].name, unit(result, i));
         json_number(is_identified(result, i) ? (double)result->estimate.pi[i] : NAN);
+        if (is_identified(result, i) && is_at_bound(result, i)) {
+            printf(", \"at_bound\": true");
+        }
         if (result->has_truth) {
             printf(", \"truth\": ");
             json_number(report_truth(i));

@@ -9,7 +9,7 @@
  * again after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
  *
  * Called for each cell of the record, by the identifier (attach it) or by the user's own loop.
- * Cost: eight calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
+ * Cost: 16 calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
  * bytes with default sizes.
  */
 #ifndef AUVID_VALIDATION_H
@@ -51,12 +51,12 @@ typedef struct {
  * 0, also where the DoF is left out
  * @param dofs bit j: integrate DoF j, which the model must cover (0: every modelled DoF); others
  * come from the record. Leave out what was not identified
- * @param delay_s [6] delay of each DoF's wrench, -2 to 6 cells (rounding aside); null: none. What a
- * negative one asks of the cell after the newest is not there: the newest stands for it
+ * @param delay_s [6] delay of each DoF's wrench, 0 to 6 cells (rounding aside); null: none
  * @param lagged bit j: DoF j's delay is that of a first-order lag (estimate.lagged)
- * @param cell_s the record's cell [s], > 0
- * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_MODEL (no acceleration,
- * or it refuses pi); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. */
+ * @param cell_s the record's cell [s], > 0, <= 1
+ * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_NOT_FINITE (pi);
+ * AUVID_ERR_MODEL (no acceleration, or it refuses pi); AUVID_ERR_RANGE (dofs, delay_s or cell_s,
+ * NaN too). */
 auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid_vehicle_t *vehicle,
                                      const auvid_real_t *pi, uint32_t dofs,
                                      const auvid_real_t *delay_s, uint32_t lagged,
