@@ -46,7 +46,8 @@ typedef enum {
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
     uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, <= 1e9,
-                                 default 500000 */
+                                 default 500000. A DVL slower than 2.5 Hz needs more: 900000 at
+                                 2 Hz, or every sample would break the record */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
