@@ -21,7 +21,6 @@
 #define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
 #define LARGEST_RATE AUVID_C(100.0)
 #define LARGEST_AGE_US 2000000u
-#define LARGEST_STEP_US 2147483647u /* longer steps are predicted as this one */
 
 void auvid_nav_defaults(auvid_nav_config_t *config)
 {
@@ -234,8 +233,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         return AUVID_OK;
     }
     nav->turns += jumped_turns(psi, attitude[2]);
-    predict(nav, (auvid_real_t)(uint32_t)(dt_us < LARGEST_STEP_US ? dt_us : LARGEST_STEP_US) *
-                     AUVID_C(1e-6));
+    predict(nav, auvid_seconds(0, dt_us));
     if (nav->gap_us > 0 && dt_us > nav->gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
         nav_count(&nav->imu_gaps);
