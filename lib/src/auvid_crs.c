@@ -32,6 +32,9 @@ enum { STATE_NONE = 0, STATE_FRESH, STATE_FILL, STATE_SEARCH, STATE_FINISHED, ST
 
 void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
 {
+    if (config == NULL) {
+        return;
+    }
     memset(config, 0, sizeof *config);
     config->n = n;
     config->epsilon = AUVID_C(1e-2);

@@ -28,6 +28,9 @@ enum { MOVE_POLL = 0, MOVE_EXPAND, MOVE_PARABOLA };
 
 void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
 {
+    if (config == NULL) {
+        return;
+    }
     memset(config, 0, sizeof *config);
     config->n = n;
     config->restarts = 1;

@@ -10,7 +10,8 @@
 
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
-    return auvid_metric_node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
+    return metric == NULL ? AUVID_C(0.0)
+                          : auvid_metric_node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
 }
 
 static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
@@ -214,6 +215,9 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
 {
     const auvid_metric_t *m = metric;
     auvid_real_t square[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    if (m == NULL || scale == NULL) {
+        return;
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(m, j);
         for (int k = 0; k < m->count[j] && n > 0 && (m->driven >> j & 1); ++k) {
@@ -230,7 +234,7 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
 
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 {
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
         auvid_real_t total = AUVID_C(0.0);
         for (int age = 0; age < metric->cfg.sets; ++age) {
             const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];

@@ -10,6 +10,9 @@
 
 void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n)
 {
+    if (config == NULL) {
+        return;
+    }
     memset(config, 0, sizeof *config);
     auvid_crs_defaults(&config->crs, n);
     auvid_line_search_defaults(&config->line_search, n);

@@ -85,11 +85,14 @@ check_objects() {
 
 check_headers() {
     local flags="-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -Ilib/include"
-    local status=0 compiler language
+    local status=0 compiler language real
     for compiler in gcc clang; do
         for language in "-std=c11 -xc" "-std=c++14 -xc++"; do
-            each "printf '#include \"{}\"\nextern int alone;\n' |
-                $compiler -fsyntax-only $flags $language -" lib/include/auvid/*.h || status=1
+            for real in FLOAT DOUBLE; do
+                each "printf '#include \"{}\"\nextern int alone;\n' |
+                    $compiler -fsyntax-only $flags -DAUVID_REAL_$real $language -" \
+                    lib/include/auvid/*.h || status=1
+            done
         done
     done
     return "$status"
@@ -116,7 +119,7 @@ step "the rules below can fail" tests/lint/selftest.sh
 step "text: includes, dependencies, columns, lengths, version" tests/lint/sources.py
 step "the library, gcc and clang, float and double, three sizes, no warning" check_matrix
 step "objects: no statics, heap, libm, double, recursion" check_objects
-step "each header alone, C11 and C++14" check_headers
+step "each header alone, C11 and C++14, float and double" check_headers
 step "tools, gcc and clang, no warning" check_tools
 step "clang-tidy" check_tidy
 step "cppcheck" check_cppcheck

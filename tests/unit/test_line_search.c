@@ -158,6 +158,7 @@ static void refuse(auvid_status_t expected)
 
 static void test_init_names_what_is_wrong_and_changes_nothing(void)
 {
+    auvid_line_search_defaults(NULL, 3);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(NULL, &config));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(&ls, NULL));
     config.n = 0;

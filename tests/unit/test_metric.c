@@ -1178,6 +1178,7 @@ static void test_rows_further_apart_than_the_filter_is_long_are_made_too(void)
 static void test_null_pointers_are_refused_or_ignored(void)
 {
     uint32_t budget = 1;
+    auvid_real_t x[AUVID_MAX_PARAMETERS];
     start();
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_merge(NULL, &budget));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_merge(&metric, NULL));
@@ -1191,6 +1192,11 @@ static void test_null_pointers_are_refused_or_ignored(void)
     auvid_metric_merge_begin(NULL);
     auvid_metric_cost_begin(&metric, NULL, 0);
     auvid_metric_measure_begin(NULL, truth, 0);
+    auvid_metric_scale(NULL, x);
+    auvid_metric_scale(&metric, NULL);
+    auvid_metric_r2(NULL, x);
+    auvid_metric_r2(&metric, NULL);
+    TEST_ASSERT_EQUAL_DOUBLE(0, (double)auvid_metric_longest_delay(NULL));
 }
 
 int main(void)

@@ -155,6 +155,7 @@ static double best_at(int i)
 
 static void test_init_checks_both_phases_and_changes_nothing_when_it_refuses(void)
 {
+    auvid_optimizer_defaults(NULL, 3);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(NULL, &config));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(&optimizer, NULL));
     memset(&optimizer, 0x5a, sizeof optimizer);

@@ -81,7 +81,7 @@ typedef struct {
 } auvid_crs_t;
 
 /** Fill *config with the defaults for n parameters; the box, which has none, is set to zeros.
- * Cost: a memset. */
+ * Null is ignored. Cost: a memset. */
 void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n);
 
 /** Would auvid_crs_init take this configuration? Its statuses. Cost: O(n). */

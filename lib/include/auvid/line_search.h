@@ -52,7 +52,7 @@ typedef struct {
     uint8_t n;            /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
     uint8_t restarts;     /**< times to begin again with alpha0 / 10; default 1 */
     bool literal;         /**< Algorithm 2 alone, no pattern step, no parabola; default false */
-    auvid_real_t alpha0;  /**< first steps [scale], > epsilon; default 0.05 */
+    auvid_real_t alpha0;  /**< first steps [scale], > epsilon, <= 1e3; default 0.05 */
     auvid_real_t sigma;   /**< contraction, 0 < sigma < 1; default 0.5 */
     auvid_real_t delta;   /**< expansion, 1 < delta <= 100; default 2 */
     auvid_real_t gamma;   /**< least decrease over alpha^2 [cost], 0 <= gamma < 1; default 1e-6 */
@@ -90,7 +90,7 @@ typedef struct {
 } auvid_line_search_t;
 
 /** Fill *config with the defaults for n parameters; box, scale and start are set to zeros.
- * Cost: a memset. */
+ * Null is ignored. Cost: a memset. */
 void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
 
 /**

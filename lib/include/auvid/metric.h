@@ -219,6 +219,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 
 /** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored.
+ * Null is ignored, too.
  * @param delay_s residual path: the common delay, 0..6 cells; not read in the regressor path. */
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
@@ -232,7 +233,7 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
-/** Longest delay that can be had in the residual path [s]: 6 cells. */
+/** Longest delay that can be had in the residual path [s]: 6 cells; 0 for null. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
@@ -251,13 +252,13 @@ uint32_t auvid_metric_searched(const auvid_metric_t *metric);
 
 /** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
  * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in
- * the residual path.
+ * the residual path. Null is ignored.
  * @param scale [n] */
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
 /** Coefficient of determination of the smoothed wrench after a finished measurement:
  * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven, and where the
- * model's residuals are not finite.
+ * model's residuals are not finite. Null is ignored.
  * @param r2 [6] */
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 

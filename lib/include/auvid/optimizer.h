@@ -65,7 +65,7 @@ typedef struct {
 } auvid_optimizer_t;
 
 /** Fill *config with the defaults of both phases for n parameters; the box is set to zeros.
- * Cost: a memset. */
+ * Null is ignored. Cost: a memset. */
 void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
 
 /**
