@@ -215,6 +215,34 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     return AUVID_SET_COMPLETE;
 }
 
+/* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
+static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
+{
+    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */
+        return -1;
+    }
+    auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+    uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
+    if (auvid_metric_smooths_motion(m)) {
+        motion_channels(m, sample, channel);
+    } else {
+        row_channels(m, sample, channel);
+    }
+    uint32_t age = n % step;
+    if (age == 0) {
+        memset(m->accumulator[n / step % m->overlap], 0, sizeof m->accumulator[0]);
+        memset(m->wrench[n / step % m->overlap], 0, sizeof m->wrench[0]);
+    }
+    int complete = -1;
+    for (; age < m->taps && age <= n; age += step) {
+        uint32_t slot = (n - age) / step % m->overlap;
+        accumulate(m, slot, age, channel);
+        complete = age + 1u == m->taps ? (int)slot : -1;
+    }
+    return complete;
+}
+
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
 {
     if (metric == NULL || sample == NULL) {
@@ -232,29 +260,12 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
     memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
     auvid_status_t status = AUVID_OK;
-    if (m->cells + 1 >= PAST) { /* the wrench is known at all delays */
-        auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
-        uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
-        if (auvid_metric_smooths_motion(m)) {
-            motion_channels(m, sample, channel);
-        } else {
-            row_channels(m, sample, channel);
-        }
-        uint32_t age = n % step;
-        if (age == 0) {
-            memset(m->accumulator[n / step % m->overlap], 0, sizeof m->accumulator[0]);
-            memset(m->wrench[n / step % m->overlap], 0, sizeof m->wrench[0]);
-        }
-        for (; age < m->taps && age <= n; age += step) {
-            uint32_t slot = (n - age) / step % m->overlap;
-            accumulate(m, slot, age, channel);
-            if (age + 1u == m->taps) {
-                uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
-                finish_row(m, middle, slot);
-                if (m->set[m->current].rows >= m->cfg.set_rows) {
-                    status = auvid_metric_close(m);
-                }
-            }
+    int slot = add_to_rows(m, sample);
+    if (slot >= 0) {
+        uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
+        finish_row(m, middle, (uint32_t)slot);
+        if (m->set[m->current].rows >= m->cfg.set_rows) {
+            status = auvid_metric_close(m);
         }
     }
     ++m->cells;
