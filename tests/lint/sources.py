@@ -30,6 +30,7 @@ USES = {
     "selftest": BASE,
     "nav": BASE,
     "excitation": BASE,
+    "guard": BASE,
     "allocation": BASE,
     "smoother": BASE,
     "vehicle": BASE,
