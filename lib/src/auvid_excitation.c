@@ -6,12 +6,15 @@
  *   run(e)     = w(e) w(run - e) w(stop + fade - e)       w: raised cosine, 0..1
  * A random segment seeds its generator from (seed, k, segment) when it begins, so the wrench does
  * not depend on which ticks came before.
+ *
+ * Drift: with d the displacement, L the leash, A the peak of the segment,
+ *   strayed = clamp((|d| - L) / L, 0, 1) sign(d)
+ *   shape   = clamp(shape - A strayed fade, -A, A)        and random steps choose their signs so
+ * that they lead back. Steps alone cannot fight what sines and a current do.
  */
-#include "auvid/excitation.h"
+#include "auvid_excitation_private.h"
 
 #include <string.h>
-
-#include "auvid_math.h"
 
 #define TWO_PI AUVID_C(6.28318530717958647693)
 #define LOW_LEVEL AUVID_C(0.3)     /* of a random step */
@@ -20,19 +23,6 @@
 #define POINTS_PER_PERIOD AUVID_C(8.0)
 
 typedef auvid_excitation_channel_t channel_t;
-
-static bool in_range(auvid_real_t x, auvid_real_t low, auvid_real_t high)
-{
-    return x >= low && x <= high;
-}
-
-/* Whole and fraction apart: float holds 3600 s only to 0.2 ms as a product. s >= 0. */
-static uint64_t to_us(auvid_real_t s)
-{
-    uint32_t whole = (uint32_t)s;
-    auvid_real_t fraction = s - (auvid_real_t)whole;
-    return (uint64_t)whole * 1000000u + (uint32_t)(fraction * AUVID_C(1000000.0) + AUVID_C(0.5));
-}
 
 static auvid_real_t to_s(uint32_t us)
 {
@@ -61,7 +51,7 @@ static auvid_real_t steps_value(const channel_t *c, uint32_t s_us, uint32_t fade
 /* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the
  * signal is a staircase passed through one averaging window, so pairs leave no net impulse. */
 static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
-                      uint32_t fade_us)
+                      uint32_t fade_us, auvid_real_t strayed)
 {
     auvid_rng_t rng;
     uint64_t to;
@@ -81,10 +71,13 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
         auvid_real_t level = auvid_rng_uniform(&rng) < AUVID_C(0.5) ? LOW_LEVEL : AUVID_C(1.0);
         /* Within pairs the sign has changed already: each begins with the first one's. */
         c->negative = c->negative != (change && !segment->pairs);
+        if (auvid_abs(strayed) > AUVID_C(0.0)) {
+            c->negative = (strayed > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
+        }
         c->level = c->negative ? -level : level;
-        c->hold_us =
-            (uint32_t)to_us(segment->hold_min_s +
-                            (segment->hold_max_s - segment->hold_min_s) * auvid_rng_uniform(&rng));
+        c->hold_us = (uint32_t)excitation_us(segment->hold_min_s +
+                                             (segment->hold_max_s - segment->hold_min_s) *
+                                                 auvid_rng_uniform(&rng));
         memcpy(c->rng, rng.s, sizeof rng.s);
         c->second = segment->pairs;
         if (segment->pairs && c->hold_from_us + 2 * (uint64_t)c->hold_us > end_us) {
@@ -97,13 +90,13 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
 }
 
 static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
-                               uint32_t duration_us)
+                               uint32_t duration_us, auvid_real_t strayed)
 {
-    uint32_t fade_us = (uint32_t)to_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
      * for the rest at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
-        next_hold(c, segment, duration_us - fade_us, fade_us);
+        next_hold(c, segment, duration_us - fade_us, fade_us, strayed);
     }
     return steps_value(c, s_us, fade_us);
 }
@@ -214,13 +207,13 @@ static void begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t
 }
 
 static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
-                         uint32_t duration_us)
+                         uint32_t duration_us, auvid_real_t strayed)
 {
     auvid_real_t s = to_s(s_us);
     auvid_real_t a = segment->amplitude;
     auvid_real_t largest = auvid_abs(a);
     auvid_real_t y = AUVID_C(0.0);
-    uint32_t fade_us = (uint32_t)to_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
     switch (segment->kind) {
     case AUVID_SEGMENT_STEP:
         y = a;
@@ -239,98 +232,17 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
         y = a * play_sines(c, segment->sines, s);
         break;
     case AUVID_SEGMENT_STEPS:
-        y = a * play_steps(c, segment, s_us, duration_us);
-        fade_us = 0; /* it is within the steps */
+        y = a * play_steps(c, segment, s_us, duration_us, strayed);
         break;
     default:
-        break;
+        return AUVID_C(0.0);
     }
-    y *= raised_cosine(s_us, fade_us) * raised_cosine(duration_us - s_us, fade_us);
+    auvid_real_t fade = raised_cosine(s_us, fade_us) * raised_cosine(duration_us - s_us, fade_us);
+    y *= segment->kind == AUVID_SEGMENT_STEPS ? AUVID_C(1.0) : fade; /* steps fade by themselves */
+    if (auvid_abs(strayed) > AUVID_C(0.0)) {
+        y -= largest * strayed * fade;
+    }
     return auvid_clamp(y, -largest, largest); /* against rounding */
-}
-
-/* ---- configuration ---- */
-
-static auvid_status_t check_segment(const auvid_segment_t *s)
-{
-    const auvid_real_t values[] = {s->duration_s, s->amplitude,    s->from,
-                                   s->fade_s,     s->frequency_hz, s->frequency_high_hz,
-                                   s->phase,      s->hold_min_s,   s->hold_max_s};
-    if (!auvid_all_finite(values, sizeof values / sizeof values[0])) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    if ((unsigned)s->dof >= AUVID_DOF_COUNT || (unsigned)s->kind >= AUVID_SEGMENT_KIND_COUNT ||
-        !in_range(s->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S) ||
-        !in_range(s->amplitude, -AUVID_EXCITATION_LARGEST, AUVID_EXCITATION_LARGEST) ||
-        !in_range(s->from, -AUVID_EXCITATION_LARGEST, AUVID_EXCITATION_LARGEST) ||
-        !in_range(s->fade_s, AUVID_C(0.0), s->duration_s * AUVID_C(0.5))) {
-        return AUVID_ERR_RANGE;
-    }
-    switch (s->kind) {
-    case AUVID_SEGMENT_SINES:
-        if (s->sines < 1 || s->sines > AUVID_MAX_SINES) {
-            return AUVID_ERR_SIZE;
-        }
-        if (!in_range(s->frequency_high_hz, s->frequency_hz, AUVID_EXCITATION_HIGHEST_HZ)) {
-            return AUVID_ERR_RANGE;
-        }
-        return s->frequency_hz > AUVID_C(0.0) ? AUVID_OK : AUVID_ERR_RANGE;
-    case AUVID_SEGMENT_SINE:
-        return s->frequency_hz > AUVID_C(0.0) && s->frequency_hz <= AUVID_EXCITATION_HIGHEST_HZ &&
-                       in_range(s->phase, AUVID_C(-100.0), AUVID_C(100.0))
-                   ? AUVID_OK
-                   : AUVID_ERR_RANGE;
-    case AUVID_SEGMENT_STEPS:
-        return s->hold_min_s > AUVID_C(0.0) && s->hold_min_s >= s->fade_s &&
-                       s->hold_min_s * (auvid_real_t)AUVID_EXCITATION_HOLDS >= s->duration_s &&
-                       in_range(s->hold_max_s, s->hold_min_s, AUVID_EXCITATION_LONGEST_S)
-                   ? AUVID_OK
-                   : AUVID_ERR_RANGE;
-    default:
-        return AUVID_OK;
-    }
-}
-
-auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *config)
-{
-    uint64_t length_us[AUVID_DOF_COUNT] = {0};
-    uint64_t sequence_us = 0;
-    if (e == NULL || config == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (config->segments < 1 || config->segments > AUVID_MAX_SEGMENTS) {
-        return AUVID_ERR_SIZE;
-    }
-    if (!auvid_is_finite(config->duration_s) || !auvid_is_finite(config->fade_s)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    for (uint32_t i = 0; i < config->segments; ++i) {
-        const auvid_segment_t *s = &config->segment[i];
-        auvid_status_t status = check_segment(s);
-        if (status != AUVID_OK) {
-            return status;
-        }
-        length_us[s->dof] += to_us(s->duration_s);
-        sequence_us = length_us[s->dof] > sequence_us ? length_us[s->dof] : sequence_us;
-    }
-    if (sequence_us == 0 ||
-        !in_range(config->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_RUN_S) ||
-        !in_range(config->fade_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S)) {
-        return AUVID_ERR_RANGE;
-    }
-    uint64_t run_us = config->duration_s > AUVID_C(0.0) ? to_us(config->duration_s) : sequence_us;
-    if (2 * to_us(config->fade_s) > run_us) {
-        return AUVID_ERR_RANGE;
-    }
-    memset(e, 0, sizeof *e);
-    e->config = *config;
-    e->sequence_us = sequence_us;
-    e->run_us = run_us;
-    e->fade_us = (uint32_t)to_us(config->fade_s);
-    for (uint32_t i = 0; i < config->segments; ++i) {
-        e->duration_us[i] = (uint32_t)to_us(config->segment[i].duration_s);
-    }
-    return AUVID_OK;
 }
 
 /* ---- the run ---- */
@@ -341,6 +253,7 @@ auvid_status_t auvid_excitation_start(auvid_excitation_t *e, uint64_t t_us)
         return AUVID_ERR_NULL;
     }
     memset(e->channel, 0, sizeof e->channel);
+    memset(e->displacement, 0, sizeof e->displacement);
     e->start_us = t_us;
     e->last_us = t_us;
     e->repetition = 0;
@@ -367,6 +280,19 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
     return AUVID_OK;
 }
 
+/* How far beyond its leash, -1..1; 0 within it or without one. */
+static auvid_real_t strayed(const auvid_excitation_t *e, int dof)
+{
+    auvid_real_t leash = e->config.leash[dof];
+    auvid_real_t d = e->displacement[dof];
+    auvid_real_t beyond = auvid_abs(d) - leash;
+    if (!(leash > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
+        return AUVID_C(0.0);
+    }
+    auvid_real_t part = beyond < leash ? beyond / leash : AUVID_C(1.0);
+    return d < AUVID_C(0.0) ? -part : part;
+}
+
 static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t weight,
                      auvid_real_t *wrench)
 {
@@ -378,15 +304,15 @@ static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t we
     uint64_t in_us = elapsed_us - e->repeated_us;
     for (uint32_t i = 0; i < e->config.segments; ++i) {
         const auvid_segment_t *segment = &e->config.segment[i];
-        uint64_t begin_us = begins_us[segment->dof];
-        begins_us[segment->dof] += e->duration_us[i];
+        uint64_t begin_us = begins_us[segment->dof] + e->pause_us[i];
+        begins_us[segment->dof] = begin_us + e->duration_us[i];
         if (in_us >= begin_us && in_us < begins_us[segment->dof]) {
             channel_t *c = &e->channel[segment->dof];
             if (c->segment != i + 1u || c->repetition != e->repetition) {
                 begin_segment(c, segment, i, e->repetition, e->config.seed);
             }
-            wrench[segment->dof] =
-                weight * play(c, segment, (uint32_t)(in_us - begin_us), e->duration_us[i]);
+            wrench[segment->dof] = weight * play(c, segment, (uint32_t)(in_us - begin_us),
+                                                 e->duration_us[i], strayed(e, (int)segment->dof));
         }
     }
 }
@@ -423,6 +349,19 @@ auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
         weight *= raised_cosine(e->fade_us - stopped_us, e->fade_us);
     }
     play_all(e, elapsed_us, weight, wrench);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_excitation_steer(auvid_excitation_t *e,
+                                      const auvid_real_t displacement[AUVID_DOF_COUNT])
+{
+    if (e == NULL || displacement == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_all_finite(displacement, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    memcpy(e->displacement, displacement, sizeof e->displacement);
     return AUVID_OK;
 }
 

@@ -8,8 +8,13 @@
  * holds, frequencies and phases from a seed as time goes on, afresh in each repetition: no table.
  *
  * Who calls it: the control tick, once a tick, and adds the wrench to the controller's own. There
- * is no arming and no limit on the vehicle's motion here: see the guard. Until it is stopped, the
- * wrench depends on the seed and on t - start only, not on the tick rate or on ticks left out.
+ * is no arming and no limit on the vehicle's motion here: see guard.h. Until it is stopped, the
+ * wrench depends on the seed and on t - start only, not on the tick rate or on ticks left out; with
+ * a leash also on the displacement that auvid_excitation_steer tells.
+ *
+ * Net drift: random signs make the vehicle wander. Beyond its leash a degree of freedom is led
+ * back: random steps take the sign that does so, and a steady pull is added, up to the segment's
+ * amplitude at twice the leash (LEASH_FIGURES). The peak is kept: what would exceed it is cut.
  *
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. In the tick
  * in which a sum of sines begins: also up to 8 points per period of its highest frequency (at most
@@ -68,9 +73,10 @@ typedef enum {
 typedef struct {
     auvid_dof_t dof;           /**< which degree of freedom */
     auvid_segment_kind_t kind; /**< what it plays */
-    auvid_real_t duration_s;   /**< T [s], 0..AUVID_EXCITATION_LONGEST_S; zero skips it */
-    auvid_real_t amplitude;    /**< A [N or Nm], within +-EXCITATION_LARGEST; never exceeded */
-    auvid_real_t from;         /**< RAMP: value at its start [N or Nm], likewise */
+    auvid_real_t pause_s;    /**< zero wrench for so long before it [s], 0..LONGEST_S; zero: none */
+    auvid_real_t duration_s; /**< T [s], 0..AUVID_EXCITATION_LONGEST_S; zero skips it */
+    auvid_real_t amplitude;  /**< A [N or Nm], within +-EXCITATION_LARGEST; never exceeded */
+    auvid_real_t from;       /**< RAMP: value at its start [N or Nm], likewise */
     /** Raised-cosine fade [s], 0..T/2; zero: none, jumps are jumps. STEPS: every change of level,
      * and the one to zero at the end, takes this long (0..hold_min_s). Others: fade-in at the
      * start, fade-out at the end of the segment. */
@@ -97,6 +103,9 @@ typedef struct {
      * 0..AUVID_EXCITATION_LONGEST_S, at most half the run. Default 2; zero: none. */
     auvid_real_t fade_s;
     uint64_t seed; /**< of all random choices; default 1; zero is a seed like any other */
+    /** How far each degree of freedom may wander before it is led back [m, rad], >= 0; default 0:
+     * never. No effect until auvid_excitation_steer is called. */
+    auvid_real_t leash[AUVID_DOF_COUNT];
 } auvid_excitation_config_t;
 
 /** What one degree of freedom is doing. Written by auvid_excitation_step only. */
@@ -120,18 +129,20 @@ typedef struct {
 typedef struct {
     auvid_excitation_config_t config;
     auvid_excitation_channel_t channel[AUVID_DOF_COUNT];
-    uint32_t duration_us[AUVID_MAX_SEGMENTS]; /**< length of each segment [us] */
-    uint32_t fade_us;                         /**< fade of the run [us] */
-    uint32_t repetition;                      /**< repetition of the sequence in play, from 0 */
-    uint64_t repeated_us;                     /**< its beginning since start [us] */
-    uint64_t sequence_us;                     /**< length of the sequence [us] */
-    uint64_t run_us;                          /**< length of the run [us] */
-    uint64_t start_us;                        /**< time of start */
-    uint64_t last_us;                         /**< time of the last start, step or stop */
-    uint64_t stop_us;                         /**< time of stop */
-    bool running;                             /**< started and not finished */
-    bool stopping;                            /**< stop was called in this run */
-    bool finished;                            /**< a run has ended, and none was begun since */
+    uint32_t duration_us[AUVID_MAX_SEGMENTS];   /**< length of each segment [us] */
+    uint32_t pause_us[AUVID_MAX_SEGMENTS];      /**< and of the pause before it [us] */
+    auvid_real_t displacement[AUVID_DOF_COUNT]; /**< told last [m, rad]; zero at start */
+    uint32_t fade_us;                           /**< fade of the run [us] */
+    uint32_t repetition;                        /**< repetition of the sequence in play, from 0 */
+    uint64_t repeated_us;                       /**< its beginning since start [us] */
+    uint64_t sequence_us;                       /**< length of the sequence [us] */
+    uint64_t run_us;                            /**< length of the run [us] */
+    uint64_t start_us;                          /**< time of start */
+    uint64_t last_us;                           /**< time of the last start, step or stop */
+    uint64_t stop_us;                           /**< time of stop */
+    bool running;                               /**< started and not finished */
+    bool stopping;                              /**< stop was called in this run */
+    bool finished;                              /**< a run has ended, and none was begun since */
 } auvid_excitation_t;
 
 #define auvid_excitation_init                                                                      \
@@ -145,9 +156,10 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
  * sines, independently per DoF. Steps: held 4-8 s (shorter, set_s / 4 to set_s / 2, when
  * set_s < 16); sines: AUVID_MAX_SINES or five of them, whichever is less, 0.03-0.25 Hz (not below
  * 1 / set_s).
- * Segment fades 0.2 s, no pairs; change the segments afterwards as you like.
- * @param config    written: segment, segments, duration_s = sets * set_s, seed; the rest stays.
- *                  Call _defaults first.
+ * Segment fades 0.2 s, no pairs; leash 5 m in surge and sway, 3 m in heave, 2 pi in yaw, none in
+ * roll and pitch; change all of it afterwards as you like. All degrees of freedom play at once.
+ * @param config    written: segment, segments, duration_s = sets * set_s, leash, seed; the rest
+ *                  stays. Call _defaults first.
  * @param amplitude 6: peak per DoF [N, Nm], >= 0; zero leaves that DoF out. Girona500: 100 N in X,
  *                  Y, Z and 40 Nm in N.
  * @param set_s     length of a set [s], 5..600; 30 is usual.
@@ -160,6 +172,20 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
 auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
                                      const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                      auvid_real_t set_s, uint32_t sets, uint64_t seed);
+
+/**
+ * The same with pauses, and with one degree of freedom after the other where asked: steps of each
+ * in turn, then sines of each in turn.
+ * @param sets       per degree of freedom, if one by one; the run lasts sets (set_s + pause_s), one
+ *                   by one as many times as there are degrees of freedom with an amplitude.
+ * @param pause_s    before each set, the first one too [s], 0..600; zero: none.
+ * @param one_by_one one after the other; false: all at once, as auvid_excitation_plan.
+ * @return as auvid_excitation_plan.
+ */
+auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
+                                         const auvid_real_t amplitude[AUVID_DOF_COUNT],
+                                         auvid_real_t set_s, uint32_t sets, uint64_t seed,
+                                         auvid_real_t pause_s, bool one_by_one);
 
 /**
  * Check the configuration, copy it, and be idle.
@@ -193,6 +219,15 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
  */
 auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
                                      auvid_real_t wrench[AUVID_DOF_COUNT]);
+
+/**
+ * Tell where the vehicle is, before the step; until told again it is taken to stay there.
+ * @param displacement 6: from where the run began, turned into present body axes [m]; for roll,
+ *                     pitch, yaw the angle turned since [rad], yaw unwrapped.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (the last one stays).
+ */
+auvid_status_t auvid_excitation_steer(auvid_excitation_t *e,
+                                      const auvid_real_t displacement[AUVID_DOF_COUNT]);
 
 /** Part of the run that is over at the last step, 0..1; 0 before the first start, 1 when finished.
  * 0 for null. */
