@@ -1,7 +1,8 @@
 /*
- * The identifier (Karras et al. 2013, Fig. 2): the tick. Optimizing is in auvid_identifier_work.c.
+ * The identifier (Karras et al. 2013, Fig. 2): the tick. What acts is in auvid_identifier_act.c,
+ * optimizing in auvid_identifier_work.c.
  */
-#include "auvid/identifier.h"
+#include "auvid_identifier_private.h"
 
 #include <string.h>
 
@@ -20,6 +21,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_metric_defaults(&cfg->metric, vehicle);
     auvid_allocation_defaults(&cfg->allocation);
     auvid_excitation_defaults(&cfg->excitation);
+    auvid_guard_defaults(&cfg->guard);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         cfg->lower[i] = AUVID_C(-1000.0);
         cfg->upper[i] = AUVID_C(1000.0);
@@ -105,6 +107,9 @@ static auvid_status_t init_modules(auvid_identifier_t *id)
     if (status >= 0) {
         status = auvid_metric_init(&id->metric, &id->cfg.metric);
     }
+    if (status >= 0) {
+        status = auvid_guard_init(&id->guard, &id->cfg.guard);
+    }
     return status < 0 ? status : init_excitation(id);
 }
 
@@ -125,12 +130,6 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         memset(id, 0, sizeof *id);
     }
     return status;
-}
-
-/* Has init succeeded? A firmware that goes on without must not fly blind. */
-static bool is_ready(const auvid_identifier_t *id)
-{
-    return id->cfg.vehicle != NULL;
 }
 
 /* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
@@ -208,30 +207,16 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
     }
 }
 
-static void excite(auvid_identifier_t *id, auvid_output_t *out)
+/* The wrench recorded is known from t_us on. */
+static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
+                                   const auvid_real_t *wrench, const auvid_real_t *command)
 {
-    if (!id->exciting) {
-        return;
+    auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
+    if (status >= 0) {
+        id->applied.t_us = t_us;
+        id->applied.known = true;
     }
-    auvid_real_t wrench[AUVID_DOF_COUNT];
-    if (id->starting) {
-        id->starting = false;
-        (void)auvid_excitation_start(&id->excitation, id->t_us);
-    }
-    if (auvid_excitation_step(&id->excitation, id->t_us, wrench) != AUVID_OK) {
-        id->exciting = false;
-        id->events |= AUVID_EVENT_EXCITATION_DONE;
-        return;
-    }
-    if (id->cfg.allocation.thrusters == 0) {
-        memcpy(out->excitation, wrench, sizeof wrench);
-        return;
-    }
-    auvid_allocation_result_t result;
-    if (auvid_allocation_solve(&id->allocation, wrench, &result) >= 0) {
-        memcpy(out->excitation, result.wrench, sizeof out->excitation);
-        memcpy(out->thruster_N, result.force_N, sizeof out->thruster_N);
-    }
+    return status;
 }
 
 auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
@@ -241,56 +226,30 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
         memset(out, 0, sizeof *out);
     }
     if (id == NULL || in == NULL || out == NULL) {
+        auvid_identifier_refused(id, in, out);
         return AUVID_ERR_NULL;
     }
-    if (!is_ready(id)) {
+    if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
     if (id->started && in->t_us <= id->t_us) {
-        out->events = AUVID_EVENT_TIME;
+        auvid_identifier_refused(id, in, out);
+        out->events |= AUVID_EVENT_TIME;
         return in->t_us == id->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
     }
     id->started = true;
     id->t_us = in->t_us;
     navigate(id, in);
     record(id, in);
-    if (in->applied.present && auvid_recorder_input(&id->recorder, in->t_us, in->applied.wrench,
-                                                    in->applied.command) < 0) {
+    if (in->applied.present &&
+        record_input(id, in->t_us, in->applied.wrench, in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
     take_cells(id, AUVID_CELLS_PER_STEP);
-    excite(id, out);
+    auvid_identifier_act(id, in, out);
     out->events = id->events;
     id->events = 0;
     return AUVID_OK;
-}
-
-auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
-{
-    if (id == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (id->cfg.excitation.segments == 0) {
-        return AUVID_ERR_STATE;
-    }
-    id->exciting = id->starting = true;
-    return AUVID_OK;
-}
-
-auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
-{
-    if (id == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (!id->exciting) {
-        return AUVID_ERR_STATE;
-    }
-    if (id->starting) {
-        id->exciting = id->starting = false;
-        id->events |= AUVID_EVENT_EXCITATION_DONE;
-        return AUVID_OK;
-    }
-    return auvid_excitation_stop(&id->excitation, id->t_us);
 }
 
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
@@ -299,7 +258,7 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     if (id == NULL || attitude == NULL || nu == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!is_ready(id)) {
+    if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
     auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
@@ -319,10 +278,10 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!is_ready(id)) {
+    if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
+    auvid_status_t status = record_input(id, t_us, wrench, command);
     take_cells(id, AUVID_CELLS_PER_STEP);
     return status;
 }
@@ -332,7 +291,7 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!is_ready(id)) {
+    if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
     take_cells(id, AUVID_RECORDER_CELLS);

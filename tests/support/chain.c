@@ -45,7 +45,7 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config)
             status = auvid_excitation_start(&chain->driver, config->epoch_us + SIM_TICK_US);
         }
     } else if (status >= 0 && config->id.excitation.segments > 0) {
-        status = auvid_identifier_excite(&chain->id);
+        chain->waiting = true;
     }
     return status;
 }
@@ -117,6 +117,10 @@ void chain_tick(chain_t *chain)
     }
     if (chain->config.before != NULL) {
         chain->config.before(chain, &in);
+    }
+    if (chain->waiting && auvid_identifier_arm(&chain->id) == AUVID_OK) {
+        chain->waiting = false;
+        (void)auvid_identifier_excite(&chain->id);
     }
     memset(&chain->out, 0xFF, sizeof chain->out);
     chain->status = auvid_identifier_step(&chain->id, &in, &chain->out);

@@ -46,6 +46,7 @@ typedef struct chain {
     uint32_t events;                      /**< all that were told so far */
     uint32_t estimates;                   /**< AUVID_EVENT_ESTIMATE told so far */
     uint32_t most_units;                  /**< used by any call of work */
+    bool waiting;                         /**< to arm and excite, as soon as navigation is fresh */
     bool over_budget;                     /**< some call of work used more than it was given */
     auvid_status_t status;                /**< of the last step */
     auvid_status_t work;                  /**< of the last work */
@@ -60,7 +61,7 @@ void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double
 /** Somebody else drives: moves the excitation of config->id to config->driver. */
 void chain_set_driver(chain_config_t *config);
 
-/** Start, excitation running. @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
+/** Start; the excitation begins when navigation is fresh, in 0.2 s. @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
  * simulator refuses. */
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
 

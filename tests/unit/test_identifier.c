@@ -155,6 +155,7 @@ static void water_world(uint64_t seed)
 {
     chain_defaults(&config, seed, SETS, 0.0);
     config.sim.dvl_lock = SIM_LOCK_WATER;
+    config.id.guard.water_lock = true;
     config.sim.current[0] = 0.3;
     config.sim.current[1] = -0.2;
 }

@@ -423,6 +423,7 @@ static void repeat_steps(chain_t *c, auvid_status_t status, const auvid_output_t
 
 static void test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing(void)
 {
+    chain_set_driver(&config); /* while it excites, the guard takes it amiss */
     run(&other);
     config.after = repeat_steps;
     run(&chain);
@@ -443,6 +444,7 @@ static void test_news_wait_for_a_step_that_is_taken(void)
 {
     auvid_input_t in;
     auvid_output_t out;
+    chain_set_driver(&config);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 20.0);
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
@@ -764,6 +766,9 @@ static void check_refuses_all(void)
     TEST_ASSERT_TRUE(is_zero(&out));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_abort(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_disarm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_motion(&chain.id, 1, x, x));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_applied(&chain.id, 1, x, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_close(&chain.id));
@@ -810,6 +815,9 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&chain.id, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_excite(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_stop(NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_arm(NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_abort(NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_disarm(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_close(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_work(NULL, 1));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_motion(NULL, 1, x, x));
@@ -834,6 +842,10 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
 static void test_excitation_is_zero_until_it_is_asked_for(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.waiting = false;
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id)); /* before it has begun */
     chain_tick(&chain);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_EXCITATION_DONE);
@@ -841,6 +853,8 @@ static void test_excitation_is_zero_until_it_is_asked_for(void)
         TEST_ASSERT_TRUE(is_zero(&chain.out));
         chain_tick(&chain);
     }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
     chain_run(&chain, 5.0);
     TEST_ASSERT_FALSE(is_zero(&chain.out));
@@ -881,7 +895,9 @@ static void test_stop_fades_the_excitation_out(void)
     TEST_ASSERT_TRUE(is_zero(&chain.out));
     TEST_ASSERT_TRUE(chain.events & AUVID_EVENT_EXCITATION_DONE);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* and it may begin again */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id)); /* not waiting for calm */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* it may begin again */
     chain_run(&chain, 5.0);
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
@@ -901,6 +917,7 @@ static void test_a_passive_identifier_cannot_excite(void)
 {
     chain_set_driver(&config);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
 }

@@ -35,8 +35,7 @@ bool world_begin(world_t *world, const world_config_t *config)
     world_identifier(&cfg, config);
     world->hover_N = -sim.parameter[SIM_WB];
     world->identifiers = 1;
-    return sim_init(&world->sim, &sim) && auvid_identifier_init(&world->id[0], &cfg) >= 0 &&
-           auvid_identifier_excite(&world->id[0]) >= 0;
+    return sim_init(&world->sim, &sim) && auvid_identifier_init(&world->id[0], &cfg) >= 0;
 }
 
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
@@ -104,6 +103,9 @@ void world_tick(world_t *world)
     sim_step(&world->sim, world->force_N, NULL, &world->seen);
     sense(&world->seen, &in);
     copy(feedback, world->seen.wrench, AUVID_DOF_COUNT);
+    if (!world->excited && auvid_identifier_arm(&world->id[0]) == AUVID_OK) {
+        world->excited = auvid_identifier_excite(&world->id[0]) == AUVID_OK;
+    }
     for (int i = world->identifiers - 1; i >= 0; --i) {
         /* the feedback tells of the tick that has just gone by, so it bears that one's time */
         (void)auvid_identifier_applied(&world->id[i], began_us, feedback, NULL);

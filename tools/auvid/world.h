@@ -35,6 +35,7 @@ typedef struct {
     sim_output_t seen; /**< sensors and thrust of the last tick */
     auvid_identifier_t id[WORLD_IDENTIFIERS];
     int identifiers;
+    bool excited;                   /**< the excitation was begun: navigation was fresh */
     uint32_t events;                /**< of id[0] in the last tick */
     double force_N[SIM_THRUSTERS];  /**< commanded from the last tick on */
     double wrench[AUVID_DOF_COUNT]; /**< which they make [N, Nm] */
@@ -44,7 +45,7 @@ typedef struct {
 /** What an identifier in this world is configured like; change it and give it to world_listen. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Start, excitation running. False when the library or the simulator refuses (it does not). */
+/** Start; the excitation begins when navigation is fresh, in 0.2 s. False when the library or the simulator refuses (it does not). */
 bool world_begin(world_t *world, const world_config_t *config);
 
 /** Take a second identifier aboard. */

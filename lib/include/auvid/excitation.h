@@ -14,7 +14,11 @@
  *
  * Net drift: random signs make the vehicle wander. Beyond its leash a degree of freedom is led
  * back: random steps take the sign that does so, and a steady pull is added, up to the segment's
- * amplitude at twice the leash (LEASH_FIGURES). The peak is kept: what would exceed it is cut.
+ * amplitude at twice the leash. The peak is kept: what would exceed it is cut. It keeps a vehicle
+ * only where the amplitude overcomes the current. Girona500, the plan's leash (5 m in surge and
+ * sway) and amplitudes, 8 sets of 30 s, 40 seeds, farthest horizontal distance, median (worst):
+ *     disturbance 3 N, still water:     14 m (37 m) without, 10 m (16 m) by signs, 8 m (13 m)
+ *     disturbance 3 N, current 0.3 m/s: 74 m (93 m) without, 52 m (73 m) by signs, 11 m (15 m)
  *
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. In the tick
  * in which a sum of sines begins: also up to 8 points per period of its highest frequency (at most

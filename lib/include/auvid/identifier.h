@@ -17,13 +17,16 @@
  * more than `budget` units. In the call in which a search begins, its population is drawn besides:
  * m n random numbers. Memory: sizeof(auvid_identifier_t), all there is.
  *
- * Nothing here arms or limits the vehicle: what excites it must be guarded by the caller.
+ * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
+ * auvid_identifier_excite. A breach of a limit, a sensor gone silent, a refused step: excitation
+ * zero in that very tick, latched until auvid_identifier_disarm. Recording and searching go on.
  */
 #ifndef AUVID_IDENTIFIER_H
 #define AUVID_IDENTIFIER_H
 
 #include "auvid/allocation.h"
 #include "auvid/excitation.h"
+#include "auvid/guard.h"
 #include "auvid/metric.h"
 #include "auvid/nav.h"
 #include "auvid/optimizer.h"
@@ -61,6 +64,7 @@ typedef struct {
     auvid_allocation_config_t allocation;    /**< see allocation.h; no thrusters: the excitation is
                                                   not limited by them */
     auvid_excitation_config_t excitation;    /**< see excitation.h; no segments: passive */
+    auvid_guard_config_t guard;              /**< see guard.h: the limits; set them for your site */
     auvid_velocity_source_t velocity;        /**< default AUVID_VELOCITY_GROUND */
     bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates:
                                    for our literal reading of the paper. Not with water lock.
@@ -103,6 +107,11 @@ typedef struct {
     } gps;
     struct {
         bool present;
+        uint64_t t_us;
+        auvid_real_t altitude_m; /**< above the bottom, >= 0; of the DVL, say. For the guard only */
+    } altitude;
+    struct {
+        bool present;
         /** Applied from t_us of this tick on, of all sources: pilot, controller, excitation [N,
          * Nm]. Who learns of it later (the excitation is an answer of this very step; feedback
          * tells of the tick gone by) leaves it out here and calls auvid_identifier_applied with its
@@ -111,6 +120,8 @@ typedef struct {
         auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them
                                                         */
     } applied;
+    bool saturated; /**< the thrusters are at a limit now, for whatever reason; for the guard. That
+                         the excitation alone is too much is known without */
 } auvid_input_t;
 
 /** News, a bit each; several at once. */
@@ -131,7 +142,13 @@ enum {
     AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF with a free parameter is driven in the
                                               ring's sets: nothing to search */
     AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
-    AUVID_EVENT_EXCITATION_DONE = 1u << 11 /**< the excitation's run came to its end */
+    AUVID_EVENT_EXCITATION_DONE = 1u << 11, /**< the excitation's run came to its end */
+    AUVID_EVENT_ALTITUDE_DROPPED = 1u << 12, /**< sample refused: not finite, negative, not newer
+                                                  than the one before, or ahead of the tick by more
+                                                  than nav.future_us */
+    AUVID_EVENT_ABORTED = 1u << 13,          /**< the guard aborted; why is in guard.trip */
+    AUVID_EVENT_SETTLED = 1u << 14 /**< the run is over and the vehicle calm (or the guard has
+                                        given up waiting): the guard is DONE */
 };
 
 /** Answer of a step. */
@@ -141,6 +158,8 @@ typedef struct {
                                                       Nm]; zero unless exciting, and on any status <
                                                       0 */
     auvid_real_t thruster_N[AUVID_MAX_THRUSTERS]; /**< the same as thruster forces [N] */
+    auvid_guard_state_t guard;                   /**< after this step */
+    auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
 /** Result of a search. */
@@ -180,6 +199,7 @@ typedef struct {
     auvid_optimizer_t optimizer;
     auvid_allocation_t allocation;
     auvid_excitation_t excitation;
+    auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
     auvid_estimate_t estimate;     /**< the last result */
     auvid_validation_t *validation; /* fed with every cell, if attached */
     uint64_t t_us;                 /* last tick */
@@ -195,7 +215,12 @@ typedef struct {
     auvid_real_t delay_s;          /* its delay, where that is searched too */
     auvid_real_t found_delay_s;    /* that of the last estimate */
     bool started;
-    bool starting, exciting;       /* the excitation: with the next step; now */
+    bool starting;                 /* the excitation: with the next step */
+    bool saturated;                /* the excitation's own allocation was, in the last step */
+    auvid_guard_seen_t altitude;   /* last sample taken */
+    auvid_guard_seen_t applied;    /* last wrench recorded */
+    auvid_real_t altitude_m;
+    auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     bool set_pending, searching, capped;
 } auvid_identifier_t;
 
@@ -216,19 +241,34 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * it does one that is all zeros. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
-/** Begin the excitation with the next step; one under way is begun anew, without a fade.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no excitation configured).
- */
+/** Let the guard watch: from now on a breach aborts. Needs a step with fresh sensors behind it, so
+ * call it until it is done, and then auvid_identifier_excite; nothing acts by itself later.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no excitation configured, or
+ * the guard is neither DISARMED nor DONE); AUVID_ERR_STALE, AUVID_ERR_LIMIT (see auvid_guard_arm;
+ * why is in guard.refused). */
+auvid_status_t auvid_identifier_arm(auvid_identifier_t *id);
+
+/** Begin the excitation with the next step.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (the guard is not ARMED). */
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
 
-/** End it: it fades out. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
+/** The normal end: the excitation fades out, then the guard is SETTLING and at last DONE.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
 auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
+
+/** The emergency stop: zero from the next step on, without a fade, latched; from any state.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
+auvid_status_t auvid_identifier_abort(auvid_identifier_t *id);
+
+/** Back to DISARMED, from any state: clears the latch. An excitation under way ends without a fade.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
+auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id);
 
 /** One control tick. Bad sensor samples are dropped and named in out->events; the tick goes on.
  * @param out always written whole (unless null)
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_TIME_BACK,
  * AUVID_ERR_TIME_SAME (in->t_us did not advance: nothing done, excitation zero, AUVID_EVENT_TIME).
- */
+ * On any status < 0 a guard that is watching aborts. */
 auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
                                      auvid_output_t *out);
 
