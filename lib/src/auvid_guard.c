@@ -8,43 +8,6 @@
 
 #include "auvid_math.h"
 
-static const char *const state_names[AUVID_GUARD_STATE_COUNT] = {"disarmed", "armed", "exciting",
-                                                                 "settling", "done",  "aborted"};
-
-static const char *const cause_names[AUVID_GUARD_CAUSE_COUNT] = {
-    "none",
-    "aborted by the operator",
-    "a tick without input",
-    "time did not advance",
-    "a tick took too long",
-    "no sign of life from the operator",
-    "no attitude from the IMU",
-    "no velocity over ground",
-    "no depth",
-    "the altitude was lost",
-    "no applied wrench is recorded",
-    "too shallow",
-    "too deep",
-    "too close to the bottom",
-    "too much roll",
-    "too much pitch",
-    "too fast",
-    "turning too fast",
-    "too far from where it was armed",
-    "running for too long",
-    "the thrusters stayed saturated",
-};
-
-const char *auvid_guard_state_str(auvid_guard_state_t state)
-{
-    return (unsigned)state < AUVID_GUARD_STATE_COUNT ? state_names[state] : "unknown state";
-}
-
-const char *auvid_guard_cause_str(auvid_guard_cause_t cause)
-{
-    return (unsigned)cause < AUVID_GUARD_CAUSE_COUNT ? cause_names[cause] : "unknown cause";
-}
-
 void auvid_guard_defaults(auvid_guard_config_t *cfg)
 {
     if (cfg == NULL) {
@@ -126,9 +89,11 @@ static uint64_t apart_us(uint64_t a_us, uint64_t b_us)
     return a_us > b_us ? a_us - b_us : b_us - a_us;
 }
 
+/* What is not finite stays so; the square root alone would make NaN a zero. */
 static auvid_real_t norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
 {
-    return auvid_sqrt(x * x + y * y + z * z);
+    auvid_real_t sum = x * x + y * y + z * z;
+    return auvid_is_finite(sum) ? auvid_sqrt(sum) : sum;
 }
 
 static bool is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32_t stale_us)

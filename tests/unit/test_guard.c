@@ -1,0 +1,844 @@
+/*
+ * The guard: every limit, every silent sensor, every value that is not finite takes the permission
+ * away in the very step that sees it, for good, and says why.
+ */
+#include "auvid/guard.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "unity.h"
+
+#define TICK 20000u
+#define START 5000000u
+
+static auvid_guard_config_t cfg;
+static auvid_guard_t g;
+static auvid_guard_input_t in;
+static uint64_t now;
+
+static void see(auvid_guard_seen_t *seen)
+{
+    seen->t_us = now;
+    seen->known = true;
+}
+
+/* Everything fresh, the vehicle moving a little, well within the limits. */
+static void all_is_well(void)
+{
+    memset(&in, 0, sizeof in);
+    see(&in.imu);
+    see(&in.velocity);
+    see(&in.depth);
+    see(&in.altitude);
+    see(&in.applied);
+    in.position[0] = 101;
+    in.position[1] = -50;
+    in.position[2] = 10;
+    in.roll = AUVID_C(0.1);
+    in.pitch = AUVID_C(-0.1);
+    in.velocity_ground[0] = AUVID_C(0.5);
+    in.rates[2] = AUVID_C(0.2);
+    in.altitude_m = 8;
+}
+
+void setUp(void)
+{
+    auvid_guard_defaults(&cfg);
+    memset(&g, 0, sizeof g);
+    now = START;
+    all_is_well();
+}
+
+void tearDown(void)
+{
+}
+
+static bool step(void)
+{
+    now += TICK;
+    return auvid_guard_step(&g, now, &in);
+}
+
+static bool step_well(void)
+{
+    now += TICK;
+    all_is_well();
+    return auvid_guard_step(&g, now, &in);
+}
+
+/* To one of the states that are watched, all well; excitation since now. */
+static void go(auvid_guard_state_t state)
+{
+    now = START;
+    all_is_well();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_FALSE(step_well());
+    if (state != AUVID_GUARD_ARMED) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+        TEST_ASSERT_TRUE(step_well());
+    }
+    if (state == AUVID_GUARD_SETTLING) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&g, now));
+        TEST_ASSERT_FALSE(step_well());
+    }
+    TEST_ASSERT_EQUAL(state, g.state);
+}
+
+static void check_aborted(auvid_guard_cause_t cause, double value, double limit)
+{
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, g.state);
+    TEST_ASSERT_EQUAL_STRING(auvid_guard_cause_str(cause), auvid_guard_cause_str(g.trip.cause));
+    if (isnan(value)) {
+        TEST_ASSERT_TRUE(isnan((double)g.trip.value));
+    } else {
+        TEST_ASSERT_EQUAL_FLOAT((float)value, (float)g.trip.value);
+    }
+    TEST_ASSERT_EQUAL_FLOAT((float)limit, (float)g.trip.limit);
+    TEST_ASSERT_EQUAL_UINT64(now, g.trip.t_us);
+}
+
+/* Aborted now, and it stays so when all is well again. */
+static void check_latched(auvid_guard_cause_t cause, double value, double limit)
+{
+    check_aborted(cause, value, limit);
+    auvid_guard_trip_t trip = g.trip;
+    for (int k = 0; k < 200; ++k) {
+        TEST_ASSERT_FALSE(step_well());
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, g.state);
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_arm(&g, now, &in));
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_finished(&g, now));
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&trip, &g.trip, sizeof trip);
+}
+
+/* `where` takes `value`: at once a breach in every watched state, none with the limit off; armed in
+ * no case. A value just inside the limit is none. */
+static void check_limit(auvid_real_t *where, double value, auvid_guard_cause_t cause, double told,
+                        double limit, double inside)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        *where = (auvid_real_t)inside;
+        TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step());
+        now += TICK;
+        all_is_well();
+        *where = (auvid_real_t)value;
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+        check_latched(cause, told, limit);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    all_is_well();
+    *where = (auvid_real_t)value;
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, g.state);
+    TEST_ASSERT_EQUAL(cause, g.refused.cause);
+    cfg.off = AUVID_GUARD_BIT(cause);
+    go(AUVID_GUARD_EXCITING);
+    *where = (auvid_real_t)value;
+    bool otherwise = cause == AUVID_GUARD_DEPTH_MIN && !isfinite(value); /* the other limit */
+    TEST_ASSERT_EQUAL(!otherwise, step());
+    cfg.off = 0;
+}
+
+static void test_too_shallow(void)
+{
+    check_limit(&in.position[2], 0.99, AUVID_GUARD_DEPTH_MIN, 0.99, 1, 1);
+}
+
+static void test_too_deep(void)
+{
+    check_limit(&in.position[2], 100.1, AUVID_GUARD_DEPTH_MAX, 100.1, 100, 100);
+}
+
+static void test_too_close_to_the_bottom(void)
+{
+    check_limit(&in.altitude_m, 1.99, AUVID_GUARD_ALTITUDE, 1.99, 2, 2);
+}
+
+static void test_too_much_roll_to_either_side(void)
+{
+    check_limit(&in.roll, 0.61, AUVID_GUARD_ROLL, 0.61, 0.6, 0.6);
+    check_limit(&in.roll, -0.61, AUVID_GUARD_ROLL, 0.61, 0.6, -0.6);
+}
+
+static void test_too_much_pitch_up_or_down(void)
+{
+    check_limit(&in.pitch, 0.61, AUVID_GUARD_PITCH, 0.61, 0.6, 0.6);
+    check_limit(&in.pitch, -0.61, AUVID_GUARD_PITCH, 0.61, 0.6, -0.6);
+}
+
+static void test_too_fast_in_all_three_axes_together(void)
+{
+    cfg.speed_max = AUVID_C(0.7);
+    check_limit(&in.velocity_ground[1], -1.2, AUVID_GUARD_SPEED, 1.3, 0.7, -0.4);
+    check_limit(&in.velocity_ground[2], 1.2, AUVID_GUARD_SPEED, 1.3, 0.7, 0.4);
+}
+
+static void test_turning_too_fast_either_way(void)
+{
+    check_limit(&in.rates[2], 1.6, AUVID_GUARD_YAW_RATE, 1.6, 1.5, 1.5);
+    check_limit(&in.rates[2], -1.6, AUVID_GUARD_YAW_RATE, 1.6, 1.5, -1.5);
+}
+
+static void check_distance(auvid_real_t *where, double value, double inside)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        *where = (auvid_real_t)inside;
+        TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step());
+        *where = (auvid_real_t)value;
+        TEST_ASSERT_FALSE(step());
+        check_latched(AUVID_GUARD_DISTANCE, 31, 30);
+    }
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    go(AUVID_GUARD_EXCITING);
+    *where = (auvid_real_t)value;
+    TEST_ASSERT_TRUE(step());
+    cfg.off = 0;
+}
+
+static void test_too_far_from_where_it_was_armed(void)
+{
+    check_distance(&in.position[0], 101 + 31, 101 + 30);
+    check_distance(&in.position[1], -50 - 31, -50 - 30);
+}
+
+static void test_depth_does_not_count_as_distance(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    in.position[2] = 90;
+    TEST_ASSERT_TRUE(step());
+}
+
+static void test_the_run_takes_too_long(void)
+{
+    cfg.run_max_s = 3;
+    go(AUVID_GUARD_ARMED);
+    while (now < START + 10000000u) { /* being armed is no run */
+        TEST_ASSERT_FALSE(step_well());
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    for (uint64_t end = now + 3000000u; now < end;) {
+        TEST_ASSERT_TRUE(step_well());
+    }
+    TEST_ASSERT_FALSE(step_well());
+    check_latched(AUVID_GUARD_RUN_TIME, 3.02, 3);
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_RUN_TIME);
+    go(AUVID_GUARD_EXCITING);
+    while (now < START + 10000000u) {
+        TEST_ASSERT_TRUE(step_well());
+    }
+}
+
+static void test_a_run_may_be_longer_than_32_bits_of_microseconds(void)
+{
+    cfg.run_max_s = 5000;
+    cfg.max_tick_us = 4000000000u;
+    go(AUVID_GUARD_EXCITING);
+    now += 3500000000u;
+    TEST_ASSERT_TRUE(step_well());
+    now += 1600000000u;
+    TEST_ASSERT_FALSE(step_well());
+    check_aborted(AUVID_GUARD_RUN_TIME, 5100.04, 5000);
+}
+
+/* One sensor stays silent while the others speak. */
+static void check_silence(auvid_guard_seen_t *sensor, auvid_guard_cause_t cause, uint32_t stale_us)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        if (cause == AUVID_GUARD_APPLIED_STALE && state != AUVID_GUARD_EXCITING) {
+            continue;
+        }
+        go((auvid_guard_state_t)state);
+        uint64_t last = now;
+        for (;;) {
+            now += TICK;
+            all_is_well();
+            sensor->t_us = last;
+            if (now - last > stale_us) {
+                break;
+            }
+            TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, auvid_guard_step(&g, now, &in));
+        }
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+        check_latched(cause, 1e-6 * (double)(now - last), 1e-6 * stale_us);
+    }
+    cfg.off = AUVID_GUARD_BIT(cause);
+    go(AUVID_GUARD_EXCITING);
+    for (int k = 0; k < 1000; ++k) {
+        now += TICK;
+        all_is_well();
+        sensor->known = false;
+        TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    }
+    cfg.off = 0;
+}
+
+static void check_cannot_arm(auvid_guard_seen_t *sensor, auvid_guard_cause_t cause)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    all_is_well();
+    sensor->known = false;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(cause, g.refused.cause);
+    TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)g.refused.value);
+    all_is_well();
+    sensor->t_us = now - 1100000u;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL_FLOAT(1.1f, (float)g.refused.value);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, g.state);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    all_is_well();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, g.refused.cause);
+}
+
+static void test_the_imu_is_silent(void)
+{
+    check_silence(&in.imu, AUVID_GUARD_IMU_STALE, 200000);
+    check_cannot_arm(&in.imu, AUVID_GUARD_IMU_STALE);
+}
+
+static void test_no_velocity_is_accepted(void)
+{
+    check_silence(&in.velocity, AUVID_GUARD_VELOCITY_STALE, 1000000);
+    check_cannot_arm(&in.velocity, AUVID_GUARD_VELOCITY_STALE);
+}
+
+static void test_no_depth_is_accepted(void)
+{
+    check_silence(&in.depth, AUVID_GUARD_DEPTH_STALE, 1000000);
+    check_cannot_arm(&in.depth, AUVID_GUARD_DEPTH_STALE);
+}
+
+static void test_the_altitude_is_lost(void)
+{
+    check_silence(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
+    cfg.altitude_required = true;
+    check_silence(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
+    check_cannot_arm(&in.altitude, AUVID_GUARD_ALTITUDE_STALE);
+}
+
+static void test_no_applied_wrench_is_recorded(void)
+{
+    check_silence(&in.applied, AUVID_GUARD_APPLIED_STALE, 1000000);
+}
+
+static void test_an_applied_wrench_that_never_was_counts_from_excite_on(void)
+{
+    go(AUVID_GUARD_ARMED);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    for (uint64_t end = now + 1000000u; now < end;) {
+        in.applied.known = false;
+        now += TICK;
+        all_is_well();
+        in.applied.known = false;
+        TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    }
+    now += TICK;
+    all_is_well();
+    in.applied.known = false;
+    TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    check_aborted(AUVID_GUARD_APPLIED_STALE, 1.02, 1);
+}
+
+static void test_a_sample_from_far_ahead_does_not_count_as_fresh(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    in.velocity.t_us = now + 100000000u;
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_VELOCITY_STALE, 99.98, 1);
+}
+
+static void test_depth_need_not_be_known_where_both_its_limits_are_off(void)
+{
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN);
+    check_cannot_arm(&in.depth, AUVID_GUARD_DEPTH_STALE);
+    cfg.off |= AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    in.depth.known = false;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+}
+
+static void test_where_no_altitude_was_ever_known_its_limit_is_not_watched(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    in.altitude.known = false;
+    in.altitude_m = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    TEST_ASSERT_TRUE(step());
+    TEST_ASSERT_TRUE(step_well()); /* but once it was known, */
+    for (uint64_t end = now + 1000000u; now < end;) {
+        now += TICK;
+        all_is_well();
+        in.altitude.known = false;
+        if (!auvid_guard_step(&g, now, &in)) {
+            break;
+        }
+    }
+    check_aborted(AUVID_GUARD_ALTITUDE_STALE, (double)AUVID_LARGEST, 1); /* losing it is a breach */
+}
+
+/* ---- not finite ---- */
+
+static void check_not_finite(auvid_real_t *where, auvid_guard_cause_t cause, double limit)
+{
+    static const double values[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; ++i) {
+        go(AUVID_GUARD_EXCITING);
+        *where = (auvid_real_t)values[i];
+        TEST_ASSERT_FALSE(step());
+        bool positive = cause != AUVID_GUARD_DEPTH_MIN && cause != AUVID_GUARD_ALTITUDE;
+        double told = positive && !isnan(values[i]) ? INFINITY : values[i];
+        check_latched(cause, told, limit);
+    }
+}
+
+static void test_a_depth_that_is_not_finite(void)
+{
+    check_not_finite(&in.position[2], AUVID_GUARD_DEPTH_MIN, 1);
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN);
+    go(AUVID_GUARD_EXCITING);
+    in.position[2] = -(auvid_real_t)INFINITY;
+    TEST_ASSERT_FALSE(step());
+    check_latched(AUVID_GUARD_DEPTH_MAX, -INFINITY, 100);
+}
+
+static void test_an_altitude_that_is_not_finite(void)
+{
+    check_not_finite(&in.altitude_m, AUVID_GUARD_ALTITUDE, 2);
+}
+
+static void test_a_roll_that_is_not_finite(void)
+{
+    check_not_finite(&in.roll, AUVID_GUARD_ROLL, 0.6);
+}
+
+static void test_a_pitch_that_is_not_finite(void)
+{
+    check_not_finite(&in.pitch, AUVID_GUARD_PITCH, 0.6);
+}
+
+static void test_a_velocity_that_is_not_finite(void)
+{
+    for (int i = 0; i < 3; ++i) {
+        go(AUVID_GUARD_EXCITING);
+        in.velocity_ground[i] = (auvid_real_t)NAN;
+        TEST_ASSERT_FALSE(step());
+        check_latched(AUVID_GUARD_SPEED, NAN, 1.5);
+    }
+}
+
+static void test_a_yaw_rate_that_is_not_finite(void)
+{
+    check_not_finite(&in.rates[2], AUVID_GUARD_YAW_RATE, 1.5);
+}
+
+static void test_a_position_that_is_not_finite(void)
+{
+    for (int i = 0; i < 2; ++i) {
+        go(AUVID_GUARD_EXCITING);
+        in.position[i] = (auvid_real_t)NAN;
+        TEST_ASSERT_FALSE(step());
+        check_latched(AUVID_GUARD_DISTANCE, NAN, 30);
+    }
+}
+
+/* ---- saturation ---- */
+
+static void test_lasting_saturation(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        uint64_t since = now + TICK;
+        for (;;) {
+            now += TICK;
+            all_is_well();
+            in.saturated = true;
+            if (now - since >= 1000000u) {
+                break;
+            }
+            TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, auvid_guard_step(&g, now, &in));
+        }
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+        check_latched(AUVID_GUARD_SATURATION, 1, 1);
+    }
+}
+
+static void test_saturation_with_interruptions_is_none(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    for (int k = 1; k < 1000; ++k) {
+        now += TICK;
+        all_is_well();
+        in.saturated = k % 50 != 0;
+        TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    }
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_SATURATION);
+    go(AUVID_GUARD_EXCITING);
+    for (int k = 1; k < 1000; ++k) {
+        now += TICK;
+        all_is_well();
+        in.saturated = true;
+        TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    }
+}
+
+/* ---- operator, time, link, input ---- */
+
+static void test_the_operator_aborts_from_any_state(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now));
+        check_latched(AUVID_GUARD_OPERATOR, 0, 0);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg)); /* an arm on its way is refused */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now));
+    check_latched(AUVID_GUARD_OPERATOR, 0, 0);
+}
+
+static void test_an_abort_after_a_breach_keeps_the_first_cause(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    in.roll = 1;
+    TEST_ASSERT_FALSE(step());
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now));
+    check_latched(AUVID_GUARD_ROLL, 1, 0.6);
+}
+
+static void test_time_that_goes_back_or_stands_still(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        for (uint64_t back = 0; back <= 40000; back += 40000) {
+            go((auvid_guard_state_t)state);
+            now -= back;
+            TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+            check_latched(AUVID_GUARD_TIME, -1e-6 * (double)back, 0);
+        }
+    }
+}
+
+static void test_arm_excite_and_step_may_share_a_time(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    check_aborted(AUVID_GUARD_TIME, 0, 0);
+}
+
+static void test_a_loop_that_stalled_does_not_come_back_exciting(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        now += 230000;
+        TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step_well()); /* 250 ms */
+        now += 230001;
+        TEST_ASSERT_FALSE(step_well());
+        check_latched(AUVID_GUARD_TICK, 0.250001, 0.25);
+    }
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_TICK);
+    go(AUVID_GUARD_EXCITING);
+    now += 5000000;
+    TEST_ASSERT_TRUE(step_well());
+}
+
+static void test_a_step_without_input(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    now += TICK;
+    TEST_ASSERT_FALSE(auvid_guard_step(&g, now, NULL));
+    check_latched(AUVID_GUARD_NO_INPUT, 0, 0);
+}
+
+static void test_the_operator_falls_silent(void)
+{
+    cfg.alive_us = 500000;
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+        for (uint64_t end = now + 500000u; now < end;) {
+            TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step_well());
+        }
+        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_alive(&g, START - 1));
+        TEST_ASSERT_FALSE(step_well());
+        check_latched(AUVID_GUARD_LINK, 0.52, 0.5);
+    }
+}
+
+static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
+{
+    cfg.alive_us = 500000;
+    go(AUVID_GUARD_EXCITING);
+    for (int k = 1; k < 1000; ++k) {
+        if (k % 20 == 0) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+        }
+        TEST_ASSERT_TRUE(step_well());
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now + 100000000u)); /* not for ever after */
+    TEST_ASSERT_FALSE(step_well());
+    TEST_ASSERT_EQUAL(AUVID_GUARD_LINK, g.trip.cause);
+}
+
+/* ---- the states ---- */
+
+static void test_a_run_from_arm_to_done(void)
+{
+    go(AUVID_GUARD_SETTLING);
+    for (int k = 0; k < 100; ++k) { /* 0.5 m/s is not calm */
+        TEST_ASSERT_FALSE(step_well());
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, g.state);
+    uint64_t calm = now + TICK;
+    while (g.state == AUVID_GUARD_SETTLING) {
+        now += TICK;
+        all_is_well();
+        in.velocity_ground[0] = AUVID_C(0.05);
+        in.rates[2] = AUVID_C(0.05);
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state);
+    TEST_ASSERT_EQUAL_UINT64(calm + 2000000u, now);
+    in.roll = 3;
+    TEST_ASSERT_FALSE(step());
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state); /* no longer watched */
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in));
+    all_is_well();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    TEST_ASSERT_TRUE(step_well());
+}
+
+static void test_calm_must_last(void)
+{
+    go(AUVID_GUARD_SETTLING);
+    for (int k = 1; now < START + 25000000u; ++k) {
+        now += TICK;
+        all_is_well();
+        in.velocity_ground[0] = k % 90 == 0 ? AUVID_C(0.11) : AUVID_C(0.0);
+        in.rates[2] = 0;
+        in.rates[0] = k % 90 == 45 ? AUVID_C(0.11) : AUVID_C(0.0);
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+        TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, g.state);
+    }
+}
+
+static void test_settling_is_given_up_after_a_while(void)
+{
+    go(AUVID_GUARD_SETTLING);
+    uint64_t since = now - TICK;
+    while (g.state == AUVID_GUARD_SETTLING) {
+        TEST_ASSERT_FALSE(step_well());
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state);
+    TEST_ASSERT_EQUAL_UINT64(since + 30000000u, now);
+}
+
+static void test_disarm_leads_out_of_every_state(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+        go((auvid_guard_state_t)state);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_disarm(&g));
+        TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, g.state);
+        TEST_ASSERT_FALSE(step_well());
+        in.roll = 3;
+        TEST_ASSERT_FALSE(step());
+        TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, g.state);
+    }
+}
+
+static void test_after_an_abort_disarm_and_arm_lead_back(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    in.roll = 1;
+    TEST_ASSERT_FALSE(step());
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_disarm(&g));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, g.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in)); /* it still rolls */
+    all_is_well();
+    in.position[0] = 500; /* home is anew */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+    TEST_ASSERT_TRUE(step());
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, g.state);
+}
+
+static void test_calls_out_of_order_are_refused_and_change_nothing(void)
+{
+    auvid_guard_t before;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    before = g;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_finished(&g, now));
+    TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &g, sizeof g);
+    go(AUVID_GUARD_EXCITING);
+    before = g;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &g, sizeof g);
+}
+
+static void test_a_guard_that_is_all_zeros_permits_nothing(void)
+{
+    auvid_guard_t zeros;
+    memset(&zeros, 0, sizeof zeros);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_abort(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_disarm(&g));
+    TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    TEST_ASSERT_EQUAL_MEMORY(&zeros, &g, sizeof g);
+}
+
+/* ---- configuration ---- */
+
+static void check_init(auvid_status_t status)
+{
+    auvid_guard_t before;
+    memset(&g, 0x5A, sizeof g);
+    before = g;
+    TEST_ASSERT_EQUAL(status, auvid_guard_init(&g, &cfg));
+    if (status < 0) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &g, sizeof g);
+    }
+}
+
+static void test_limits_that_are_negative_or_not_finite_are_refused(void)
+{
+    auvid_real_t *const limits[] = {&cfg.depth_min_m,  &cfg.depth_max_m,    &cfg.altitude_min_m,
+                                    &cfg.roll_max_rad, &cfg.pitch_max_rad,  &cfg.speed_max,
+                                    &cfg.yaw_rate_max, &cfg.distance_max_m, &cfg.calm_speed,
+                                    &cfg.calm_rate};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        auvid_real_t good = *limits[i];
+        *limits[i] = -good;
+        check_init(AUVID_ERR_RANGE);
+        *limits[i] = (auvid_real_t)NAN;
+        check_init(AUVID_ERR_NOT_FINITE);
+        *limits[i] = (auvid_real_t)INFINITY;
+        check_init(AUVID_ERR_NOT_FINITE);
+        *limits[i] = good;
+    }
+    check_init(AUVID_OK);
+}
+
+static void test_depth_limits_the_wrong_way_round_are_refused(void)
+{
+    cfg.depth_min_m = 101;
+    check_init(AUVID_ERR_BOUNDS);
+}
+
+static void test_what_cannot_be_switched_off_is_refused(void)
+{
+    for (int cause = 0; cause < 32; ++cause) {
+        bool may = cause >= AUVID_GUARD_TICK && cause < AUVID_GUARD_CAUSE_COUNT &&
+                   cause != AUVID_GUARD_LINK;
+        cfg.off = AUVID_GUARD_BIT(cause);
+        check_init(may ? AUVID_OK : AUVID_ERR_RANGE);
+    }
+}
+
+static void test_a_limit_of_zero_is_a_limit_of_zero(void)
+{
+    cfg.roll_max_rad = 0;
+    check_init(AUVID_OK);
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in));
+    in.roll = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+}
+
+static void test_null_is_refused(void)
+{
+    auvid_guard_defaults(NULL);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_init(NULL, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_init(&g, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_arm(NULL, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_arm(&g, now, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_excite(NULL, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_finished(NULL, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_abort(NULL, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_disarm(NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_alive(NULL, now));
+    TEST_ASSERT_FALSE(auvid_guard_step(NULL, now, &in));
+}
+
+static void test_every_state_and_cause_has_words_of_its_own(void)
+{
+    for (int i = 0; i < AUVID_GUARD_CAUSE_COUNT; ++i) {
+        for (int j = 0; j < i; ++j) {
+            TEST_ASSERT_TRUE(strcmp(auvid_guard_cause_str((auvid_guard_cause_t)i),
+                                    auvid_guard_cause_str((auvid_guard_cause_t)j)) != 0);
+        }
+    }
+    for (int i = 0; i < AUVID_GUARD_STATE_COUNT; ++i) {
+        TEST_ASSERT_TRUE(strlen(auvid_guard_state_str((auvid_guard_state_t)i)) > 3);
+    }
+    TEST_ASSERT_EQUAL_STRING("unknown cause", auvid_guard_cause_str(AUVID_GUARD_CAUSE_COUNT));
+    TEST_ASSERT_EQUAL_STRING("unknown state", auvid_guard_state_str((auvid_guard_state_t)-1));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_too_shallow);
+    RUN_TEST(test_too_deep);
+    RUN_TEST(test_too_close_to_the_bottom);
+    RUN_TEST(test_too_much_roll_to_either_side);
+    RUN_TEST(test_too_much_pitch_up_or_down);
+    RUN_TEST(test_too_fast_in_all_three_axes_together);
+    RUN_TEST(test_turning_too_fast_either_way);
+    RUN_TEST(test_too_far_from_where_it_was_armed);
+    RUN_TEST(test_depth_does_not_count_as_distance);
+    RUN_TEST(test_the_run_takes_too_long);
+    RUN_TEST(test_a_run_may_be_longer_than_32_bits_of_microseconds);
+    RUN_TEST(test_the_imu_is_silent);
+    RUN_TEST(test_no_velocity_is_accepted);
+    RUN_TEST(test_no_depth_is_accepted);
+    RUN_TEST(test_the_altitude_is_lost);
+    RUN_TEST(test_no_applied_wrench_is_recorded);
+    RUN_TEST(test_an_applied_wrench_that_never_was_counts_from_excite_on);
+    RUN_TEST(test_a_sample_from_far_ahead_does_not_count_as_fresh);
+    RUN_TEST(test_depth_need_not_be_known_where_both_its_limits_are_off);
+    RUN_TEST(test_where_no_altitude_was_ever_known_its_limit_is_not_watched);
+    RUN_TEST(test_a_depth_that_is_not_finite);
+    RUN_TEST(test_an_altitude_that_is_not_finite);
+    RUN_TEST(test_a_roll_that_is_not_finite);
+    RUN_TEST(test_a_pitch_that_is_not_finite);
+    RUN_TEST(test_a_velocity_that_is_not_finite);
+    RUN_TEST(test_a_yaw_rate_that_is_not_finite);
+    RUN_TEST(test_a_position_that_is_not_finite);
+    RUN_TEST(test_lasting_saturation);
+    RUN_TEST(test_saturation_with_interruptions_is_none);
+    RUN_TEST(test_the_operator_aborts_from_any_state);
+    RUN_TEST(test_an_abort_after_a_breach_keeps_the_first_cause);
+    RUN_TEST(test_time_that_goes_back_or_stands_still);
+    RUN_TEST(test_arm_excite_and_step_may_share_a_time);
+    RUN_TEST(test_a_loop_that_stalled_does_not_come_back_exciting);
+    RUN_TEST(test_a_step_without_input);
+    RUN_TEST(test_the_operator_falls_silent);
+    RUN_TEST(test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going);
+    RUN_TEST(test_a_run_from_arm_to_done);
+    RUN_TEST(test_calm_must_last);
+    RUN_TEST(test_settling_is_given_up_after_a_while);
+    RUN_TEST(test_disarm_leads_out_of_every_state);
+    RUN_TEST(test_after_an_abort_disarm_and_arm_lead_back);
+    RUN_TEST(test_calls_out_of_order_are_refused_and_change_nothing);
+    RUN_TEST(test_a_guard_that_is_all_zeros_permits_nothing);
+    RUN_TEST(test_limits_that_are_negative_or_not_finite_are_refused);
+    RUN_TEST(test_depth_limits_the_wrong_way_round_are_refused);
+    RUN_TEST(test_what_cannot_be_switched_off_is_refused);
+    RUN_TEST(test_a_limit_of_zero_is_a_limit_of_zero);
+    RUN_TEST(test_null_is_refused);
+    RUN_TEST(test_every_state_and_cause_has_words_of_its_own);
+    return UNITY_END();
+}
