@@ -141,12 +141,16 @@ static void take_cells(auvid_identifier_t *id, int most)
         if (status == AUVID_GAP) {
             auvid_metric_gap(&id->metric);
             auvid_validation_gap(id->validation);
+            auvid_validation_gap(&id->prediction);
             id->events |= AUVID_EVENT_GAP;
         } else if (status != AUVID_OK) {
             return;
         } else {
             if (id->validation != NULL) {
                 (void)auvid_validation_add(id->validation, &cell);
+            }
+            if (id->prediction.vehicle != NULL) {
+                (void)auvid_validation_add(&id->prediction, &cell);
             }
             if (auvid_metric_add(&id->metric, &cell) == AUVID_SET_COMPLETE) {
                 id->set_pending = true;

@@ -1,14 +1,15 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
  *
- *     set complete -> MERGE -> ASK <-> COST -> MEASURE -> estimate -> IDLE
- *                       ^       |
- *                       +-------+   another set completes: costs are stale
+ *     set complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> (LINEARISE) -> CONFIDENCE
+ *                       ^                |                                          |
+ *                       +----------------+ another set completes: costs are stale   +-> estimate
+ *
+ * Judging is in auvid_identifier_judge.c.
  */
-#include "auvid/identifier.h"
-
 #include <string.h>
 
+#include "auvid_identifier.h"
 #include "auvid_math.h"
 
 /* Is the delay one of the parameters of the search? It is the last one then. */
@@ -78,9 +79,10 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
     if (id->cfg.has_good) {
         add_point(id, &search, id->cfg.good, id->cfg.metric.delay_s[0]);
     }
-    if (id->estimate.number > 0) {
-        add_point(id, &search, id->estimate.pi, id->found_delay_s);
+    if (id->estimate.number > 0 && !id->anew) {
+        add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
     }
+    id->anew = false;
     return AUVID_OK;
 }
 
@@ -136,7 +138,6 @@ static void publish(auvid_identifier_t *id)
     e->identified = auvid_metric_active(&id->metric);
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
-    id->found_delay_s = id->delay_s;
     (void)auvid_optimizer_best(&id->optimizer, &e->cost);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool common = id->cfg.vehicle->regressor == NULL && (e->driven >> j & 1);
@@ -147,9 +148,44 @@ static void publish(auvid_identifier_t *id)
     e->capped = id->capped;
     e->evaluations_crs = work.crs;
     e->evaluations_line = work.line_search;
+    e->confidence = id->confidence.result;
+    e->accepted = false;
+    auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     id->searching = false;
     id->phase = AUVID_WORK_IDLE;
+}
+
+void auvid_identifier_begin_merge(auvid_identifier_t *id)
+{
+    auvid_metric_merge_begin(&id->metric);
+    id->phase = AUVID_WORK_MERGE;
+}
+
+/* The result's residuals, their derivatives where the model is not linear, and what they say. */
+static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_metric_t *m = &id->metric;
+    auvid_status_t status = AUVID_OK;
+    if (id->phase == AUVID_WORK_MEASURE) {
+        status = auvid_metric_measure(m, budget);
+        if (status == AUVID_OK) {
+            auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
+            id->phase = AUVID_WORK_LINEARISE;
+        }
+    } else if (id->phase == AUVID_WORK_LINEARISE) {
+        status = auvid_metric_linearise(m, budget);
+        if (status == AUVID_OK) {
+            auvid_confidence_begin(&id->confidence, m, id->candidate, id->cfg.dry_mass_kg);
+            id->phase = AUVID_WORK_CONFIDENCE;
+        }
+    } else {
+        status = auvid_confidence_work(&id->confidence, budget);
+        if (status == AUVID_OK) {
+            publish(id);
+        }
+    }
+    return status;
 }
 
 /* One stretch of work in the present phase. */
@@ -179,10 +215,15 @@ static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
         }
         break;
     case AUVID_WORK_MEASURE:
-        status = auvid_metric_measure(&id->metric, budget);
-        if (status == AUVID_OK) {
-            publish(id);
-        }
+    case AUVID_WORK_LINEARISE:
+    case AUVID_WORK_CONFIDENCE:
+        status = assess(id, budget);
+        break;
+    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREDICT:
+    case AUVID_WORK_COMPARE:
+    case AUVID_WORK_JUDGE:
+        status = auvid_identifier_judge(id, budget);
         break;
     case AUVID_WORK_IDLE:
     default:
@@ -203,8 +244,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     auvid_status_t status = AUVID_OK;
     if (id->set_pending && budget > 0) {
         id->set_pending = false;
-        auvid_metric_merge_begin(&id->metric);
-        id->phase = AUVID_WORK_MERGE;
+        auvid_identifier_begin_set(id);
     }
     while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
         status = advance(id, &left);

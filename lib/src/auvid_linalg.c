@@ -53,3 +53,14 @@ int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_
     }
     return lost;
 }
+
+void auvid_triangle_solve_left(const auvid_real_t *triangle, int n, int m, auvid_real_t *x)
+{
+    for (int i = 0; i < m; ++i) {
+        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        x[i] = auvid_abs(r[0]) > AUVID_C(0.0) ? x[i] / r[0] : AUVID_C(0.0);
+        for (int j = i + 1; j < m; ++j) {
+            x[j] -= r[j - i] * x[i];
+        }
+    }
+}

@@ -34,4 +34,8 @@ auvid_real_t auvid_triangle_norm(const auvid_real_t *triangle, int n, int i);
 int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny,
                          auvid_real_t *x);
 
+/** The same for the transposed of the leading m columns: x R = right-hand side, without test of the
+ * pivots: a zero one makes its x zero. */
+void auvid_triangle_solve_left(const auvid_real_t *triangle, int n, int m, auvid_real_t *x);
+
 #endif

@@ -51,11 +51,49 @@ static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
 /** Weights of the wrench at those delays for a delay, or a first-order lag, of s distances. */
 void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);
 
+/** Rows between windows of residuals that are linearised: the window's standard deviation, which is
+ * sqrt(window_length - 1) / 2 rows. */
+static inline int auvid_metric_stride(const auvid_metric_t *m)
+{
+    int stride = 1;
+    while (4 * (stride + 1) * (stride + 1) <= m->window_length - 1) {
+        ++stride;
+    }
+    return stride;
+}
+
+/** Derivatives of those weights by s. */
+void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);
+
+/** ||T l||^2, T the last 3 x 3 block of DoF j's merged triangle: what no pi explains at delay, or
+ * first-order lag, s [distances of the nodes]. */
+auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag);
+
+/** Put rows whose pivot is rounding only back to where they can be explained, or not. */
+void auvid_metric_clear_dependent(auvid_metric_t *m, int j);
+
+/** The stored sample with wrench and commands at the candidate's delay. */
+auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row);
+
+/** Take pi and the common delay for what follows. */
+void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s);
+
+/** Was a row taken at `later_us` the next after one at `earlier_us`? To half a cell. */
+static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earlier_us,
+                                         uint64_t later_us)
+{
+    uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
+    return later_us - earlier_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
+}
+
 /** What a walk through the rows of all sets is for. */
-enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE };
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
+
+/** Rotate all sets' rows together, passes on from the present one, one unit a row. @return done */
+bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget);
 
 /** Go on with it, one unit of the budget a row. @return it is at its end */
 bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget);

@@ -14,7 +14,7 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
                           : auvid_metric_node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
 }
 
-static void take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
+void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
@@ -37,7 +37,7 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auv
 {
     if (metric != NULL && pi != NULL) {
         metric->pass = PASS_COST;
-        take_candidate(metric, pi, delay_s);
+        auvid_metric_take_candidate(metric, pi, delay_s);
     }
 }
 
@@ -69,8 +69,7 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-/* The stored sample with wrench and commands at the candidate's delay. */
-static auvid_sample_t delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
+auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
 {
     const auvid_real_t *l = m->delay_weight;
     auvid_sample_t s = row->sample;
@@ -84,13 +83,11 @@ static auvid_sample_t delayed_sample(const auvid_metric_t *m, const auvid_row_t 
     return s;
 }
 
-/* Residuals of one stored row into the window; rows are successive when their times are, to half a
- * cell. @return the window is full of successive rows */
+/* Residuals of one stored row into the window. @return the window is full of successive rows */
 static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
-    uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
-    auvid_sample_t sample = delayed_sample(m, row);
-    if (sample.t_us - m->window_us + m->cfg.cell_us / 2 - row_us > m->cfg.cell_us) {
+    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+    if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
         m->window_rows = 0;
     }
     m->window_us = sample.t_us;
@@ -153,7 +150,7 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 {
     if (metric != NULL && pi != NULL) {
         auvid_metric_rewind(metric, PASS_MEASURE);
-        take_candidate(metric, pi, delay_s);
+        auvid_metric_take_candidate(metric, pi, delay_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t l[AUVID_METRIC_DELAYS];
             auvid_real_t delay = metric->delay_s[j] / auvid_metric_node_s(metric);
@@ -162,6 +159,16 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                 metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
             }
         }
+    }
+}
+
+void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s)
+{
+    if (metric != NULL && pi != NULL) {
+        auvid_metric_measure_begin(metric, pi, delay_s);
+        metric->to_set = 1; /* by age, the residual path from the oldest on */
+        metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)(metric->cfg.sets - 1);
     }
 }
 
@@ -178,6 +185,8 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         m->sse[j] = m->band_sse[0][j] + m->band_sse[1][j];
+        m->predicted[j] =
+            m->band_weight[0][j] * m->band_sse[0][j] + m->band_weight[1][j] * m->band_sse[1][j];
     }
     return AUVID_OK;
 }
@@ -218,7 +227,7 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     if (m == NULL || scale == NULL) {
         return;
     }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && auvid_metric_has_regressor(m); ++j) {
         int n = auvid_metric_order(m, j);
         for (int k = 0; k < m->count[j] && n > 0 && (m->driven >> j & 1); ++k) {
             for (int i = 0; i <= k; ++i) {

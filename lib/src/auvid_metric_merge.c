@@ -39,8 +39,15 @@ void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_M
     l[2] = AUVID_C(0.5) * (b - s);
 }
 
-/* ||T l||^2, T the last 3 x 3 block of DoF j's triangle: what no pi explains at delay or lag s. */
-static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
+void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    auvid_real_t b = lag ? AUVID_C(4.0) * s : AUVID_C(2.0) * s;
+    l[0] = AUVID_C(0.5) * b - AUVID_C(1.5);
+    l[1] = AUVID_C(2.0) - b;
+    l[2] = AUVID_C(0.5) * (b - AUVID_C(1.0));
+}
+
+auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
     int n = auvid_metric_order(m, j);
     const auvid_real_t *t =
@@ -56,16 +63,16 @@ static auvid_real_t unexplained(const auvid_metric_t *m, int j, auvid_real_t s, 
  * through the best point and its neighbours. */
 static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 {
-    auvid_real_t least = unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
+    auvid_real_t least = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     for (int i = 0; i <= DELAY_STEPS; ++i) {
-        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = unexplained(m, j, s, lag);
+        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = auvid_metric_unexplained(m, j, s, lag);
         if (e < least) {
             least = e;
             best = s;
         }
     }
-    auvid_real_t left = unexplained(m, j, best - DELAY_STEP, lag);
-    auvid_real_t right = unexplained(m, j, best + DELAY_STEP, lag);
+    auvid_real_t left = auvid_metric_unexplained(m, j, best - DELAY_STEP, lag);
+    auvid_real_t right = auvid_metric_unexplained(m, j, best + DELAY_STEP, lag);
     auvid_real_t bend = left - AUVID_C(2.0) * least + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
@@ -77,12 +84,12 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
 {
     auvid_real_t as_shift = best_delay(m, j, false), as_lag = best_delay(m, j, true);
-    auvid_real_t shift_leaves = unexplained(m, j, as_shift, false);
-    auvid_real_t lag_leaves = unexplained(m, j, as_lag, true);
+    auvid_real_t shift_leaves = auvid_metric_unexplained(m, j, as_shift, false);
+    auvid_real_t lag_leaves = auvid_metric_unexplained(m, j, as_lag, true);
     *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
     auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
-    auvid_real_t gain =
-        (auvid_real_t)m->dof_rows[j] * (unexplained(m, j, AUVID_C(0.0), false) - leaves);
+    auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
+                        (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - leaves);
     auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
     bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
     *lag = *lag && sure;
@@ -92,7 +99,7 @@ static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
 /* A column that depends on those before it (yaw: m_u and m_v stand there as -u v and u v) leaves a
  * pivot of rounding, and in its row whatever direction of the others' rows rounding chose. That row
  * goes back to where it can be explained, or not. */
-static void clear_dependent(auvid_metric_t *m, int j)
+void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j);
     auvid_real_t *triangle = m->merged + m->factor_at[j];
@@ -118,8 +125,11 @@ static void settle_dof(auvid_metric_t *m, int j)
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
     bool driven = (m->driven >> j & 1) != 0;
     bool lag = (m->cfg.lagged >> j & 1) != 0;
-    clear_dependent(m, j);
-    if (m->cfg.estimate_delay) {
+    auvid_metric_clear_dependent(m, j);
+    if (!auvid_metric_has_regressor(m)) {
+        s = driven ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
+        lag = false;
+    } else if (m->cfg.estimate_delay) {
         s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * auvid_metric_node_s(m);
@@ -135,7 +145,7 @@ static void settle_dof(auvid_metric_t *m, int j)
         m->candidate[at + count + d] = -l[d];
     }
     if (driven) {
-        m->constant += m->weight[j] * unexplained(m, j, s, lag);
+        m->constant += m->weight[j] * auvid_metric_unexplained(m, j, s, lag);
     }
 }
 
@@ -164,6 +174,7 @@ static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
 {
     m->pass = pass;
+    m->to_set = m->cfg.sets;
     m->at_set = m->at_band = m->at_dof = 0;
     m->at_row = 0;
     memset(m->band_sse, 0, sizeof m->band_sse);
@@ -177,7 +188,7 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
  * loop at least. @return all visited */
 bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget)
 {
-    while (m->at_set < m->cfg.sets) {
+    while (m->at_set < m->to_set) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
         int j = m->at_dof;
         bool inside = (set->driven >> j & 1) != 0 && m->at_row < auvid_metric_order(m, j);
@@ -238,6 +249,17 @@ static bool settle(auvid_metric_t *m, uint32_t *budget)
     return true;
 }
 
+bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
+{
+    while (auvid_metric_visit_rows(m, budget) && settle(m, budget)) {
+        if (m->pass == PASS_LAST) {
+            return true;
+        }
+        auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
+    }
+    return false;
+}
+
 void auvid_metric_merge_begin(auvid_metric_t *metric)
 {
     auvid_metric_t *m = metric;
@@ -272,14 +294,6 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
     if (m->driven == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    while (auvid_metric_has_regressor(m)) {
-        if (!auvid_metric_visit_rows(m, budget) || !settle(m, budget)) {
-            return AUVID_PENDING;
-        }
-        if (m->pass == PASS_LAST) {
-            break;
-        }
-        auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
-    }
-    return AUVID_OK;
+    bool done = !auvid_metric_has_regressor(m) || auvid_metric_gather(m, budget);
+    return done ? AUVID_OK : AUVID_PENDING;
 }

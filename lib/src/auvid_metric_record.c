@@ -65,16 +65,27 @@ static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid
     }
 }
 
+/* Weight of the wrench of DoF j where the motion has kernel[age]: see auvid_metric.c. */
+static auvid_real_t wrench_weight(const auvid_metric_t *m, int j, uint32_t age)
+{
+    const auvid_real_t *kernel = m->kernel[j >= AUVID_ROLL];
+    auvid_real_t spread = j >= AUVID_ROLL ? AUVID_C(0.0) : m->spread;
+    auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
+    auvid_real_t after = age + 1u < m->taps ? kernel[age + 1u] : AUVID_C(0.0);
+    return kernel[age] + spread * (before - AUVID_C(2.0) * kernel[age] + after);
+}
+
 /* Add weight * channel to row under construction `slot`; `age` cells have gone into it before. */
 static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auvid_real_t *channel)
 {
     auvid_real_t *row = m->accumulator[slot];
     if (!auvid_metric_smooths_motion(m)) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age];
-            m->wrench[slot][j] += weight * delayed(m, j, 0);
+            auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age], tau = wrench_weight(m, j, age);
+            int wrench = m->channel_at[j] + m->count[j];
+            m->wrench[slot][j] += tau * delayed(m, j, 0);
             for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
-                row[i] += weight * channel[i];
+                row[i] += (i < wrench ? weight : tau) * channel[i];
             }
         }
         return;
@@ -176,7 +187,7 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             equations = literal;
         }
     }
-    size_t n = m->channel_at[AUVID_DOF_COUNT]; /* 0 without a regressor */
+    size_t n = vehicle->regressor == NULL ? 0u : m->channel_at[AUVID_DOF_COUNT];
     if (auvid_all_within(equations, n, LARGEST_ENTRY) != AUVID_OK) {
         m->since_gap = 0;
         return;

@@ -58,6 +58,9 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
         if ((dofs >> j & 1u) != 0 && vehicle->columns[j] == 0) {
             return AUVID_ERR_RANGE;
         }
+        if ((dofs == 0 || (dofs >> j & 1u) != 0) && !auvid_is_finite(nu_dot[j])) {
+            return AUVID_ERR_MODEL;
+        }
     }
     auvid_validation_t *v = validation;
     memset(v, 0, sizeof *v);

@@ -104,23 +104,23 @@ typedef struct {
 } g500_form_t;
 
 static const auvid_parameter_t g500_parameter[AUVID_G500_COUNT] = {
-    [AUVID_G500_M_U] = {"m_u", "kg", AUVID_SURGE},
-    [AUVID_G500_M_V] = {"m_v", "kg", AUVID_SWAY},
-    [AUVID_G500_M_W] = {"m_w", "kg", AUVID_HEAVE},
-    [AUVID_G500_M_R] = {"m_r", "kg m2", AUVID_YAW},
-    [AUVID_G500_W_B] = {"W-B", "N", AUVID_HEAVE},
-    [AUVID_G500_X_U] = {"X_u", "N s/m", AUVID_SURGE},
-    [AUVID_G500_X_UU] = {"X_uu", "N s2/m2", AUVID_SURGE},
-    [AUVID_G500_Y_V] = {"Y_v", "N s/m", AUVID_SWAY},
-    [AUVID_G500_Y_VV] = {"Y_vv", "N s2/m2", AUVID_SWAY},
-    [AUVID_G500_Z_W] = {"Z_w", "N s/m", AUVID_HEAVE},
-    [AUVID_G500_Z_WW] = {"Z_ww", "N s2/m2", AUVID_HEAVE},
-    [AUVID_G500_N_R] = {"N_r", "Nm s", AUVID_YAW},
-    [AUVID_G500_N_RR] = {"N_rr", "Nm s2", AUVID_YAW},
-    [AUVID_G500_X_0] = {"X_0", "N", AUVID_SURGE},
-    [AUVID_G500_Y_0] = {"Y_0", "N", AUVID_SWAY},
-    [AUVID_G500_Z_0] = {"Z_0", "N", AUVID_HEAVE},
-    [AUVID_G500_N_0] = {"N_0", "Nm", AUVID_YAW},
+    [AUVID_G500_M_U] = {"m_u", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS},
+    [AUVID_G500_M_V] = {"m_v", "kg", AUVID_SWAY, AUVID_PARAMETER_MASS},
+    [AUVID_G500_M_W] = {"m_w", "kg", AUVID_HEAVE, AUVID_PARAMETER_MASS},
+    [AUVID_G500_M_R] = {"m_r", "kg m2", AUVID_YAW, AUVID_PARAMETER_INERTIA},
+    [AUVID_G500_W_B] = {"W-B", "N", AUVID_HEAVE, AUVID_PARAMETER_FORCE},
+    [AUVID_G500_X_U] = {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
+    [AUVID_G500_X_UU] = {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_QUADRATIC_DRAG},
+    [AUVID_G500_Y_V] = {"Y_v", "N s/m", AUVID_SWAY, AUVID_PARAMETER_LINEAR_DRAG},
+    [AUVID_G500_Y_VV] = {"Y_vv", "N s2/m2", AUVID_SWAY, AUVID_PARAMETER_QUADRATIC_DRAG},
+    [AUVID_G500_Z_W] = {"Z_w", "N s/m", AUVID_HEAVE, AUVID_PARAMETER_LINEAR_DRAG},
+    [AUVID_G500_Z_WW] = {"Z_ww", "N s2/m2", AUVID_HEAVE, AUVID_PARAMETER_QUADRATIC_DRAG},
+    [AUVID_G500_N_R] = {"N_r", "Nm s", AUVID_YAW, AUVID_PARAMETER_LINEAR_DRAG},
+    [AUVID_G500_N_RR] = {"N_rr", "Nm s2", AUVID_YAW, AUVID_PARAMETER_QUADRATIC_DRAG},
+    [AUVID_G500_X_0] = {"X_0", "N", AUVID_SURGE, AUVID_PARAMETER_FORCE},
+    [AUVID_G500_Y_0] = {"Y_0", "N", AUVID_SWAY, AUVID_PARAMETER_FORCE},
+    [AUVID_G500_Z_0] = {"Z_0", "N", AUVID_HEAVE, AUVID_PARAMETER_FORCE},
+    [AUVID_G500_N_0] = {"N_0", "Nm", AUVID_YAW, AUVID_PARAMETER_FORCE},
 };
 
 const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT] = {
@@ -197,13 +197,10 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
     for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
         const auvid_real_t *row = y.row[equation[k].dof];
         auvid_real_t rest = sample->tau[equation[k].dof], mass = pi[equation[k].mass];
-        if (!(mass > AUVID_C(0.0))) {
-            return false;
-        }
         for (int i = 0; i < AUVID_G500_COUNT; ++i) {
             rest -= i == (int)equation[k].mass ? AUVID_C(0.0) : row[i] * pi[i];
         }
-        nu_dot[equation[k].dof] = rest / mass;
+        nu_dot[equation[k].dof] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
     }
     return true;
 }

@@ -39,6 +39,7 @@ USES = {
     "line_search": BASE,
     "metric": BASE + " smoother vehicle",
     "validation": BASE + " smoother vehicle",
+    "confidence": BASE + " metric vehicle",
     "optimizer": BASE + " crs line_search",
 }
 USES["identifier"] = " ".join(USES)

@@ -109,18 +109,6 @@ static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result
     result->r2_high[j] = statistics_quantile(r2, RESAMPLES, 0.975);
 }
 
-/* Parameters for simulation: those of the estimate. The model divides by all masses, whether or not
- * the DoF is asked for. */
-static void simulated_parameters(const result_t *result, auvid_real_t *pi)
-{
-    memcpy(pi, result->estimate.pi, AUVID_MAX_PARAMETERS * sizeof pi[0]);
-    for (int i = AUVID_G500_M_U; i <= AUVID_G500_M_R; ++i) {
-        if (!(result->estimate.identified >> i & 1u) && !(pi[i] > AUVID_C(1e-6))) {
-            pi[i] = AUVID_C(1e-6);
-        }
-    }
-}
-
 /* Simulate all cells; errors into blocks [blocks][AUVID_DOF_COUNT]. Returns blocks in use. */
 static size_t simulate(auvid_validation_t *validation, const cells_t *cells, block_t *block)
 {
@@ -153,13 +141,12 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
 {
     cells_t cells;
     auvid_validation_t validation;
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
     uint32_t dofs = result->estimate.driven;
     if (!replay_record(log, replay, recorder, &cells)) {
         return false;
     }
     result->has_validation = true;
-    simulated_parameters(result, pi);
     size_t most = cells.cells + 1; /* every cell in a block of its own */
     block_t *block = calloc(most * AUVID_DOF_COUNT, sizeof *block);
     block_t *one = calloc(most, sizeof *one);
@@ -169,8 +156,9 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
         cells_free(&cells);
         return false;
     }
-    if (auvid_validation_init(&validation, result->vehicle, pi, dofs, result->estimate.delay_s,
-                              result->estimate.lagged, cell_s) == AUVID_OK) {
+    if (auvid_validation_init(&validation, result->vehicle, result->estimate.pi, dofs,
+                              result->estimate.delay_s, result->estimate.lagged,
+                              cell_s) == AUVID_OK) {
         size_t blocks = simulate(&validation, &cells, block);
         sim_rng_t rng;
         sim_rng_seed(&rng, seed, 0);

@@ -17,6 +17,7 @@
 #include "auvid/vehicle.h"
 #include "auvid/recorder.h"
 #include "auvid/metric.h"
+#include "auvid/confidence.h"
 #include "auvid/crs.h"
 #include "auvid/line_search.h"
 #include "auvid/optimizer.h"

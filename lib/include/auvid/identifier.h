@@ -8,7 +8,8 @@
  * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <->
  * optimizer (optimizer.h) -> estimate. Each completed data set starts a global search with the last
  * estimate as a known good point; a set that completes during a search makes its costs stale, and
- * they are evaluated again. For a model without regressor the delay is one more parameter of the
+ * they are evaluated again. Before it is used, each set is foretold by the last estimate: that is
+ * how a changed vehicle, and an estimate worse than the one before, are noticed. For a model without regressor the delay is one more parameter of the
  * search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
@@ -25,6 +26,7 @@
 #define AUVID_IDENTIFIER_H
 
 #include "auvid/allocation.h"
+#include "auvid/confidence.h"
 #include "auvid/excitation.h"
 #include "auvid/guard.h"
 #include "auvid/metric.h"
@@ -55,17 +57,17 @@ typedef enum {
 
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
 typedef struct {
-    const auvid_vehicle_t *vehicle;          /**< required; set by defaults */
-    auvid_nav_config_t nav;                  /**< see nav.h */
-    auvid_recorder_config_t recorder;        /**< see recorder.h; its cell is the metric's too */
-    auvid_metric_config_t metric;            /**< see metric.h; vehicle and cell are set at init.
+    const auvid_vehicle_t *vehicle;       /**< required; set by defaults */
+    auvid_nav_config_t nav;               /**< see nav.h */
+    auvid_recorder_config_t recorder;     /**< see recorder.h; its cell is the metric's too */
+    auvid_metric_config_t metric;         /**< see metric.h; vehicle and cell are set at init.
                                                   Residual path with estimate_delay off: the delay
                                                   of all is delay_s[0] */
-    auvid_allocation_config_t allocation;    /**< see allocation.h; no thrusters: the excitation is
+    auvid_allocation_config_t allocation; /**< see allocation.h; no thrusters: the excitation is
                                                   not limited by them */
-    auvid_excitation_config_t excitation;    /**< see excitation.h; no segments: passive */
-    auvid_guard_config_t guard;              /**< see guard.h: the limits; set them for your site */
-    auvid_velocity_source_t velocity;        /**< default AUVID_VELOCITY_GROUND */
+    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: passive */
+    auvid_guard_config_t guard;           /**< see guard.h: the limits; set them for your site */
+    auvid_velocity_source_t velocity;     /**< default AUVID_VELOCITY_GROUND */
     bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates:
                                    for our literal reading of the paper. Not with water lock.
                                    Default false */
@@ -74,12 +76,13 @@ typedef struct {
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
     auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
     bool has_good;                            /**< use it; default false. Clipped to the bounds */
-    uint16_t population;   /**< m of Algorithm 1; 0: four times the number of parameters, as far as
+    uint16_t population;  /**< m of Algorithm 1; 0: four times the number of parameters, as far as
                                 AUVID_MAX_POPULATION allows */
-    auvid_real_t omega;    /**< of Algorithm 1; 0: the number of parameters, as in the paper */
-    bool scale_by_bounds;  /**< steps of the line search relative to the bounds, not to the data */
-    bool literal_search;   /**< Algorithm 2 without pattern steps; default false */
-    uint64_t seed;         /**< of the search; default 1 */
+    auvid_real_t omega;   /**< of Algorithm 1; 0: the number of parameters, as in the paper */
+    bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
+    bool literal_search;  /**< Algorithm 2 without pattern steps; default false */
+    uint64_t seed;        /**< of the search; default 1 */
+    auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0; default 0: not known */
 } auvid_identifier_config_t;
 
 /** What arrived since the last tick. Zero what did not. */
@@ -126,39 +129,44 @@ typedef struct {
 
 /** News, a bit each; several at once. */
 enum {
-    AUVID_EVENT_TIME = 1u << 0,          /**< the tick's time did not advance: step refused */
-    AUVID_EVENT_IMU_DROPPED = 1u << 1,   /**< sample refused: counted in nav.imu_time or
+    AUVID_EVENT_TIME = 1u << 0,              /**< the tick's time did not advance: step refused */
+    AUVID_EVENT_IMU_DROPPED = 1u << 1,       /**< sample refused: counted in nav.imu_time or
                                               nav.imu_invalid; not counted when ahead of
                                               the tick by more than nav.future_us */
-    AUVID_EVENT_DVL_DROPPED = 1u << 2,   /**< sample refused; why is in nav.diagnostics */
-    AUVID_EVENT_DEPTH_DROPPED = 1u << 3, /**< likewise */
-    AUVID_EVENT_GPS_DROPPED = 1u << 4,   /**< likewise */
-    AUVID_EVENT_INPUT_DROPPED = 1u << 5, /**< applied wrench refused: not finite, beyond
+    AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample refused; why is in nav.diagnostics */
+    AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise */
+    AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench refused: not finite, beyond
                                               AUVID_RECORDER_LARGEST, or one was given for this
                                               time before */
-    AUVID_EVENT_VELOCITY_STALE = 1u << 6, /**< no DVL sample accepted for nav.stale_us */
-    AUVID_EVENT_GAP = 1u << 7,           /**< the record was broken and started anew */
-    AUVID_EVENT_SET = 1u << 8,           /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,    /**< no DoF with a free parameter is driven in the
+    AUVID_EVENT_VELOCITY_STALE = 1u << 6,    /**< no DVL sample accepted for nav.stale_us */
+    AUVID_EVENT_GAP = 1u << 7,               /**< the record was broken and started anew */
+    AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,        /**< no DoF with a free parameter is driven in the
                                               ring's sets: nothing to search */
-    AUVID_EVENT_ESTIMATE = 1u << 10,     /**< a search has ended: there is a new estimate */
-    AUVID_EVENT_EXCITATION_DONE = 1u << 11, /**< the excitation's run came to its end */
+    AUVID_EVENT_ESTIMATE = 1u << 10,         /**< a search has ended: there is a new estimate */
+    AUVID_EVENT_EXCITATION_DONE = 1u << 11,  /**< the excitation's run came to its end */
     AUVID_EVENT_ALTITUDE_DROPPED = 1u << 12, /**< sample refused: not finite, negative, not newer
                                                   than the one before, or ahead of the tick by more
                                                   than nav.future_us */
     AUVID_EVENT_ABORTED = 1u << 13,          /**< the guard aborted; why is in guard.trip */
-    AUVID_EVENT_SETTLED = 1u << 14 /**< the run is over and the vehicle calm (or the guard has
-                                        given up waiting): the guard is DONE */
+    AUVID_EVENT_SETTLED = 1u << 14, /**< the run is over and the vehicle calm (or the guard has
+                                         given up waiting): the guard is DONE */
+    AUVID_EVENT_JUDGED = 1u << 16,  /**< a set was predicted before it was used: see judgement */
+    AUVID_EVENT_CHANGED = 1u << 17, /**< the vehicle has changed: older sets are dropped, a search
+                                          begins without the last estimate */
+    AUVID_EVENT_RESTORED = 1u << 18 /**< the last estimate predicted a new set worse than the one
+                                          accepted before, which is the estimate again */
 };
 
 /** Answer of a step. */
 typedef struct {
-    uint32_t events;                             /**< AUVID_EVENT_... since the last step */
-    auvid_real_t excitation[AUVID_DOF_COUNT];    /**< body wrench to add to the controller's [N,
+    uint32_t events;                              /**< AUVID_EVENT_... since the last step */
+    auvid_real_t excitation[AUVID_DOF_COUNT];     /**< body wrench to add to the controller's [N,
                                                       Nm]; zero unless exciting, and on any status <
                                                       0 */
     auvid_real_t thruster_N[AUVID_MAX_THRUSTERS]; /**< the same as thruster forces [N] */
-    auvid_guard_state_t guard;                   /**< after this step */
+    auvid_guard_state_t guard;                    /**< after this step */
     auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
@@ -170,24 +178,50 @@ typedef struct {
     uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed`,
                               or what serves the driven DoF best (auvid_metric_searched) */
     uint8_t driven;      /**< bit j: DoF j was driven */
-    auvid_real_t pi[AUVID_MAX_PARAMETERS];  /**< parameters, in the model's order */
-    auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */
-    auvid_real_t delay_s[AUVID_DOF_COUNT];  /**< between wrench and response */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /**< parameters, in the model's order */
+    auvid_real_t cost;                     /**< J, Eq. 11, in the metric's units */
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response */
     uint8_t lagged; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
     bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had
                       a finite cost: treat with care */
+    bool accepted; /**< it has predicted a set that it had not seen, about as well as the estimate
+                        accepted before, or better */
+    auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
 } auvid_estimate_t;
+
+/** How well the last estimate foretold the newest set, before that set was used. */
+typedef struct {
+    uint32_t set;      /**< number of the set, from 1; 0: none was judged yet */
+    uint32_t estimate; /**< number of the estimate that foretold it */
+    uint8_t driven;    /**< bit j: DoF j was driven in it and in the estimate's data */
+    uint8_t changed;   /**< bit j: the vehicle has changed, most clearly in this DoF; 0: it has not,
+                            or there are too few sets to tell */
+    auvid_real_t
+        variance_ratio[AUVID_DOF_COUNT];  /**< mean square of the force residual over that of
+                            the estimate's own data; about 1, more while there are few sets */
+    auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF (Chow's F)
+                            over its threshold: above 1, the vehicle has changed; 0: too few sets */
+    auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
+                            when the estimate was there; see validation.h */
+    uint8_t simulated;                         /**< bit j: r2_velocity is there */
+} auvid_judgement_t;
 
 /** Where work() is. */
 typedef enum {
-    AUVID_WORK_IDLE,   /**< nothing to do until a set completes */
-    AUVID_WORK_MERGE,  /**< sets are brought together */
-    AUVID_WORK_ASK,    /**< the optimizer is to give a point */
-    AUVID_WORK_COST,   /**< its cost is being evaluated */
-    AUVID_WORK_MEASURE /**< the result's residuals are measured */
+    AUVID_WORK_IDLE,      /**< nothing to do until a set completes */
+    AUVID_WORK_FORESEE,   /**< residual path: the new set is made ready for what follows */
+    AUVID_WORK_PREDICT,   /**< the last estimate is held against the new set */
+    AUVID_WORK_COMPARE,   /**< so is the one accepted before */
+    AUVID_WORK_JUDGE,     /**< new sets are held against older ones */
+    AUVID_WORK_MERGE,     /**< sets are brought together */
+    AUVID_WORK_ASK,       /**< the optimizer is to give a point */
+    AUVID_WORK_COST,      /**< its cost is being evaluated */
+    AUVID_WORK_MEASURE,   /**< the result's residuals are measured */
+    AUVID_WORK_LINEARISE, /**< residual path: so are their derivatives */
+    AUVID_WORK_CONFIDENCE /**< standard errors and notes */
 } auvid_work_phase_t;
 
 /** The identifier. Modules are public to read; write only through the functions. */
@@ -200,28 +234,34 @@ typedef struct {
     auvid_allocation_t allocation;
     auvid_excitation_t excitation;
     auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
-    auvid_estimate_t estimate;     /**< the last result */
-    auvid_validation_t *validation; /* fed with every cell, if attached */
-    uint64_t t_us;                 /* last tick */
-    uint32_t knot;                 /* sequence of the last velocity recorded */
-    uint32_t events;               /* since the last step */
-    uint32_t searches;             /**< begun so far */
-    uint32_t work_last;            /**< units used by the last call of work */
-    uint32_t work_most;            /**< most units used by any call of work */
-    uint8_t phase;                 /**< auvid_work_phase_t */
+    auvid_estimate_t estimate;   /**< the last result */
+    auvid_estimate_t trusted;    /* the last accepted one */
+    auvid_judgement_t judgement; /**< of the newest set */
+    auvid_confidence_job_t confidence;
+    auvid_validation_t prediction;       /* of the set being recorded, by the last estimate */
+    auvid_real_t predicted;              /* cost of the last estimate on the new set */
+    auvid_validation_t *validation;      /* fed with every cell, if attached */
+    uint64_t t_us;                       /* last tick */
+    uint32_t knot;                       /* sequence of the last velocity recorded */
+    uint32_t events;                     /* since the last step */
+    uint32_t searches;                   /**< begun so far */
+    uint32_t work_last;                  /**< units used by the last call of work */
+    uint32_t work_most;                  /**< most units used by any call of work */
+    uint8_t phase;                       /**< auvid_work_phase_t */
     uint8_t place[AUVID_MAX_PARAMETERS]; /* parameter that the optimizer's i-th is */
-    uint32_t active;               /* parameters in the present search */
+    uint32_t active;                     /* parameters in the present search */
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
-    auvid_real_t delay_s;          /* its delay, where that is searched too */
-    auvid_real_t found_delay_s;    /* that of the last estimate */
+    auvid_real_t delay_s;                         /* its delay, where that is searched too */
     bool started;
-    bool starting;                 /* the excitation: with the next step */
-    bool saturated;                /* the excitation's own allocation was, in the last step */
-    auvid_guard_seen_t altitude;   /* last sample taken */
-    auvid_guard_seen_t applied;    /* last wrench recorded */
+    bool starting;               /* the excitation: with the next step */
+    bool saturated;              /* the excitation's own allocation was, in the last step */
+    auvid_guard_seen_t altitude; /* last sample taken */
+    auvid_guard_seen_t applied;  /* last wrench recorded */
     auvid_real_t altitude_m;
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     bool set_pending, searching, capped;
+    bool suspect; /* the set before may be from before and after a change */
+    bool anew;    /* search without the last estimate */
 } auvid_identifier_t;
 
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:

@@ -17,7 +17,7 @@
  *   without the part that no pi can explain (kept apart in `constant`): in float32 it would swamp
  *   the differences the optimizer lives on.
  * - *Residual path*, for any other model: means over each row's time are stored, the user's
- *   function is called on each, and the residuals are smoothed, by binomial weights of about 0.3 s
+ *   function is called on each, and the residuals are smoothed, by binomial weights of about 0.6 s
  *   standard deviation. (A model that is not linear in the commands, a dead band, say, must see
  *   them as they were: for such a model make rows of two cells.) J(pi) = sum_j sum_k smoothed_jk^2
  *   / (tau_max_j^2 rows_j).
@@ -56,7 +56,7 @@ extern "C" {
 /** Rows kept for them. */
 #define AUVID_METRIC_LAGS 2
 /** Most rows whose residuals are summed in the residual path. */
-#define AUVID_METRIC_WINDOW 11
+#define AUVID_METRIC_WINDOW 31
 
 /** Which buffers the rows are made of. */
 typedef enum {
@@ -84,6 +84,9 @@ typedef struct {
     auvid_real_t driven; /**< a DoF is driven when its wrench's rms about its mean exceeds this part
                               of tau_max; 0..1, default 0.02 */
     uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
+    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: in
+                               every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used in the
+                               residual path and with AUVID_SMOOTH_STATES */
     uint16_t row_cells;  /**< cells between rows; >= 1, default 5 */
     uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
@@ -113,6 +116,7 @@ typedef struct {
     auvid_real_t tau_mean[AUVID_DOF_COUNT];                    /* of the rows' wrench */
     auvid_real_t tau_m2[AUVID_DOF_COUNT];                      /* sum of squares about that mean */
     uint16_t rows;                                             /**< rows so far */
+    uint16_t windows; /* residual path: rows of its triangles; see auvid_metric_linearise */
     uint8_t driven; /**< bit j: DoF j is driven; set at completion */
 } auvid_set_t;
 
@@ -124,7 +128,8 @@ typedef struct {
     uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
     uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's triangle starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
-    auvid_real_t kernel[2][AUVID_MAX_TAPS];
+    auvid_real_t kernel[2][AUVID_MAX_TAPS]; /* ends in zeros, see spread */
+    auvid_real_t spread; /* of forces, to what interpolated velocity is spread */
     uint8_t taps, overlap;
 
     /* recording */
@@ -154,7 +159,9 @@ typedef struct {
     uint64_t window_us;   /* time of the last */
     uint32_t window_rows; /* since a gap */
     uint16_t at_row;      /* progress */
-    uint8_t at_set, at_band, at_dof, pass;
+    uint16_t at_part;
+    uint8_t at_set, to_set, at_band, at_dof, pass;
+    auvid_real_t linear_delay_s; /* at which the residual path was linearised */
 
     /** @name results */
     /**@{*/
@@ -169,6 +176,12 @@ typedef struct {
     auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
                                                 measurement [N^2, Nm^2] */
     uint32_t sets_recorded;                /**< sets completed since init */
+    auvid_real_t predicted[AUVID_DOF_COUNT]; /**< band-weighted sums of squares of the newest set's
+                                                  residuals at the last prediction [N^2, Nm^2] */
+    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< what the newest set (0), the newest two (1) and
+                                                  the others fit worse together than apart [N^2,
+                                                  Nm^2]; see auvid_metric_judge */
+    uint8_t change_rank[AUVID_DOF_COUNT];    /**< parameters that this was about */
     /**@}*/
 } auvid_metric_t;
 
@@ -233,12 +246,48 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
+/** Begin to predict the newest set, before it is merged: measure pi's residuals on it alone. Go on
+ * with auvid_metric_measure, which then writes `predicted` besides. The bands are weighted as at the
+ * last merge. Null is ignored. */
+void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s);
+
+/** Begin to compare the newest sets with the others, before they are merged: does each DoF's
+ * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the last
+ * merge. What was merged is lost: merge afterwards. Null is ignored. */
+void auvid_metric_judge_begin(auvid_metric_t *metric);
+
+/** Go on with it.
+ * @param budget one unit for each row of each set, and of the newest two once more
+ * @return AUVID_OK (`change` and `change_rank` written: U of all sets - U of the others - U of the
+ * newest, U the part of the wrench that no pi explains); AUVID_PENDING; AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
+
+/** Residual path: begin to make of each of the newest `sets` sets the triangles that a model with
+ * the derivatives of this one at pi would have, for judge and for confidence.h. The derivatives are
+ * central differences over 1 % of each parameter (1e-3 where it is zero) and 10 ms of delay.
+ * Nothing happens for a model with regressor, and for null. */
+void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                  auvid_real_t delay_s, uint8_t sets);
+
+/** Go on with it, and when all sets of the ring are done, merge their triangles.
+ * @param budget one unit for each call of the model: 2 n + 3 for each row and each row of the window
+ * over which residuals are smoothed, on rows about one standard deviation of that window apart
+ * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
+
 /** Longest delay that can be had in the residual path [s]: 6 cells; 0 for null. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
  * AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
+
+/** The set completed last; never null. */
+const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
+
+/** How many sets of the ring drive DoF j, without the newest `newest`. */
+int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest);
 
 /** Free parameters whose own DoF is driven: bit i. Valid after merge. */
 uint32_t auvid_metric_active(const auvid_metric_t *metric);

@@ -47,8 +47,8 @@ typedef struct {
 
 /** Start.
  * @param vehicle model with an acceleration; must outlive the comparison
- * @param pi [n] its parameters. They must give an acceleration: Girona500 needs all four masses >
- * 0, also where the DoF is left out
+ * @param pi [n] its parameters. They must give the integrated DoF an acceleration: Girona500 needs
+ * their masses > 0
  * @param dofs bit j: integrate DoF j, which the model must cover (0: every modelled DoF); others
  * come from the record. Leave out what was not identified
  * @param delay_s [6] delay of each DoF's wrench, 0 to 6 cells (rounding aside); null: none

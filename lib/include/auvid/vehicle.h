@@ -25,11 +25,22 @@
 extern "C" {
 #endif
 
+/** What a parameter is: decides which values are plausible and which motion it needs. */
+typedef enum {
+    AUVID_PARAMETER_OTHER = 0,      /**< nothing is known of it */
+    AUVID_PARAMETER_MASS,           /**< rigid body and added mass [kg]: above the dry mass */
+    AUVID_PARAMETER_INERTIA,        /**< moment of inertia, likewise: positive */
+    AUVID_PARAMETER_LINEAR_DRAG,    /**< negative when it dissipates */
+    AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative when it dissipates */
+    AUVID_PARAMETER_FORCE           /**< constant force or moment, weight less buoyancy */
+} auvid_parameter_kind_t;
+
 /** One parameter of a model. */
 typedef struct {
     const char *name; /**< e.g. "m_u" */
     const char *unit; /**< e.g. "kg" */
     auvid_dof_t dof;  /**< the DoF that must be driven for the parameter to be identified */
+    auvid_parameter_kind_t kind; /**< default (zero): other */
 } auvid_parameter_t;
 
 /** The equations' left-hand sides, one row for each DoF; written by a model's regressor. */
@@ -60,7 +71,8 @@ typedef struct {
     void (*regressor)(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y);
 
     /** nu_dot[] of the modelled DoF from sample's phi, theta, nu, tau, command; nu_dot[] comes
-     * zeroed. False when pi allows none (a mass not > 0). Null when not offered. */
+     * zeroed, and goes as not finite in a DoF for which pi allows none (a mass not > 0). False when
+     * pi allows none at all. Null when not offered. */
     bool (*acceleration)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                          auvid_real_t nu_dot[AUVID_DOF_COUNT]);
 

@@ -1,0 +1,131 @@
+/**
+ * @file confidence.h
+ * Confidence: how sure is an estimate, what can it not know, and which motion is missing?
+ *
+ * After a search the residuals at its result are taken apart again, set by set:
+ * - *Standard errors* that are right for correlated residuals. The residual of neighbouring rows is
+ *   correlated by the smoothing and by whatever disturbs the vehicle, so the inverse of the normal
+ *   matrix is too small. With g_s the score (gradient of half the cost) of set s, the covariance is
+ *   the sandwich P (sum_s g_s g_s') P. Eight sets are few: the scores' size is pooled over the
+ *   parameters of each DoF, held against what the smoothing alone makes of white noise, and mixed
+ *   with the scores' own scatter for each parameter.
+ * - *Bias* of the masses: noise of the measured acceleration makes them smaller. Its size is
+ *   predicted from the high band of the residuals and added to the uncertainty, not corrected.
+ * - *Identifiable*: the DoF was driven, and the 95 % half-width, bias included, is at most 20 % of
+ *   the value. Else a note says why not: the DoF was not driven; only a combination with another
+ *   parameter is known; its force is too small to matter; too little motion.
+ * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative.
+ * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
+ * is part of the standard errors. Disturbances whose time scale is longer than a set, and errors of
+ * the model itself, are not in them.
+ *
+ * Called by the identifier, after the measurement of a result and before the metric's next merge.
+ * Cost, Girona500 and eight sets: 2.5k units of work, 0.25 million multiplications. Memory:
+ * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
+ *
+ * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
+ * Fuller 1987, 1.2 (errors in variables). None of it is in the paper.
+ */
+#ifndef AUVID_CONFIDENCE_H
+#define AUVID_CONFIDENCE_H
+
+#include "auvid/metric.h"
+#include "auvid/types.h"
+#include "auvid/vehicle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What is to be said about a parameter. */
+typedef enum {
+    AUVID_NOTE_NONE = 0,    /**< identifiable and plausible */
+    AUVID_NOTE_FIXED,       /**< not free: the value is the configuration's */
+    AUVID_NOTE_NOT_DRIVEN,  /**< its degree of freedom was not driven */
+    AUVID_NOTE_COMBINATION, /**< only a combination with parameter `partner` is known */
+    AUVID_NOTE_SMALL,       /**< too small to tell from zero, and known to be: with certainty its
+                                 force is below AUVID_CONFIDENCE_SMALL of the DoF's rms force */
+    AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
+    AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
+    AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass or a drag that
+                                 drives: the model, a sign or a unit is wrong */
+} auvid_note_t;
+
+/** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
+#define AUVID_CONFIDENCE_IDENTIFIABLE AUVID_C(0.2)
+/** Part of a DoF's rms wrench below which a parameter's share is small. */
+#define AUVID_CONFIDENCE_SMALL AUVID_C(0.01)
+
+/** The verdict on one estimate. Written by auvid_confidence_work. */
+typedef struct {
+    auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard error, bias included [parameter's unit];
+                                                   AUVID_LARGEST: not known */
+    uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
+    uint32_t implausible;                     /**< bit i: parameter i is implausible; only of
+                                                   identifiable ones */
+    uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
+    uint8_t partner[AUVID_MAX_PARAMETERS];    /**< AUVID_NOTE_COMBINATION: the other parameter */
+    auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
+                                              make the parameters as uncertain [N, Nm]; 0: DoF not
+                                              driven */
+    auvid_real_t residual[AUVID_DOF_COUNT]; /**< rms residual, bands weighted [N, Nm] */
+} auvid_confidence_t;
+
+/** The computation. Private. */
+typedef struct {
+    const auvid_metric_t *metric;
+    auvid_confidence_t result;
+    auvid_real_t dry_mass_kg;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
+    auvid_real_t own[AUVID_MAX_COLUMNS];   /* each DoF's own optimum, then minus the weights of its
+                                               delay */
+    auvid_real_t joint[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2]; /* J'J = sum w H */
+    /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
+    auvid_real_t part[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2];
+    auvid_real_t score[AUVID_MAX_PARAMETERS];     /* of one DoF of one set, at its own optimum */
+    auvid_real_t influence[AUVID_MAX_PARAMETERS]; /* of one set on the estimate */
+    auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of influences */
+    auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
+    auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated delays */
+    auvid_real_t scatter[AUVID_DOF_COUNT], freedom[AUVID_DOF_COUNT]; /* of the scores */
+    auvid_real_t rows[AUVID_DOF_COUNT];
+    uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
+    uint8_t index[AUVID_MAX_PARAMETERS]; /* and back */
+    uint8_t n, sets, paid, phase, at_set, at_dof, at_row;
+    bool delayed; /* some delay was estimated: what it costs is being found */
+} auvid_confidence_job_t;
+
+/** Begin. All three must stay as they are until it is done.
+ * @param metric merged, and measured at pi last (regressor path) or linearised there (residual path)
+ * @param pi [n] the result of a search over the parameters auvid_metric_searched
+ * @param dry_mass_kg masses must be above; 0: above zero
+ * Null is ignored. */
+void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                            const auvid_real_t *pi, auvid_real_t dry_mass_kg);
+
+/** Go on with it.
+ * @param budget units of work left, reduced by those used: one for each row of a triangle
+ * @return AUVID_OK (job->result written); AUVID_PENDING; AUVID_ERR_NULL. */
+auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, uint32_t *budget);
+
+/** Short English phrase for a note; never null; empty for AUVID_NOTE_NONE. */
+const char *auvid_note_str(auvid_note_t note);
+
+/** What motion, or choice, is missing, in words: "yaw: nothing moved it; excite it with steps held
+ * 4-8 s and sines of 0.1-0.3 Hz".
+ * @param confidence of an estimate, or null when there is none yet
+ * @param vehicle its model
+ * @param free bit i: parameter i was to be identified (0: all)
+ * @param which 0, 1, ... : sentence number
+ * @param text [size] written, cut to size and always ended by zero; empty when finished
+ * @return AUVID_OK; AUVID_FINISHED (there are not so many sentences); AUVID_ERR_NULL (vehicle or
+ * text); AUVID_ERR_RANGE (size 0). Cost: O(n). */
+auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
+                                        const auvid_vehicle_t *vehicle, uint32_t free,
+                                        unsigned which, char *text, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

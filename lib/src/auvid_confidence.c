@@ -1,0 +1,451 @@
+/*
+ * Confidence: standard errors, bias and notes of an estimate.
+ *
+ * Per DoF j and set s, with the bands' weights b and the rows R of the sets' triangles,
+ *
+ *     H_sj = sum_b b R'R,  H_j = sum_s H_sj,  g_sj = sum_b b R'(R pi - z),
+ *
+ * w_j the weight of the DoF in the cost, H = sum_j w_j H_j, P = H^-1:
+ *
+ *     sigma_j^2 = ||residual_j||^2 / rows_j                                mean square residual
+ *     s_j^2 = (f sigma_j^2 + sum_s g' H_j^-1 g) / (1 + nu_j)               noise that counts
+ *     nu_j  = rank_j - sum_s tr (H_j^-1 H_sj)^2                            its degrees of freedom
+ *     C     = P (sum_j w_j^2 s_j^2 H_j) P                                  pooled over parameters
+ *     psi_s = P sum_j w_j g_sj                                             influence of a set
+ *     var_i = m (nu C_ii + S sum_s (psi_si - mean)^2) / (nu + S - 1)       with own scatter, too
+ *
+ * (in s_j, g is taken at the DoF's own optimum, in psi at the estimate). For white noise the first
+ * sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes of it, one
+ * observation's worth; nu = 10 and m = 1.3 hold for eight sets and make the coverage right where the
+ * disturbance is coloured as slowly as the motion. The noise n of the acceleration of DoF j, a the
+ * derivatives of its row by its acceleration, m_j = a pi its mass: the residual has m_j n in it, so
+ *
+ *     delta = -P sum_j w_j nu_j a / m_j,   nu_j = m_j^2 sum n^2,
+ *
+ * with nu_j from the high band, in which little else is.
+ */
+#include "auvid/confidence.h"
+
+#include <string.h>
+
+#include "auvid_confidence.h"
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+#define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
+#define POOLED AUVID_C(10.0)  /* nu */
+#define WIDENED AUVID_C(1.3)  /* m */
+#define RIDGE                                                                                      \
+    AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
+                                     determine gets an error of 1e4 times the column's own */
+#define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
+
+enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
+
+typedef auvid_confidence_job_t job_t;
+
+static bool is_driven(const job_t *c, int j)
+{
+    return (c->metric->driven >> j & 1) != 0 && c->metric->count[j] > 0;
+}
+
+static const auvid_real_t *merged(const job_t *c, int j)
+{
+    return c->metric->merged + c->metric->factor_at[j];
+}
+
+/* Weights of the wrench at DoF j's delay, or their derivatives. */
+static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    bool lag = (m->lagged >> j & 1) != 0;
+    (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
+}
+
+/* ---- OWN: a DoF's optimum and mean square residual ---- */
+
+static void find_own(job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    for (int age = 0; age < m->cfg.sets; ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        bool linear = auvid_metric_has_regressor(m);
+        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : linear ? set->rows : set->windows;
+        c->rows[j] += (auvid_real_t)rows;
+    }
+    for (int i = 0; i < count; ++i) {
+        const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
+        auvid_real_t e = -m->z[at + i];
+        for (int k = i; k < count; ++k) {
+            e += r[k - i] * c->pi[m->index[at + k]];
+        }
+        excess += e * e;
+        c->own[at + i] = m->z[at + i];
+    }
+    (void)auvid_triangle_solve(merged(c, j), n, count, AUVID_C(1e-4), c->own + at);
+    delay_weights(c, j, false, l);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        c->own[at + count + d] = -l[d];
+    }
+    auvid_real_t squares = excess + auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    c->result.residual[j] =
+        c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
+}
+
+/* ---- ROTATE: the DoF's rows into the joint triangle ---- */
+
+/* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
+ * left for the parameters. Into part, order count + 1. */
+static void border(job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    int n = auvid_metric_order(m, j), count = m->count[j];
+    auvid_real_t l[AUVID_METRIC_DELAYS], row[AUVID_MAX_PARAMETERS + 1];
+    delay_weights(c, j, true, l);
+    memset(c->part, 0, sizeof c->part);
+    for (int i = 0; i < n; ++i) {
+        const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
+        memset(row, 0, sizeof row);
+        for (int k = i; k < count; ++k) {
+            row[k + 1] = r[k - i];
+        }
+        for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {
+            row[0] -= r[count + d - i] * l[d];
+        }
+        auvid_triangle_add(c->part, count + 1, 0, row);
+    }
+}
+
+/* Row i of DoF j's triangle into the joint one. */
+static void rotate_row(job_t *c, int j, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    auvid_real_t scale = auvid_sqrt(m->weight[j]);
+    bool bordered = c->delayed && m->delay_s[j] > AUVID_C(0.0);
+    int count = m->count[j];
+    const auvid_real_t *r = merged(c, j) + auvid_triangle_row(auvid_metric_order(m, j), i);
+    if (bordered) {
+        if (i == 0) {
+            border(c, j);
+        }
+        r = c->part + auvid_triangle_row(count + 1, i + 1);
+    }
+    for (int k = i; k < count; ++k) {
+        int place = c->place[m->index[m->channel_at[j] + k]];
+        if (place != NOWHERE) {
+            row[place] += scale * r[k - i];
+        }
+    }
+    auvid_triangle_add(c->joint, c->n, 0, row);
+}
+
+/* ---- BOUND: a smallest pivot for column i; INVERT: (J'J)^-1_ii ---- */
+
+static void bound_pivot(job_t *c, int i)
+{
+    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    row[i] = RIDGE * auvid_triangle_norm(c->joint, c->n, i);
+    auvid_triangle_add(c->joint, c->n, i, row);
+}
+
+static void invert(job_t *c, int i)
+{
+    auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
+    y[i] = AUVID_C(1.0);
+    auvid_triangle_solve_left(c->joint, c->n, c->n, y);
+    for (int k = i; k < c->n; ++k) {
+        squares += y[k] * y[k];
+    }
+    if (c->delayed) {
+        c->widening[i] = squares;
+        return;
+    }
+    c->variance[i] = squares;
+    c->widening[i] = c->widening[i] > squares ? c->widening[i] / squares : AUVID_C(1.0);
+}
+
+/* ---- SCATTER: scores and influences, set by set ---- */
+
+/* A row of one band of a set: into the scores at both points, and whitened, w R_j = r, into the
+ * sum of w'w. */
+static void take_row(job_t *c, const auvid_set_t *set, int j, int band, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
+    auvid_real_t w[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    auvid_real_t own = AUVID_C(0.0), joint = AUVID_C(0.0), weight = m->band_weight[band][j];
+    for (int k = i; k < n; ++k) {
+        own += r[k - i] * c->own[at + k];
+        joint += r[k - i] * (k < count ? c->pi[m->index[at + k]] : c->own[at + k]);
+    }
+    for (int k = i; k < count; ++k) {
+        int place = c->place[m->index[at + k]];
+        c->score[k] += weight * own * r[k - i];
+        if (place != NOWHERE) {
+            c->influence[place] += m->weight[j] * weight * joint * r[k - i];
+        }
+    }
+    for (int k = i; k < count; ++k) {
+        w[k] = r[k - i];
+    }
+    auvid_triangle_solve_left(merged(c, j), n, count, w);
+    for (int a = 0; a < count; ++a) {
+        auvid_real_t *to = c->part + auvid_triangle_row(count, a);
+        for (int b = a; b < count; ++b) {
+            to[b - a] += weight * w[a] * w[b];
+        }
+    }
+}
+
+/* DoF j of a set is complete: sum g' H^-1 g, and the loss of freedom tr (H^-1 H_s)^2. */
+static void finish_dof(job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    int count = m->count[j];
+    auvid_triangle_solve_left(merged(c, j), auvid_metric_order(m, j), count, c->score);
+    for (int a = 0; a < count; ++a) {
+        const auvid_real_t *row = c->part + auvid_triangle_row(count, a);
+        c->scatter[j] += c->score[a] * c->score[a];
+        c->freedom[j] += row[0]; /* sums to the rank */
+        for (int b = a; b < count; ++b) {
+            c->freedom[j] -= (b == a ? AUVID_C(1.0) : AUVID_C(2.0)) * row[b - a] * row[b - a];
+        }
+    }
+    memset(c->score, 0, sizeof c->score);
+    memset(c->part, 0, sizeof c->part);
+}
+
+static void finish_set(job_t *c)
+{
+    auvid_triangle_solve_left(c->joint, c->n, c->n, c->influence);
+    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), c->influence);
+    for (int i = 0; i < c->n; ++i) {
+        c->sum[i] += c->influence[i];
+        c->squares[i] += c->influence[i] * c->influence[i];
+    }
+    memset(c->influence, 0, sizeof c->influence);
+}
+
+/* All sets are through: s_j^2, and the right-hand side of the bias into influence. */
+static void finish_scatter(job_t *c)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t residual = c->result.residual[j];
+        if (is_driven(c, j)) {
+            bool several = c->freedom[j] > AUVID_C(1e-4);
+            auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
+            auvid_real_t freedom = several ? c->freedom[j] : AUVID_C(0.0);
+            c->result.noise[j] =
+                auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
+            auvid_confidence_bias(c, j);
+        }
+    }
+}
+
+/* ---- JUDGE ---- */
+
+/* C_ii = sum_j w_j^2 s_j^2 ||R_j x||^2, x = P e_i. */
+static auvid_real_t pooled_variance(const job_t *c, const auvid_real_t *x)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int n = auvid_metric_order(m, j), count = m->count[j];
+        auvid_real_t scale = m->weight[j] * c->result.noise[j];
+        for (int i = 0; i < count && is_driven(c, j); ++i) {
+            const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
+            auvid_real_t e = AUVID_C(0.0);
+            for (int k = i; k < count; ++k) {
+                int place = c->place[m->index[m->channel_at[j] + k]];
+                e += place == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[place];
+            }
+            sum += scale * scale * e * e;
+        }
+    }
+    return sum;
+}
+
+/* Standard error, bias and verdict of the joint triangle's column i. */
+static void judge(job_t *c, int i)
+{
+    auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
+    auvid_real_t sets = (auvid_real_t)c->sets, largest = AUVID_C(0.0);
+    int partner = i;
+    x[i] = AUVID_C(1.0);
+    auvid_triangle_solve_left(c->joint, c->n, c->n, x);
+    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);
+    for (int k = 0; k < c->n; ++k) {
+        auvid_real_t correlation =
+            k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
+        delta -= x[k] * c->influence[k];
+        partner = correlation > largest ? k : partner;
+        largest = auvid_max(largest, correlation);
+    }
+    auvid_real_t variance = pooled_variance(c, x);
+    if (c->sets > 1) {
+        auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
+        variance =
+            (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
+    }
+    auvid_real_t sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
+    auvid_confidence_conclude(c, i, sigma, auvid_abs(delta),
+                              largest > CORRELATED ? partner : NOWHERE);
+}
+
+/* ---- the machine ---- */
+
+/* The first driven DoF from j on. @return there is one */
+static bool seek_dof(job_t *c, int j)
+{
+    while (j < AUVID_DOF_COUNT && !is_driven(c, j)) {
+        ++j;
+    }
+    c->at_dof = (uint8_t)j;
+    return j < AUVID_DOF_COUNT;
+}
+
+/* One step of the present phase. */
+static void work_step(job_t *c)
+{
+    int j = c->at_dof, i = c->at_row,
+        n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
+    const auvid_set_t *set = &c->metric->set[auvid_metric_slot(c->metric, c->at_set)];
+    switch (c->phase) {
+    case OWN:
+        find_own(c, j);
+        break;
+    case ROTATE:
+        rotate_row(c, j, i);
+        break;
+    case BOUND:
+        bound_pivot(c, i);
+        break;
+    case INVERT:
+        invert(c, i);
+        break;
+    case SCATTER:
+        if (i == AUVID_METRIC_BANDS * n) {
+            finish_dof(c, j);
+        } else if (set->driven >> j & 1) {
+            take_row(c, set, j, i / n, i % n);
+        }
+        break;
+    default:
+        judge(c, i);
+        break;
+    }
+}
+
+/* How often work_step is due before the next DoF, or the end of a phase that has none. */
+static int steps_of(const job_t *c)
+{
+    switch (c->phase) {
+    case OWN:
+        return 1;
+    case ROTATE:
+        return c->metric->count[c->at_dof];
+    case SCATTER:
+        return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at_dof) + 1;
+    default:
+        return c->n;
+    }
+}
+
+static void end_phase(job_t *c)
+{
+    if (c->phase == INVERT && c->delayed) {
+        c->delayed = false; /* once more, for given delays */
+        memset(c->joint, 0, sizeof c->joint);
+        c->phase = ROTATE;
+    } else {
+        ++c->phase;
+    }
+    memset(c->part, 0, sizeof c->part);
+    (void)seek_dof(c, 0);
+}
+
+/* Go on to the next step. */
+static void move_on(job_t *c)
+{
+    bool by_dof = c->phase == OWN || c->phase == ROTATE || c->phase == SCATTER;
+    if (++c->at_row < steps_of(c)) {
+        return;
+    }
+    c->at_row = 0;
+    if (by_dof && seek_dof(c, c->at_dof + 1)) {
+        return;
+    }
+    if (c->phase == SCATTER) {
+        finish_set(c);
+        if (++c->at_set < c->metric->cfg.sets) {
+            (void)seek_dof(c, 0);
+            return;
+        }
+        finish_scatter(c);
+        c->at_set = 0;
+    }
+    end_phase(c);
+}
+
+void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                            const auvid_real_t *pi, auvid_real_t dry_mass_kg)
+{
+    if (job == NULL || metric == NULL || pi == NULL) {
+        return;
+    }
+    job_t *c = job;
+    memset(c, 0, sizeof *c);
+    c->metric = metric;
+    c->dry_mass_kg = dry_mass_kg;
+    bool linear = auvid_metric_has_regressor(metric);
+    uint32_t searched = linear ? auvid_metric_searched(metric) : auvid_metric_active(metric);
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        c->pi[i] = pi[i];
+        c->widening[i] = AUVID_C(1.0);
+        c->place[i] = NOWHERE;
+        if (searched >> i & 1u) {
+            c->index[c->n] = (uint8_t)i;
+            c->place[i] = c->n++;
+        }
+    }
+    for (int age = 0; age < metric->cfg.sets; ++age) {
+        c->sets = (uint8_t)(c->sets + (metric->set[auvid_metric_slot(metric, age)].driven != 0));
+    }
+    /* with delays taken, first what they cost: BOUND comes back here for the plain triangle */
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        c->delayed |=
+            is_driven(c, j) && metric->cfg.estimate_delay && metric->delay_s[j] > AUVID_C(0.0);
+    }
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        auvid_confidence_note_idle(c, i);
+    }
+    (void)seek_dof(c, 0);
+}
+
+auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, uint32_t *budget)
+{
+    static const uint8_t price[] = {[OWN] = 2,    [ROTATE] = 3,  [BOUND] = 1,
+                                    [INVERT] = 1, [SCATTER] = 1, [JUDGE] = 3}; /* [rows] */
+    if (job == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    while (job->phase != DONE) {
+        if (*budget == 0) {
+            return AUVID_PENDING;
+        }
+        --*budget;
+        if (++job->paid < price[job->phase]) {
+            continue;
+        }
+        job->paid = 0;
+        work_step(job);
+        move_on(job);
+    }
+    return AUVID_OK;
+}

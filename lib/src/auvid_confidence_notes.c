@@ -1,0 +1,148 @@
+/*
+ * Confidence: what the standard errors mean for each parameter.
+ */
+#include "auvid/confidence.h"
+
+#include <string.h>
+
+#include "auvid_confidence.h"
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+#define HALF_WIDTH AUVID_C(2.1) /* standard errors in a 95 % half-width: eight sets are few */
+
+/* ---- bias of masses by the noise of the measured acceleration ---- */
+
+/* Correlation, at the bands' distance, of white velocity noise that has become an acceleration and
+ * passed the rows' filter. DVL samples two cells apart are interpolated (0.5 1 0.5), rates come in
+ * every cell; the derivative is (0.5 0 -0.5). */
+static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+{
+    enum { LENGTH = 5 };
+    static const auvid_real_t shape[2][LENGTH] = {
+        {AUVID_C(0.25), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(-0.25)},
+        {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(0.0)}};
+    int moment = j >= AUVID_ROLL, lag = m->cfg.lag[moment] * m->cfg.row_cells;
+    auvid_real_t passed[AUVID_MAX_TAPS + LENGTH], square = AUVID_C(0.0), product = AUVID_C(0.0);
+    for (int k = 0; k < m->taps + LENGTH - 1; ++k) {
+        passed[k] = AUVID_C(0.0);
+        for (int i = 0; i < LENGTH; ++i) {
+            bool inside = k - i >= 0 && k - i < m->taps;
+            passed[k] += inside ? shape[moment][i] * m->kernel[moment][k - i] : AUVID_C(0.0);
+        }
+        square += passed[k] * passed[k];
+        product += k >= lag ? passed[k] * passed[k - lag] : AUVID_C(0.0);
+    }
+    return product / square;
+}
+
+/* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
+ * band has that noise times (1 + rho) / (1 - rho) in it. */
+void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    if (vehicle->regressor == NULL || m->cfg.smoothing != AUVID_SMOOTH_ROWS) {
+        return;
+    }
+    auvid_regressor_t still, moved;
+    auvid_sample_t sample;
+    memset(&sample, 0, sizeof sample);
+    memset(&still, 0, sizeof still);
+    memset(&moved, 0, sizeof moved);
+    vehicle->regressor(vehicle->context, &sample, &still);
+    sample.nu_dot[j] = AUVID_C(1.0);
+    vehicle->regressor(vehicle->context, &sample, &moved);
+    auvid_real_t mass = AUVID_C(0.0);
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        mass += (moved.row[j][i] - still.row[j][i]) * c->pi[i];
+    }
+    auvid_real_t rho = noise_correlation(m, j);
+    auvid_real_t noise =
+        m->band_sse[1][j] *
+        (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
+    auvid_real_t scaled = m->weight[j] * noise / mass;
+    for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
+        int i = c->index[k];
+        c->influence[k] += scaled * (moved.row[j][i] - still.row[j][i]);
+    }
+}
+
+/* ---- notes ---- */
+
+void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
+{
+    const auvid_metric_config_t *cfg = &c->metric->cfg;
+    bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
+    bool driven = (c->metric->driven >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    c->result.sigma[i] = AUVID_LARGEST;
+    c->result.note[i] = !free    ? AUVID_NOTE_FIXED
+                        : driven ? AUVID_NOTE_UNCERTAIN
+                                 : AUVID_NOTE_NOT_DRIVEN;
+}
+
+/* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of its DoF's rms wrench. */
+static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    int j = (int)m->cfg.vehicle->parameter[i].dof, n = auvid_metric_order(m, j);
+    auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0), column = AUVID_C(0.0);
+    for (int age = 0; age < m->cfg.sets; ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        if (set->driven >> j & 1) {
+            wrench += set->tau_m2[j];
+            rows += (auvid_real_t)set->rows;
+        }
+    }
+    for (int k = 0; k < m->count[j]; ++k) {
+        if (m->index[m->channel_at[j] + k] == i) {
+            column = auvid_triangle_norm(m->merged + m->factor_at[j], n, k);
+        }
+    }
+    auvid_real_t value = AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) / column;
+    return auvid_is_finite(value) ? value : AUVID_C(0.0);
+}
+
+static bool is_plausible(const auvid_confidence_job_t *c, int i)
+{
+    auvid_real_t value = c->pi[i];
+    switch (c->metric->cfg.vehicle->parameter[i].kind) {
+    case AUVID_PARAMETER_MASS:
+        return value > c->dry_mass_kg;
+    case AUVID_PARAMETER_INERTIA:
+        return value > AUVID_C(0.0);
+    case AUVID_PARAMETER_LINEAR_DRAG:
+    case AUVID_PARAMETER_QUADRATIC_DRAG:
+        return value < AUVID_C(0.0);
+    default:
+        return true;
+    }
+}
+
+void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, auvid_real_t sigma,
+                               auvid_real_t bias, int partner)
+{
+    int p = c->index[i];
+    auvid_confidence_t *to = &c->result;
+    if (to->note[p] == AUVID_NOTE_NOT_DRIVEN) {
+        return; /* a by-product */
+    }
+    auvid_real_t total = auvid_sqrt(sigma * sigma + bias * bias);
+    auvid_real_t half = HALF_WIDTH * sigma + bias;
+    auvid_real_t allowed = AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(c->pi[p]);
+    to->sigma[p] = auvid_is_finite(total) ? total : AUVID_LARGEST;
+    to->note[p] = AUVID_NOTE_UNCERTAIN;
+    if (half <= allowed) {
+        bool plausible = is_plausible(c, p);
+        to->identifiable |= 1u << p;
+        to->implausible |= (uint32_t)!plausible << p;
+        to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
+    } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
+        to->note[p] = AUVID_NOTE_SMALL;
+    } else if (partner != NOWHERE) {
+        to->note[p] = AUVID_NOTE_COMBINATION;
+        to->partner[p] = c->index[partner];
+    } else if (HALF_WIDTH * sigma <= allowed) {
+        to->note[p] = AUVID_NOTE_NOISE;
+    }
+}

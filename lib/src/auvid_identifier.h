@@ -1,0 +1,26 @@
+/**
+ * @file auvid_identifier.h
+ * Private: what the files of the identifier share.
+ */
+#ifndef AUVID_IDENTIFIER_PRIVATE_H
+#define AUVID_IDENTIFIER_PRIVATE_H
+
+#include "auvid/identifier.h"
+
+/** A set has been completed: judge the last estimate by it, then merge. */
+void auvid_identifier_begin_set(auvid_identifier_t *id);
+
+/** Bring the sets together, then search. */
+void auvid_identifier_begin_merge(auvid_identifier_t *id);
+
+/** One stretch of judging. @return AUVID_OK; AUVID_PENDING */
+auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget);
+
+/** Simulate further cells with the last estimate. */
+void auvid_identifier_simulate(auvid_identifier_t *id);
+
+/** Delay that an estimate of a model without regressor was found with; else 0 [s]. */
+auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
+                                           const auvid_estimate_t *estimate);
+
+#endif
