@@ -75,6 +75,9 @@ void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
     in->depth.present = depth->has;
     in->depth.t_us = epoch_us + depth->t_us;
     in->depth.depth_m = (auvid_real_t)depth->value[0];
+    in->altitude.present = dvl->has && dvl->bottom;
+    in->altitude.t_us = in->dvl.sample.t_us;
+    in->altitude.altitude_m = (auvid_real_t)dvl->value[3];
     in->gps.present = gps->has;
     in->gps.t_us = epoch_us + gps->t_us;
     in->gps.x_m = (auvid_real_t)gps->value[0];

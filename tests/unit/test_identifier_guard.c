@@ -1,0 +1,538 @@
+/*
+ * The guard within the identifier, on the simulated vehicle: whatever goes wrong while it excites,
+ * the excitation and the thruster forces are exactly zero in that very tick and in all later ones.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "chain.h"
+#include "unity.h"
+
+#define BEFORE_S 12.0 /* of excitation before anything goes wrong */
+
+enum { NO_IMU = 1, NO_DVL = 2, NO_DEPTH = 4, NO_ALTITUDE = 8, SATURATED = 16, NAN_IMU = 32 };
+
+static chain_t chain;
+static chain_config_t config;
+static unsigned wrong; /* what goes wrong, now */
+
+static void spoil(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    in->imu.present = in->imu.present && !(wrong & NO_IMU);
+    in->dvl.present = in->dvl.present && !(wrong & NO_DVL);
+    in->depth.present = in->depth.present && !(wrong & NO_DEPTH);
+    in->altitude.present = in->altitude.present && !(wrong & NO_ALTITUDE);
+    in->saturated = (wrong & SATURATED) != 0;
+    if (wrong & NAN_IMU) {
+        in->imu.attitude[0] = (auvid_real_t)NAN;
+    }
+}
+
+void setUp(void)
+{
+    chain_defaults(&config, 3, 2, 1.0);
+    config.budget = 0;
+    config.before = spoil;
+    wrong = 0;
+}
+
+void tearDown(void)
+{
+}
+
+static bool is_zero(const auvid_output_t *out)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!(out->excitation[j] == 0)) {
+            return false;
+        }
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        if (!(out->thruster_N[i] == 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, BEFORE_S);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, chain.out.cause);
+    TEST_ASSERT_FALSE(is_zero(&chain.out));
+}
+
+/* Zero for ten seconds, whatever is well again, and nobody can excite. */
+static void check_stays_zero(auvid_guard_cause_t cause)
+{
+    wrong = 0;
+    for (int k = 0; k < 500; ++k) {
+        chain_tick(&chain);
+        TEST_ASSERT_TRUE(is_zero(&chain.out));
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
+        TEST_ASSERT_EQUAL(cause, chain.out.cause);
+        TEST_ASSERT_EQUAL_HEX32(0, chain.out.events & AUVID_EVENT_ABORTED); /* told once */
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
+    }
+}
+
+/* The output of a tick that aborts. */
+static void check_aborted(const auvid_output_t *out, auvid_guard_cause_t cause)
+{
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out->guard);
+    TEST_ASSERT_EQUAL_STRING(auvid_guard_cause_str(cause), auvid_guard_cause_str(out->cause));
+    TEST_ASSERT_TRUE(is_zero(out));
+    TEST_ASSERT_TRUE(out->events & AUVID_EVENT_ABORTED);
+}
+
+/* Goes on until it aborts, in less than so many seconds; exciting in every tick before.
+ * Returns the ticks it took. */
+static int check_aborts(auvid_guard_cause_t cause, double seconds)
+{
+    int ticks = 0;
+    do {
+        TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+        TEST_ASSERT_TRUE(ticks < seconds * 50);
+        chain_tick(&chain);
+        ++ticks;
+    } while (chain.out.guard == AUVID_GUARD_EXCITING);
+    check_aborted(&chain.out, cause);
+    TEST_ASSERT_EQUAL_UINT64(chain.t_us, chain.id.guard.trip.t_us);
+    check_stays_zero(cause);
+    return ticks;
+}
+
+/* ---- sensors ---- */
+
+static void test_the_imu_is_lost(void)
+{
+    begin();
+    wrong = NO_IMU;
+    TEST_ASSERT_EQUAL(11, check_aborts(AUVID_GUARD_IMU_STALE, 1)); /* 0.2 s */
+}
+
+static void test_the_imu_tells_what_is_not_finite(void)
+{
+    begin();
+    wrong = NAN_IMU;
+    TEST_ASSERT_EQUAL(11, check_aborts(AUVID_GUARD_IMU_STALE, 1));
+}
+
+static void test_the_dvl_is_lost(void)
+{
+    begin();
+    wrong = NO_DVL;
+    int ticks = check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+    TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51); /* 1 s from the last sample on, at 5 Hz */
+}
+
+static void test_the_dvl_loses_the_bottom(void)
+{
+    begin();
+    chain.sim.config.dvl_lock = SIM_LOCK_WATER;
+    (void)check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+}
+
+static void test_depth_is_lost(void)
+{
+    begin();
+    wrong = NO_DEPTH;
+    int ticks = check_aborts(AUVID_GUARD_DEPTH_STALE, 2);
+    TEST_ASSERT_TRUE(ticks > 45 && ticks <= 51);
+}
+
+static void test_altitude_is_lost(void)
+{
+    begin();
+    wrong = NO_ALTITUDE;
+    (void)check_aborts(AUVID_GUARD_ALTITUDE_STALE, 2);
+}
+
+static void test_without_an_altimeter_all_goes_well(void)
+{
+    wrong = NO_ALTITUDE;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+}
+
+/* ---- limits ---- */
+
+static void test_too_deep(void)
+{
+    config.sim.position[2] = 99.9;
+    config.sim.seabed_m = 150;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_DEPTH_MAX, 60);
+    TEST_ASSERT_TRUE(chain.id.guard.trip.value > 100);
+    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 100.1);
+}
+
+static void test_too_shallow(void)
+{
+    for (int i = 0; i < config.id.excitation.segments; ++i) { /* upwards where it went down */
+        config.id.excitation.segment[i].amplitude *= -1;
+    }
+    config.sim.position[2] = 1.1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_DEPTH_MIN, 60);
+    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 1);
+}
+
+static void test_too_close_to_the_bottom(void)
+{
+    config.sim.seabed_m = 52.1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_ALTITUDE, 60);
+    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 2);
+}
+
+static void test_too_much_roll(void)
+{
+    config.id.guard.roll_max_rad = AUVID_C(0.03);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_ROLL, 60);
+}
+
+static void test_too_much_pitch(void)
+{
+    config.id.guard.pitch_max_rad = AUVID_C(0.05);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_PITCH, 60);
+}
+
+static void test_too_fast(void)
+{
+    config.id.guard.speed_max = AUVID_C(0.4);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_SPEED, 60);
+}
+
+static void test_turning_too_fast(void)
+{
+    config.id.guard.yaw_rate_max = AUVID_C(0.3);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_YAW_RATE, 60);
+}
+
+static void test_too_far_away(void)
+{
+    config.id.guard.distance_max_m = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.5);
+    (void)check_aborts(AUVID_GUARD_DISTANCE, 60);
+}
+
+static void test_the_run_takes_too_long(void)
+{
+    config.id.guard.run_max_s = 20;
+    begin();
+    (void)check_aborts(AUVID_GUARD_RUN_TIME, 9);
+    TEST_ASSERT_DOUBLE_WITHIN(0.021, 20.01, (double)chain.id.guard.trip.value);
+}
+
+static void test_lasting_saturation(void)
+{
+    begin();
+    wrong = SATURATED;
+    TEST_ASSERT_EQUAL(51, check_aborts(AUVID_GUARD_SATURATION, 2)); /* 1 s since the first tick */
+}
+
+static void test_lasting_saturation_by_the_excitation_itself(void)
+{
+    begin();
+    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* thrusters that wear out: init checked them whole */
+        chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
+        chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
+    }
+    (void)check_aborts(AUVID_GUARD_SATURATION, 10);
+}
+
+/* ---- the operator ---- */
+
+static void test_the_operator_aborts(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
+    chain_tick(&chain);
+    check_aborted(&chain.out, AUVID_GUARD_OPERATOR);
+    check_stays_zero(AUVID_GUARD_OPERATOR);
+}
+
+static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.waiting = false;
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
+    chain_tick(&chain);
+    check_aborted(&chain.out, AUVID_GUARD_OPERATOR);
+    check_stays_zero(AUVID_GUARD_OPERATOR);
+}
+
+static void test_the_operator_falls_silent(void)
+{
+    config.id.guard.alive_us = 15000000;
+    begin();
+    (void)check_aborts(AUVID_GUARD_LINK, 10);
+}
+
+/* ---- time, and steps that are refused ---- */
+
+static void check_refused(const auvid_input_t *in, auvid_status_t status, auvid_guard_cause_t cause)
+{
+    auvid_output_t out;
+    memset(&out, 0xFF, sizeof out);
+    TEST_ASSERT_EQUAL(status, auvid_identifier_step(&chain.id, in, &out));
+    check_aborted(&out, cause);
+    check_stays_zero(cause);
+}
+
+static void test_time_goes_back(void)
+{
+    auvid_input_t in;
+    begin();
+    memset(&in, 0, sizeof in);
+    in.t_us = chain.t_us - 1;
+    check_refused(&in, AUVID_ERR_TIME_BACK, AUVID_GUARD_TIME);
+}
+
+static void test_time_stands_still(void)
+{
+    auvid_input_t in;
+    begin();
+    memset(&in, 0, sizeof in);
+    in.t_us = chain.t_us;
+    check_refused(&in, AUVID_ERR_TIME_SAME, AUVID_GUARD_TIME);
+}
+
+static void test_a_step_without_input_or_output(void)
+{
+    begin();
+    check_refused(NULL, AUVID_ERR_NULL, AUVID_GUARD_NO_INPUT);
+    auvid_input_t in;
+    memset(&in, 0, sizeof in);
+    begin();
+    in.t_us = chain.t_us + SIM_TICK_US;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_step(&chain.id, &in, NULL));
+    chain_tick(&chain);
+    check_aborted(&chain.out, AUVID_GUARD_NO_INPUT);
+}
+
+static void test_a_tick_that_stalled(void)
+{
+    auvid_input_t in;
+    auvid_output_t out;
+    begin();
+    memset(&in, 0, sizeof in);
+    in.t_us = chain.t_us + 250001u; /* all sensors of that time: only the loop was late */
+    in.imu.present = in.depth.present = in.dvl.present = true;
+    in.imu.t_us = in.depth.t_us = in.dvl.sample.t_us = in.t_us;
+    in.depth.depth_m = (auvid_real_t)chain.sim.truth.position[2];
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    check_aborted(&out, AUVID_GUARD_TICK);
+}
+
+static void test_nobody_records_what_is_applied(void)
+{
+    sim_output_t seen;
+    auvid_input_t in;
+    auvid_output_t out;
+    begin();
+    for (int k = 0;; ++k) {
+        TEST_ASSERT_TRUE(k < 100);
+        sim_step(&chain.sim, NULL, NULL, &seen);
+        chain_sense(&seen, 0, &in);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+        if (out.guard == AUVID_GUARD_ABORTED) {
+            break;
+        }
+    }
+    check_aborted(&out, AUVID_GUARD_APPLIED_STALE);
+}
+
+/* ---- arming ---- */
+
+static void test_arming_before_the_sensors_have_spoken_is_refused_and_says_why(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, chain.id.guard.refused.cause);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.waiting = false;
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, chain.id.guard.refused.cause);
+    chain_run(&chain, 0.3);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ARMED, chain.out.guard);
+    TEST_ASSERT_TRUE(is_zero(&chain.out));
+}
+
+static void test_arming_beyond_a_limit_is_refused(void)
+{
+    config.sim.position[2] = 101;
+    config.sim.seabed_m = 150;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_MAX, chain.id.guard.refused.cause);
+    TEST_ASSERT_TRUE(is_zero(&chain.out));
+}
+
+static void test_a_breach_while_armed_keeps_it_from_exciting(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.waiting = false;
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    wrong = NO_DVL;
+    chain_run(&chain, 1.5);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
+}
+
+static void test_after_an_abort_disarm_arm_and_excite_begin_anew(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
+    chain_run(&chain, 5.0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    TEST_ASSERT_FALSE(is_zero(&chain.out));
+}
+
+static void test_disarming_while_exciting_ends_it_at_once(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, chain.out.guard);
+    TEST_ASSERT_TRUE(is_zero(&chain.out));
+}
+
+static void test_stop_fades_settles_and_is_done(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    TEST_ASSERT_FALSE(is_zero(&chain.out));
+    chain_run(&chain, 2.1);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, chain.out.guard);
+    TEST_ASSERT_TRUE(is_zero(&chain.out));
+    TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_SETTLED);
+    chain_run(&chain, 30.0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_TRUE(chain.events & AUVID_EVENT_SETTLED);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_ABORTED);
+}
+
+/* ---- altitude ---- */
+
+static void test_altitudes_that_cannot_be_are_dropped(void)
+{
+    auvid_input_t in;
+    auvid_output_t out;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    memset(&in, 0, sizeof in);
+    in.t_us = 1000000;
+    in.altitude.present = true;
+    in.altitude.t_us = 990000;
+    in.altitude.altitude_m = 3;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL_HEX32(0, out.events & AUVID_EVENT_ALTITUDE_DROPPED);
+    static const double altitude[] = {4, NAN, INFINITY, -1, 4};
+    static const uint64_t t_us[] = {990000, 991000, 991000, 991000, 9000000};
+    for (int i = 0; i < 5; ++i) {
+        in.t_us += SIM_TICK_US;
+        in.altitude.t_us = t_us[i];
+        in.altitude.altitude_m = (auvid_real_t)altitude[i];
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+        TEST_ASSERT_TRUE(out.events & AUVID_EVENT_ALTITUDE_DROPPED);
+    }
+}
+
+/* ---- data ---- */
+
+/* The abort comes while a search is going on, and 20 s into the second set. */
+static void test_an_abort_loses_neither_the_search_nor_the_data(void)
+{
+    config.budget = 20;
+    config.id.has_good = false;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 52.0);
+    TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
+    chain_run(&chain, 3.0);
+    TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
+    TEST_ASSERT_TRUE(chain_finish(&chain, 1000, 1000) <= 1000);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
+    for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
+        TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.10);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_imu_is_lost);
+    RUN_TEST(test_the_imu_tells_what_is_not_finite);
+    RUN_TEST(test_the_dvl_is_lost);
+    RUN_TEST(test_the_dvl_loses_the_bottom);
+    RUN_TEST(test_depth_is_lost);
+    RUN_TEST(test_altitude_is_lost);
+    RUN_TEST(test_without_an_altimeter_all_goes_well);
+    RUN_TEST(test_too_deep);
+    RUN_TEST(test_too_shallow);
+    RUN_TEST(test_too_close_to_the_bottom);
+    RUN_TEST(test_too_much_roll);
+    RUN_TEST(test_too_much_pitch);
+    RUN_TEST(test_too_fast);
+    RUN_TEST(test_turning_too_fast);
+    RUN_TEST(test_too_far_away);
+    RUN_TEST(test_the_run_takes_too_long);
+    RUN_TEST(test_lasting_saturation);
+    RUN_TEST(test_lasting_saturation_by_the_excitation_itself);
+    RUN_TEST(test_the_operator_aborts);
+    RUN_TEST(test_the_operator_aborts_between_excite_and_the_first_tick);
+    RUN_TEST(test_the_operator_falls_silent);
+    RUN_TEST(test_time_goes_back);
+    RUN_TEST(test_time_stands_still);
+    RUN_TEST(test_a_step_without_input_or_output);
+    RUN_TEST(test_a_tick_that_stalled);
+    RUN_TEST(test_nobody_records_what_is_applied);
+    RUN_TEST(test_arming_before_the_sensors_have_spoken_is_refused_and_says_why);
+    RUN_TEST(test_arming_beyond_a_limit_is_refused);
+    RUN_TEST(test_a_breach_while_armed_keeps_it_from_exciting);
+    RUN_TEST(test_after_an_abort_disarm_arm_and_excite_begin_anew);
+    RUN_TEST(test_disarming_while_exciting_ends_it_at_once);
+    RUN_TEST(test_stop_fades_settles_and_is_done);
+    RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
+    RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
+    return UNITY_END();
+}
