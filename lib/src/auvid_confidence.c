@@ -401,7 +401,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     }
     job_t *c = job;
     memset(c, 0, sizeof *c);
-    c->metric = metric;
+    c->metric = metric; /* for this call only: a job may be copied */
     c->dry_mass_kg = dry_mass_kg;
     bool linear = auvid_metric_has_regressor(metric);
     uint32_t searched = linear ? auvid_metric_searched(metric) : auvid_metric_active(metric);
@@ -426,19 +426,19 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         auvid_confidence_note_idle(c, i);
     }
     (void)seek_dof(c, 0);
+    c->metric = NULL;
 }
 
-auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, uint32_t *budget)
+auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                                     uint32_t *budget)
 {
     static const uint8_t price[] = {[OWN] = 2,    [ROTATE] = 3,  [BOUND] = 1,
                                     [INVERT] = 1, [SCATTER] = 1, [JUDGE] = 3}; /* [rows] */
-    if (job == NULL || budget == NULL) {
+    if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
-    while (job->phase != DONE) {
-        if (*budget == 0) {
-            return AUVID_PENDING;
-        }
+    job->metric = metric;
+    while (job->phase != DONE && *budget > 0) {
         --*budget;
         if (++job->paid < price[job->phase]) {
             continue;
@@ -447,5 +447,6 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, uint32_t *budg
         work_step(job);
         move_on(job);
     }
-    return AUVID_OK;
+    job->metric = NULL;
+    return job->phase == DONE ? AUVID_OK : AUVID_PENDING;
 }

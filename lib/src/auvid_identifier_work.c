@@ -180,7 +180,7 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
             id->phase = AUVID_WORK_CONFIDENCE;
         }
     } else {
-        status = auvid_confidence_work(&id->confidence, budget);
+        status = auvid_confidence_work(&id->confidence, m, budget);
         if (status == AUVID_OK) {
             publish(id);
         }

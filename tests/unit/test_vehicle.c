@@ -220,16 +220,21 @@ static void test_acceleration_does_not_read_the_recorded_one(void)
     TEST_ASSERT_EQUAL_MEMORY(one, other, sizeof one);
 }
 
-static void test_acceleration_refuses_masses_that_are_not_positive(void)
+static void test_acceleration_is_not_finite_where_a_mass_is_not_positive_and_elsewhere_it_is(void)
 {
     static const int mass[] = {AUVID_G500_M_U, AUVID_G500_M_V, AUVID_G500_M_W, AUVID_G500_M_R};
     static const double bad[] = {0, -1, NAN};
+    static const int dof[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
     for (int k = 0; k < 4; ++k) {
         for (int b = 0; b < 3; ++b) {
             auvid_real_t nu_dot[6] = {0};
             setUp();
             pi[mass[k]] = (auvid_real_t)bad[b];
-            TEST_ASSERT_FALSE(model.acceleration(model.context, &sample, pi, nu_dot));
+            TEST_ASSERT_TRUE(model.acceleration(model.context, &sample, pi, nu_dot));
+            for (int other = 0; other < 4 && bad[b] <= 0; ++other) {
+                TEST_ASSERT_EQUAL(other != k, auvid_is_finite(nu_dot[dof[other]]));
+            }
+            TEST_ASSERT_FALSE(auvid_is_finite(nu_dot[dof[k]]));
         }
     }
 }
@@ -438,7 +443,7 @@ int main(void)
     RUN_TEST(test_residual_is_the_users_where_there_is_no_regressor);
     RUN_TEST(test_acceleration_inverts_the_residual);
     RUN_TEST(test_acceleration_does_not_read_the_recorded_one);
-    RUN_TEST(test_acceleration_refuses_masses_that_are_not_positive);
+    RUN_TEST(test_acceleration_is_not_finite_where_a_mass_is_not_positive_and_elsewhere_it_is);
     RUN_TEST(test_hull_that_is_too_heavy_sinks_and_drag_slows_down);
     RUN_TEST(test_every_parameter_has_a_name_a_unit_and_the_dof_of_its_letter);
     RUN_TEST(test_parameters_of_the_paper_are_in_their_places);

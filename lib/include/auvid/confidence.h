@@ -73,7 +73,7 @@ typedef struct {
 
 /** The computation. Private. */
 typedef struct {
-    const auvid_metric_t *metric;
+    const auvid_metric_t *metric; /* during a call only */
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
@@ -95,7 +95,7 @@ typedef struct {
     bool delayed; /* some delay was estimated: what it costs is being found */
 } auvid_confidence_job_t;
 
-/** Begin. All three must stay as they are until it is done.
+/** Begin. The metric must stay as it is until it is done.
  * @param metric merged, and measured at pi last (regressor path) or linearised there (residual path)
  * @param pi [n] the result of a search over the parameters auvid_metric_searched
  * @param dry_mass_kg masses must be above; 0: above zero
@@ -104,9 +104,11 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
                             const auvid_real_t *pi, auvid_real_t dry_mass_kg);
 
 /** Go on with it.
+ * @param metric as at begin
  * @param budget units of work left, reduced by those used: one for each row of a triangle
  * @return AUVID_OK (job->result written); AUVID_PENDING; AUVID_ERR_NULL. */
-auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, uint32_t *budget);
+auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                                     uint32_t *budget);
 
 /** Short English phrase for a note; never null; empty for AUVID_NOTE_NONE. */
 const char *auvid_note_str(auvid_note_t note);
