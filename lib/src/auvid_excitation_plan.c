@@ -85,8 +85,9 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     config->segments = 0;
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
         if (amplitude[dof] > AUVID_C(0.0)) {
-            auvid_real_t turn = one_by_one ? (auvid_real_t)(config->segments / 2u) : AUVID_C(0.0);
-            add(config, (auvid_dof_t)dof, amplitude[dof], set_s, pause_s + turn * turn_s,
+            uint32_t turn = one_by_one ? config->segments / 2u : 0u;
+            add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+                pause_s + (auvid_real_t)turn * turn_s,
                 pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }

@@ -61,7 +61,8 @@ void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double
 /** Somebody else drives: moves the excitation of config->id to config->driver. */
 void chain_set_driver(chain_config_t *config);
 
-/** Start; the excitation begins when navigation is fresh, in 0.2 s. @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
+/** Start; the excitation begins when navigation is fresh, in 0.2 s.
+ * @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
  * simulator refuses. */
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
 

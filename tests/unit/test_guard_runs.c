@@ -140,7 +140,7 @@ static void allow(const flight_t *f, double allowed[LIMITS])
         e_depth + heave * (depth + tau_heave) + d / brake[2] * OVER_S;
     allowed[ALTITUDE] = heave * (dvl + tau_heave) + d / brake[2] * OVER_S;
     allowed[DISTANCE] = e_way + level * (dvl + tau_level) + push * OVER_S;
-    /* tau = I / D of the pendulums; the brake on surge pitches by its arm over the righting moment */
+    /* tau = I / D of the pendulums; the brake on surge pitches by its arm over the righting */
     double tau_tilt = f->world.tilt_inertia / f->world.tilt_linear;
     allowed[ROLL] = e_angle + fabs(v[3]) * (TICK_S + tau_tilt) +
                     f->world.roll_arm_m * brake[1] * fabs(v[1]) / f->world.tilt_righting;

@@ -45,7 +45,8 @@ typedef struct {
 /** What an identifier in this world is configured like; change it and give it to world_listen. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Start; the excitation begins when navigation is fresh, in 0.2 s. False when the library or the simulator refuses (it does not). */
+/** Start; the excitation begins when navigation is fresh, in 0.2 s.
+ * False when the library or the simulator refuses (it does not). */
 bool world_begin(world_t *world, const world_config_t *config);
 
 /** Take a second identifier aboard. */
