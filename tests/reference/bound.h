@@ -96,7 +96,7 @@ static const double correlation_s = simulator_defaults().disturbance_s;
 static const double keep = std::exp(-tick_s / correlation_s); // of that force, in a tick
 static auvid_identifier_t id;
 
-static Noise noise_of(double disturbance_N)
+inline Noise noise_of(double disturbance_N)
 {
     sim_config_t config = simulator_defaults();
     return {config.dvl_m_s, config.imu_rate_rad_s, config.depth_m, disturbance_N};
@@ -204,7 +204,7 @@ static Errors library_error()
     return error;
 }
 
-static Run fly(const World &world)
+inline Run fly(const World &world)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     auvid_identifier_config_t cfg;
