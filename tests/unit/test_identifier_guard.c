@@ -449,6 +449,27 @@ static void test_stop_fades_settles_and_is_done(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_ABORTED);
 }
 
+/* ---- the leash ---- */
+
+/* A current of 0.3 m/s carries the vehicle 70 m in this run, unless the leash holds it. */
+static void test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current(void)
+{
+    for (int leash = 0; leash < 2; ++leash) {
+        chain_defaults(&config, 5, 8, 3.0);
+        config.budget = 0;
+        config.sim.current[0] = -0.2;
+        config.sim.current[1] = 0.2236;
+        config.id.guard.distance_max_m = 20;
+        if (!leash) {
+            memset(config.id.excitation.leash, 0, sizeof config.id.excitation.leash);
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        chain_run(&chain, 239.0);
+        TEST_ASSERT_EQUAL(leash ? AUVID_GUARD_EXCITING : AUVID_GUARD_ABORTED, chain.out.guard);
+        TEST_ASSERT_EQUAL(leash ? AUVID_GUARD_NO_CAUSE : AUVID_GUARD_DISTANCE, chain.out.cause);
+    }
+}
+
 /* ---- altitude ---- */
 
 static void test_altitudes_that_cannot_be_are_dropped(void)
@@ -532,6 +553,7 @@ int main(void)
     RUN_TEST(test_after_an_abort_disarm_arm_and_excite_begin_anew);
     RUN_TEST(test_disarming_while_exciting_ends_it_at_once);
     RUN_TEST(test_stop_fades_settles_and_is_done);
+    RUN_TEST(test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current);
     RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
     RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
     return UNITY_END();

@@ -23,7 +23,7 @@
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. In the tick
  * in which a sum of sines begins: also up to 8 points per period of its highest frequency (at most
  * AUVID_EXCITATION_SCAN) times its sines, 6 multiplications each, to find its peak.
- * Memory: sizeof(auvid_excitation_t), 1.4 KiB with the default sizes in float; no pointer is kept.
+ * Memory: sizeof(auvid_excitation_t), 1.6 KiB with the default sizes in float; no pointer is kept.
  *
  * Source: Karras et al. 2013, III-A. Deviation: the paper names steps, ramps, sines and sums of
  * sines and gives no figures; those of auvid_excitation_plan are auvid's own.
@@ -215,7 +215,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 
 /**
  * The wrench at t_us.
- * @param t_us   not before the last call's time; the same time gives the same wrench.
+ * @param t_us   not before the last call's time; the same time and displacement give the same wrench.
  * @param wrench 6, written always unless null: body wrench [N, Nm]; zero on every status but
  *               AUVID_OK.
  * @return AUVID_OK; AUVID_FINISHED (the run is over, or none was begun); AUVID_ERR_NULL;

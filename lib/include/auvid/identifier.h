@@ -20,7 +20,8 @@
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
  * auvid_identifier_excite. A breach of a limit, a sensor gone silent, a refused step: excitation
- * zero in that very tick, latched until auvid_identifier_disarm. Recording and searching go on.
+ * zero in that very tick, latched until auvid_identifier_disarm. Recording and searching go on. What
+ * comes through auvid_identifier_motion the guard does not see: exciting needs sensors through step.
  */
 #ifndef AUVID_IDENTIFIER_H
 #define AUVID_IDENTIFIER_H
