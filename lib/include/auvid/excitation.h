@@ -215,7 +215,8 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 
 /**
  * The wrench at t_us.
- * @param t_us   not before the last call's time; the same time and displacement give the same wrench.
+ * @param t_us   not before the last call's time; the same time (and displacement) gives the same
+ *               wrench.
  * @param wrench 6, written always unless null: body wrench [N, Nm]; zero on every status but
  *               AUVID_OK.
  * @return AUVID_OK; AUVID_FINISHED (the run is over, or none was begun); AUVID_ERR_NULL;

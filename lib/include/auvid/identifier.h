@@ -9,8 +9,8 @@
  * optimizer (optimizer.h) -> estimate. Each completed data set starts a global search with the last
  * estimate as a known good point; a set that completes during a search makes its costs stale, and
  * they are evaluated again. Before it is used, each set is foretold by the last estimate: that is
- * how a changed vehicle, and an estimate worse than the one before, are noticed. For a model without regressor the delay is one more parameter of the
- * search.
+ * how a changed vehicle, and an estimate worse than the one before, are noticed. For a model
+ * without regressor the delay is one more parameter of the search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: a unit is one row of a triangle, one
@@ -20,8 +20,8 @@
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
  * auvid_identifier_excite. A breach of a limit, a sensor gone silent, a refused step: excitation
- * zero in that very tick, latched until auvid_identifier_disarm. Recording and searching go on. What
- * comes through auvid_identifier_motion the guard does not see: exciting needs sensors through step.
+ * zero in that very tick, latched until auvid_identifier_disarm. Recording and searching go on.
+ * What comes through auvid_identifier_motion the guard does not see: exciting needs sensors.
  */
 #ifndef AUVID_IDENTIFIER_H
 #define AUVID_IDENTIFIER_H
