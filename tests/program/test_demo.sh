@@ -5,15 +5,30 @@
 check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the keys it should have" is one.json '
-assert list(d) == ["version", "status", "seed", "model", "parameters", "delay_s", "r2_force",
-                   "r2_validation", "evaluations", "budget"], list(d)
+assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
+                   "not_modelled", "delay_s", "r2_force", "r2_validation", "judgement", "guard",
+                   "evaluations", "budget"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
-assert all(set(p) == {"name", "unit", "estimate", "truth"} for p in d["parameters"])
+assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note", "truth"}
+           for p in d["parameters"])
 assert all(abs(p["truth"] - TRUTH[p["name"]]) < 1e-4 for p in d["parameters"])
 for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "uvwr"):
     assert list(d[key]) == list(names) and all(isinstance(x, (int, float)) for x in d[key].values())
 assert d["evaluations"]["crs"] > 0 and d["evaluations"]["line_search"] > 0'
+check "every parameter is identifiable, within four standard errors" is one.json '
+assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"])
+assert all(abs(p["estimate"] - p["truth"]) < 4 * p["sigma"] < 0.2 * abs(p["truth"])
+           for p in d["parameters"])
+assert d["missing"] == [] and d["not_modelled"] == ["roll", "pitch"]'
+check "the last set was foretold, and nothing has changed" is one.json '
+j = d["judgement"]
+assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]
+assert j["set"] == 8 and j["estimate"] == 7 and j["changed"] == []
+assert all(0.05 < x < 5 for x in j["variance_ratio"].values()), j
+assert all(0 <= x < 1 for x in j["change"].values()) and min(j["r2_velocity"].values()) > 0.98'
+check "the guard saw nothing wrong" is one.json \
+    'assert d["guard"] == {"state": "done", "cause": None}, d["guard"]'
 check "every parameter is within 8 % of the truth" is one.json \
     'assert all(error(n) < 0.08 for n in TRUTH), {n: error(n) for n in TRUTH}'
 check "held-out velocity is predicted" is one.json \

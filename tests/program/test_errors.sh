@@ -25,6 +25,12 @@ for bad in 0 -1 1001 1.5; do
     check "--sets $bad" refuses -- '--sets' demo "--sets=$bad"
 done
 check "--runs 0" refuses -- '--runs' demo --runs 0
+check "an unknown scenario" refuses "'storm' is not one of payload, yaw-idle" demo --scenario storm
+for other in "--runs 3" "--sets 4" "--csv x.csv" --literal; do
+    # shellcheck disable=SC2086
+    check "--scenario with $other" refuses -- "--scenario and ${other%% *} do not go together" \
+        demo --scenario payload $other
+done
 for bad in 1 1, ,1 1,2,3 a,b nan,1 -inf,inf -1e9,1 '1;2'; do
     check "--bounds=$bad" refuses 'is not LO,HI' fit x.csv "--bounds=$bad"
 done

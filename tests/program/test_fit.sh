@@ -23,12 +23,19 @@ out.writerows([["%.9g" % x for x in y] for y in r])' "$1"
 check "a log is identified" exits 0 fit train.csv --json --validate test.csv
 cp out fit.json
 check "its JSON has the keys it should have" is fit.json '
-assert list(d) == ["version", "status", "seed", "model", "parameters", "delay_s", "r2_force",
-                   "r2_validation", "r2_interval", "evaluations", "budget"], list(d)
-assert all(set(p) == {"name", "unit", "estimate"} for p in d["parameters"])
+assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
+                   "not_modelled", "delay_s", "r2_force", "r2_validation", "r2_interval",
+                   "judgement", "evaluations", "budget"], list(d)
+assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note"}
+           for p in d["parameters"])
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)'
 check "parameters within 10 %, masses within 2 %" is fit.json '
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in TRUTH), {n: error(n) for n in TRUTH}'
+check "every parameter is identifiable, within four standard errors" is fit.json '
+assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"])
+assert all(abs(p["estimate"] - TRUTH[p["name"]]) < 4 * p["sigma"] for p in d["parameters"]), \
+    {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma"] for n in P}
+assert d["missing"] == [] and d["judgement"] is None'
 check "the other log is predicted" is fit.json '
 for k in "uvwr":
     low, high = d["r2_interval"][k]
@@ -84,6 +91,12 @@ for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_r", "N_r", "N_rr")), n
 assert d["status"] == "ok" and d["delay_s"]["N"] is None and d["r2_validation"]["r"] is None
 assert d["r2_validation"]["u"] > 0.98'
+check "  which are not known, and it is said why and what to do" is out '
+for n in TRUTH:
+    left_out = n in ("m_r", "N_r", "N_rr")
+    assert (P[n]["sigma"] is None) == left_out and P[n]["identifiable"] != left_out, n
+    assert P[n]["note"] == ("no input column" if left_out else ""), n
+assert len(d["missing"]) == 1 and d["missing"][0].startswith("yaw: nothing moved it; excite it")'
 change 'drop("Y_N")' <train.csv >no_sway.csv
 check "that it moves does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
@@ -152,6 +165,12 @@ assert rms(mine) > 2 * rms(default) and set(d["delay_s"].values()) == {0}'
 check "a delay that matters is used" exits 0 fit lag.csv --json
 check "  near 0.15 s" is out 'assert all(0.12 < x < 0.18 for x in d["delay_s"].values())'
 
+change 'r = [y for y in r if y[0] < 32]' <train.csv >one_set.csv
+check "from half a minute not everything can be known" exits 0 fit one_set.csv --json
+check "  which is said, and what is missing" is out '
+unsure = [p for p in d["parameters"] if not p["identifiable"]]
+assert 0 < len(unsure) < 13 and all(p["note"] for p in unsure) and len(d["missing"]) >= 1
+assert all(error(p["name"]) < 0.2 for p in d["parameters"] if p["identifiable"])'
 check "tables" exits 0 fit commands.csv --validate commands.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  what a parameter is measured in is said" grep -q 'units of command' out

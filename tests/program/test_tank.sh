@@ -22,6 +22,15 @@ for d in runs:
     got = [d["r2_validation"][k] for k in "uvw"]
     print(d["seed"], d["model"], got)
     assert d["status"] == "ok" and d["r2_validation"]["r"] is None
+    assert d["not_modelled"] == ["roll", "pitch"]
+    for p in d["parameters"]:
+        yaw = p["name"] in ("m_r", "N_r", "N_rr", "N_0")
+        assert (p["sigma"] is None) == yaw and bool(p["note"]) != p["identifiable"], p
+        assert not p["identifiable"] or 4 * p["sigma"] < 0.5 * abs(p["estimate"]), p
+        assert not yaw or (not p["identifiable"] and p["note"] == "input is always zero"), p
+    known = {p["name"] for p in d["parameters"] if p["identifiable"]}
+    assert known and known <= {"m_u", "m_v", "m_w", "X_u", "X_uu", "Y_v", "Y_vv", "Z_w"}, known
+    assert any(s.startswith("yaw: nothing moved it") for s in d["missing"])
     assert all(g >= l for g, l in zip(got, least)), (got, least)
     assert d["budget"]["worst"] <= d["budget"]["limit"]
     assert all(d["r2_interval"][k][0] < d["r2_validation"][k] < d["r2_interval"][k][1]

@@ -9,6 +9,7 @@
 #include "options.h"
 
 int demo(const options_t *options);
+int scenario(const options_t *options); /**< demo --scenario */
 int fit(const options_t *options);
 
 #endif

@@ -90,6 +90,7 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
                           uint32_t *told)
 {
     const auvid_estimate_t *e = &run->world.id[0].estimate;
+    double rms = report_rms_percent(e, run->world.sim.config.parameter);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
     if (e->number == 0) {
@@ -97,11 +98,11 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
         return;
     }
     progress_bar(progress, part, "%.0f s, %u set%s: rms error %.2f %%", t, (unsigned)e->sets,
-                 e->sets == 1 ? "" : "s", report_rms_percent(e));
+                 e->sets == 1 ? "" : "s", rms);
     if (e->number != *told) {
         *told = e->number;
         progress_line(progress, "%5.0f s, %2u set%s rms error %5.2f %%", t, (unsigned)e->sets,
-                      e->sets == 1 ? ": " : "s:", report_rms_percent(e));
+                      e->sets == 1 ? ": " : "s:", rms);
     }
 }
 
@@ -142,12 +143,9 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         }
     }
     for (int i = 0; i < world->identifiers; ++i) {
-        run->result[i] = (result_t){.seed = seed,
-                                    .vehicle = world->id[i].cfg.vehicle,
-                                    .free = world->id[i].cfg.metric.free,
-                                    .estimate = world->id[i].estimate,
-                                    .work_most = world->id[i].work_most,
-                                    .has_truth = true};
+        report_gather(&run->result[i], &world->id[i], seed);
+        run->result[i].has_truth = true;
+        memcpy(run->result[i].truth, world->sim.config.parameter, sizeof run->result[i].truth);
         run->result[i].estimate.capped |= busy; /* it ran out of time */
     }
     run->simulated_s = world_time_s(world);
@@ -245,8 +243,9 @@ static int single_run(run_t *run, const options_t *options)
         return status;
     }
     const result_t *last = options->literal ? &run->result[1] : NULL;
+    const beside_t beside = {"last_set", last, NULL};
     if (options->json) {
-        report_json(&run->result[0], NULL, last, NULL);
+        report_json(&run->result[0], NULL, last != NULL ? &beside : NULL, NULL);
     } else {
         print_heading(options);
         putchar('\n');
@@ -306,10 +305,11 @@ static int many_runs(run_t *run, const options_t *options)
         for (int i = 0; i < lists; ++i) {
             tally_finish(&tally[i], options->seed);
         }
+        const beside_t beside = {"last_set", &first[1], last};
         if (options->json) {
-            report_json(&first[0], all, options->literal ? &first[1] : NULL, last);
+            report_json(&first[0], all, last != NULL ? &beside : NULL, NULL);
         } else {
-            report_campaign(all, last);
+            report_campaign(&first[0], all, last);
         }
         status = all->capped ? 1 : 0;
     }

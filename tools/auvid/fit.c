@@ -13,6 +13,7 @@
 #include "heldout.h"
 #include "replay.h"
 #include "report.h"
+#include "statistics.h"
 
 /* Rows further apart end the record, and it begins anew. */
 #define GAP_US 500000u
@@ -128,6 +129,28 @@ static int read_logs(job_t *job)
 
 /* ---- identification ---- */
 
+/* Median time between rows [us]; 0: no memory. */
+static double row_interval_us(const csv_log_t *log)
+{
+    double *interval = malloc(log->rows * sizeof *interval);
+    double median = 0.0;
+    if (interval != NULL) {
+        for (size_t i = 1; i < log->rows; ++i) {
+            interval[i - 1] = (double)(replay_time_us(log, i) - replay_time_us(log, i - 1));
+        }
+        median = statistics_quantile(interval, log->rows - 1, 0.5);
+        free(interval);
+    }
+    return median;
+}
+
+/* Velocity has the rows' times; only where those are further apart than cells is it interpolated. */
+static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
+{
+    double interval = fmin(row_interval_us(&job->train), GAP_US);
+    cfg->metric.velocity_us = interval >= cfg->recorder.cell_us ? (uint32_t)interval : 0u;
+}
+
 static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
                       auvid_identifier_config_t *cfg)
 {
@@ -142,6 +165,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
         cfg->lower[i] = (auvid_real_t)options->lower;
         cfg->upper[i] = (auvid_real_t)options->upper;
     }
+    set_velocity_time(job, cfg);
     if (options->literal) {
         auvid_identifier_literal(cfg);
     }
@@ -231,14 +255,10 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
 
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
-    *result = (result_t){.seed = job->options->seed,
-                         .vehicle = id->cfg.vehicle,
-                         .free = id->cfg.metric.free,
-                         .estimate = id->estimate,
-                         .work_most = id->work_most,
-                         .lower = job->options->lower,
-                         .upper = job->options->upper,
-                         .in_commands = job->replay.kind == INPUT_COMMAND};
+    report_gather(result, id, job->options->seed);
+    result->lower = job->options->lower;
+    result->upper = job->options->upper;
+    result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int k = 0; k < MODELLED; ++k) {
         auvid_dof_t j = report_dof[k];
         bool driven = (id->estimate.driven >> j & 1u) != 0;

@@ -30,6 +30,12 @@ static const char help[] =
     "values\n"
     "                     are those of the first run)\n"
     "  --csv FILE         write the (first) run as a log that fit reads\n"
+    "  --scenario NAME    tell a story instead, with a disturbance of 1 N unless another is "
+    "given:\n"
+    "                     payload (the vehicle changes under way), yaw-idle (yaw is never "
+    "excited),\n"
+    "                     operator-abort, current (0.3 m/s, seen by bottom and by water lock),\n"
+    "                     dvl-lost (for good, under way)\n"
     "\n"
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
@@ -63,7 +69,9 @@ int main(int count, char **argument)
     int status = EXIT_REFUSED;
     if (strcmp(command, "demo") == 0) {
         status = options_demo(&options, count - 2, argument + 2);
-        status = status != 0 ? status : demo(&options);
+        if (status == 0) {
+            status = options.scenario != NULL ? scenario(&options) : demo(&options);
+        }
     } else if (strcmp(command, "fit") == 0) {
         status = options_fit(&options, count - 2, argument + 2);
         status = status != 0 ? status : fit(&options);

@@ -181,6 +181,9 @@ static int demo_option(reader_t *r, options_t *options)
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
     }
+    if (is(r, "--scenario")) {
+        return take_value(r, &options->scenario);
+    }
     return complain("demo: unknown option %s (auvid --help lists them)", r->name);
 }
 
@@ -215,7 +218,7 @@ static int read_all(options_t *options, int count, char **argument, const char *
                     int (*own_option)(reader_t *, options_t *), const char **word)
 {
     reader_t r = {.count = count, .argument = argument};
-    *options = (options_t){.seed = 1, .sets = 8, .lower = -1000.0, .upper = 1000.0};
+    *options = (options_t){.seed = 1, .disturbance_N = -1.0, .lower = -1000.0, .upper = 1000.0};
     while (next(&r)) {
         if (r.name == NULL) {
             if (word == NULL || *word != NULL) {
@@ -235,9 +238,29 @@ static int read_all(options_t *options, int count, char **argument, const char *
     return 0;
 }
 
+/* A scenario has a plan of its own, and one run. */
+static int check_scenario(const options_t *options)
+{
+    const char *other = options->runs > 0      ? "--runs"
+                        : options->sets > 0    ? "--sets"
+                        : options->csv != NULL ? "--csv"
+                        : options->literal     ? "--literal"
+                                               : NULL;
+    if (options->scenario != NULL && other != NULL) {
+        return complain("demo: --scenario and %s do not go together", other);
+    }
+    return 0;
+}
+
 int options_demo(options_t *options, int count, char **argument)
 {
-    return read_all(options, count, argument, "demo", demo_option, NULL);
+    int status = read_all(options, count, argument, "demo", demo_option, NULL);
+    status = status != 0 ? status : check_scenario(options);
+    if (options->disturbance_N < 0.0) {
+        options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;
+    }
+    options->sets = options->sets > 0 ? options->sets : 8;
+    return status;
 }
 
 int options_fit(options_t *options, int count, char **argument)

@@ -18,11 +18,12 @@ typedef struct {
     uint64_t seed; /**< default 1 */
 
     /* demo */
-    double disturbance_N; /**< rms of the unmodelled force; default 0 */
+    double disturbance_N; /**< rms of the unmodelled force; default 0, in scenarios 1 */
     double lag_s;         /**< of the thrusters; default 0 */
     uint32_t sets;        /**< of 30 s; default 8 */
     uint32_t runs;        /**< 0: one run, reported in full */
     const char *csv;      /**< file to write; null: none */
+    const char *scenario; /**< null: none */
 
     /* fit */
     const char *train;

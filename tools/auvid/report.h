@@ -6,6 +6,13 @@
 #define PROGRAM_REPORT_H
 
 #include "auvid/identifier.h"
+#include "story.h"
+
+/** The 13 parameters of Eq. 12-15. */
+enum { PARAMETERS = AUVID_G500_N_RR + 1 };
+
+/** Standard errors in the 95 % half-width that is shown: sets are few (see confidence.h). */
+#define HALF_WIDTH 2.1
 
 /** One identification. */
 typedef struct {
@@ -13,10 +20,15 @@ typedef struct {
     const auvid_vehicle_t *vehicle;
     uint32_t free; /**< bit i: parameter i was to be identified */
     auvid_estimate_t estimate;
-    uint32_t work_most;  /**< units in any call of work */
-    bool has_truth;      /**< the true parameters are the paper's */
-    double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
-    bool in_commands;    /**< inputs were commands: units are those of the command */
+    uint32_t work_most; /**< units in any call of work */
+    bool has_truth;     /**< the vehicle is simulated */
+    double truth[PARAMETERS];
+    auvid_judgement_t judgement; /**< of the newest set */
+    bool has_guard;              /**< something was excited */
+    auvid_guard_state_t guard;
+    auvid_guard_trip_t trip; /**< why it is ABORTED */
+    double lower, upper;     /**< bounds of all parameters; 0, 0: not of interest */
+    bool in_commands;        /**< inputs were commands: units are those of the command */
     bool has_validation;
     uint32_t validated; /**< bit j: r2 of DoF j is there */
     double r2[AUVID_DOF_COUNT];
@@ -24,7 +36,7 @@ typedef struct {
     bool has_interval;
     bool has_r2_truth;
     double r2_truth[AUVID_DOF_COUNT]; /**< of the true parameters */
-    const char *why[AUVID_DOF_COUNT]; /**< why DoF j was not identified; null: it was */
+    const char *why[AUVID_DOF_COUNT]; /**< why the log cannot tell of DoF j; null: it can */
 } result_t;
 
 /** Many runs. */
@@ -43,28 +55,58 @@ typedef struct {
 enum { MODELLED = 4 };
 extern const auvid_dof_t report_dof[MODELLED];
 
+/** Another result beside or after the first one. */
+typedef struct {
+    const char *key; /**< in JSON */
+    const result_t *result;
+    const campaign_t *campaign; /**< null: one run */
+} beside_t;
+
 /** "ok", "capped" (ended by a cap, not by its own criterion) or "not_driven" (no estimate). */
 const char *report_status(const result_t *result);
 
 /** Exit status that goes with it: 0 or 1. */
 int report_exit(const result_t *result);
 
-/** True value of parameter i. */
-double report_truth(int i);
+/** What an identifier has found: all of *result but truth and validation. */
+void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed);
 
-/** Root mean square, and largest, relative error of the 13 parameters [%]. */
-double report_rms_percent(const auvid_estimate_t *estimate);
-double report_worst_percent(const auvid_estimate_t *estimate);
+/** Root mean square relative error of those of the 13 parameters that are identified [%]; 0 when
+ * none is. */
+double report_rms_percent(const auvid_estimate_t *estimate, const double *truth);
+
+/** How many of the 13 parameters are identifiable. */
+int report_identifiable(const auvid_estimate_t *estimate);
+
+/** What is to be said about parameter i, in a few words; empty: nothing. */
+void report_note(const result_t *result, int i, char *text, size_t size);
+
+/** Sentence number `which` on what is missing. False: there are not so many. */
+bool report_missing(const result_t *result, unsigned which, char *text, size_t size);
+
+/** Name of a degree of freedom ("surge"); has the model parameters in it? */
+extern const char *const report_dof_name[AUVID_DOF_COUNT];
+bool report_is_modelled(const result_t *result, auvid_dof_t j);
+
+/** Unit of a cause's value and limit; empty where they have none. */
+const char *report_cause_unit(auvid_guard_cause_t cause);
+
+/** Smaller questions that tables and JSON have in common. */
+const char *report_unit(const result_t *result, int i);
+bool report_is_identified(const result_t *result, int i);
+bool report_is_driven(const result_t *result, auvid_dof_t j);
+bool report_is_at_bound(const result_t *result, int i);
+double report_sigma(const result_t *result, int i); /**< infinite: not known */
 
 /** Table of one identification. last: that of the last set only, beside it; may be null. */
 void report_result(const result_t *result, const result_t *last);
 
 /** Table of many runs; last as above. */
-void report_campaign(const campaign_t *campaign, const campaign_t *last);
+void report_campaign(const result_t *first, const campaign_t *campaign, const campaign_t *last);
 
-/** The JSON object; campaign, last and last_campaign may be null. */
-void report_json(const result_t *result, const campaign_t *campaign, const result_t *last,
-                 const campaign_t *last_campaign);
+/** The JSON object; campaign, beside and story may be null. */
+void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
+                 const story_t *story);
 
 /** Flush stdout; EXIT_REFUSED after one line on stderr if it could not be written, else status. */
 int report_finish(int status);

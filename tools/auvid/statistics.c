@@ -6,8 +6,6 @@
 
 #include "simulator.h"
 
-enum { PARAMETERS = AUVID_G500_N_RR + 1 };
-
 /* A mass off by more than this fails the run. */
 #define MASS_TOLERANCE 0.1
 
@@ -51,20 +49,21 @@ void tally_add(tally_t *tally, const result_t *result)
     campaign_t *c = &tally->sum;
     const auvid_estimate_t *e = &result->estimate;
     bool capped = strcmp(report_status(result), "ok") != 0, failed = capped;
-    double rms = report_rms_percent(e) / 100.0;
+    double squares = 0.0;
     for (int i = 0; i < PARAMETERS; ++i) {
-        double error = fabs((double)e->pi[i] / report_truth(i) - 1.0);
+        double error = fabs((double)e->pi[i] / result->truth[i] - 1.0);
+        squares += error * error;
         c->parameter_rms[i] += error * error;
         c->parameter_worst[i] = fmax(c->parameter_worst[i], 100.0 * error);
+        c->worst_percent = fmax(c->worst_percent, 100.0 * error);
         failed = failed || (i <= AUVID_G500_M_R && !(error <= MASS_TOLERANCE));
     }
-    tally->square[c->runs] = rms * rms;
+    tally->square[c->runs] = squares / PARAMETERS;
     tally->evaluations[c->runs] = (double)e->evaluations_crs + (double)e->evaluations_line;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         tally->r2[j][c->runs] = result->r2[j];
         tally->r2_truth[j][c->runs] = result->r2_truth[j];
     }
-    c->worst_percent = fmax(c->worst_percent, report_worst_percent(e));
     c->failed += failed;
     c->capped = c->capped || capped;
     c->work_most = result->work_most > c->work_most ? result->work_most : c->work_most;

@@ -7,11 +7,15 @@
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
 {
-    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {
-        WORLD_FORCE_N, WORLD_FORCE_N, WORLD_FORCE_N, 0, 0, WORLD_MOMENT_NM};
+    auvid_real_t amplitude[AUVID_DOF_COUNT] = {WORLD_FORCE_N,  WORLD_FORCE_N, WORLD_FORCE_N, 0, 0,
+                                               WORLD_MOMENT_NM};
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        amplitude[j] = (config->idle >> j & 1u) ? AUVID_C(0.0) : amplitude[j];
+    }
     auvid_identifier_defaults(cfg, &auvid_girona500);
     cfg->seed = config->seed;
     cfg->allocation = auvid_allocation_girona500;
+    cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
     (void)auvid_excitation_plan(&cfg->excitation, amplitude, WORLD_SET_S, config->sets,
                                 config->seed);
     if (config->literal) {
@@ -32,6 +36,9 @@ bool world_begin(world_t *world, const world_config_t *config)
     sim.disturbance_N = config->disturbance_N;
     sim.disturbance_Nm = DISTURBANCE_ARM * config->disturbance_N;
     sim.lag_s = config->lag_s;
+    memcpy(sim.current, config->current, sizeof sim.current);
+    world->both_locks = config->both_locks;
+    sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
     world_identifier(&cfg, config);
     world->hover_N = -sim.parameter[SIM_WB];
     world->identifiers = 1;
@@ -100,6 +107,10 @@ void world_tick(world_t *world)
     auvid_output_t out = {0};
     auvid_real_t feedback[AUVID_DOF_COUNT];
     uint64_t began_us = world->seen.t_us;
+    if (world->both_locks && world->seen.sensor[SIM_DVL].has) {
+        bool bottom = world->seen.sensor[SIM_DVL].bottom;
+        world->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
+    }
     sim_step(&world->sim, world->force_N, NULL, &world->seen);
     sense(&world->seen, &in);
     copy(feedback, world->seen.wrench, AUVID_DOF_COUNT);
@@ -112,6 +123,7 @@ void world_tick(world_t *world)
         (void)auvid_identifier_step(&world->id[i], &in, &out);
     }
     world->events = out.events;
+    memcpy(world->excitation, out.excitation, sizeof world->excitation);
     drive(world, &out);
 }
 

@@ -25,6 +25,11 @@ typedef struct {
     double lag_s;         /**< of the thrusters */
     uint32_t sets;        /**< sets of excitation */
     bool literal;         /**< our reading of the paper's metric */
+    uint8_t idle;         /**< bit j: DoF j is not excited */
+    double current[3];    /**< of the water, NED [m/s] */
+    /** The DVL pings bottom and water in turn, each at 5 Hz; dynamics are taken from the water's,
+     * the guard looks at the bottom's. Default: bottom only. */
+    bool both_locks;
 } world_config_t;
 
 /** Identifiers aboard: [0] excites the vehicle; a second one may listen. */
@@ -35,11 +40,13 @@ typedef struct {
     sim_output_t seen; /**< sensors and thrust of the last tick */
     auvid_identifier_t id[WORLD_IDENTIFIERS];
     int identifiers;
-    bool excited;                   /**< the excitation was begun: navigation was fresh */
-    uint32_t events;                /**< of id[0] in the last tick */
-    double force_N[SIM_THRUSTERS];  /**< commanded from the last tick on */
-    double wrench[AUVID_DOF_COUNT]; /**< which they make [N, Nm] */
-    double hover_N;                 /**< in Z */
+    bool excited;                             /**< the excitation was begun: navigation was fresh */
+    bool both_locks;                          /**< see world_config_t */
+    uint32_t events;                          /**< of id[0] in the last tick */
+    auvid_real_t excitation[AUVID_DOF_COUNT]; /**< likewise [N, Nm] */
+    double force_N[SIM_THRUSTERS];            /**< commanded from the last tick on */
+    double wrench[AUVID_DOF_COUNT];           /**< which they make [N, Nm] */
+    double hover_N;                           /**< in Z */
 } world_t;
 
 /** What an identifier in this world is configured like; change it and give it to world_listen. */

@@ -1,0 +1,235 @@
+/*
+ * Results as JSON.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "report.h"
+
+/* Longest note and sentence. */
+enum { WORDS = 120 };
+
+/* Nine digits give a float back exactly. JSON knows no infinity. */
+static void json_number(double x)
+{
+    if (isfinite(x)) {
+        printf("%.9g", x);
+    } else {
+        printf("null");
+    }
+}
+
+static void json_parameter(const result_t *result, int i)
+{
+    bool known = report_is_identified(result, i);
+    bool sure = known && (result->estimate.confidence.identifiable >> i & 1u) != 0;
+    char note[WORDS];
+    report_note(result, i, note, sizeof note);
+    printf(", \"estimate\": ");
+    json_number(known ? (double)result->estimate.pi[i] : NAN);
+    printf(", \"sigma\": ");
+    json_number(report_sigma(result, i));
+    printf(", \"identifiable\": %s, \"note\": \"%s\"", sure ? "true" : "false", note);
+    if (known && report_is_at_bound(result, i)) {
+        printf(", \"at_bound\": true");
+    }
+    if (result->has_truth) {
+        printf(", \"truth\": ");
+        json_number(result->truth[i]);
+    }
+}
+
+static void json_parameters(const result_t *result)
+{
+    const char *separator = "";
+    printf("[");
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (!(result->free >> i & 1u)) {
+            continue;
+        }
+        printf("%s\n    {\"name\": \"%s\", \"unit\": \"%s\"", separator,
+               result->vehicle->parameter[i].name, report_unit(result, i));
+        json_parameter(result, i);
+        printf("}");
+        separator = ",";
+    }
+    printf("\n  ]");
+}
+
+/* An object with a value, or [low, high], for each modelled degree of freedom. */
+static void json_dofs(const char *key, const char *const *names, const double *low,
+                      const double *high, uint32_t mask)
+{
+    printf(",\n  \"%s\": {", key);
+    for (int k = 0; k < MODELLED; ++k) {
+        auvid_dof_t j = report_dof[k];
+        printf("%s\"%s\": ", k == 0 ? "" : ", ", names[k]);
+        if (!(mask >> j & 1u)) {
+            printf("null");
+        } else if (high == NULL) {
+            json_number(low[j]);
+        } else {
+            printf("[");
+            json_number(low[j]);
+            printf(", ");
+            json_number(high[j]);
+            printf("]");
+        }
+    }
+    printf("}");
+}
+
+static const char *const force[MODELLED] = {"X", "Y", "Z", "N"};
+static const char *const velocity[MODELLED] = {"u", "v", "w", "r"};
+
+/* The same from the library's numbers. */
+static void json_reals(const char *key, const char *const *names, const auvid_real_t *value,
+                       uint32_t mask)
+{
+    double copy[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        copy[j] = (double)value[j];
+    }
+    json_dofs(key, names, copy, NULL, mask);
+}
+
+static void json_dof_values(const result_t *result)
+{
+    uint32_t driven = result->estimate.number > 0 ? result->estimate.driven : 0u;
+    json_reals("delay_s", force, result->estimate.delay_s, driven);
+    json_reals("r2_force", force, result->estimate.r2_force, driven);
+    json_dofs("r2_validation", velocity, result->r2, NULL,
+              result->has_validation ? result->validated : 0u);
+    if (result->has_interval) {
+        json_dofs("r2_interval", velocity, result->r2_low, result->r2_high, result->validated);
+    }
+}
+
+static void json_missing(const result_t *result)
+{
+    char text[WORDS];
+    const char *separator = "";
+    printf(",\n  \"missing\": [");
+    for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
+        printf("%s\n    \"%s\"", k == 0 ? "" : ",", text);
+    }
+    printf("],\n  \"not_modelled\": [");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!report_is_modelled(result, (auvid_dof_t)j)) {
+            printf("%s\"%s\"", separator, report_dof_name[j]);
+            separator = ", ";
+        }
+    }
+    printf("]");
+}
+
+/* null: no set was foretold. */
+static void json_judgement(const result_t *result)
+{
+    const auvid_judgement_t *judged = &result->judgement;
+    const char *separator = "";
+    if (judged->set == 0) {
+        printf(",\n  \"judgement\": null");
+        return;
+    }
+    printf(",\n  \"judgement\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
+           (unsigned)judged->estimate);
+    json_reals("variance_ratio", force, judged->variance_ratio, judged->driven);
+    json_reals("change", force, judged->change, judged->driven);
+    json_reals("r2_velocity", velocity, judged->r2_velocity, judged->simulated & judged->driven);
+    printf(",\n  \"changed\": [");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (judged->changed >> j & 1u) {
+            printf("%s\"%s\"", separator, report_dof_name[j]);
+            separator = ", ";
+        }
+    }
+    printf("]}");
+}
+
+static void json_guard(const result_t *result)
+{
+    const auvid_guard_trip_t *trip = &result->trip;
+    if (!result->has_guard) {
+        return;
+    }
+    printf(",\n  \"guard\": {\"state\": \"%s\", \"cause\": ", auvid_guard_state_str(result->guard));
+    if (result->guard != AUVID_GUARD_ABORTED) {
+        printf("null}");
+        return;
+    }
+    printf("\"%s\", \"t_s\": ", auvid_guard_cause_str(trip->cause));
+    json_number(1e-6 * (double)trip->t_us);
+    printf(", \"value\": ");
+    json_number((double)trip->value);
+    printf(", \"limit\": ");
+    json_number((double)trip->limit);
+    printf("}");
+}
+
+static void json_story(const story_t *story)
+{
+    printf(",\n  \"scenario\": \"%s\",\n  \"story\": [", story->name);
+    for (int k = 0; k < story->lines; ++k) {
+        printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", story->line[k].t_s,
+               story->line[k].text);
+    }
+    printf("\n  ]");
+}
+
+static void json_campaign(const campaign_t *c)
+{
+    printf(",\n  \"runs\": %u,\n  \"rms_percent\": ", (unsigned)c->runs);
+    json_number(c->rms_percent);
+    printf(",\n  \"rms_interval\": [");
+    json_number(c->interval[0]);
+    printf(", ");
+    json_number(c->interval[1]);
+    printf("],\n  \"worst_percent\": ");
+    json_number(c->worst_percent);
+    printf(",\n  \"failed\": %u", (unsigned)c->failed);
+}
+
+static void json_beside(const beside_t *beside)
+{
+    const result_t *result = beside->result;
+    double rms = report_rms_percent(&result->estimate, result->truth);
+    printf(",\n  \"%s\": {\"rms_percent\": ", beside->key);
+    json_number(beside->campaign == NULL ? rms : beside->campaign->rms_percent);
+    printf(", \"parameters\": ");
+    json_parameters(result);
+    printf("}");
+}
+
+void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
+                 const story_t *story)
+{
+    const char *status = report_status(result);
+    uint32_t worst = campaign == NULL ? result->work_most : campaign->work_most;
+    if (campaign != NULL && campaign->capped) {
+        status = "capped";
+    }
+    printf("{\n  \"version\": \"%s\",\n  \"status\": \"%s\",\n  \"seed\": %llu,\n",
+           AUVID_VERSION_STRING, status, (unsigned long long)result->seed);
+    printf("  \"model\": \"%s\",\n  \"parameters\": ", result->vehicle->name);
+    json_parameters(result);
+    json_missing(result);
+    json_dof_values(result);
+    json_judgement(result);
+    json_guard(result);
+    printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
+           (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
+    printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", AUVID_DEFAULT_BUDGET,
+           (unsigned)worst);
+    if (campaign != NULL) {
+        json_campaign(campaign);
+    }
+    if (beside != NULL) {
+        json_beside(beside);
+    }
+    if (story != NULL) {
+        json_story(story);
+    }
+    printf("\n}\n");
+}
