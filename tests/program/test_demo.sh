@@ -61,6 +61,10 @@ assert d["runs"] == 8 and d["failed"] == 0
 low, high = d["rms_interval"]
 assert 0.5 < low < d["rms_percent"] < high < 5
 assert d["rms_percent"] < d["worst_percent"] < 30
+assert d["known"] == 8 * 13 and 95 <= d["identifiable"] <= 8 * 13
+one, two = d["within_sigma"]
+assert 0.5 * d["known"] < one < two and two > 0.8 * d["known"], d["within_sigma"]
+assert d["identifiable_wrong"] == 0
 assert d["budget"]["worst"] <= d["budget"]["limit"]'
 exits 0 demo --json --runs 8 --disturbance 1
 check "runs: same seeds, same output" cmp out runs.json

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The example in README compiles without a warning, runs, and identifies; the demo prints what
-# README shows.
+# The code in README compiles without a warning, runs, and identifies, passively and exciting; the
+# commands in README print what it shows. After a change of what they print,
+# README_BLOCKS=write tests/program/test_readme.sh puts it into README.
 . "$(dirname "$0")/common.sh"
 
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" >example.c
@@ -21,7 +22,7 @@ static void fault(const char *what)
 
 static sim_output_t sensed;
 static auvid_estimate_t last;
-static auvid_real_t driven[AUVID_DOF_COUNT];
+static auvid_real_t driven[AUVID_DOF_COUNT], added[AUVID_DOF_COUNT];
 
 static void read_sensors(auvid_input_t *in)
 {
@@ -30,6 +31,9 @@ static void read_sensors(auvid_input_t *in)
     in->imu.t_us = imu->t_us;
     in->dvl.present = dvl->has;
     in->dvl.sample.t_us = dvl->t_us;
+    in->depth.present = sensed.sensor[SIM_DEPTH].has;
+    in->depth.t_us = sensed.sensor[SIM_DEPTH].t_us;
+    in->depth.depth_m = (auvid_real_t)sensed.sensor[SIM_DEPTH].value[0];
     in->dvl.sample.valid = AUVID_DVL_ALL;
     for (int i = 0; i < 3; ++i) {
         in->imu.attitude[i] = (auvid_real_t)imu->value[i];
@@ -45,7 +49,7 @@ static void thrust_now(auvid_real_t *wrench)
 
 static void add_to_controller(const auvid_real_t *wrench)
 {
-    (void)wrench;
+    memcpy(added, wrench, sizeof added);
 }
 
 static void telemetry(const auvid_estimate_t *estimate)
@@ -55,32 +59,13 @@ static void telemetry(const auvid_estimate_t *estimate)
 
 void control_init(void);
 void control_tick(uint64_t now_us);
+void plan(auvid_identifier_config_t *cfg);
+bool begin(void);
 #include "example.c"
 
-int main(void)
+/* Within 20 %? */
+static int judge(void)
 {
-    sim_config_t world;
-    sim_t sim;
-    auvid_excitation_config_t plan;
-    auvid_excitation_t pilot;
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    sim_defaults(&world);
-    sim_init(&sim, &world);
-    auvid_excitation_defaults(&plan);
-    auvid_excitation_plan(&plan, amplitude, 30, 4, 1);
-    auvid_excitation_init(&pilot, &plan);
-    auvid_excitation_start(&pilot, 0);
-    control_init();
-    for (int tick = 0; tick < 150 * 50; ++tick) {
-        double wrench[6];
-        for (int j = 0; j < 6; ++j) {
-            wrench[j] = (double)driven[j];
-        }
-        sim_step(&sim, NULL, wrench, &sensed);
-        auvid_excitation_step(&pilot, sensed.t_us, driven);
-        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
-        control_tick(sensed.t_us);
-    }
     for (int i = 0; i < 13; ++i) {
         double error = (double)(last.pi[i] / auvid_girona500_paper[i]) - 1.0;
         printf("%s %g %%\n", auvid_girona500.parameter[i].name, 100.0 * error);
@@ -88,7 +73,68 @@ int main(void)
             return 1;
         }
     }
-    return last.sets == 4 ? 0 : 1;
+    return 0;
+}
+
+static sim_config_t world;
+static sim_t sim;
+
+static void tick(void)
+{
+    double wrench[6];
+    for (int j = 0; j < 6; ++j) {
+        wrench[j] = (double)driven[j];
+    }
+    sim_step(&sim, NULL, wrench, &sensed);
+}
+
+static int passive(void)
+{
+    auvid_excitation_config_t sequence;
+    auvid_excitation_t pilot;
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    sim_init(&sim, &world);
+    auvid_excitation_defaults(&sequence);
+    auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
+    auvid_excitation_init(&pilot, &sequence);
+    auvid_excitation_start(&pilot, 0);
+    control_init();
+    for (int k = 0; k < 150 * 50; ++k) {
+        tick();
+        auvid_excitation_step(&pilot, sensed.t_us, driven);
+        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        control_tick(sensed.t_us);
+    }
+    return last.sets == 4 ? judge() : 1;
+}
+
+static int exciting(void)
+{
+    static auvid_identifier_config_t cfg;
+    bool begun = false;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    plan(&cfg);
+    sim_init(&sim, &world);
+    memset(driven, 0, sizeof driven);
+    if (auvid_identifier_init(&id, &cfg) < 0) {
+        return 1;
+    }
+    for (int k = 0; k < 300 * 50; ++k) {
+        tick();
+        control_tick(sensed.t_us);
+        memcpy(driven, added, sizeof driven);
+        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        begun = begun || begin();
+    }
+    printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
+    return last.sets >= 8 && id.guard.state == AUVID_GUARD_DONE ? judge() : 1;
+}
+
+int main(int count, char **argument)
+{
+    (void)argument;
+    sim_defaults(&world);
+    return count > 1 ? exciting() : passive();
 }
 END
 check "README's example compiles without a warning" \
@@ -96,9 +142,27 @@ check "README's example compiles without a warning" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives" ./example
+check "README's plan excites and identifies it, and the guard is done" ./example exciting
 
-# Everything but the last line, the time it took.
-awk '/^```text$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" | sed '$d' >shown
-"$AUVID" demo 2>/dev/null | sed '$d' >printed
-check "README shows what the demo prints" diff shown printed
+# Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
+cat >blocks.py <<'END'
+import re, subprocess, sys
+readme, auvid, mode = sys.argv[1:]
+text = open(readme).read()
+found = re.findall(r"<!-- output of: (.*?) -->\n```text\n(.*?)```\n", text, re.S)
+assert len(found) == text.count("```text\n") >= 4, len(found)
+plain = lambda lines: [l for l in lines.splitlines() if not l.startswith("  time  ")]
+for command, shown in found:
+    run = ["bash", "-c", command.replace("build/auvid", auvid, 1)]
+    printed = subprocess.run(run, capture_output=True, text=True, check=True).stdout
+    if mode == "write":
+        text = text.replace("output of: %s -->\n```text\n%s" % (command, shown),
+                            "output of: %s -->\n```text\n%s" % (command, printed))
+        continue
+    assert plain(printed) == plain(shown) != [], (command, printed)
+if mode == "write":
+    open(readme, "w").write(text)
+END
+check "README shows what its commands print" python3 blocks.py "$ROOT/README.md" "$AUVID" \
+    "${README_BLOCKS:-check}"
 finish

@@ -189,6 +189,10 @@ static void json_campaign(const campaign_t *c)
     printf("],\n  \"worst_percent\": ");
     json_number(c->worst_percent);
     printf(",\n  \"failed\": %u", (unsigned)c->failed);
+    printf(",\n  \"known\": %u,\n  \"within_sigma\": [%u, %u]", (unsigned)c->known,
+           (unsigned)c->covered[0], (unsigned)c->covered[1]);
+    printf(",\n  \"identifiable\": %u,\n  \"identifiable_wrong\": %u", (unsigned)c->identifiable,
+           (unsigned)c->wrong);
 }
 
 static void json_beside(const beside_t *beside)

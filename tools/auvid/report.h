@@ -18,25 +18,23 @@ enum { PARAMETERS = AUVID_G500_N_RR + 1 };
 typedef struct {
     uint64_t seed;
     const auvid_vehicle_t *vehicle;
-    uint32_t free; /**< bit i: parameter i was to be identified */
-    auvid_estimate_t estimate;
-    uint32_t work_most; /**< units in any call of work */
-    bool has_truth;     /**< the vehicle is simulated */
+    uint32_t free;       /**< bit i: parameter i was to be identified */
+    uint32_t work_most;  /**< units in any call of work */
+    double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
     double truth[PARAMETERS];
+    auvid_guard_trip_t trip; /**< why the guard is ABORTED */
+    auvid_estimate_t estimate;
     auvid_judgement_t judgement; /**< of the newest set */
-    bool has_guard;              /**< something was excited */
     auvid_guard_state_t guard;
-    auvid_guard_trip_t trip; /**< why it is ABORTED */
-    double lower, upper;     /**< bounds of all parameters; 0, 0: not of interest */
-    bool in_commands;        /**< inputs were commands: units are those of the command */
-    bool has_validation;
     uint32_t validated; /**< bit j: r2 of DoF j is there */
     double r2[AUVID_DOF_COUNT];
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
-    bool has_interval;
-    bool has_r2_truth;
-    double r2_truth[AUVID_DOF_COUNT]; /**< of the true parameters */
+    double r2_truth[AUVID_DOF_COUNT];                         /**< of the true parameters */
     const char *why[AUVID_DOF_COUNT]; /**< why the log cannot tell of DoF j; null: it can */
+    bool has_truth;                   /**< the vehicle is simulated */
+    bool has_guard;                   /**< something was excited */
+    bool in_commands;                 /**< inputs were commands: units are those of the command */
+    bool has_validation, has_interval, has_r2_truth;
 } result_t;
 
 /** Many runs. */
@@ -47,6 +45,8 @@ typedef struct {
     double parameter_rms[AUVID_G500_COUNT], parameter_worst[AUVID_G500_COUNT]; /**< [%] */
     double evaluations_median, evaluations_p95;
     double r2_median[AUVID_DOF_COUNT], r2_truth_median[AUVID_DOF_COUNT];
+    uint32_t known, covered[2]; /**< parameters with a standard error; within one of it, and two */
+    uint32_t identifiable, wrong; /**< flagged; of those, more than 20 % off */
     uint32_t work_most;
     bool capped; /**< some run did not converge */
 } campaign_t;

@@ -6,6 +6,9 @@
 
 #include "simulator.h"
 
+/* An identifiable parameter off by more than this misleads. */
+#define MISLEADING 0.2
+
 /* A mass off by more than this fails the run. */
 #define MASS_TOLERANCE 0.1
 
@@ -44,6 +47,21 @@ bool tally_begin(tally_t *tally, uint32_t runs)
     return true;
 }
 
+/* Is the estimate as sure as it says? */
+static void count_coverage(campaign_t *c, const result_t *result)
+{
+    for (int i = 0; i < PARAMETERS; ++i) {
+        double off = fabs((double)result->estimate.pi[i] - result->truth[i]);
+        double sigma = report_sigma(result, i);
+        bool sure = (result->estimate.confidence.identifiable >> i & 1u) != 0;
+        c->known += isfinite(sigma);
+        c->covered[0] += isfinite(sigma) && off <= sigma;
+        c->covered[1] += isfinite(sigma) && off <= 2.0 * sigma;
+        c->identifiable += sure;
+        c->wrong += sure && !(off <= MISLEADING * fabs(result->truth[i]));
+    }
+}
+
 void tally_add(tally_t *tally, const result_t *result)
 {
     campaign_t *c = &tally->sum;
@@ -58,6 +76,7 @@ void tally_add(tally_t *tally, const result_t *result)
         c->worst_percent = fmax(c->worst_percent, 100.0 * error);
         failed = failed || (i <= AUVID_G500_M_R && !(error <= MASS_TOLERANCE));
     }
+    count_coverage(c, result);
     tally->square[c->runs] = squares / PARAMETERS;
     tally->evaluations[c->runs] = (double)e->evaluations_crs + (double)e->evaluations_line;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -226,6 +226,11 @@ void report_result(const result_t *result, const result_t *last)
            AUVID_DEFAULT_BUDGET);
 }
 
+static double part(uint32_t some, uint32_t all)
+{
+    return all > 0 ? 100.0 * some / all : 0.0;
+}
+
 static void campaign_summary(const campaign_t *c, const char *title)
 {
     printf("%s\n", title);
@@ -234,6 +239,11 @@ static void campaign_summary(const campaign_t *c, const char *title)
     printf("  worst        %8.2f %%\n", c->worst_percent);
     printf("  failed       %8u     not converged, or a mass off by more than 10 %%\n",
            (unsigned)c->failed);
+    printf("  coverage     %8.1f %%   within one standard error, %.1f %% within two\n",
+           part(c->covered[0], c->known), part(c->covered[1], c->known));
+    printf("  identifiable %8.1f %%   of all parameters; %u of %u more than 20 %% off\n",
+           part(c->identifiable, c->runs * PARAMETERS), (unsigned)c->wrong,
+           (unsigned)c->identifiable);
     printf("  evaluations  %8.0f     median of the last search; 95 %% need at most %.0f\n",
            c->evaluations_median, c->evaluations_p95);
     printf("  work         %8u     largest in any tick, budget %u\n", (unsigned)c->work_most,
