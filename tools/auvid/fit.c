@@ -144,7 +144,8 @@ static double row_interval_us(const csv_log_t *log)
     return median;
 }
 
-/* Velocity has the rows' times; only where those are further apart than cells is it interpolated. */
+/* Velocity has the times of the rows: only where those are further apart than cells is it
+ * interpolated. */
 static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
 {
     double interval = fmin(row_interval_us(&job->train), GAP_US);
