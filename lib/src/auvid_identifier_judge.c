@@ -5,7 +5,7 @@
  *
  * An estimate becomes the trusted one when the next set confirms it; one that foretells that set
  * worse than the trusted one does is taken back. Whether the vehicle has changed is decided by
- * Chow's F of each DoF (auvid_metric_judge) with the noise that counts (confidence.h), so that
+ * Chow's F of all DoF (auvid_metric_judge) with the noise that counts (confidence.h), so that
  * neither a strong disturbance nor a set with other motion raises an alarm.
  */
 #include <string.h>
@@ -16,13 +16,15 @@
 /* Worse is worse by more than this part of the cost. */
 #define MARGIN AUVID_C(1.1)
 
-/* F above these means a change, for one new set and for two, when there are MANY older sets, and
- * for FEW. Of 6400 unchanged sets at disturbances of 1 and 3 N the largest F was 6.2 (7.3 for two);
- * of 8000 with four older sets, 9.1. With fewer no verdict is tried. */
-#define LIMIT_ONE AUVID_C(8.0)
-#define LIMIT_TWO AUVID_C(9.0)
-#define LIMIT_FEW AUVID_C(10.0)
-enum { FEW = 4, MANY = 6 };
+/* Chow's F is about 1 in each DoF while nothing changes. What counts is the sum of the DoF's F - 1,
+ * for a payload is felt in all of them: a change is a sum beyond these, less 1, for one new set and
+ * for two, among ENOUGH sets or more. Few large F make a large sum, so the same limits do for one
+ * DoF as for four: of 19771 unchanged sets at disturbances of 1 and 3 N the largest sum, for any of
+ * the DoF, was 11.2 - 1 (10.7 - 1 for two); the tail has a set in 1e5 beyond the limits. With four
+ * older sets, one new one came up to 20.8. */
+#define LIMIT_ONE AUVID_C(12.0)
+#define LIMIT_TWO AUVID_C(11.0)
+enum { ENOUGH = 6 };
 
 auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
                                            const auvid_estimate_t *estimate)
@@ -117,35 +119,39 @@ static void compare(auvid_identifier_t *id)
     }
 }
 
-/* Chow's F of DoF j over its threshold, for the newest `newest` sets; 0: no verdict. */
-static auvid_real_t evidence(const auvid_identifier_t *id, int j, int newest)
+/* Each DoF's F - 1 for the newest `newest` sets over the limit of their sum; 0: no verdict.
+ * @return that sum */
+static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
+                          auvid_real_t share[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
-    auvid_real_t noise = id->estimate.confidence.noise[j];
-    int older = auvid_metric_driven_sets(m, j, newest);
-    auvid_real_t limit = newest == 1 ? LIMIT_ONE : LIMIT_TWO;
-    limit = older < MANY ? LIMIT_FEW : limit;
-    auvid_real_t f =
-        m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise * limit);
-    bool known = older >= FEW && (id->judgement.driven >> j & 1) && auvid_is_finite(f);
-    return known ? auvid_max(f, AUVID_C(0.0)) : AUVID_C(0.0);
+    auvid_real_t limit = newest == 1 ? LIMIT_ONE : LIMIT_TWO, sum = AUVID_C(0.0);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t noise = id->estimate.confidence.noise[j];
+        auvid_real_t f =
+            m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise);
+        bool known = auvid_metric_driven_sets(m, j, newest) + newest >= ENOUGH &&
+                     (id->judgement.driven >> j & 1) && auvid_is_finite(f);
+        share[j] = known ? (f - AUVID_C(1.0)) / (limit - AUVID_C(1.0)) : AUVID_C(0.0);
+        sum += share[j];
+    }
+    return sum;
 }
 
 /* All is known about the new set: has the vehicle changed? */
 static void conclude(auvid_identifier_t *id)
 {
     auvid_judgement_t *to = &id->judgement;
-    auvid_real_t most = AUVID_C(1.0);
-    bool by_one = false;
+    auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
+    auvid_real_t by_one = weigh(id, 1, one), by_two = weigh(id, 2, two);
+    const auvid_real_t *share = by_one > by_two ? one : two;
+    int most = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t one = evidence(id, j, 1), two = evidence(id, j, 2);
-        to->change[j] = auvid_max(one, two);
-        by_one = by_one || one > AUVID_C(1.0);
-        if (to->change[j] > most) {
-            most = to->change[j];
-            to->changed = (uint8_t)(1u << j);
-        }
+        to->change[j] = auvid_max(share[j], AUVID_C(0.0));
+        most = share[j] > share[most] ? j : most;
     }
+    to->change[most] = auvid_max(auvid_max(by_one, by_two), AUVID_C(0.0));
+    to->changed = (uint8_t)((to->change[most] > AUVID_C(1.0)) << most);
     id->suspect = false;
     id->events |= AUVID_EVENT_JUDGED;
     if (to->changed != 0) {
@@ -154,7 +160,7 @@ static void conclude(auvid_identifier_t *id)
         for (uint8_t age = 1; age < id->metric.cfg.sets; ++age) {
             (void)auvid_metric_drop(&id->metric, age);
         }
-        id->suspect = by_one;
+        id->suspect = by_one > AUVID_C(1.0);
         id->anew = true;
         id->searching = false;
         id->events |= AUVID_EVENT_CHANGED;

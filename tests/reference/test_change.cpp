@@ -1,0 +1,195 @@
+// A payload taken aboard under way: is it noticed, is a vehicle left alone left in peace, and how
+// good is the estimate afterwards?
+//
+// Thirteen sets of 30 s. At a random moment within set 8 the vehicle becomes another one: masses
+// +10 %, drags +30 %, in all degrees of freedom, in one of them, or masses alone. Noticed in time:
+// an alarm with the set that holds the moment or with the next. Four sets after the alarm the
+// estimate must be as good as that of a vehicle that was so from the start and has the same number
+// of sets. Unchanged vehicles must raise no alarm.
+//
+// Long form (AUVID_TEST_LONG): 200 runs of each change, 2700 unchanged sets of each disturbance.
+// The probabilities asserted are those that the counts must not refute at the 99 % level
+// (Clopper-Pearson); short form: 16 runs, 160 sets.
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "binomial.h"
+
+extern "C" {
+#include "chain.h"
+#include "unity.h"
+}
+
+enum { PARAMETERS = SIM_PARAMETERS, SETS = 13, CHANGED_SET = 8, LATER = 4 };
+enum { ALL = -1 };
+static chain_t chain;
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+struct Change {
+    double mass, drag;
+    int which; // 0 surge, 1 sway, 2 heave, 3 yaw, or ALL
+};
+
+static void apply(sim_config_t &world, const Change &change)
+{
+    static const int own[4][3] = {{SIM_M_U, SIM_X_U, SIM_X_UU},
+                                  {SIM_M_V, SIM_Y_V, SIM_Y_VV},
+                                  {SIM_M_W, SIM_Z_W, SIM_Z_WW},
+                                  {SIM_M_R, SIM_N_R, SIM_N_RR}};
+    for (int j = 0; j < 4; ++j) {
+        if (change.which == ALL || change.which == j) {
+            world.parameter[own[j][0]] *= change.mass;
+            world.parameter[own[j][1]] *= change.drag;
+            world.parameter[own[j][2]] *= change.drag;
+        }
+    }
+}
+
+struct Watch {
+    Change change;
+    double moment_s;     // 0: never
+    uint32_t before = 0; // sets complete at the moment
+    uint32_t alarm = 0;  // set that gave the first alarm after it
+    uint32_t early = 0;  // alarms before it
+    uint32_t judged = 0, restored = 0;
+    bool changed = false, measured = false;
+    double square = 0; // mean square error LATER sets after the alarm
+};
+
+static void maybe_change(chain_t *c, auvid_input_t *)
+{
+    Watch &w = *static_cast<Watch *>(c->config.context);
+    if (!w.changed && w.moment_s > 0 && c->tick * 1e-6 * SIM_TICK_US > w.moment_s) {
+        w.changed = true;
+        w.before = c->id.metric.sets_recorded;
+        apply(c->sim.config, w.change);
+    }
+}
+
+static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
+{
+    Watch &w = *static_cast<Watch *>(c->config.context);
+    // with fewer sets there is no verdict
+    w.judged += (out->events & AUVID_EVENT_JUDGED) != 0 && c->id.judgement.set >= 6;
+    w.restored += (out->events & AUVID_EVENT_RESTORED) != 0;
+    if (out->events & AUVID_EVENT_CHANGED) {
+        w.early += !w.changed;
+        w.alarm = w.changed && w.alarm == 0 ? c->id.judgement.set : w.alarm;
+    }
+    if (w.alarm > 0 && !w.measured && (out->events & AUVID_EVENT_ESTIMATE) &&
+        c->id.estimate.sets == w.alarm + LATER) {
+        w.measured = true;
+        w.square = chain_mean_square(c);
+    }
+}
+
+static Watch fly(uint64_t seed, double disturbance_N, const Change *change)
+{
+    std::mt19937_64 random(seed);
+    chain_config_t config;
+    Watch w;
+    w.change = change == nullptr ? Change{1, 1, ALL} : *change;
+    double part = double(random() >> 11) / 9007199254740992.0;
+    w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (CHANGED_SET - 1 + part);
+    chain_defaults(&config, seed, SETS, disturbance_N);
+    config.budget = 2000;
+    config.before = maybe_change;
+    config.after = look;
+    config.context = &w;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    return w;
+}
+
+// Mean square error of a vehicle that was always so, with as many sets.
+static double usual_square(uint64_t seed, double disturbance_N, const Change &change)
+{
+    chain_config_t config;
+    chain_defaults(&config, seed, LATER, disturbance_N);
+    apply(config.sim, change);
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, LATER));
+    TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
+    return chain_mean_square(&chain);
+}
+
+// Runs of one change. `least`: probability of being noticed in time that must not be refuted.
+static bool campaign(const char *title, double disturbance_N, const Change &change, double least)
+{
+    double runs = campaign_is_long() ? 200 : 16, in_time = 0, first = 0, measured = 0, early = 0;
+    double square = 0, usual = 0, spread = 0;
+    for (uint64_t seed = 7400001; seed <= 7400000 + uint64_t(runs); ++seed) {
+        Watch w = fly(seed, disturbance_N, &change);
+        double after = double(w.alarm) - w.before; // 1: the set that holds the moment
+        in_time += w.alarm > 0 && after <= 2;
+        first += w.alarm > 0 && after <= 1;
+        early += w.early;
+        if (w.measured) {
+            double u = usual_square(seed, disturbance_N, change);
+            measured += 1;
+            square += w.square;
+            usual += u;
+            spread += (w.square - u) * (w.square - u);
+        }
+    }
+    double excess = (square - usual) / measured;
+    double error = std::sqrt((spread / measured - excess * excess) / (measured - 1));
+    std::printf(
+        "%-26s %g N: noticed in two sets %3.0f of %3.0f (95 %%: %.1f-%.1f %%), in one %3.0f, "
+        "before %.0f; rms error four sets later %.2f %%, usual %.2f %%\n",
+        title, disturbance_N, in_time, runs, 100 * binomial_lower(in_time, runs, 0.025),
+        100 * binomial_upper(in_time, runs, 0.025), first, early,
+        100 * std::sqrt(square / measured), 100 * std::sqrt(usual / measured));
+    // the mean square is above the usual one by more than three standard errors and a tenth: worse
+    return binomial_upper(in_time, runs, 0.01) >= least &&
+           excess <= 3 * error + 0.1 * usual / measured;
+}
+
+static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers()
+{
+    bool held = true;
+    for (double d : {1.0, 3.0}) {
+        held &= campaign("masses and drags, all", d, {1.1, 1.3, ALL}, 0.99);
+        held &= campaign("masses and drags, surge", d, {1.1, 1.3, 0}, d < 2 ? 0.99 : 0.9);
+        held &= campaign("masses and drags, sway", d, {1.1, 1.3, 1}, d < 2 ? 0.99 : 0.9);
+        held &= campaign("masses and drags, heave", d, {1.1, 1.3, 2}, d < 2 ? 0.95 : 0.7);
+        held &= campaign("masses and drags, yaw", d, {1.1, 1.3, 3}, d < 2 ? 0.99 : 0.9);
+        held &= campaign("masses, all", d, {1.1, 1, ALL}, d < 2 ? 0.99 : 0.9);
+    }
+    TEST_ASSERT_TRUE(held);
+}
+
+static void test_a_vehicle_left_alone_raises_no_alarm()
+{
+    uint64_t runs = campaign_is_long() ? 340 : 20;
+    double alarms = 0;
+    for (double d : {1.0, 3.0}) {
+        double judged = 0, early = 0, restored = 0;
+        for (uint64_t seed = 7500001; seed <= 7500000 + runs; ++seed) {
+            Watch w = fly(seed, d, nullptr);
+            judged += w.judged;
+            early += w.early;
+            restored += w.restored;
+        }
+        std::printf("unchanged, %g N: %.0f sets judged, %.0f alarms (95 %% bound %.3f %%), %.0f "
+                    "estimates taken back\n",
+                    d, judged, early, 100 * binomial_upper(early, judged, 0.05), restored);
+        alarms += early;
+    }
+    TEST_ASSERT_TRUE(alarms == 0);
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers);
+    RUN_TEST(test_a_vehicle_left_alone_raises_no_alarm);
+    return UNITY_END();
+}
