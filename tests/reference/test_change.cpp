@@ -12,6 +12,7 @@
 // (Clopper-Pearson); short form: 16 runs, 160 sets.
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <random>
 
 #include "binomial.h"
