@@ -1,0 +1,534 @@
+/*
+ * Confidence: verdicts and words, on data where they are known. Coverage is measured in
+ * tests/reference/test_coverage.cpp, the formulas are computed again in
+ * tests/reference/test_confidence_reference.cpp.
+ *
+ * Most tests feed a vehicle's own equations with made-up motion, at the cells of the recorder: a
+ * metric is then full in no time, and what is known about it can be chosen.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/confidence.h"
+#include "chain.h"
+#include "unity.h"
+
+enum { SETS = 8, COUNT = 13 };
+
+static auvid_metric_t metric;
+static auvid_confidence_job_t job;
+static const auvid_confidence_t *const verdict = &job.result;
+static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
+
+void setUp(void)
+{
+    memcpy(truth, auvid_girona500_paper, sizeof truth);
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- made-up data ---- */
+
+/* Motion: sums of sines that do not repeat, in the DoF asked for. */
+static void move(double t, uint32_t dofs, auvid_sample_t *s)
+{
+    static const double hertz[3] = {0.031, 0.083, 0.171};
+    memset(s, 0, sizeof *s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double u = 0.0, a = 0.0;
+        for (int k = 0; k < 3 && (dofs >> j & 1u); ++k) {
+            double w = 6.283185307 * hertz[k] * (1.0 + 0.07 * j), part = 0.25 / (1.0 + k);
+            u += part * sin(w * t + j + k);
+            a += part * w * cos(w * t + j + k);
+        }
+        s->nu[j] = (auvid_real_t)u;
+        s->nu_dot[j] = (auvid_real_t)a;
+    }
+    s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
+    s->phi = (auvid_real_t)(0.02 * sin(0.29 * t + 1.0));
+}
+
+/* About a Gaussian, the same in every build. */
+static double gauss(uint64_t *state)
+{
+    double sum = -6.0;
+    for (int k = 0; k < 12; ++k) {
+        *state = *state * 6364136223846793005u + 1442695040888963407u;
+        sum += (double)(*state >> 11) / 9007199254740992.0;
+    }
+    return sum;
+}
+
+/* A world: which DoF move, for how many sets, white noise of force and of the measured
+ * acceleration. */
+typedef struct {
+    uint32_t dofs;
+    int sets;
+    double force_N, acceleration;
+} world_t;
+
+enum {
+    SURGE = 1u << AUVID_SURGE,
+    ALL = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW
+};
+
+/* The wrench that the truth needs for the motion, then the noise. */
+static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
+{
+    auvid_regressor_t y;
+    memset(&y, 0, sizeof y);
+    auvid_girona500.regressor(auvid_girona500.context, s, &y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double tau = world->force_N * (j == AUVID_YAW ? 0.4 : 1.0) * gauss(state);
+        for (int i = 0; i < AUVID_G500_COUNT; ++i) {
+            tau += (double)y.row[j][i] * (double)truth[i];
+        }
+        s->tau[j] = (auvid_real_t)tau;
+        s->nu_dot[j] += (auvid_real_t)(world->acceleration * gauss(state));
+    }
+}
+
+static void record(const auvid_metric_config_t *cfg, const world_t *world)
+{
+    uint64_t state = 5;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, cfg));
+    for (uint64_t k = 1; metric.sets_recorded < (uint32_t)world->sets; ++k) {
+        auvid_sample_t s;
+        move(0.1 * (double)k, world->dofs, &s);
+        spoil(&s, world, &state);
+        s.t_us = 100000 * k;
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
+    }
+}
+
+static auvid_metric_config_t usual(void)
+{
+    auvid_metric_config_t cfg;
+    auvid_metric_defaults(&cfg, &auvid_girona500);
+    cfg.estimate_delay = false;
+    cfg.velocity_us = 0;
+    return cfg;
+}
+
+/* Least squares over what can be searched, but for parameters left at zero, and the verdict. */
+static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
+{
+    uint32_t budget = UINT32_MAX;
+    auvid_metric_merge_begin(&metric);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
+    memcpy(estimate, metric.cfg.fixed, sizeof metric.cfg.fixed);
+    uint32_t solved = auvid_metric_searched(&metric) & ~left_out;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, solved, estimate));
+    auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    auvid_confidence_begin(&job, &metric, estimate, dry_mass_kg);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+}
+
+static void assess(void)
+{
+    assess_without(0, AUVID_C(0.0));
+}
+
+static void observe(const world_t *world)
+{
+    auvid_metric_config_t cfg = usual();
+    record(&cfg, world);
+    assess();
+}
+
+static bool is_identifiable(int i)
+{
+    return (verdict->identifiable >> i & 1u) != 0;
+}
+
+/* ---- standard errors ---- */
+
+/* What is predicted of the bias grows with the square of the noise: little of it here. */
+static void test_standard_errors_are_proportional_to_the_noise(void)
+{
+    auvid_real_t sigma[COUNT];
+    observe(&(world_t){ALL, SETS, 0.1, 0.0});
+    memcpy(sigma, verdict->sigma, sizeof sigma);
+    observe(&(world_t){ALL, SETS, 0.3, 0.0});
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, 3.0, (double)verdict->sigma[i] / (double)sigma[i]);
+    }
+}
+
+static void test_standard_errors_fall_as_sets_come_in(void)
+{
+    auvid_real_t sigma[COUNT];
+    double ratio = 0.0;
+    observe(&(world_t){ALL, 2, 1.0, 0.0});
+    memcpy(sigma, verdict->sigma, sizeof sigma);
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_TRUE(verdict->sigma[i] < sigma[i]);
+        ratio += log((double)sigma[i] / (double)verdict->sigma[i]) / COUNT;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.35, log(2.0), ratio); /* a quarter of the data */
+}
+
+static void test_one_set_is_enough_for_standard_errors(void)
+{
+    observe(&(world_t){ALL, 1, 1.0, 0.0});
+    for (int i = 0; i < COUNT; ++i) {
+        double error = fabs((double)estimate[i] - (double)truth[i]);
+        TEST_ASSERT_TRUE(verdict->sigma[i] > AUVID_C(0.0));
+        TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
+        TEST_ASSERT_TRUE(error < 5.0 * (double)verdict->sigma[i]);
+    }
+}
+
+/* The numbers are those of the build in double; in float they were within 4e-5 of them. */
+static void test_float_and_double_come_to_the_same_standard_errors(void)
+{
+    static const double expected[COUNT] = {0.16674,  0.170391, 0.205302, 0.0743761, 0.0231826,
+                                           0.282209, 1.01882,  0.321731, 1.04528,   0.312877,
+                                           1.11128,  0.165562, 0.513716};
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * expected[i], expected[i], (double)verdict->sigma[i]);
+    }
+}
+
+static void test_any_budget_gives_the_same_bits(void)
+{
+    static const uint32_t pieces[] = {1, 2, 7, 100};
+    static auvid_confidence_t whole;
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    whole = *verdict;
+    for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
+        auvid_status_t status = AUVID_PENDING;
+        auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+        while (status == AUVID_PENDING) {
+            uint32_t budget = pieces[k];
+            status = auvid_confidence_work(&job, &metric, &budget);
+            TEST_ASSERT_TRUE(status != AUVID_PENDING || budget == 0);
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, status);
+        TEST_ASSERT_EQUAL_MEMORY(&whole, verdict, sizeof whole);
+    }
+}
+
+static void test_a_job_copied_half_way_with_its_metric_goes_on(void)
+{
+    static auvid_metric_t other;
+    static auvid_confidence_job_t copy;
+    static auvid_confidence_t whole;
+    uint32_t budget = 400;
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    whole = *verdict;
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_confidence_work(&job, &metric, &budget));
+    other = metric;
+    copy = job;
+    memset(&metric, 0xA5, sizeof metric);
+    budget = UINT32_MAX;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&copy, &other, &budget));
+    TEST_ASSERT_EQUAL_MEMORY(&whole, &copy.result, sizeof whole);
+}
+
+static void test_the_cost_of_eight_sets_is_what_the_header_says(void)
+{
+    uint32_t budget = UINT32_MAX;
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+    TEST_ASSERT_UINT32_WITHIN(50, 750, UINT32_MAX - budget);
+}
+
+/* A lag of the thrusters nobody told of: what estimating it costs is in the masses' errors. */
+static void test_an_estimated_delay_widens_the_masses(void)
+{
+    static chain_t chain;
+    static chain_config_t config;
+    double widened[2][COUNT];
+    for (int known = 0; known < 2; ++known) {
+        chain_defaults(&config, 3, 4, 1.0);
+        config.sim.lag_s = 0.15;
+        config.budget = 0;
+        if (known) { /* as it was found */
+            memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
+                   sizeof config.id.metric.delay_s);
+            config.id.metric.lagged = chain.id.estimate.lagged;
+            config.id.metric.estimate_delay = false;
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 4));
+        TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
+        for (int i = 0; i < COUNT; ++i) {
+            widened[known][i] = (double)chain.id.estimate.confidence.sigma[i];
+        }
+    }
+    for (int i = 0; i < COUNT; ++i) {
+        double ratio = widened[0][i] / widened[1][i];
+        TEST_ASSERT_TRUE(ratio > 0.999);
+        TEST_ASSERT_TRUE(ratio < 2.0);
+        TEST_ASSERT_TRUE(i > AUVID_G500_M_R || ratio > 1.03);
+    }
+}
+
+/* ---- verdicts ---- */
+
+static void test_good_data_make_everything_identifiable(void)
+{
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->noise[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->residual[j] > AUVID_C(0.0));
+    }
+}
+
+static void test_a_fixed_parameter_is_called_so(void)
+{
+    auvid_metric_config_t cfg = usual();
+    cfg.free = AUVID_G500_FREE & ~(1u << AUVID_G500_N_RR);
+    cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, verdict->note[AUVID_G500_N_RR]);
+    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_N_RR] == AUVID_LARGEST);
+    TEST_ASSERT_EQUAL_HEX32(cfg.free, verdict->identifiable);
+}
+
+static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
+{
+    observe(&(world_t){SURGE, SETS, 0.0, 0.0});
+    for (int i = 0; i < COUNT; ++i) {
+        bool surge = auvid_girona500.parameter[i].dof == AUVID_SURGE;
+        bool heave = auvid_girona500.parameter[i].dof == AUVID_HEAVE;
+        TEST_ASSERT_TRUE(surge || !is_identifiable(i));
+        TEST_ASSERT_TRUE(surge || heave || verdict->note[i] == AUVID_NOTE_NOT_DRIVEN);
+        TEST_ASSERT_TRUE(surge == (verdict->sigma[i] < AUVID_LARGEST));
+    }
+}
+
+/* W-B and Z_0 are told apart by the cosine of small angles only. */
+static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
+{
+    static auvid_confidence_t alone;
+    auvid_metric_config_t cfg = usual();
+    observe(&(world_t){1u << AUVID_HEAVE | SURGE, SETS, 1.0, 0.0});
+    alone = *verdict;
+    cfg.free = AUVID_G500_FREE | 1u << AUVID_G500_Z_0;
+    record(&cfg, &(world_t){1u << AUVID_HEAVE, SETS, 1.0, 0.0});
+    assess_without(1u << AUVID_G500_Z_0, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_Z_0]);
+    TEST_ASSERT_EQUAL(AUVID_G500_Z_0, verdict->partner[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_G500_W_B, verdict->partner[AUVID_G500_Z_0]);
+    static const int others[] = {AUVID_G500_M_W, AUVID_G500_Z_W, AUVID_G500_Z_WW};
+    for (int k = 0; k < 3; ++k) {
+        int i = others[k];
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)verdict->sigma[i] / (double)alone.sigma[i]);
+    }
+}
+
+static void test_a_mass_below_the_dry_mass_is_implausible(void)
+{
+    auvid_metric_config_t cfg = usual();
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess_without(0, AUVID_C(300.0)); /* m_u is 250 kg, the others more */
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, verdict->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_R]); /* an inertia */
+}
+
+static void test_a_drag_that_drives_is_implausible(void)
+{
+    truth[AUVID_G500_Y_VV] = -truth[AUVID_G500_Y_VV];
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_Y_VV, verdict->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_Y_VV]);
+}
+
+static void test_a_parameter_that_is_zero_and_known_to_be_is_called_small(void)
+{
+    truth[AUVID_G500_X_U] = AUVID_C(0.0);
+    observe(&(world_t){ALL, SETS, 0.02, 0.0});
+    TEST_ASSERT_EQUAL(AUVID_NOTE_SMALL, verdict->note[AUVID_G500_X_U]);
+    TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_X_U));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), verdict->identifiable);
+}
+
+static void test_a_parameter_that_may_be_zero_is_not_called_small(void)
+{
+    truth[AUVID_G500_X_U] = AUVID_C(0.0);
+    observe(&(world_t){ALL, SETS, 20.0, 0.0});
+    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_X_U] == AUVID_NOTE_UNCERTAIN ||
+                     verdict->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
+}
+
+/* Noise of the acceleration makes masses smaller: where that may be much, it is said. */
+static void test_a_mass_that_noise_may_bias_is_called_so(void)
+{
+    observe(&(world_t){ALL, SETS, 0.0, 0.2});
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NOISE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(estimate[AUVID_G500_M_U] < truth[AUVID_G500_M_U]);
+    double short_by = (double)truth[AUVID_G500_M_U] - (double)estimate[AUVID_G500_M_U];
+    TEST_ASSERT_TRUE(short_by < 2.0 * (double)verdict->sigma[AUVID_G500_M_U]);
+}
+
+static void test_too_much_noise_makes_all_uncertain(void)
+{
+    observe(&(world_t){ALL, 1, 300.0, 0.0});
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[AUVID_G500_M_R]);
+}
+
+/* ---- words ---- */
+
+static auvid_confidence_t notes;
+static char text[160];
+
+static void expect(const char *words, unsigned which)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE,
+                                                         which, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING(words, text);
+}
+
+static void test_every_need_has_its_words(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_M_U] = AUVID_NOTE_NOISE;
+    notes.note[AUVID_G500_M_R] = AUVID_NOTE_UNCERTAIN;
+    notes.note[AUVID_G500_W_B] = AUVID_NOTE_UNCERTAIN;
+    notes.note[AUVID_G500_X_U] = AUVID_NOTE_UNCERTAIN;
+    notes.note[AUVID_G500_X_UU] = AUVID_NOTE_UNCERTAIN;
+    notes.note[AUVID_G500_Z_W] = AUVID_NOTE_SMALL;
+    notes.note[AUVID_G500_Z_WW] = AUVID_NOTE_IMPLAUSIBLE;
+    notes.note[AUVID_G500_Y_VV] = AUVID_NOTE_FIXED;
+    expect("surge: too little acceleration for m_u; sines of 0.1-0.3 Hz, stronger or for longer",
+           0);
+    expect("yaw: too little acceleration for m_r; sines of 0.1-0.3 Hz, stronger or for longer", 1);
+    expect("heave: too short a record for W-B; go on recording", 2);
+    expect("surge: too little slow motion for X_u; more steps held 4-8 s, some at a third of the "
+           "strength",
+           3);
+    expect("surge: too little speed for X_uu; steps held 4-8 s, stronger or more of them", 4);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 5, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("", text);
+}
+
+static void test_a_pair_is_told_once_and_a_dof_once(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_X_UU] = AUVID_NOTE_COMBINATION;
+    notes.partner[AUVID_G500_X_U] = AUVID_G500_X_UU;
+    notes.partner[AUVID_G500_X_UU] = AUVID_G500_X_U;
+    notes.note[AUVID_G500_M_V] = notes.note[AUVID_G500_Y_V] = notes.note[AUVID_G500_Y_VV] =
+        AUVID_NOTE_NOT_DRIVEN;
+    notes.note[AUVID_G500_M_W] = notes.note[AUVID_G500_W_B] = AUVID_NOTE_COMBINATION;
+    notes.partner[AUVID_G500_M_W] = AUVID_G500_W_B;
+    notes.partner[AUVID_G500_W_B] = AUVID_G500_M_W;
+    expect("sway: nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
+    expect("heave: m_w and W-B cannot be told apart; hold one of them fixed, or vary the motion",
+           1);
+    expect("surge: X_u and X_uu cannot be told apart; steps held 4-8 s at two strengths", 2);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
+}
+
+static void test_before_the_first_estimate_every_dof_is_asked_for(void)
+{
+    static const char *const dof[] = {"surge: ", "sway: ", "heave: ", "yaw: "};
+    unsigned which = 0;
+    for (;
+         auvid_confidence_missing(NULL, &auvid_girona500, 0, which, text, sizeof text) == AUVID_OK;
+         ++which) {
+        TEST_ASSERT_TRUE(which < 4);
+        TEST_ASSERT_EQUAL_PTR(text, strstr(text, dof[which]));
+        TEST_ASSERT_NOT_NULL(strstr(text, "nothing moved it"));
+    }
+    TEST_ASSERT_EQUAL(4, which);
+}
+
+static void test_a_text_too_long_is_cut_and_ended(void)
+{
+    for (size_t size = 1; size < 60; ++size) {
+        memset(text, 'x', sizeof text);
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_confidence_missing(NULL, &auvid_girona500, 0, 0, text, size));
+        TEST_ASSERT_EQUAL(size - 1, strlen(text));
+        TEST_ASSERT_EQUAL('x', text[size]);
+        TEST_ASSERT_EQUAL(0, memcmp(text, "surge: nothing moved it; excite it with steps held 4-8",
+                                    size - 1 < 54 ? size - 1 : 54));
+    }
+}
+
+static void test_every_note_has_a_phrase(void)
+{
+    for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_IMPLAUSIBLE; ++a) {
+        TEST_ASSERT_TRUE(strlen(auvid_note_str((auvid_note_t)a)) > 5);
+        for (int b = AUVID_NOTE_NONE; b < a; ++b) {
+            TEST_ASSERT_TRUE(
+                strcmp(auvid_note_str((auvid_note_t)a), auvid_note_str((auvid_note_t)b)) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("", auvid_note_str(AUVID_NOTE_NONE));
+    TEST_ASSERT_EQUAL_STRING("unknown note", auvid_note_str((auvid_note_t)77));
+}
+
+static void test_wrong_arguments_are_named(void)
+{
+    uint32_t budget = 1;
+    observe(&(world_t){SURGE, 1, 1.0, 0.0});
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_work(NULL, &metric, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_work(&job, NULL, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_work(&job, &metric, NULL));
+    TEST_ASSERT_EQUAL_UINT32(1, budget);
+    auvid_confidence_begin(NULL, &metric, estimate, AUVID_C(0.0));
+    auvid_confidence_begin(&job, NULL, estimate, AUVID_C(0.0));
+    auvid_confidence_begin(&job, &metric, NULL, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_confidence_missing(&notes, NULL, 0, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_confidence_missing(&notes, &auvid_girona500, 0, 0, NULL, 10));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE,
+                      auvid_confidence_missing(&notes, &auvid_girona500, 0, 0, text, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_standard_errors_are_proportional_to_the_noise);
+    RUN_TEST(test_standard_errors_fall_as_sets_come_in);
+    RUN_TEST(test_one_set_is_enough_for_standard_errors);
+    RUN_TEST(test_float_and_double_come_to_the_same_standard_errors);
+    RUN_TEST(test_any_budget_gives_the_same_bits);
+    RUN_TEST(test_a_job_copied_half_way_with_its_metric_goes_on);
+    RUN_TEST(test_the_cost_of_eight_sets_is_what_the_header_says);
+    RUN_TEST(test_an_estimated_delay_widens_the_masses);
+    RUN_TEST(test_good_data_make_everything_identifiable);
+    RUN_TEST(test_a_fixed_parameter_is_called_so);
+    RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
+    RUN_TEST(test_a_mass_below_the_dry_mass_is_implausible);
+    RUN_TEST(test_a_drag_that_drives_is_implausible);
+    RUN_TEST(test_a_parameter_that_is_zero_and_known_to_be_is_called_small);
+    RUN_TEST(test_a_parameter_that_may_be_zero_is_not_called_small);
+    RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
+    RUN_TEST(test_too_much_noise_makes_all_uncertain);
+    RUN_TEST(test_every_need_has_its_words);
+    RUN_TEST(test_a_pair_is_told_once_and_a_dof_once);
+    RUN_TEST(test_before_the_first_estimate_every_dof_is_asked_for);
+    RUN_TEST(test_a_text_too_long_is_cut_and_ended);
+    RUN_TEST(test_every_note_has_a_phrase);
+    RUN_TEST(test_wrong_arguments_are_named);
+    return UNITY_END();
+}
