@@ -110,7 +110,7 @@ static void border(job_t *c, int j)
     for (int i = 0; i < n; ++i) {
         const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
         memset(row, 0, sizeof row);
-        for (int k = i; k < count; ++k) {
+        for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
             row[k + 1] = r[k - i];
         }
         for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {

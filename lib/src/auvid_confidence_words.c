@@ -124,7 +124,7 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
     }
     writer_t w = {.text = text, .size = size};
     text[0] = '\0';
-    for (int i = 0; i < vehicle->parameters; ++i) {
+    for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
         const auvid_parameter_t *parameter = &vehicle->parameter[i];
         if (!is_told(confidence, vehicle, free, i) || which-- > 0) {
             continue;
