@@ -16,12 +16,13 @@
 /* Worse is worse by more than this part of the cost. */
 #define MARGIN AUVID_C(1.1)
 
-/* Chow's F is about 1 in each DoF while nothing changes. What counts is the sum of the DoF's F - 1,
- * for a payload is felt in all of them: a change is a sum beyond these, less 1, for one new set and
- * for two, among ENOUGH sets or more. Few large F make a large sum, so the same limits do for one
- * DoF as for four: of 19771 unchanged sets at disturbances of 1 and 3 N the largest sum, for any of
- * the DoF, was 11.2 - 1 (10.7 - 1 for two); the tail has a set in 1e5 beyond the limits. With four
- * older sets, one new one came up to 20.8. */
+/* Chow's F is about 1 in each DoF while nothing changes. A payload is felt in all of them: a change
+ * is a sum of the DoF's F - 1 beyond LIMIT_ONE - 1 (for one new set; LIMIT_TWO for two), or one F
+ * beyond LIMIT_DOF, among ENOUGH sets or more. Few large F make a large sum, so the same limits do
+ * for two DoF as for four. Of 17570 unchanged sets at disturbances of 1 and 3 N the largest sum for
+ * any of the DoF was 11.2 - 1 (10.7 - 1 for two), the largest F 9.2; the tails have a set in 1e5
+ * beyond each limit. With four older sets, one new one came up to 20.8. */
+#define LIMIT_DOF AUVID_C(10.0)
 #define LIMIT_ONE AUVID_C(12.0)
 #define LIMIT_TWO AUVID_C(11.0)
 enum { ENOUGH = 6 };
@@ -119,23 +120,25 @@ static void compare(auvid_identifier_t *id)
     }
 }
 
-/* Each DoF's F - 1 for the newest `newest` sets over the limit of their sum; 0: no verdict.
- * @return that sum */
+/* Each DoF's F - 1 for the newest `newest` sets over its limit; 0: no verdict.
+ * @return the largest, or their sum over its limit, if that is more */
 static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
                           auvid_real_t share[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
-    auvid_real_t limit = newest == 1 ? LIMIT_ONE : LIMIT_TWO, sum = AUVID_C(0.0);
+    auvid_real_t most = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.noise[j];
         auvid_real_t f =
             m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise);
         bool known = auvid_metric_driven_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->judgement.driven >> j & 1) && auvid_is_finite(f);
-        share[j] = known ? (f - AUVID_C(1.0)) / (limit - AUVID_C(1.0)) : AUVID_C(0.0);
-        sum += share[j];
+        auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
+        share[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
+        most = auvid_max(most, share[j]);
+        sum += excess;
     }
-    return sum;
+    return auvid_max(most, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
 }
 
 /* All is known about the new set: has the vehicle changed? */
@@ -150,7 +153,7 @@ static void conclude(auvid_identifier_t *id)
         to->change[j] = auvid_max(share[j], AUVID_C(0.0));
         most = share[j] > share[most] ? j : most;
     }
-    to->change[most] = auvid_max(auvid_max(by_one, by_two), AUVID_C(0.0));
+    to->change[most] = auvid_max(by_one, by_two);
     to->changed = (uint8_t)((to->change[most] > AUVID_C(1.0)) << most);
     id->suspect = false;
     id->events |= AUVID_EVENT_JUDGED;

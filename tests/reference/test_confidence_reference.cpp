@@ -1,0 +1,263 @@
+// The standard errors computed again, dense and in double, from the formulas at the top of
+// auvid_confidence.c and the sets' triangles (that those are right is shown in test_metric.cpp).
+//
+// The library is in float32: over the runs below the largest difference is 1e-5 of a standard error,
+// ten times that fails.
+#include <Eigen/Dense>
+
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+extern "C" {
+#include "chain.h"
+#include "unity.h"
+}
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+enum { PARAMETERS = SIM_PARAMETERS, DELAYS = AUVID_METRIC_DELAYS, SETS = 8 };
+static const int driven[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
+static const int mass[4] = {SIM_M_U, SIM_M_V, SIM_M_W, SIM_M_R};
+static chain_t chain;
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+// Weights of the wrench at the nodes 0, 1, 2: sum 1, mean s, second moment s^2, or 2 s^2 of a lag;
+// or their derivatives by s.
+static Vector3d delay_weights(double s, bool lag, bool derivative)
+{
+    Eigen::Matrix3d moments;
+    moments << 1, 1, 1, 0, 1, 2, 0, 1, 4;
+    double square = lag ? 2 : 1;
+    return moments.inverse() *
+           (derivative ? Vector3d(0, 1, 2 * square * s) : Vector3d(1, s, square * s * s));
+}
+
+// One DoF: the rows of each set and band over all 13 parameters, then the wrench at three delays.
+struct Dof {
+    std::vector<MatrixXd> rows[AUVID_METRIC_BANDS]; // by set
+    double weight, band[AUVID_METRIC_BANDS], count = 0;
+    Vector3d delay, slope;
+    bool delayed;
+    std::vector<int> columns;
+};
+
+static Dof read(int j)
+{
+    const auvid_metric_t &m = chain.id.metric;
+    double s = double(m.delay_s[j]) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
+    bool lag = m.lagged >> j & 1;
+    Dof d;
+    d.weight = double(m.weight[j]);
+    d.delay = delay_weights(s, lag, false);
+    d.slope = delay_weights(s, lag, true);
+    d.delayed = m.cfg.estimate_delay && m.delay_s[j] > 0;
+    d.columns.assign(m.index + m.channel_at[j], m.index + m.channel_at[j] + m.count[j]);
+    int n = m.count[j] + DELAYS, slots = m.cfg.sets + 1;
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        d.band[band] = double(m.band_weight[band][j]);
+        for (int age = 0; age < SETS; ++age) {
+            const auvid_set_t &set = m.set[(m.current + 2 * slots - 1 - age) % slots];
+            const auvid_real_t *r = set.factor[band] + m.factor_at[j];
+            MatrixXd triangle = MatrixXd::Zero(n, n);
+            for (int i = 0; i < n; ++i) {
+                for (int k = i; k < n; ++k) {
+                    triangle(i, k) = double(*r++);
+                }
+            }
+            d.rows[band].push_back(triangle);
+            d.count += band == 0 ? set.rows : 0;
+        }
+    }
+    return d;
+}
+
+// The Gram matrix of a set, bands weighted, by channel of the DoF: parameters, then delays.
+static MatrixXd gram(const Dof &d, size_t set)
+{
+    MatrixXd sum = d.band[0] * d.rows[0][set].transpose() * d.rows[0][set];
+    return sum + d.band[1] * d.rows[1][set].transpose() * d.rows[1][set];
+}
+
+static MatrixXd spread(const Dof &d, const MatrixXd &own)
+{
+    MatrixXd all = MatrixXd::Zero(PARAMETERS, own.cols() == 1 ? 1 : PARAMETERS);
+    for (size_t a = 0; a < d.columns.size(); ++a) {
+        if (own.cols() == 1) {
+            all(d.columns[a], 0) = own(long(a), 0);
+            continue;
+        }
+        for (size_t b = 0; b < d.columns.size(); ++b) {
+            all(d.columns[a], d.columns[b]) = own(long(a), long(b));
+        }
+    }
+    return all;
+}
+
+// Autocorrelation, a band's distance apart, of velocity noise made an acceleration and smoothed.
+static double noise_correlation(bool moment)
+{
+    const auvid_metric_t &m = chain.id.metric;
+    std::vector<double> passed(size_t(m.taps) + 4, 0.0);
+    const double interpolated[3] = {0.5, 1, 0.5}, exact[3] = {0, 1, 0}, slope[3] = {0.5, 0, -0.5};
+    for (size_t k = 0; k < m.taps; ++k) {
+        for (size_t a = 0; a < 3; ++a) {
+            for (size_t b = 0; b < 3; ++b) {
+                passed[k + a + b] +=
+                    double(m.kernel[moment][k]) * slope[b] * (moment ? exact[a] : interpolated[a]);
+            }
+        }
+    }
+    size_t lag = size_t(m.cfg.lag[moment]) * m.cfg.row_cells;
+    double square = 0, product = 0;
+    for (size_t k = 0; k < passed.size(); ++k) {
+        square += passed[k] * passed[k];
+        product += k >= lag ? passed[k] * passed[k - lag] : 0;
+    }
+    return product / square;
+}
+
+// Of what is dependent (m_u and m_v stand in yaw as their difference only): the pseudo-inverse.
+static MatrixXd inverse_of(const MatrixXd &h)
+{
+    VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+    Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * h * scale.asDiagonal());
+    VectorXd values = solver.eigenvalues();
+    for (long i = 0; i < values.size(); ++i) {
+        values(i) = values(i) > 1e-9 ? 1 / values(i) : 0;
+    }
+    return scale.asDiagonal() * solver.eigenvectors() * values.asDiagonal() *
+           solver.eigenvectors().transpose() * scale.asDiagonal();
+}
+
+struct Sums {
+    MatrixXd h = MatrixXd::Zero(PARAMETERS, PARAMETERS);        // J'J
+    MatrixXd bordered = MatrixXd::Zero(PARAMETERS, PARAMETERS); // delays as parameters
+    MatrixXd middle = MatrixXd::Zero(PARAMETERS, PARAMETERS);   // of the pooled sandwich
+    MatrixXd scores = MatrixXd::Zero(PARAMETERS, SETS);         // at the estimate
+    VectorXd bias = VectorXd::Zero(PARAMETERS);
+};
+
+// One DoF's part; fills what the library calls noise and residual.
+static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &residual)
+{
+    Dof d = read(driven[k]);
+    long n = long(d.columns.size());
+    VectorXd at(n + DELAYS), own(n + DELAYS);
+    MatrixXd all = MatrixXd::Zero(n + DELAYS, n + DELAYS);
+    for (size_t s = 0; s < SETS; ++s) {
+        all += gram(d, s);
+    }
+    at.tail<DELAYS>() = own.tail<DELAYS>() = -d.delay;
+    for (long i = 0; i < n; ++i) {
+        at(i) = pi(d.columns[size_t(i)]);
+    }
+    MatrixXd h = all.topLeftCorner(n, n);
+    MatrixXd inverse = inverse_of(h);
+    own.head(n) = inverse * all.topRightCorner(n, DELAYS) * d.delay;
+    double square = at.dot(all * at) / d.count, scatter = 0, freedom = (inverse * h).trace(),
+           high = 0;
+    for (size_t s = 0; s < SETS; ++s) {
+        MatrixXd part = gram(d, s);
+        VectorXd g = (part * own).head(n);
+        MatrixXd share = inverse * part.topLeftCorner(n, n);
+        scatter += g.dot(inverse * g);
+        freedom -= (share * share).trace();
+        sums.scores.col(long(s)) += d.weight * spread(d, (part * at).head(n));
+        high += (d.rows[1][s] * at).squaredNorm();
+    }
+    double counts = (2.6 * square + scatter) / (1 + freedom);
+    VectorXd delay = VectorXd::Zero(n + DELAYS); // the derivative of the residual by the delay
+    delay.tail<DELAYS>() = -d.slope;
+    VectorXd column = (all * delay).head(n);
+    MatrixXd left =
+        d.delayed ? MatrixXd(h - column * column.transpose() / delay.dot(all * delay)) : h;
+    sums.h += d.weight * spread(d, h);
+    sums.bordered += d.weight * spread(d, left);
+    sums.middle += d.weight * d.weight * counts * spread(d, h);
+    double rho = noise_correlation(driven[k] == AUVID_YAW);
+    sums.bias(mass[k]) +=
+        d.weight * high * (d.band[0] * (1 + rho) / (1 - rho) + d.band[1]) / pi(mass[k]);
+    noise = std::sqrt(counts);
+    residual = std::sqrt(square);
+}
+
+static double worst = 0;
+
+static void agrees(double expected, double actual)
+{
+    worst = std::fmax(worst, std::fabs(actual / expected - 1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * std::fabs(expected), expected, actual);
+}
+
+static void compare(uint64_t seed, double disturbance_N, double lag_s, double noise)
+{
+    chain_config_t config;
+    Sums sums;
+    VectorXd pi(PARAMETERS);
+    bool delayed = false;
+    chain_defaults(&config, seed, SETS, disturbance_N);
+    config.sim.lag_s = lag_s;
+    config.sim.dvl_m_s *= noise;
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
+    const auvid_confidence_t &actual = chain.id.estimate.confidence;
+    for (int i = 0; i < PARAMETERS; ++i) {
+        pi(i) = double(chain.id.estimate.pi[i]);
+    }
+    for (int k = 0; k < 4; ++k) {
+        double counts, residual;
+        add(sums, k, pi, counts, residual);
+        agrees(counts, double(actual.noise[driven[k]]));
+        agrees(residual, double(actual.residual[driven[k]]));
+        delayed = delayed || chain.id.metric.delay_s[driven[k]] > 0;
+    }
+    TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
+    MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;
+    MatrixXd pooled = p * sums.middle * p;
+    VectorXd delta = -p * sums.bias;
+    for (int i = 0; i < PARAMETERS; ++i) {
+        VectorXd psi = influence.row(i).transpose();
+        double own = (psi.array() - psi.mean()).square().sum();
+        double variance = 1.3 * (10 * pooled(i, i) + SETS * own) / (10 + SETS - 1);
+        double total = variance * wide(i, i) / p(i, i) + delta(i) * delta(i);
+        agrees(std::sqrt(total), double(actual.sigma[i]));
+    }
+}
+
+static void test_standard_errors_are_those_of_the_formulas()
+{
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        compare(seed, 1, 0, 1);
+        compare(seed, 3, 0, 1);
+        compare(seed, 0, 0, 3);
+    }
+    std::printf("largest relative difference, no lag: %.1e\n", worst);
+}
+
+static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
+{
+    worst = 0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        compare(seed, 1, 0.15, 1);
+    }
+    std::printf("largest relative difference, with a lag: %.1e\n", worst);
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_standard_errors_are_those_of_the_formulas);
+    RUN_TEST(test_what_an_estimated_delay_costs_is_that_of_the_formulas);
+    return UNITY_END();
+}
