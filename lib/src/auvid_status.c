@@ -23,7 +23,7 @@ const char *auvid_status_str(auvid_status_t status)
     case AUVID_UNUSED:
         return "measurement is valid but cannot be used now";
     case AUVID_SATURATED:
-        return "the wrench was scaled down to what the thrusters can give";
+        return "limited to what the thrusters can give, or a frame can carry";
     case AUVID_CAPPED:
         return "stopped at a cap before its own criterion was met";
     case AUVID_ERR_NULL:
@@ -58,6 +58,10 @@ const char *auvid_status_str(auvid_status_t status)
         return "the arithmetic of this machine or build is not auvid's";
     case AUVID_ERR_MODEL:
         return "the vehicle model lacks what is asked of it";
+    case AUVID_ERR_LENGTH:
+        return "a frame has not the length of its message";
+    case AUVID_ERR_CHECKSUM:
+        return "a frame's checksum is wrong";
     }
     return "unknown status";
 }
