@@ -97,15 +97,13 @@ static auvid_real_t lowest(const auvid_can_type_t *type, auvid_real_t high)
     return type->special != 0 ? AUVID_C(0.0) : -high;
 }
 
-/* Half away from zero. Not (int)(x + 0.5): that sum rounds, too. */
+/* Half away from zero, to within the rounding of the sum: raw < 2^23. */
 static int32_t round_nearest(auvid_real_t x)
 {
-    int32_t whole = (int32_t)x;
-    auvid_real_t rest = x - (auvid_real_t)whole;
-    return whole + (rest >= AUVID_C(0.5)) - (rest <= AUVID_C(-0.5));
+    return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
 }
 
-/* @return AUVID_OK, AUVID_SATURATED; AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE */
+/* @return AUVID_OK, AUVID_SATURATED, AUVID_ERR_NOT_FINITE */
 static auvid_status_t encode(const auvid_can_type_t *type, field_t field, bool absent,
                              uint32_t *raw)
 {
@@ -114,11 +112,11 @@ static auvid_status_t encode(const auvid_can_type_t *type, field_t field, bool a
         uint32_t low = smallest_integer(type, high);
         uint32_t x = field.integer;
         *raw = x < low ? low : (x > high ? high : x);
-        return absent ? AUVID_ERR_RANGE : (*raw != x ? AUVID_SATURATED : AUVID_OK);
+        return *raw != x ? AUVID_SATURATED : AUVID_OK;
     }
     bool is_float = type->kind == AUVID_CAN_TYPE_FLOAT;
+    *raw = is_float ? FLOAT_ABSENT : 1u << (type->length - 1u);
     if (absent) {
-        *raw = is_float ? FLOAT_ABSENT : 1u << (type->length - 1u);
         return AUVID_OK;
     }
     auvid_real_t x = field.real * (auvid_real_t)type->per_unit;
@@ -127,8 +125,8 @@ static auvid_status_t encode(const auvid_can_type_t *type, field_t field, bool a
     }
     auvid_real_t high = highest(type);
     auvid_real_t y = auvid_clamp(x, lowest(type, high), high);
+    float single = (float)y;
     if (is_float) {
-        float single = (float)y;
         memcpy(raw, &single, sizeof single);
     } else {
         *raw = (uint32_t)round_nearest(y);
@@ -162,11 +160,6 @@ static bool decode(const auvid_can_type_t *type, uint32_t raw, field_t *field, b
 static size_t size_of(const auvid_can_type_t *type)
 {
     return type->kind == AUVID_CAN_TYPE_UINT ? sizeof(uint32_t) : sizeof(auvid_real_t);
-}
-
-static void count(uint16_t *counter)
-{
-    *counter = (uint16_t)(*counter + (*counter != UINT16_MAX));
 }
 
 void auvid_can_ids_defaults(auvid_can_ids_t *ids)
@@ -231,9 +224,9 @@ auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can
     return status;
 }
 
-/* The signals of a message into data. @return as encode; what is saturated is counted too. */
+/* The signals of a message into data. @return as encode. */
 static auvid_status_t encode_all(const auvid_can_message_t *message, uint8_t *data,
-                                 uint16_t *saturated)
+                                 uint32_t *saturated)
 {
     const auvid_can_entry_t *entry = &auvid_can_entries[message->kind];
     uint32_t absent = message->absent;
@@ -249,13 +242,13 @@ static auvid_status_t encode_all(const auvid_can_message_t *message, uint8_t *da
             return status;
         }
         if (status == AUVID_SATURATED) {
-            count(saturated);
+            ++*saturated;
             result = AUVID_SATURATED;
         }
         insert(data, signal->start, type->length, raw);
         absent >>= 1;
     }
-    return absent == 0 ? result : AUVID_ERR_RANGE;
+    return result;
 }
 
 auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_message_t *message,
@@ -268,11 +261,11 @@ auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_messag
         return AUVID_ERR_STATE;
     }
     uint8_t data[AUVID_CAN_BYTES] = {0};
-    uint16_t saturated = sender->saturated;
+    uint32_t saturated = sender->saturated;
     bool known = (uint32_t)message->kind < AUVID_CAN_KINDS;
     auvid_status_t status = known ? encode_all(message, data, &saturated) : AUVID_ERR_RANGE;
     if (status < 0) {
-        count(&sender->refused);
+        ++sender->refused;
         return status;
     }
     uint8_t *counter = &sender->counter[message->kind];

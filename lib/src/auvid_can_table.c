@@ -5,6 +5,7 @@
 
 #include "auvid_math.h"
 
+/* clang-format off */
 const auvid_can_type_t auvid_can_types[] = {
     {1, 0, 32, AUVID_CAN_TYPE_FLOAT, 0},
     {1, 0, 32, AUVID_CAN_TYPE_FLOAT, 1},

@@ -285,7 +285,7 @@ typedef struct {{
     auvid_can_kind_t kind; /**< which of the structs below holds */
     uint8_t counter;       /**< 0..15; written by unpack, not read by pack */
     uint32_t absent;       /**< AUVID_CAN_<message>_NO_<signal>: this real is not available; it is
-                                not read by pack, and NaN after unpack */
+                                not read by pack, and NaN after unpack. Other bits: nothing */
     union {{
 {union}
     }} as;
@@ -325,6 +325,7 @@ def table(messages):
 
 #include "auvid_math.h"
 
+/* clang-format off */
 const auvid_can_type_t auvid_can_types[] = {{
 {rows(type_rows)}
 }};

@@ -53,8 +53,8 @@ typedef struct {
 typedef struct {
     auvid_can_ids_t ids;
     uint8_t counter[AUVID_CAN_KINDS]; /* of the next frame, each message its own */
-    uint16_t saturated; /**< values that did not fit; stays at 65535. May be set to 0 */
-    uint16_t refused;   /**< messages refused; likewise */
+    uint32_t saturated;               /**< values that did not fit; wraps */
+    uint32_t refused;                 /**< messages refused; wraps */
 } auvid_can_sender_t;
 
 /** Fill *ids with the identifiers of the DBC. Null is ignored. */
@@ -75,7 +75,7 @@ auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can
  * @param frame id, length and data are written; nothing when the message is refused
  * @return AUVID_OK; AUVID_SATURATED (packed; at least one value did not fit); AUVID_ERR_NULL;
  * AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE (a value is NaN and not marked absent);
- * AUVID_ERR_RANGE (no such kind, or marked absent is what cannot be). */
+ * AUVID_ERR_RANGE (no such kind). */
 auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_message_t *message,
                               auvid_can_frame_t *frame);
 

@@ -395,7 +395,7 @@ typedef struct {
     auvid_can_kind_t kind; /**< which of the structs below holds */
     uint8_t counter;       /**< 0..15; written by unpack, not read by pack */
     uint32_t absent;       /**< AUVID_CAN_<message>_NO_<signal>: this real is not available; it is
-                                not read by pack, and NaN after unpack */
+                                not read by pack, and NaN after unpack. Other bits: nothing */
     union {
         auvid_can_abort_t abort;
         auvid_can_tick_t tick;
