@@ -53,7 +53,7 @@ const char *auvid_status_str(auvid_status_t status)
     case AUVID_ERR_SINGULAR:
         return "the data do not determine the answer";
     case AUVID_ERR_LIMIT:
-        return "the excitation asks for more than the thrusters can give, or a limit is broken";
+        return "more is asked for than the thrusters can give, a limit allows, or a queue takes";
     case AUVID_ERR_ARITHMETIC:
         return "the arithmetic of this machine or build is not auvid's";
     case AUVID_ERR_MODEL:

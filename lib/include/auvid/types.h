@@ -86,8 +86,8 @@ typedef enum {
     AUVID_ERR_STATE = -11,      /**< call out of order (tell without ask, not initialised, ...) */
     AUVID_ERR_NO_DATA = -12,    /**< no rows to work on: empty set, no DoF driven */
     AUVID_ERR_SINGULAR = -13,   /**< the data or the matrix do not determine the answer */
-    AUVID_ERR_LIMIT = -14,      /**< the excitation asks for more than the thrusters can give, or a
-                                     limit of the guard is broken */
+    AUVID_ERR_LIMIT = -14,      /**< more is asked for than the thrusters can give, a limit of the
+                                     guard allows, or a queue can take */
     AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic is not auvid's */
     AUVID_ERR_MODEL = -16,      /**< the vehicle model lacks what is asked of it */
     AUVID_ERR_LENGTH = -17,     /**< a frame has not the length of its message */
