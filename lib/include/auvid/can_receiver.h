@@ -54,8 +54,10 @@ typedef struct {
     bool strict;         /* the first frame only starts the count */
     uint8_t counter;     /* of the last authentic frame */
     bool started;        /* there is one to follow */
-    uint8_t state;       /**< auvid_can_state_t, without the time-out since the last call */
+    bool alive;          /**< a good frame has come within the time-out, as of the last call */
+    uint8_t state;       /**< auvid_can_state_t as of the last call */
     uint32_t timeout_us; /* 0: none */
+    uint64_t seen_us;    /* arrival of the last authentic frame [us] */
     uint64_t good_us;    /**< arrival of the last good frame [us] */
     uint32_t good;       /**< frames that were good */
     uint32_t lost;       /**< frames missing between good ones */
