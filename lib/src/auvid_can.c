@@ -3,8 +3,8 @@
  *
  * Frame, little-endian bit numbers: 0-7 CRC, 8-11 counter, 12-63 signals.
  *   raw = round(value per_unit), value = raw / per_unit
- * per_unit and raw are integers below 2^24, exact in float32, so that a value unpacked is the
- * float nearest to the decimal number of the DBC, and packs to the same raw again.
+ * per_unit and raw are integers, exact in float32, so that a value unpacked is the float nearest to
+ * the decimal number of the DBC; below 2^22 it packs to the same raw again.
  */
 #include "auvid/can.h"
 
@@ -131,7 +131,8 @@ static auvid_status_t encode(const auvid_can_type_t *type, field_t field, bool a
     } else {
         *raw = (uint32_t)round_nearest(y);
     }
-    return y != x ? AUVID_SATURATED : AUVID_OK;
+    /* Less than half a step beyond the limit is rounding: a limit unpacked may be there. */
+    return auvid_abs(x - y) >= AUVID_C(0.5) ? AUVID_SATURATED : AUVID_OK;
 }
 
 /* @return false: outside the signal's range. *absent: the value is not available. */

@@ -73,7 +73,8 @@ auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can
 /** Message to frame. Infinity saturates like any number that is too large.
  * @param sender its counter for this message goes up by one, unless the message is refused
  * @param frame id, length and data are written; nothing when the message is refused
- * @return AUVID_OK; AUVID_SATURATED (packed; at least one value did not fit); AUVID_ERR_NULL;
+ * @return AUVID_OK; AUVID_SATURATED (packed; at least one value lay half a
+ * step or more outside its range); AUVID_ERR_NULL;
  * AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE (a value is NaN and not marked absent);
  * AUVID_ERR_RANGE (no such kind). */
 auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_message_t *message,
