@@ -3,8 +3,8 @@
  *
  * Frame, little-endian bit numbers: 0-7 CRC, 8-11 counter, 12-63 signals.
  *   raw = round(value per_unit), value = raw / per_unit
- * per_unit and raw are integers, exact in float32, so that a value unpacked is the float nearest to
- * the decimal number of the DBC; below 2^22 it packs to the same raw again.
+ * per_unit and raw are integers, exact in float32, and |raw| <= 2^22: a value unpacked is the float
+ * nearest to the decimal number of the DBC, and packs to the same raw again.
  */
 #include "auvid/can.h"
 
@@ -97,7 +97,7 @@ static auvid_real_t lowest(const auvid_can_type_t *type, auvid_real_t high)
     return type->special != 0 ? AUVID_C(0.0) : -high;
 }
 
-/* Half away from zero, to within the rounding of the sum: raw < 2^23. */
+/* Half away from zero, to within the rounding of the sum. */
 static int32_t round_nearest(auvid_real_t x)
 {
     return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));

@@ -18,7 +18,7 @@ typedef struct {
     uint16_t per_unit; /**< raw = value per_unit; an integer, so it is exact in float */
     uint16_t limit;    /**< largest raw value, the smallest being 0 or minus this; 0: all that its
                             bits can hold */
-    uint8_t length;    /**< bits: 1..24, or 32 */
+    uint8_t length;    /**< bits: 1..24, or 32; of REAL at most 23 */
     uint8_t kind;      /**< auvid_can_type_kind_t */
     uint8_t special;   /**< UINT: a constant, `limit`; REAL, FLOAT: not negative */
 } auvid_can_type_t;

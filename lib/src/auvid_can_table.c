@@ -15,7 +15,7 @@ const auvid_can_type_t auvid_can_types[] = {
     {2500, 0, 14, AUVID_CAN_TYPE_REAL, 0},
     {100, 0, 20, AUVID_CAN_TYPE_REAL, 1},
     {100, 0, 21, AUVID_CAN_TYPE_REAL, 0},
-    {1000, 0, 24, AUVID_CAN_TYPE_REAL, 0},
+    {500, 0, 23, AUVID_CAN_TYPE_REAL, 0},
     {1, 1, 2, AUVID_CAN_TYPE_UINT, 0},
     {1, 0, 4, AUVID_CAN_TYPE_UINT, 0},
     {1, 2, 4, AUVID_CAN_TYPE_UINT, 0},

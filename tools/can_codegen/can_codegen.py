@@ -24,6 +24,7 @@ HEADER, TABLE, README = (
     "lib/include/auvid/can_messages.h", "lib/src/auvid_can_table.c", "lib/can/README.md")
 FAST, SLOW = 0x040, 0x400  # first identifiers of the two blocks
 BITRATE = 500_000
+LARGEST_LOAD = 0.20
 # Classic frame with 8 bytes: 44 bits around the data, 64 data, 3 between frames; at worst a stuff
 # bit after the first five and every further four of the 98 that are stuffed.
 FRAME_BITS = 44 + 64 + 3 + (34 + 64 - 1) // 4
@@ -64,7 +65,9 @@ class Signal:
             self.kind = "REAL"
             per_unit = 1 / Fraction(str(signal.scale))
             need(per_unit.denominator == 1, where, "1 / scale is no integer")
-            need(self.length <= 24, where, "longer than a float's 24 bits")
+            # A float has 24 bits. With one to spare, value and product may each be rounded and the
+            # same raw value comes out again.
+            need(self.length <= 23, where, "longer than 23 bits")
             self.per_unit = int(per_unit)
             need(self.per_unit <= 65535, where, "scale")
             low, high = (Fraction(str(x)) * per_unit for x in (self.minimum, self.maximum))
@@ -167,6 +170,7 @@ def load(path):
         need(m.id == expected, m.name, f"identifier 0x{m.id:03X}, 0x{expected:03X} expected")
     need(len(fast) <= 16, "more than 16 identifiers from 0x040 on")
     need(len({m.data_id for m in messages}) == len(messages), "AuvidDataId is not unique")
+    need(bus_load(messages)[1] <= LARGEST_LOAD, "bus load", f"{100 * bus_load(messages)[1]:.1f} %")
     return messages, database.dbc.attributes["AuvidProtocol"].value
 
 

@@ -259,7 +259,7 @@ enum { AUVID_CAN_DVL_ALTITUDE_NO_ALTITUDE = 1 << 0 };
 
 /** 0x407, every 100 ms. Depth from the pressure sensor. */
 typedef struct {
-    /** Positive down; -8388.607..8388.607 m, step 1/1000 */
+    /** Positive down; -8388.606..8388.606 m, step 1/500 */
     auvid_real_t depth;
     /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
     uint32_t age;
@@ -309,7 +309,7 @@ enum {
 
 /** 0x40B, every 100 ms. Estimated depth, at the last tick. */
 typedef struct {
-    /** Positive down; -8388.607..8388.607 m, step 1/1000 */
+    /** Positive down; -8388.606..8388.606 m, step 1/500 */
     auvid_real_t z;
 } auvid_can_nav_depth_t;
 
