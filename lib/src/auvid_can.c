@@ -44,10 +44,10 @@ uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id)
     return (uint8_t)(crc_step(crc, data_id) ^ 0xFFu);
 }
 
-/* The lower `length` bits. */
+/* The lower `length` bits, 1..32. */
 static uint32_t mask(uint32_t length)
 {
-    return 0xFFFFFFFFu >> (32u - length);
+    return 0xFFFFFFFFu >> ((32u - length) & 31u);
 }
 
 /* A bit at a time would be shorter, but four times slower. */
