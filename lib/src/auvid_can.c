@@ -50,6 +50,11 @@ static uint32_t mask(uint32_t length)
     return 0xFFFFFFFFu >> ((32u - length) & 31u);
 }
 
+static uint32_t sign_bit(uint32_t length)
+{
+    return (mask(length) >> 1) + 1u;
+}
+
 /* A bit at a time would be shorter, but four times slower. */
 static void insert(uint8_t *data, uint32_t bit, uint32_t length, uint32_t raw)
 {
@@ -115,7 +120,7 @@ static auvid_status_t encode(const auvid_can_type_t *type, field_t field, bool a
         return *raw != x ? AUVID_SATURATED : AUVID_OK;
     }
     bool is_float = type->kind == AUVID_CAN_TYPE_FLOAT;
-    *raw = is_float ? FLOAT_ABSENT : 1u << (type->length - 1u);
+    *raw = is_float ? FLOAT_ABSENT : sign_bit(type->length);
     if (absent) {
         return AUVID_OK;
     }
@@ -145,7 +150,7 @@ static bool decode(const auvid_can_type_t *type, uint32_t raw, field_t *field, b
         return raw >= smallest_integer(type, high) && raw <= high;
     }
     bool is_float = type->kind == AUVID_CAN_TYPE_FLOAT;
-    uint32_t sign = 1u << (type->length - 1u);
+    uint32_t sign = sign_bit(type->length);
     *absent = raw == (is_float ? FLOAT_ABSENT : sign);
     raw = *absent ? FLOAT_ABSENT : raw;
     float single;
