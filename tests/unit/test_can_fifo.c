@@ -2,6 +2,7 @@
  * The queue, alone and between two threads.
  */
 #include <pthread.h>
+#include <sched.h>
 #include <string.h>
 
 #include "auvid/can_fifo.h"
@@ -90,7 +91,11 @@ static void *produce(void *unused)
 {
     for (uint32_t i = 0; i < MANY;) {
         auvid_can_frame_t frame = numbered(i);
-        i += auvid_can_fifo_push(&fifo, &frame) == AUVID_OK;
+        if (auvid_can_fifo_push(&fifo, &frame) == AUVID_OK) {
+            ++i;
+        } else {
+            sched_yield();
+        }
     }
     return unused;
 }
@@ -104,6 +109,8 @@ static void test_two_threads_lose_and_tear_nothing(void)
     for (uint32_t i = 0; i < MANY;) {
         if (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
             wrong += !is_numbered(&frame, i++);
+        } else {
+            sched_yield();
         }
     }
     pthread_join(producer, NULL);
