@@ -18,7 +18,7 @@
  * with 3/16 of that; a command must also lie in the range of all its thrusts. A frame that fails
  * the checksum or the range changes nothing but its count.
  *
- * Cost: that of auvid_can_unpack and 50 instructions. Memory: 56 bytes a receiver; 160 bytes a
+ * Cost: that of auvid_can_unpack and 100 instructions. Memory: 64 bytes a receiver, 168 bytes a
  * command in float.
  */
 #ifndef AUVID_CAN_RECEIVER_H
