@@ -58,15 +58,25 @@ typedef enum {
 enum {
     AUVID_CAN_CAUSE_NONE = 0,
     AUVID_CAN_CAUSE_OPERATOR = 1,
-    AUVID_CAN_CAUSE_DEPTH = 2,
-    AUVID_CAN_CAUSE_ALTITUDE = 3,
-    AUVID_CAN_CAUSE_ATTITUDE = 4,
-    AUVID_CAN_CAUSE_SPEED = 5,
-    AUVID_CAN_CAUSE_DISTANCE = 6,
-    AUVID_CAN_CAUSE_TIME = 7,
-    AUVID_CAN_CAUSE_STALE_NAVIGATION = 8,
-    AUVID_CAN_CAUSE_SATURATION = 9,
-    AUVID_CAN_CAUSE_INTERNAL = 10
+    AUVID_CAN_CAUSE_NO_INPUT = 2,
+    AUVID_CAN_CAUSE_TIME = 3,
+    AUVID_CAN_CAUSE_TICK = 4,
+    AUVID_CAN_CAUSE_LINK = 5,
+    AUVID_CAN_CAUSE_IMU_STALE = 6,
+    AUVID_CAN_CAUSE_VELOCITY_STALE = 7,
+    AUVID_CAN_CAUSE_DEPTH_STALE = 8,
+    AUVID_CAN_CAUSE_ALTITUDE_STALE = 9,
+    AUVID_CAN_CAUSE_APPLIED_STALE = 10,
+    AUVID_CAN_CAUSE_DEPTH_MIN = 11,
+    AUVID_CAN_CAUSE_DEPTH_MAX = 12,
+    AUVID_CAN_CAUSE_ALTITUDE = 13,
+    AUVID_CAN_CAUSE_ROLL = 14,
+    AUVID_CAN_CAUSE_PITCH = 15,
+    AUVID_CAN_CAUSE_SPEED = 16,
+    AUVID_CAN_CAUSE_YAW_RATE = 17,
+    AUVID_CAN_CAUSE_DISTANCE = 18,
+    AUVID_CAN_CAUSE_RUN_TIME = 19,
+    AUVID_CAN_CAUSE_SATURATION = 20
 };
 
 /** Values of `action`. */
@@ -97,7 +107,7 @@ enum { AUVID_CAN_ROLE_NODE = 0, AUVID_CAN_ROLE_VEHICLE = 1, AUVID_CAN_ROLE_MONIT
 /** 0x040, on event. Stop exciting and disarm. On event, and repeated until the vehicle is
  * disarmed. A receiver obeys any authentic one, repeated or jumped too. */
 typedef struct {
-    /** Why; 0..15 */
+    /** Why: auvid_guard_cause_t of guard.h; 0..31 */
     uint32_t cause;
 } auvid_can_abort_t;
 
@@ -344,11 +354,11 @@ enum { AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA = 1 << 2 };
 
 /** 0x40E, every 200 ms. Where the identification is. */
 typedef struct {
-    /** State of the guard; 0..5 */
+    /** State of the guard: auvid_guard_state_t of guard.h; 0..5 */
     uint32_t guard;
     /** What the optimizer does; 0..4 */
     uint32_t work;
-    /** What ended the excitation; 0..15 */
+    /** What ended the excitation: auvid_guard_cause_t of guard.h; 0..31 */
     uint32_t cause;
     /** Of the excitation's length; 0..100 % */
     uint32_t percent;
