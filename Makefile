@@ -32,7 +32,7 @@ REFERENCE := $(wildcard tests/reference/test_*.cpp)
 # Runs of a real vehicle, which are not part of the project; their test runs where they are.
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
-SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh))
+SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh tests/can/test_*.sh))
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c
 
@@ -57,6 +57,12 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(SUPPORT)) build/$(1)/unity.o
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%)
+# The CAN codec alone, for the comparison with cantools.
+CAN_CODEC := $(wildcard lib/src/auvid_can*.c)
+CAN_LIBRARIES := build/can/float.so build/can/double.so
+CAN_CODEGEN := third_party/venv/bin/python tools/can_codegen/can_codegen.py
+FUZZ := $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_SECONDS ?= 60
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
@@ -76,6 +82,8 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
+test test-long: $(CAN_LIBRARIES)
+
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
 
@@ -85,13 +93,27 @@ size: $(call objects,small,$(LIB)) ## Print text, data and bss of each object at
 bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
 	@for program in $^; do $$program || exit 1; done
 
-setup: ## Install what the tests need (apt-get) and fetch Unity
-	@tests/support/setup.sh test
+can: | can-setup ## Write the C of the CAN frames anew from lib/can/auvid.dbc
+	@$(CAN_CODEGEN)
+
+can-check: | can-setup ## Is the C of the CAN frames what lib/can/auvid.dbc gives?
+	@$(CAN_CODEGEN) --check
+
+fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
+	@tests/support/setup.sh fuzz
+	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
+
+setup: ## Install what the tests need (apt-get, pip) and fetch Unity
+	@tests/support/setup.sh test can
+
+can-setup: ## Install what `make can` needs (python3-venv, cantools in third_party/venv)
+	@tests/support/setup.sh can
 
 clean: ## Remove build/ (third_party/ stays)
 	rm -rf build
 
 .PHONY: all help demo test test-long lint size bench setup clean
+.PHONY: can can-check can-setup fuzz
 
 build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM))
 	@echo "  $@"
@@ -132,6 +154,11 @@ build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_S
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
 	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
+
+build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makefile | $(SETUP)
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
+	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
 .IGNORE: $(TEST_PROGRAMS)
 

@@ -23,7 +23,7 @@ const char *auvid_status_str(auvid_status_t status)
     case AUVID_UNUSED:
         return "measurement is valid but cannot be used now";
     case AUVID_SATURATED:
-        return "the wrench was scaled down to what the thrusters can give";
+        return "limited to what the thrusters can give, or a frame can carry";
     case AUVID_CAPPED:
         return "stopped at a cap before its own criterion was met";
     case AUVID_ERR_NULL:
@@ -53,11 +53,15 @@ const char *auvid_status_str(auvid_status_t status)
     case AUVID_ERR_SINGULAR:
         return "the data do not determine the answer";
     case AUVID_ERR_LIMIT:
-        return "the excitation asks for more than the thrusters can give, or a limit is broken";
+        return "more is asked for than the thrusters can give, a limit allows, or a queue takes";
     case AUVID_ERR_ARITHMETIC:
         return "the arithmetic of this machine or build is not auvid's";
     case AUVID_ERR_MODEL:
         return "the vehicle model lacks what is asked of it";
+    case AUVID_ERR_LENGTH:
+        return "a frame has not the length of its message";
+    case AUVID_ERR_CHECKSUM:
+        return "a frame's checksum is wrong";
     }
     return "unknown status";
 }

@@ -43,6 +43,7 @@ USES = {
     "optimizer": BASE + " crs line_search",
 }
 USES["identifier"] = " ".join(USES)
+USES["can"] = BASE  # beside the identifier: neither knows the other
 USES["auvid"] = " ".join(USES)
 
 STANDARD = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}

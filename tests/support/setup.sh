@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
-# usage: tests/support/setup.sh [test] [lint]
+# usage: tests/support/setup.sh [test] [lint] [can] [fuzz]
 #   test: g++, Eigen (EIGEN_DIR), Unity (UNITY_DIR, else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
+#   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
+#   fuzz: clang with libFuzzer
 # The compiler and make are looked for always.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -27,6 +29,19 @@ as_root() {
     fi
 }
 
+# libFuzzer is a package apart from clang, of the same version.
+fuzzer_is_there() {
+    command -v clang >/dev/null &&
+        echo 'int LLVMFuzzerTestOneInput(void); int LLVMFuzzerTestOneInput(void) { return 0; }' |
+        clang -fsanitize=fuzzer -xc -o /dev/null - 2>/dev/null
+}
+
+fuzzer_package() {
+    local version
+    version=$(clang -dumpversion 2>/dev/null || echo 14)
+    echo "libclang-rt-${version%%.*}-dev"
+}
+
 # Fills missing[] with packages.
 look() {
     missing=()
@@ -44,6 +59,11 @@ look() {
                 command -v "$tool" >/dev/null || missing+=("$tool")
             done
             command -v objdump >/dev/null || missing+=(binutils)
+            ;;
+        can) python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv) ;;
+        fuzz)
+            command -v clang >/dev/null || missing+=(clang)
+            fuzzer_is_there || missing+=("$(fuzzer_package)")
             ;;
         *) die "unknown part '$part'" ;;
         esac
@@ -104,4 +124,15 @@ fi
 if [[ " $* " == *" test "* && ! -e $unity/unity.c ]]; then
     [ "$unity" = "$unity_default" ] || die "no unity.c in UNITY_DIR=$unity"
     fetch_unity
+fi
+# The stamp holds what was installed: a changed list is installed anew.
+if [[ " $* " == *" can "* ]] &&
+    ! cmp -s tests/can/requirements.txt third_party/venv/installed.txt; then
+    echo "setup: making third_party/venv ($(grep -v '^#' tests/can/requirements.txt | tr '\n' ' '))"
+    rm -rf third_party/venv
+    python3 -m venv third_party/venv &&
+        third_party/venv/bin/pip install -q --disable-pip-version-check \
+            -r tests/can/requirements.txt ||
+        die "could not install tests/can/requirements.txt with pip"
+    cp tests/can/requirements.txt third_party/venv/installed.txt
 fi

@@ -24,4 +24,8 @@
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
 
+#include "auvid/can.h"
+#include "auvid/can_receiver.h"
+#include "auvid/can_fifo.h"
+
 #endif

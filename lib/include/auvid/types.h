@@ -71,7 +71,7 @@ typedef enum {
     AUVID_SET_COMPLETE = 5,  /**< a data set was closed by this sample */
     AUVID_GATED = 6,         /**< measurement refused by the innovation gate */
     AUVID_UNUSED = 7,        /**< measurement valid but not usable now (GPS under water, ...) */
-    AUVID_SATURATED = 8,     /**< the wrench was scaled down to what the thrusters can give */
+    AUVID_SATURATED = 8,     /**< limited to what the thrusters can give, or a frame can carry */
     AUVID_CAPPED = 9,        /**< stopped at a cap before its own criterion was met */
     AUVID_ERR_NULL = -1,     /**< a required pointer is null */
     AUVID_ERR_NOT_FINITE = -2,  /**< a value is NaN or infinite */
@@ -86,10 +86,12 @@ typedef enum {
     AUVID_ERR_STATE = -11,      /**< call out of order (tell without ask, not initialised, ...) */
     AUVID_ERR_NO_DATA = -12,    /**< no rows to work on: empty set, no DoF driven */
     AUVID_ERR_SINGULAR = -13,   /**< the data or the matrix do not determine the answer */
-    AUVID_ERR_LIMIT = -14,      /**< the excitation asks for more than the thrusters can give, or a
-                                     limit of the guard is broken */
+    AUVID_ERR_LIMIT = -14,      /**< more is asked for than the thrusters can give, a limit of the
+                                     guard allows, or a queue can take */
     AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic is not auvid's */
-    AUVID_ERR_MODEL = -16       /**< the vehicle model lacks what is asked of it */
+    AUVID_ERR_MODEL = -16,      /**< the vehicle model lacks what is asked of it */
+    AUVID_ERR_LENGTH = -17,     /**< a frame has not the length of its message */
+    AUVID_ERR_CHECKSUM = -18    /**< a frame's checksum is wrong */
 } auvid_status_t;
 
 /** Short English sentence for a status; never null. "unknown status" for others. Cost: constant. */

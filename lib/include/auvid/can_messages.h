@@ -1,0 +1,439 @@
+/**
+ * @file can_messages.h
+ * Generated from lib/can/auvid.dbc by `make can`: do not edit.
+ *
+ * The messages of the bus, as structs of physical values. can.h packs and unpacks them; what they
+ * are for is said in lib/can/README.md. Real numbers are rounded to the step of their signal on the
+ * way; integers arrive as they are.
+ */
+#ifndef AUVID_CAN_MESSAGES_H
+#define AUVID_CAN_MESSAGES_H
+
+#include "auvid/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Version of the frames, in every heartbeat. */
+#define AUVID_CAN_PROTOCOL 1u
+/** First identifiers of the two blocks, unless moved (can.h). */
+#define AUVID_CAN_FAST_BASE 0x040u
+#define AUVID_CAN_SLOW_BASE 0x400u
+/** Messages in each. */
+#define AUVID_CAN_FAST_KINDS 5u
+#define AUVID_CAN_SLOW_KINDS 17u
+
+/** The messages. A smaller identifier goes first on the bus; the enumeration has that order. */
+typedef enum {
+    AUVID_CAN_ABORT = 0,
+    AUVID_CAN_TICK = 1,
+    AUVID_CAN_THRUSTER_COMMAND_A = 2,
+    AUVID_CAN_THRUSTER_COMMAND_B = 3,
+    AUVID_CAN_ARM = 4,
+    AUVID_CAN_IMU_ATTITUDE = 5,
+    AUVID_CAN_IMU_RATES = 6,
+    AUVID_CAN_THRUSTER_FEEDBACK_A = 7,
+    AUVID_CAN_THRUSTER_FEEDBACK_B = 8,
+    AUVID_CAN_DVL_BOTTOM = 9,
+    AUVID_CAN_DVL_WATER = 10,
+    AUVID_CAN_DVL_ALTITUDE = 11,
+    AUVID_CAN_DEPTH = 12,
+    AUVID_CAN_GPS = 13,
+    AUVID_CAN_NAV_POSITION = 14,
+    AUVID_CAN_NAV_VELOCITY = 15,
+    AUVID_CAN_NAV_DEPTH = 16,
+    AUVID_CAN_ESTIMATE = 17,
+    AUVID_CAN_ESTIMATE_SIGMA = 18,
+    AUVID_CAN_PROGRESS = 19,
+    AUVID_CAN_HEALTH = 20,
+    AUVID_CAN_HEARTBEAT = 21,
+    AUVID_CAN_KINDS = 22
+} auvid_can_kind_t;
+
+#define AUVID_CAN_AGE_UNKNOWN 1023u
+#define AUVID_CAN_ARM_KEY 0xA55Au
+
+/** Values of `cause`. */
+enum {
+    AUVID_CAN_CAUSE_NONE = 0,
+    AUVID_CAN_CAUSE_OPERATOR = 1,
+    AUVID_CAN_CAUSE_NO_INPUT = 2,
+    AUVID_CAN_CAUSE_TIME = 3,
+    AUVID_CAN_CAUSE_TICK = 4,
+    AUVID_CAN_CAUSE_LINK = 5,
+    AUVID_CAN_CAUSE_IMU_STALE = 6,
+    AUVID_CAN_CAUSE_VELOCITY_STALE = 7,
+    AUVID_CAN_CAUSE_DEPTH_STALE = 8,
+    AUVID_CAN_CAUSE_ALTITUDE_STALE = 9,
+    AUVID_CAN_CAUSE_APPLIED_STALE = 10,
+    AUVID_CAN_CAUSE_DEPTH_MIN = 11,
+    AUVID_CAN_CAUSE_DEPTH_MAX = 12,
+    AUVID_CAN_CAUSE_ALTITUDE = 13,
+    AUVID_CAN_CAUSE_ROLL = 14,
+    AUVID_CAN_CAUSE_PITCH = 15,
+    AUVID_CAN_CAUSE_SPEED = 16,
+    AUVID_CAN_CAUSE_YAW_RATE = 17,
+    AUVID_CAN_CAUSE_DISTANCE = 18,
+    AUVID_CAN_CAUSE_RUN_TIME = 19,
+    AUVID_CAN_CAUSE_SATURATION = 20
+};
+
+/** Values of `action`. */
+enum { AUVID_CAN_ACTION_DISARM = 0, AUVID_CAN_ACTION_ARM = 1 };
+
+/** Values of `guard`. */
+enum {
+    AUVID_CAN_GUARD_DISARMED = 0,
+    AUVID_CAN_GUARD_ARMED = 1,
+    AUVID_CAN_GUARD_EXCITING = 2,
+    AUVID_CAN_GUARD_SETTLING = 3,
+    AUVID_CAN_GUARD_DONE = 4,
+    AUVID_CAN_GUARD_ABORTED = 5
+};
+
+/** Values of `work`. */
+enum {
+    AUVID_CAN_WORK_IDLE = 0,
+    AUVID_CAN_WORK_MERGE = 1,
+    AUVID_CAN_WORK_ASK = 2,
+    AUVID_CAN_WORK_COST = 3,
+    AUVID_CAN_WORK_MEASURE = 4
+};
+
+/** Values of `role`. */
+enum { AUVID_CAN_ROLE_NODE = 0, AUVID_CAN_ROLE_VEHICLE = 1, AUVID_CAN_ROLE_MONITOR = 2 };
+
+/** 0x040, on event. Stop exciting and disarm. On event, and repeated until the vehicle is
+ * disarmed. A receiver obeys any authentic one, repeated or jumped too. */
+typedef struct {
+    /** Why: auvid_guard_cause_t of guard.h; 0..31 */
+    uint32_t cause;
+} auvid_can_abort_t;
+
+/** 0x041, every 20 ms. Opens a control tick. The node that owns the clock sends it; ages count
+ * back from it. */
+typedef struct {
+    /** Number of the tick; 0..1048575 */
+    uint32_t sequence;
+    /** Time of the tick; wraps after 71.6 minutes; 0..4294967295 us */
+    uint32_t time;
+} auvid_can_tick_t;
+
+/** 0x042, every 20 ms. Command of thrusters 1 to 4. Not available: this thruster is not
+ * commanded, its thrust is zero. */
+typedef struct {
+    /** Thruster 1: commanded force over its largest in that direction, and so on; -1..1, step
+     * 1/4000 */
+    auvid_real_t thrust[4];
+} auvid_can_thruster_command_a_t;
+
+enum {
+    AUVID_CAN_THRUSTER_COMMAND_A_NO_THRUST_1 = 1 << 0,
+    AUVID_CAN_THRUSTER_COMMAND_A_NO_THRUST_2 = 1 << 1,
+    AUVID_CAN_THRUSTER_COMMAND_A_NO_THRUST_3 = 1 << 2,
+    AUVID_CAN_THRUSTER_COMMAND_A_NO_THRUST_4 = 1 << 3
+};
+
+/** 0x043, every 20 ms. Command of thrusters 5 to 8; not sent by a vehicle with up to four. */
+typedef struct {
+    /** Thruster 5: commanded force over its largest in that direction, and so on; -1..1, step
+     * 1/4000 */
+    auvid_real_t thrust[4];
+} auvid_can_thruster_command_b_t;
+
+enum {
+    AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_5 = 1 << 0,
+    AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_6 = 1 << 1,
+    AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_7 = 1 << 2,
+    AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_8 = 1 << 3
+};
+
+/** 0x044, on event. Arm or disarm the excitation. On event. A frame without the key is refused. */
+typedef struct {
+    /** What to do; 0..1 */
+    uint32_t action;
+    /** Always 0xA55A; a frame of chance is not an order; 0xA55A */
+    uint32_t key;
+} auvid_can_arm_t;
+
+/** 0x400, every 20 ms. Attitude, ZYX Euler angles, NED to body. */
+typedef struct {
+    /** Roll; -3.2764..3.2764 rad, step 1/2500 */
+    auvid_real_t phi;
+    /** Pitch; -3.2764..3.2764 rad, step 1/2500 */
+    auvid_real_t theta;
+    /** Yaw, wrapped into -pi..pi; -3.2764..3.2764 rad, step 1/2500 */
+    auvid_real_t psi;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_imu_attitude_t;
+
+enum {
+    AUVID_CAN_IMU_ATTITUDE_NO_PHI = 1 << 0,
+    AUVID_CAN_IMU_ATTITUDE_NO_THETA = 1 << 1,
+    AUVID_CAN_IMU_ATTITUDE_NO_PSI = 1 << 2
+};
+
+/** 0x401, every 20 ms. Angular velocity, body frame. */
+typedef struct {
+    /** Roll rate; -4.0955..4.0955 rad/s, step 1/2000 */
+    auvid_real_t p;
+    /** Pitch rate; -4.0955..4.0955 rad/s, step 1/2000 */
+    auvid_real_t q;
+    /** Yaw rate; -4.0955..4.0955 rad/s, step 1/2000 */
+    auvid_real_t r;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_imu_rates_t;
+
+enum {
+    AUVID_CAN_IMU_RATES_NO_P = 1 << 0,
+    AUVID_CAN_IMU_RATES_NO_Q = 1 << 1,
+    AUVID_CAN_IMU_RATES_NO_R = 1 << 2
+};
+
+/** 0x402, every 20 ms. Thrust of thrusters 1 to 4 as it acts, whoever commanded it. */
+typedef struct {
+    /** Thruster 1: acting force over the largest in its direction, mean since the frame before,
+     * and so on; -1..1, step 1/4000 */
+    auvid_real_t thrust[4];
+} auvid_can_thruster_feedback_a_t;
+
+enum {
+    AUVID_CAN_THRUSTER_FEEDBACK_A_NO_THRUST_1 = 1 << 0,
+    AUVID_CAN_THRUSTER_FEEDBACK_A_NO_THRUST_2 = 1 << 1,
+    AUVID_CAN_THRUSTER_FEEDBACK_A_NO_THRUST_3 = 1 << 2,
+    AUVID_CAN_THRUSTER_FEEDBACK_A_NO_THRUST_4 = 1 << 3
+};
+
+/** 0x403, every 20 ms. Thrust of thrusters 5 to 8; not sent by a vehicle with up to four. */
+typedef struct {
+    /** Thruster 5: acting force over the largest in its direction, mean since the frame before,
+     * and so on; -1..1, step 1/4000 */
+    auvid_real_t thrust[4];
+} auvid_can_thruster_feedback_b_t;
+
+enum {
+    AUVID_CAN_THRUSTER_FEEDBACK_B_NO_THRUST_5 = 1 << 0,
+    AUVID_CAN_THRUSTER_FEEDBACK_B_NO_THRUST_6 = 1 << 1,
+    AUVID_CAN_THRUSTER_FEEDBACK_B_NO_THRUST_7 = 1 << 2,
+    AUVID_CAN_THRUSTER_FEEDBACK_B_NO_THRUST_8 = 1 << 3
+};
+
+/** 0x404, every 200 ms. DVL locked on the bottom: velocity over ground, instrument frame. */
+typedef struct {
+    /** Forward; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t u;
+    /** Starboard; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t v;
+    /** Down; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t w;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_dvl_bottom_t;
+
+enum {
+    AUVID_CAN_DVL_BOTTOM_NO_U = 1 << 0,
+    AUVID_CAN_DVL_BOTTOM_NO_V = 1 << 1,
+    AUVID_CAN_DVL_BOTTOM_NO_W = 1 << 2
+};
+
+/** 0x405, every 200 ms. DVL locked on the water: velocity through it, instrument frame. */
+typedef struct {
+    /** Forward; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t u;
+    /** Starboard; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t v;
+    /** Down; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t w;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_dvl_water_t;
+
+enum {
+    AUVID_CAN_DVL_WATER_NO_U = 1 << 0,
+    AUVID_CAN_DVL_WATER_NO_V = 1 << 1,
+    AUVID_CAN_DVL_WATER_NO_W = 1 << 2
+};
+
+/** 0x406, every 200 ms. Height above the bottom. */
+typedef struct {
+    /** Height of the DVL above the bottom; 0..5242.87 m, step 1/100 */
+    auvid_real_t altitude;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_dvl_altitude_t;
+
+enum { AUVID_CAN_DVL_ALTITUDE_NO_ALTITUDE = 1 << 0 };
+
+/** 0x407, every 100 ms. Depth from the pressure sensor. */
+typedef struct {
+    /** Positive down; -8388.606..8388.606 m, step 1/500 */
+    auvid_real_t depth;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_depth_t;
+
+enum { AUVID_CAN_DEPTH_NO_DEPTH = 1 << 0 };
+
+/** 0x408, every 1000 ms. Position fix at the surface, in metres from the origin of the mission. */
+typedef struct {
+    /** North; -10485.75..10485.75 m, step 1/100 */
+    auvid_real_t x;
+    /** East; -10485.75..10485.75 m, step 1/100 */
+    auvid_real_t y;
+    /** Age of the sample when the frame was sent; 1023: unknown; 0..1022 ms */
+    uint32_t age;
+} auvid_can_gps_t;
+
+enum { AUVID_CAN_GPS_NO_X = 1 << 0, AUVID_CAN_GPS_NO_Y = 1 << 1 };
+
+/** 0x409, every 100 ms. Estimated position of the navigation filter, at the last tick. */
+typedef struct {
+    /** North; -10485.75..10485.75 m, step 1/100 */
+    auvid_real_t x;
+    /** East; -10485.75..10485.75 m, step 1/100 */
+    auvid_real_t y;
+    /** AUVID_NAV_... of nav.h, bit by bit; 0..1023 */
+    uint32_t flags;
+} auvid_can_nav_position_t;
+
+enum { AUVID_CAN_NAV_POSITION_NO_X = 1 << 0, AUVID_CAN_NAV_POSITION_NO_Y = 1 << 1 };
+
+/** 0x40A, every 100 ms. Estimated velocity, body frame, at the last tick. */
+typedef struct {
+    /** Surge; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t u;
+    /** Sway; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t v;
+    /** Heave; -8.191..8.191 m/s, step 1/1000 */
+    auvid_real_t w;
+} auvid_can_nav_velocity_t;
+
+enum {
+    AUVID_CAN_NAV_VELOCITY_NO_U = 1 << 0,
+    AUVID_CAN_NAV_VELOCITY_NO_V = 1 << 1,
+    AUVID_CAN_NAV_VELOCITY_NO_W = 1 << 2
+};
+
+/** 0x40B, every 100 ms. Estimated depth, at the last tick. */
+typedef struct {
+    /** Positive down; -8388.606..8388.606 m, step 1/500 */
+    auvid_real_t z;
+} auvid_can_nav_depth_t;
+
+enum { AUVID_CAN_NAV_DEPTH_NO_Z = 1 << 0 };
+
+/** 0x40C, every 100 ms. One parameter of the last estimate; the indices take turns. */
+typedef struct {
+    /** Parameter, in the order of the model; 0..31 */
+    uint32_t index;
+    /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
+    uint32_t number;
+    /** Bit 0: identified; 1: its degree of freedom was driven; 2: the search ended at a cap;
+     * 0..255 */
+    uint32_t flags;
+    /** Value in the parameter's unit; NaN: not available; float32 */
+    auvid_real_t value;
+} auvid_can_estimate_t;
+
+enum { AUVID_CAN_ESTIMATE_NO_VALUE = 1 << 3 };
+
+/** 0x40D, every 100 ms. Standard deviation of the parameter in the estimate frame before it. */
+typedef struct {
+    /** Parameter, in the order of the model; 0..31 */
+    uint32_t index;
+    /** Number of the estimate, modulo 128; 0..127 */
+    uint32_t number;
+    /** Standard deviation in the parameter's unit; NaN: not available; float32 */
+    auvid_real_t sigma;
+} auvid_can_estimate_sigma_t;
+
+enum { AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA = 1 << 2 };
+
+/** 0x40E, every 200 ms. Where the identification is. */
+typedef struct {
+    /** State of the guard: auvid_guard_state_t of guard.h; 0..5 */
+    uint32_t guard;
+    /** What the optimizer does; 0..4 */
+    uint32_t work;
+    /** What ended the excitation: auvid_guard_cause_t of guard.h; 0..31 */
+    uint32_t cause;
+    /** Of the excitation's length; 0..100 % */
+    uint32_t percent;
+    /** Data sets completed, modulo 256; 0..255 */
+    uint32_t sets;
+    /** Searches begun, modulo 256; 0..255 */
+    uint32_t searches;
+    /** Degrees of freedom that the last estimate had driven: bit 0 surge .. 5 yaw; 0..63 */
+    uint32_t driven;
+    /** Segment of the excitation; 0..31 */
+    uint32_t segment;
+} auvid_can_progress_t;
+
+/** 0x40F, every 1000 ms. Counters since the start; they stay at their largest value. */
+typedef struct {
+    /** Ticks that came too late; 0..4095 */
+    uint32_t ticks_missed;
+    /** Received frames refused: checksum, length, range, counter; 0..4095 */
+    uint32_t frames_refused;
+    /** Sensor samples refused; 0..4095 */
+    uint32_t samples_dropped;
+    /** Values limited to what a frame can carry; 0..255 */
+    uint32_t saturated;
+    /** Longest tick since the frame before, of the tick's length; 0..255 % */
+    uint32_t load;
+} auvid_can_health_t;
+
+/** 0x410, every 500 ms. The sender is alive. */
+typedef struct {
+    /** Version of this file: AuvidProtocol; 0..255 */
+    uint32_t protocol;
+    /** Who sends; 0..2 */
+    uint32_t role;
+    /** Time since the start; 0..16777215 s */
+    uint32_t uptime;
+    /** Version of the library; 0..255 */
+    uint32_t major;
+    /** Version of the library; 0..255 */
+    uint32_t minor;
+} auvid_can_heartbeat_t;
+
+/** Any message. */
+typedef struct {
+    auvid_can_kind_t kind; /**< which of the structs below holds */
+    uint8_t counter;       /**< 0..15; written by unpack, not read by pack */
+    uint32_t absent;       /**< AUVID_CAN_<message>_NO_<signal>: this real is not available; it is
+                                not read by pack, and NaN after unpack. Other bits: nothing */
+    union {
+        auvid_can_abort_t abort;
+        auvid_can_tick_t tick;
+        auvid_can_thruster_command_a_t thruster_command_a;
+        auvid_can_thruster_command_b_t thruster_command_b;
+        auvid_can_arm_t arm;
+        auvid_can_imu_attitude_t imu_attitude;
+        auvid_can_imu_rates_t imu_rates;
+        auvid_can_thruster_feedback_a_t thruster_feedback_a;
+        auvid_can_thruster_feedback_b_t thruster_feedback_b;
+        auvid_can_dvl_bottom_t dvl_bottom;
+        auvid_can_dvl_water_t dvl_water;
+        auvid_can_dvl_altitude_t dvl_altitude;
+        auvid_can_depth_t depth;
+        auvid_can_gps_t gps;
+        auvid_can_nav_position_t nav_position;
+        auvid_can_nav_velocity_t nav_velocity;
+        auvid_can_nav_depth_t nav_depth;
+        auvid_can_estimate_t estimate;
+        auvid_can_estimate_sigma_t estimate_sigma;
+        auvid_can_progress_t progress;
+        auvid_can_health_t health;
+        auvid_can_heartbeat_t heartbeat;
+    } as;
+} auvid_can_message_t;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

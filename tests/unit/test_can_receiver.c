@@ -1,0 +1,384 @@
+/*
+ * Receiver states and the commanded thrust, by the rules in can_receiver.h.
+ */
+#include <string.h>
+
+#include "auvid/can_receiver.h"
+#include "unity.h"
+
+#define TICK 20000u
+#define TIMEOUT AUVID_CAN_COMMAND_TIMEOUT_US
+
+static auvid_can_sender_t sender;
+static auvid_can_receiver_t receiver;
+static auvid_can_command_t command;
+static auvid_can_message_t got;
+static uint64_t now;
+
+void setUp(void)
+{
+    now = 1000000000000ull;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_receiver_init(&receiver, AUVID_CAN_DEPTH, 300000, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 5, NULL));
+}
+
+void tearDown(void)
+{
+}
+
+static auvid_can_frame_t depth_frame(uint8_t counter)
+{
+    auvid_can_frame_t frame;
+    auvid_can_message_t message;
+    memset(&message, 0, sizeof message);
+    message.kind = AUVID_CAN_DEPTH;
+    message.as.depth.depth = 12;
+    sender.counter[AUVID_CAN_DEPTH] = counter;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &message, &frame));
+    frame.t_us = now;
+    return frame;
+}
+
+static auvid_can_state_t depth(uint8_t counter)
+{
+    now += TICK;
+    auvid_can_frame_t frame = depth_frame(counter);
+    return auvid_can_receiver_take(&receiver, &frame, &got);
+}
+
+static auvid_can_frame_t half_frame(int half, auvid_real_t thrust)
+{
+    auvid_can_frame_t frame;
+    auvid_can_message_t message;
+    memset(&message, 0, sizeof message);
+    message.kind = half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
+    for (int i = 0; i < 4; ++i) {
+        message.as.thruster_command_a.thrust[i] = thrust; /* both halves are laid out alike */
+    }
+    TEST_ASSERT_TRUE(auvid_can_pack(&sender, &message, &frame) >= 0);
+    frame.t_us = now;
+    return frame;
+}
+
+static void drive(auvid_real_t thrust)
+{
+    for (int half = 0; half < 2; ++half) {
+        auvid_can_frame_t frame = half_frame(half, thrust);
+        auvid_can_command_take(&command, &frame);
+    }
+}
+
+/* All thrusts must be this; a half that this vehicle does not need is zero. */
+static auvid_status_t thrust_is(auvid_real_t expected)
+{
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    memset(thrust, 0x7F, sizeof thrust);
+    auvid_status_t status = auvid_can_command_thrust(&command, now, thrust);
+    for (int i = 0; i < 4 * command.halves; ++i) {
+        TEST_ASSERT_TRUE(thrust[i] == expected);
+    }
+    for (int i = 4 * command.halves; i < AUVID_CAN_THRUSTERS; ++i) {
+        TEST_ASSERT_TRUE(thrust[i] == 0);
+    }
+    return status;
+}
+
+static void start_driving(void)
+{
+    drive(AUVID_C(0.5));
+    now += TICK;
+    drive(AUVID_C(0.5));
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+}
+
+static void test_steps_of_one_to_three_are_good_and_others_are_not(void)
+{
+    for (int step = 0; step < 16; ++step) {
+        setUp();
+        TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
+        auvid_can_state_t expected = step == 0  ? AUVID_CAN_REPEATED
+                                     : step > 3 ? AUVID_CAN_JUMPED
+                                                : AUVID_CAN_GOOD;
+        TEST_ASSERT_EQUAL(expected, depth((uint8_t)((9 + step) % 16)));
+        TEST_ASSERT_EQUAL(expected, auvid_can_receiver_state(&receiver, now));
+        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? step - 1 : 0, receiver.lost);
+        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? 2 : 1, receiver.good);
+        TEST_ASSERT_EQUAL_UINT32(step == 0, receiver.repeated);
+        TEST_ASSERT_EQUAL_UINT32(step > 3, receiver.jumped);
+    }
+}
+
+static void test_after_a_jump_the_next_in_order_is_good(void)
+{
+    depth(0);
+    TEST_ASSERT_EQUAL(AUVID_CAN_JUMPED, depth(8));
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
+}
+
+static void test_a_bad_checksum_is_counted_and_the_count_of_the_good_goes_on(void)
+{
+    depth(3);
+    auvid_can_frame_t frame = depth_frame(4);
+    frame.data[3] ^= 0x10u;
+    memset(&got, 0x33, sizeof got);
+    auvid_can_message_t before = got;
+    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &got, sizeof got);
+    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_state(&receiver, now));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.checksum);
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(5));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.lost);
+}
+
+static void test_length_and_range_count_as_invalid(void)
+{
+    auvid_can_frame_t frame = depth_frame(0);
+    frame.length = 7;
+    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.invalid);
+    TEST_ASSERT_EQUAL_UINT32(0, receiver.checksum);
+    TEST_ASSERT_EQUAL_UINT32(0, receiver.good);
+}
+
+static void test_silence_is_a_time_out_and_counted_once(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_CAN_SILENT, auvid_can_receiver_state(&receiver, now));
+    depth(0);
+    uint64_t last = now;
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, last + 300000));
+    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 300001));
+    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 900000));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+}
+
+static void test_repeated_and_bad_frames_do_not_keep_a_message_alive(void)
+{
+    depth(0);
+    for (int i = 0; i < 20; ++i) {
+        depth(0);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.good);
+    TEST_ASSERT_FALSE(receiver.alive);
+}
+
+static void test_after_a_time_out_any_counter_is_a_new_start(void)
+{
+    depth(0);
+    now += 1000000;
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(0));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(0, receiver.repeated);
+}
+
+static void test_without_time_out_silence_does_not_matter(void)
+{
+    auvid_can_receiver_init(&receiver, AUVID_CAN_DEPTH, 0, NULL);
+    depth(0);
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now + 1000000000000ull));
+    now += 1000000000000ull;
+    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0));
+}
+
+static void test_a_clock_that_went_back_is_a_time_out(void)
+{
+    depth(0);
+    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, now - 1));
+}
+
+static void test_frames_of_other_messages_change_nothing(void)
+{
+    depth(0);
+    auvid_can_receiver_t before = receiver;
+    auvid_can_frame_t frame = half_frame(0, 0);
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, NULL, &got));
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, NULL));
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(NULL, &frame, &got));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &receiver, sizeof receiver);
+}
+
+static void test_thrust_is_zero_until_two_commands_follow_each_other(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    now += TICK;
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
+}
+
+static void test_thrust_is_zero_150_ms_after_the_last_good_command(void)
+{
+    start_driving();
+    now += TIMEOUT;
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+    now += 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+}
+
+static void test_driving_goes_on_after_a_time_out_however_often_it_is_asked(void)
+{
+    start_driving();
+    now += 10 * TIMEOUT;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    drive(AUVID_C(0.25));
+    now += TICK / 2;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    now += TICK / 2;
+    drive(AUVID_C(0.25));
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
+    TEST_ASSERT_EQUAL_UINT32(1, command.half[0].timed_out);
+}
+
+static void test_a_start_that_is_too_old_counts_for_nothing(void)
+{
+    drive(1);
+    now += TIMEOUT + 1;
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+}
+
+static void test_repeated_commands_stop_the_vehicle(void)
+{
+    start_driving();
+    for (int i = 0; i < 8; ++i) {
+        now += TICK;
+        memset(sender.counter, 1, sizeof sender.counter);
+        drive(1);
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    TEST_ASSERT_EQUAL_UINT32(8, command.half[0].repeated);
+}
+
+static void test_a_repeated_command_is_not_obeyed(void)
+{
+    start_driving();
+    memset(sender.counter, 1, sizeof sender.counter);
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+}
+
+static void test_up_to_two_lost_commands_do_not_interrupt(void)
+{
+    start_driving();
+    for (int i = 0; i < 50; ++i) {
+        now += 3 * TICK;
+        for (int lost = 0; lost < 2; ++lost) {
+            (void)half_frame(0, 0);
+            (void)half_frame(1, 0);
+        }
+        drive(AUVID_C(-0.5));
+        TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(-0.5)));
+    }
+    TEST_ASSERT_EQUAL_UINT32(100, command.half[1].lost);
+}
+
+static void test_all_thrust_is_zero_when_one_half_falls_silent(void)
+{
+    start_driving();
+    for (int i = 0; i < 9; ++i) {
+        now += TICK;
+        auvid_can_frame_t frame = half_frame(0, 1);
+        auvid_can_command_take(&command, &frame);
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+}
+
+static void test_four_thrusters_need_the_first_half_only(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 4, NULL));
+    start_driving();
+    auvid_can_frame_t frame = half_frame(1, 1);
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_command_take(&command, &frame));
+}
+
+static void test_a_thruster_that_is_not_commanded_stands_still(void)
+{
+    start_driving();
+    auvid_can_message_t message;
+    auvid_can_frame_t frame;
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    memset(&message, 0, sizeof message);
+    message.kind = AUVID_CAN_THRUSTER_COMMAND_B;
+    message.absent = AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_6;
+    message.as.thruster_command_b.thrust[0] = 1;
+    message.as.thruster_command_b.thrust[1] = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &message, &frame));
+    frame.t_us = now;
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_thrust(&command, now, thrust));
+    TEST_ASSERT_TRUE(thrust[4] == 1);
+    TEST_ASSERT_TRUE(thrust[5] == 0);
+}
+
+static void test_frames_of_chance_are_good_no_more_often_than_they_must(void)
+{
+    /* 2^-8 by the checksum, 3/16 by the counter, (8002/8192)^4 by the range. 2e6 frames: 1332
+     * expected; six standard deviations are 219. */
+    const double p = 1.0 / 256 * 3 / 16 * 0.9768 * 0.9768 * 0.9768 * 0.9768;
+    const uint32_t frames = 2000000;
+    uint64_t x = 88172645463325252ull;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 1, NULL));
+    auvid_can_frame_t frame = half_frame(0, 0);
+    for (uint32_t i = 0; i < frames; ++i) {
+        x ^= x << 13;
+        x ^= x >> 7;
+        x ^= x << 17;
+        memcpy(frame.data, &x, 8);
+        frame.t_us = now + i * 10ull;
+        auvid_can_command_take(&command, &frame);
+    }
+    TEST_ASSERT_UINT32_WITHIN(219, (uint32_t)(p * frames), command.half[0].good);
+}
+
+static void test_wrong_calls_are_named_and_give_no_thrust(void)
+{
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const auvid_can_ids_t overlap = {0x40, 0x40};
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_command_init(&command, 0, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_command_init(&command, 9, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_command_init(&command, 1, &overlap));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_command_init(NULL, 1, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_command_thrust(&command, now, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_command_thrust(NULL, now, thrust));
+    TEST_ASSERT_TRUE(thrust[7] == 0);
+    thrust[7] = 1;
+    memset(&command, 0, sizeof command);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_can_command_thrust(&command, now, thrust));
+    TEST_ASSERT_TRUE(thrust[7] == 0);
+    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_command_take(NULL, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_init(NULL, AUVID_CAN_TICK, 0, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE,
+                      auvid_can_receiver_init(&receiver, AUVID_CAN_KINDS, 0, NULL));
+    TEST_ASSERT_EQUAL(AUVID_CAN_SILENT, auvid_can_receiver_state(NULL, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_steps_of_one_to_three_are_good_and_others_are_not);
+    RUN_TEST(test_after_a_jump_the_next_in_order_is_good);
+    RUN_TEST(test_a_bad_checksum_is_counted_and_the_count_of_the_good_goes_on);
+    RUN_TEST(test_length_and_range_count_as_invalid);
+    RUN_TEST(test_silence_is_a_time_out_and_counted_once);
+    RUN_TEST(test_repeated_and_bad_frames_do_not_keep_a_message_alive);
+    RUN_TEST(test_after_a_time_out_any_counter_is_a_new_start);
+    RUN_TEST(test_without_time_out_silence_does_not_matter);
+    RUN_TEST(test_a_clock_that_went_back_is_a_time_out);
+    RUN_TEST(test_frames_of_other_messages_change_nothing);
+    RUN_TEST(test_thrust_is_zero_until_two_commands_follow_each_other);
+    RUN_TEST(test_thrust_is_zero_150_ms_after_the_last_good_command);
+    RUN_TEST(test_driving_goes_on_after_a_time_out_however_often_it_is_asked);
+    RUN_TEST(test_a_start_that_is_too_old_counts_for_nothing);
+    RUN_TEST(test_repeated_commands_stop_the_vehicle);
+    RUN_TEST(test_a_repeated_command_is_not_obeyed);
+    RUN_TEST(test_up_to_two_lost_commands_do_not_interrupt);
+    RUN_TEST(test_all_thrust_is_zero_when_one_half_falls_silent);
+    RUN_TEST(test_four_thrusters_need_the_first_half_only);
+    RUN_TEST(test_a_thruster_that_is_not_commanded_stands_still);
+    RUN_TEST(test_frames_of_chance_are_good_no_more_often_than_they_must);
+    RUN_TEST(test_wrong_calls_are_named_and_give_no_thrust);
+    return UNITY_END();
+}
