@@ -174,6 +174,10 @@ static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
         auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl.sample);
         id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DVL_DROPPED : 0u;
     }
+    if (in->dvl_water.present) {
+        auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl_water.sample);
+        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DVL_DROPPED : 0u;
+    }
     if (in->depth.present) {
         auvid_status_t status = auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m);
         id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DEPTH_DROPPED : 0u;

@@ -26,6 +26,8 @@ const char *auvid_status_str(auvid_status_t status)
         return "limited to what the thrusters can give, or a frame can carry";
     case AUVID_CAPPED:
         return "stopped at a cap before its own criterion was met";
+    case AUVID_TICK:
+        return "a control tick has opened";
     case AUVID_ERR_NULL:
         return "a required pointer is null";
     case AUVID_ERR_NOT_FINITE:

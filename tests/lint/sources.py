@@ -44,6 +44,7 @@ USES = {
 }
 USES["identifier"] = " ".join(USES)
 USES["can"] = BASE  # beside the identifier: neither knows the other
+USES["node"] = " ".join(USES)
 USES["auvid"] = " ".join(USES)
 
 STANDARD = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}

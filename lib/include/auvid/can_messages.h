@@ -21,7 +21,7 @@ extern "C" {
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
 /** Messages in each. */
-#define AUVID_CAN_FAST_KINDS 5u
+#define AUVID_CAN_FAST_KINDS 6u
 #define AUVID_CAN_SLOW_KINDS 17u
 
 /** The messages. A smaller identifier goes first on the bus; the enumeration has that order. */
@@ -31,24 +31,25 @@ typedef enum {
     AUVID_CAN_THRUSTER_COMMAND_A = 2,
     AUVID_CAN_THRUSTER_COMMAND_B = 3,
     AUVID_CAN_ARM = 4,
-    AUVID_CAN_IMU_ATTITUDE = 5,
-    AUVID_CAN_IMU_RATES = 6,
-    AUVID_CAN_THRUSTER_FEEDBACK_A = 7,
-    AUVID_CAN_THRUSTER_FEEDBACK_B = 8,
-    AUVID_CAN_DVL_BOTTOM = 9,
-    AUVID_CAN_DVL_WATER = 10,
-    AUVID_CAN_DVL_ALTITUDE = 11,
-    AUVID_CAN_DEPTH = 12,
-    AUVID_CAN_GPS = 13,
-    AUVID_CAN_NAV_POSITION = 14,
-    AUVID_CAN_NAV_VELOCITY = 15,
-    AUVID_CAN_NAV_DEPTH = 16,
-    AUVID_CAN_ESTIMATE = 17,
-    AUVID_CAN_ESTIMATE_SIGMA = 18,
-    AUVID_CAN_PROGRESS = 19,
-    AUVID_CAN_HEALTH = 20,
-    AUVID_CAN_HEARTBEAT = 21,
-    AUVID_CAN_KINDS = 22
+    AUVID_CAN_TICK_DONE = 5,
+    AUVID_CAN_IMU_ATTITUDE = 6,
+    AUVID_CAN_IMU_RATES = 7,
+    AUVID_CAN_THRUSTER_FEEDBACK_A = 8,
+    AUVID_CAN_THRUSTER_FEEDBACK_B = 9,
+    AUVID_CAN_DVL_BOTTOM = 10,
+    AUVID_CAN_DVL_WATER = 11,
+    AUVID_CAN_DVL_ALTITUDE = 12,
+    AUVID_CAN_DEPTH = 13,
+    AUVID_CAN_GPS = 14,
+    AUVID_CAN_NAV_POSITION = 15,
+    AUVID_CAN_NAV_VELOCITY = 16,
+    AUVID_CAN_NAV_DEPTH = 17,
+    AUVID_CAN_ESTIMATE = 18,
+    AUVID_CAN_ESTIMATE_SIGMA = 19,
+    AUVID_CAN_PROGRESS = 20,
+    AUVID_CAN_HEALTH = 21,
+    AUVID_CAN_HEARTBEAT = 22,
+    AUVID_CAN_KINDS = 23
 } auvid_can_kind_t;
 
 #define AUVID_CAN_AGE_UNKNOWN 1023u
@@ -80,7 +81,19 @@ enum {
 };
 
 /** Values of `action`. */
-enum { AUVID_CAN_ACTION_DISARM = 0, AUVID_CAN_ACTION_ARM = 1 };
+enum { AUVID_CAN_ACTION_DISARM = 0, AUVID_CAN_ACTION_ARM = 1, AUVID_CAN_ACTION_STOP = 2 };
+
+/** Values of `note`. */
+enum {
+    AUVID_CAN_NOTE_NONE = 0,
+    AUVID_CAN_NOTE_FIXED = 1,
+    AUVID_CAN_NOTE_NOT_DRIVEN = 2,
+    AUVID_CAN_NOTE_COMBINATION = 3,
+    AUVID_CAN_NOTE_SMALL = 4,
+    AUVID_CAN_NOTE_NOISE = 5,
+    AUVID_CAN_NOTE_UNCERTAIN = 6,
+    AUVID_CAN_NOTE_IMPLAUSIBLE = 7
+};
 
 /** Values of `guard`. */
 enum {
@@ -95,10 +108,16 @@ enum {
 /** Values of `work`. */
 enum {
     AUVID_CAN_WORK_IDLE = 0,
-    AUVID_CAN_WORK_MERGE = 1,
-    AUVID_CAN_WORK_ASK = 2,
-    AUVID_CAN_WORK_COST = 3,
-    AUVID_CAN_WORK_MEASURE = 4
+    AUVID_CAN_WORK_FORESEE = 1,
+    AUVID_CAN_WORK_PREDICT = 2,
+    AUVID_CAN_WORK_COMPARE = 3,
+    AUVID_CAN_WORK_JUDGE = 4,
+    AUVID_CAN_WORK_MERGE = 5,
+    AUVID_CAN_WORK_ASK = 6,
+    AUVID_CAN_WORK_COST = 7,
+    AUVID_CAN_WORK_MEASURE = 8,
+    AUVID_CAN_WORK_LINEARISE = 9,
+    AUVID_CAN_WORK_CONFIDENCE = 10
 };
 
 /** Values of `role`. */
@@ -149,13 +168,23 @@ enum {
     AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_8 = 1 << 3
 };
 
-/** 0x044, on event. Arm or disarm the excitation. On event. A frame without the key is refused. */
+/** 0x044, on event. Order to the node. Arm: excite as soon as the guard permits; disarm: end it
+ * at once; stop: fade out. On event. A frame without the key is refused. */
 typedef struct {
-    /** What to do; 0..1 */
+    /** What to do; 0..2 */
     uint32_t action;
     /** Always 0xA55A; a frame of chance is not an order; 0xA55A */
     uint32_t key;
 } auvid_can_arm_t;
+
+/** 0x045, on event. The node has done its work of a tick. Sent only to a simulated vehicle that
+ * waits for it. */
+typedef struct {
+    /** Number of the tick; 0..1048575 */
+    uint32_t sequence;
+    /** Time that the tick's work took, of its length; 0..255 % */
+    uint32_t load;
+} auvid_can_tick_done_t;
 
 /** 0x400, every 20 ms. Attitude, ZYX Euler angles, NED to body. */
 typedef struct {
@@ -331,7 +360,8 @@ typedef struct {
     uint32_t index;
     /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
     uint32_t number;
-    /** Bit 0: identified; 1: its degree of freedom was driven; 2: the search ended at a cap;
+    /** Bit 0: identified; 1: its degree of freedom was driven; 2: the search ended at a cap; 3:
+     * identifiable; 4: implausible; 5: the estimate has foretold a set that it had not seen;
      * 0..255 */
     uint32_t flags;
     /** Value in the parameter's unit; NaN: not available; float32 */
@@ -340,25 +370,28 @@ typedef struct {
 
 enum { AUVID_CAN_ESTIMATE_NO_VALUE = 1 << 3 };
 
-/** 0x40D, every 100 ms. Standard deviation of the parameter in the estimate frame before it. */
+/** 0x40D, every 100 ms. Standard error of the parameter in the estimate frame before it. */
 typedef struct {
     /** Parameter, in the order of the model; 0..31 */
     uint32_t index;
     /** Number of the estimate, modulo 128; 0..127 */
     uint32_t number;
-    /** Standard deviation in the parameter's unit; NaN: not available; float32 */
+    /** What is to be said about it: auvid_note_t of confidence.h; 0..15 */
+    uint32_t note;
+    /** Standard error, bias included, in the parameter's unit; NaN: not available; float32 */
     auvid_real_t sigma;
 } auvid_can_estimate_sigma_t;
 
-enum { AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA = 1 << 2 };
+enum { AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA = 1 << 3 };
 
 /** 0x40E, every 200 ms. Where the identification is. */
 typedef struct {
     /** State of the guard: auvid_guard_state_t of guard.h; 0..5 */
     uint32_t guard;
-    /** What the optimizer does; 0..4 */
+    /** What the optimizer does: auvid_work_phase_t of identifier.h; 0..10 */
     uint32_t work;
-    /** What ended the excitation: auvid_guard_cause_t of guard.h; 0..31 */
+    /** What ended the excitation, or why arming was refused: auvid_guard_cause_t of guard.h;
+     * 0..31 */
     uint32_t cause;
     /** Of the excitation's length; 0..100 % */
     uint32_t percent;
@@ -368,8 +401,9 @@ typedef struct {
     uint32_t searches;
     /** Degrees of freedom that the last estimate had driven: bit 0 surge .. 5 yaw; 0..63 */
     uint32_t driven;
-    /** Segment of the excitation; 0..31 */
-    uint32_t segment;
+    /** Degree of freedom in which the newest set shows most clearly that the vehicle has
+     * changed; 0: it does not; 0..63 */
+    uint32_t changed;
 } auvid_can_progress_t;
 
 /** 0x40F, every 1000 ms. Counters since the start; they stay at their largest value. */
@@ -412,6 +446,7 @@ typedef struct {
         auvid_can_thruster_command_a_t thruster_command_a;
         auvid_can_thruster_command_b_t thruster_command_b;
         auvid_can_arm_t arm;
+        auvid_can_tick_done_t tick_done;
         auvid_can_imu_attitude_t imu_attitude;
         auvid_can_imu_rates_t imu_rates;
         auvid_can_thruster_feedback_a_t thruster_feedback_a;

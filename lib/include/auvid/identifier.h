@@ -101,6 +101,10 @@ typedef struct {
     } dvl;
     struct {
         bool present;
+        auvid_dvl_sample_t sample; /**< the other lock's, of a DVL that has both at once */
+    } dvl_water;
+    struct {
+        bool present;
         uint64_t t_us;
         auvid_real_t depth_m; /**< positive down */
     } depth;

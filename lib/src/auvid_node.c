@@ -1,0 +1,225 @@
+/*
+ * The node: frames in, step, command.
+ */
+#include "auvid/node.h"
+
+#include <string.h>
+
+#include "auvid_math.h"
+#include "auvid_node.h"
+
+/* A tick's clock that goes ahead by more than this was set [us]. It goes on where it was, this much
+ * later, so that the record has a gap. */
+#define CLOCK_STEP_US 1000000u
+
+void auvid_node_defaults(auvid_node_config_t *cfg)
+{
+    if (cfg != NULL) {
+        memset(cfg, 0, sizeof *cfg);
+        auvid_can_ids_defaults(&cfg->ids);
+    }
+}
+
+static auvid_status_t init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
+{
+    auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
+    for (int i = 0; i < AUVID_NODE_KINDS && status >= 0; ++i) {
+        status = auvid_can_receiver_init(&node->receiver[i], (auvid_can_kind_t)i, 0, &cfg->ids);
+    }
+    return status;
+}
+
+auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
+                               const auvid_identifier_config_t *identifier)
+{
+    if (node == NULL || cfg == NULL || identifier == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(node, 0, sizeof *node);
+    int thrusters = identifier->allocation.thrusters;
+    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
+        return AUVID_ERR_SIZE;
+    }
+    auvid_status_t status = init_frames(node, cfg);
+    if (status >= 0) {
+        status = auvid_identifier_init(&node->id, identifier);
+    }
+    if (status >= 0) {
+        node->cfg = *cfg;
+        node->ready = true;
+    }
+    return status;
+}
+
+/* ---- frames in ---- */
+
+/* Time of a sample of this age, at the tick to come; the age is counted back in step. */
+static bool has_age(auvid_node_t *node, uint32_t age_ms)
+{
+    bool known = age_ms != AUVID_CAN_AGE_UNKNOWN;
+    node->counters.unknown_age += !known;
+    return known;
+}
+
+/* Samples wait with their age in place of their time until the tick gives the time. */
+static uint64_t age_us(uint32_t age_ms)
+{
+    return (uint64_t)age_ms * 1000u;
+}
+
+static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
+{
+    bool bottom = m->kind == AUVID_CAN_DVL_BOTTOM;
+    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom;
+    const auvid_can_dvl_water_t *w = &m->as.dvl_water;
+    auvid_dvl_sample_t sample = {
+        .t_us = age_us(bottom ? b->age : w->age),
+        .velocity = {bottom ? b->u : w->u, bottom ? b->v : w->v, bottom ? b->w : w->w},
+        .lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER};
+    sample.valid = (uint8_t)(~m->absent & 7u); /* AUVID_DVL_X, _Y, _Z in the order of the signals */
+    if (!has_age(node, bottom ? b->age : w->age)) {
+        return;
+    }
+    if (bottom) {
+        node->in.dvl.present = true;
+        node->in.dvl.sample = sample;
+    } else {
+        node->in.dvl_water.present = true;
+        node->in.dvl_water.sample = sample;
+    }
+}
+
+static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)
+{
+    bool attitude = m->kind == AUVID_CAN_IMU_ATTITUDE;
+    uint32_t age = attitude ? m->as.imu_attitude.age : m->as.imu_rates.age;
+    if ((m->absent & 7u) != 0 || !has_age(node, age)) {
+        return;
+    }
+    if (attitude) {
+        const auvid_can_imu_attitude_t *a = &m->as.imu_attitude;
+        node->in.imu.attitude[0] = a->phi;
+        node->in.imu.attitude[1] = a->theta;
+        node->in.imu.attitude[2] = a->psi;
+        node->attitude_us = age_us(age);
+        node->attitude = node->new_attitude = true;
+    } else {
+        const auvid_can_imu_rates_t *r = &m->as.imu_rates;
+        node->in.imu.rates[0] = r->p;
+        node->in.imu.rates[1] = r->q;
+        node->in.imu.rates[2] = r->r;
+        node->rates_us = age_us(age);
+        node->rates = node->new_rates = true;
+    }
+}
+
+static void take_scalar(auvid_node_t *node, const auvid_can_message_t *m)
+{
+    if (m->kind == AUVID_CAN_DEPTH && m->absent == 0 && has_age(node, m->as.depth.age)) {
+        node->in.depth.present = true;
+        node->in.depth.t_us = age_us(m->as.depth.age);
+        node->in.depth.depth_m = m->as.depth.depth;
+    } else if (m->kind == AUVID_CAN_GPS && m->absent == 0 && has_age(node, m->as.gps.age)) {
+        node->in.gps.present = true;
+        node->in.gps.t_us = age_us(m->as.gps.age);
+        node->in.gps.x_m = m->as.gps.x;
+        node->in.gps.y_m = m->as.gps.y;
+    } else if (m->kind == AUVID_CAN_DVL_ALTITUDE && m->absent == 0 &&
+               has_age(node, m->as.dvl_altitude.age)) {
+        node->in.altitude.present = true;
+        node->in.altitude.t_us = age_us(m->as.dvl_altitude.age);
+        node->in.altitude.altitude_m = m->as.dvl_altitude.altitude;
+    }
+}
+
+static void take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
+{
+    bool first = m->kind == AUVID_CAN_THRUSTER_FEEDBACK_A;
+    const auvid_real_t *thrust =
+        first ? m->as.thruster_feedback_a.thrust : m->as.thruster_feedback_b.thrust;
+    for (int i = 0; i < 4; ++i) {
+        bool absent = (m->absent >> i & 1u) != 0;
+        node->thrust[(first ? 0 : 4) + i] = absent ? AUVID_C(0.0) : thrust[i];
+    }
+    node->feedback = true;
+}
+
+/* Time of the tick: the bus's, with what it was set by taken out. */
+static void take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
+{
+    uint64_t bus_us = auvid_can_extend_us(node->bus_us, tick->time);
+    uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
+    bool set = bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US;
+    if (!node->started) {
+        node->tick_us = tick->time;
+    } else if (set) {
+        ++node->counters.clock_steps;
+        node->tick_us = node->t_us + CLOCK_STEP_US;
+    } else {
+        node->tick_us = node->t_us + (bus_us - node->bus_us);
+        node->counters.ticks_missed += passed > 0 ? passed - 1u : 0u;
+    }
+    node->bus_us = bus_us;
+    node->sequence = tick->sequence;
+    node->started = true;
+}
+
+static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m)
+{
+    switch (m->kind) {
+    case AUVID_CAN_ABORT:
+        node->arming = false;
+        (void)auvid_identifier_abort(&node->id);
+        break;
+    case AUVID_CAN_ARM:
+        auvid_node_order(node, m->as.arm.action);
+        break;
+    case AUVID_CAN_TICK:
+        take_tick(node, &m->as.tick);
+        return AUVID_TICK;
+    case AUVID_CAN_IMU_ATTITUDE:
+    case AUVID_CAN_IMU_RATES:
+        take_imu(node, m);
+        break;
+    case AUVID_CAN_DVL_BOTTOM:
+    case AUVID_CAN_DVL_WATER:
+        take_dvl(node, m);
+        break;
+    case AUVID_CAN_THRUSTER_FEEDBACK_A:
+    case AUVID_CAN_THRUSTER_FEEDBACK_B:
+        take_feedback(node, m);
+        break;
+    default:
+        take_scalar(node, m);
+        break;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame)
+{
+    if (node == NULL || frame == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!node->ready) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
+    bool own = kind == AUVID_CAN_THRUSTER_COMMAND_A || kind == AUVID_CAN_THRUSTER_COMMAND_B ||
+               kind == AUVID_CAN_TICK_DONE;
+    if ((unsigned)kind >= AUVID_NODE_KINDS || own) {
+        return AUVID_UNUSED;
+    }
+    auvid_can_frame_t at_tick = *frame;
+    auvid_can_message_t message;
+    at_tick.t_us = node->t_us; /* so that nothing depends on when it came */
+    auvid_can_state_t state = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
+    /* An abort is obeyed whatever its counter says. */
+    bool good = state == AUVID_CAN_GOOD || (state != AUVID_CAN_BAD && kind == AUVID_CAN_ABORT);
+    if (!good) {
+        ++node->counters.refused;
+        return AUVID_ERR_CHECKSUM;
+    }
+    ++node->counters.frames;
+    return take_message(node, &message);
+}
