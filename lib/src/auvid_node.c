@@ -147,16 +147,16 @@ static void take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
 /* Time of the tick: the bus's, with what it was set by taken out. */
 static void take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
 {
-    uint64_t bus_us = auvid_can_extend_us(node->bus_us, tick->time);
+    uint64_t bus_us = node->started ? auvid_can_extend_us(node->bus_us, tick->time) : tick->time;
     uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
     bool set = bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US;
     if (!node->started) {
         node->tick_us = tick->time;
     } else if (set) {
         ++node->counters.clock_steps;
-        node->tick_us = node->t_us + CLOCK_STEP_US;
+        node->tick_us += CLOCK_STEP_US;
     } else {
-        node->tick_us = node->t_us + (bus_us - node->bus_us);
+        node->tick_us += bus_us - node->bus_us;
         node->counters.ticks_missed += passed > 0 ? passed - 1u : 0u;
     }
     node->bus_us = bus_us;

@@ -88,7 +88,9 @@ static void record_thrust(auvid_node_t *node)
     const auvid_allocation_config_t *cfg = &node->id.allocation.config;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)}, wrench[AUVID_DOF_COUNT];
     auvid_real_t command[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
-    if (!node->feedback) {
+    bool since_known = node->feedback && node->counters.ticks > 0; /* when the tick before was */
+    node->feedback = false;
+    if (!since_known) {
         return;
     }
     for (int i = 0; i < cfg->thrusters; ++i) {
@@ -97,7 +99,6 @@ static void record_thrust(auvid_node_t *node)
         force_N[i] = part > AUVID_C(0.0) ? part * t->max_N : -part * t->min_N;
         command[i] = part;
     }
-    node->feedback = false;
     (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
     if (auvid_identifier_applied(&node->id, node->t_us, wrench, command) < 0) {
         ++node->counters.samples_dropped;

@@ -1,0 +1,607 @@
+/*
+ * The node in lock step with the simulated vehicle, through frames in plain arrays.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/node.h"
+#include "chain.h"
+#include "craft.h"
+#include "unity.h"
+
+enum { SETS = 2, LOG = 60000, SET_TICKS = 1500 };
+
+static auvid_node_t node, other;
+static craft_t craft;
+static chain_t chain;
+static auvid_identifier_config_t identifier;
+static auvid_node_config_t config;
+
+/* What the node was given, in its order. */
+static auvid_can_frame_t taken[LOG];
+static int taken_count;
+
+/* Of the run under way. */
+static struct {
+    uint32_t commands;   /* frames of thruster command A sent by the node */
+    uint32_t last_zero;  /* the last one commanded zero */
+    double largest;      /* thrust commanded in the last one */
+    uint32_t ticks;      /* so far */
+    uint32_t jump_at;    /* tick in which the bus's clock is set... */
+    int32_t jump_us;     /* ... by so much */
+    bool random_arrival; /* times of arrival are nonsense */
+    uint64_t random;
+} run;
+
+static void prepare(uint64_t seed)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    craft_config_t vehicle;
+    memset(&run, 0, sizeof run);
+    run.random = 88172645463325252u;
+    taken_count = 0;
+    craft_defaults(&vehicle);
+    vehicle.sim.seed = seed;
+    TEST_ASSERT_TRUE(craft_init(&craft, &vehicle));
+    auvid_identifier_defaults(&identifier, &auvid_girona500);
+    identifier.allocation = auvid_allocation_girona500;
+    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, SETS, seed);
+    identifier.seed = seed;
+    auvid_node_defaults(&config);
+    config.answer = true;
+}
+
+void setUp(void)
+{
+    prepare(1);
+}
+
+void tearDown(void)
+{
+}
+
+static void begin(bool excite)
+{
+    config.excite = excite;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+}
+
+static uint64_t draw(void)
+{
+    run.random ^= run.random << 13;
+    run.random ^= run.random >> 7;
+    run.random ^= run.random << 17;
+    return run.random;
+}
+
+/* What the node sends goes to the vehicle. */
+static void deliver(const auvid_can_frame_t *frame, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        auvid_can_message_t m;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
+        if (m.kind == AUVID_CAN_THRUSTER_COMMAND_A) {
+            run.largest = 0.0;
+            ++run.commands;
+            for (int k = 0; k < 4; ++k) {
+                run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_a.thrust[k]));
+            }
+        }
+        if (m.kind == AUVID_CAN_THRUSTER_COMMAND_B) {
+            run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_b.thrust[0]));
+        }
+        craft_take(&craft, &frame[i]);
+    }
+}
+
+/* A tick has been opened: the node's part of it. */
+static void serve(auvid_node_t *n)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    int count = 0;
+    (void)auvid_node_step(n, NULL, frame, &count);
+    deliver(frame, count);
+    (void)auvid_node_work(n, AUVID_DEFAULT_BUDGET);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(n, 1, frame, &count));
+    deliver(frame, count);
+}
+
+static auvid_status_t give(auvid_can_frame_t *frame)
+{
+    if (taken_count < LOG) {
+        taken[taken_count++] = *frame;
+    }
+    auvid_status_t status = auvid_node_take(&node, frame);
+    if (status == AUVID_TICK) {
+        serve(&node);
+    }
+    return status;
+}
+
+static void set_clock(auvid_can_frame_t *frame)
+{
+    auvid_can_message_t m;
+    if (run.jump_at == 0 || run.ticks < run.jump_at ||
+        auvid_can_unpack(NULL, frame, &m) != AUVID_OK || m.kind != AUVID_CAN_TICK) {
+        return;
+    }
+    auvid_can_sender_t sender;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
+    sender.counter[AUVID_CAN_TICK] = m.counter;
+    m.as.tick.time += (uint32_t)run.jump_us;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, frame));
+}
+
+static void tick(void)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES];
+    int count = craft_tick(&craft, frame);
+    ++run.ticks;
+    for (int i = 0; i < count; ++i) {
+        set_clock(&frame[i]);
+        frame[i].t_us = run.random_arrival ? draw() : frame[i].t_us;
+        (void)give(&frame[i]);
+    }
+}
+
+static void go(uint32_t ticks)
+{
+    for (uint32_t k = 0; k < ticks; ++k) {
+        tick();
+    }
+}
+
+static void send(const auvid_can_message_t *m)
+{
+    auvid_can_frame_t frame;
+    static auvid_can_sender_t operator;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&operator, NULL));
+    operator.counter[m->kind] =(uint8_t)(craft.sender.counter[m->kind]);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, m, &frame));
+    craft.sender.counter[m->kind] = operator.counter[m->kind];
+    (void)give(&frame);
+}
+
+static void order(uint32_t action)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
+    m.as.arm.action = action;
+    m.as.arm.key = AUVID_CAN_ARM_KEY;
+    send(&m);
+}
+
+static void abort_run(void)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_ABORT};
+    m.as.abort.cause = AUVID_CAN_CAUSE_OPERATOR;
+    send(&m);
+}
+
+/* Until all sets are searched. */
+static void identify(void)
+{
+    uint32_t limit = SETS * SET_TICKS + 6000;
+    while (run.ticks < limit && (node.id.metric.sets_recorded < SETS ||
+                                 node.id.phase != AUVID_WORK_IDLE || node.id.searches == 0)) {
+        tick();
+    }
+    TEST_ASSERT_TRUE(run.ticks < limit);
+}
+
+static double rms(const auvid_node_t *n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double truth = craft.sim.config.parameter[i];
+        double e = (double)n->id.estimate.pi[i] / truth - 1.0;
+        sum += e * e;
+    }
+    return sqrt(sum / SIM_PARAMETERS);
+}
+
+static void same_estimate(const auvid_node_t *a, const auvid_node_t *b)
+{
+    TEST_ASSERT_TRUE(a->id.estimate.number > 0);
+    TEST_ASSERT_EQUAL_UINT32(a->id.estimate.number, b->id.estimate.number);
+    TEST_ASSERT_EQUAL_MEMORY(a->id.estimate.pi, b->id.estimate.pi, sizeof a->id.estimate.pi);
+    TEST_ASSERT_EQUAL_MEMORY(&a->id.estimate.confidence, &b->id.estimate.confidence,
+                             sizeof a->id.estimate.confidence);
+}
+
+/* ---- identification ---- */
+
+/* The same seeds, but other draws of the search: the ratio is not 1 to the last digit. */
+static void test_frames_identify_as_well_as_no_frames(void)
+{
+    double with = 0.0, without = 0.0;
+    for (uint64_t seed = 1; seed <= 30; ++seed) {
+        chain_config_t direct;
+        prepare(seed);
+        begin(true);
+        identify();
+        with += rms(&node) * rms(&node);
+        chain_defaults(&direct, seed, SETS, 0.0);
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &direct, SETS));
+        (void)chain_finish(&chain, 1000, 6000);
+        without += chain_mean_square(&chain);
+    }
+    printf("rms error of %d sets: %.2f %% through frames, %.2f %% without, 30 runs\n", SETS,
+           100.0 * sqrt(with / 30.0), 100.0 * sqrt(without / 30.0));
+    TEST_ASSERT_TRUE(sqrt(with / without) < 1.3);
+}
+
+static void test_the_same_frames_again_give_the_same_bits(void)
+{
+    begin(true);
+    identify();
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks_missed);
+    TEST_ASSERT_EQUAL_UINT32(run.ticks, node.counters.ticks);
+    TEST_ASSERT_EQUAL_UINT32(0, node.sender.saturated);
+    TEST_ASSERT_EQUAL_UINT32(0, node.sender.refused);
+    TEST_ASSERT_EQUAL(0, craft.command.half[0].lost + craft.command.half[1].lost);
+
+    /* the same frames again */
+    uint32_t ticks = node.counters.ticks;
+    TEST_ASSERT_TRUE(taken_count < LOG);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&other, &config, &identifier));
+    for (int i = 0; i < taken_count; ++i) {
+        taken[i].t_us = draw(); /* whenever they come */
+        if (auvid_node_take(&other, &taken[i]) == AUVID_TICK) {
+            serve(&other);
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(ticks, other.counters.ticks);
+    same_estimate(&node, &other);
+}
+
+static void test_arrival_times_change_no_bit(void)
+{
+    begin(true);
+    go(SET_TICKS / 3);
+    other = node;
+    setUp();
+    run.random_arrival = true;
+    begin(true);
+    go(SET_TICKS / 3);
+    TEST_ASSERT_EQUAL_MEMORY(&other.id.nav, &node.id.nav, sizeof node.id.nav);
+    TEST_ASSERT_EQUAL_MEMORY(&other.id.recorder, &node.id.recorder, sizeof node.id.recorder);
+}
+
+/* ---- who commands ---- */
+
+static void test_a_passive_node_never_commands(void)
+{
+    begin(false);
+    go(200);
+    order(AUVID_CAN_ACTION_ARM);
+    go(500);
+    TEST_ASSERT_TRUE(craft.navigates);
+    TEST_ASSERT_EQUAL_UINT32(0, run.commands);
+}
+
+static void test_no_command_before_the_order_to_arm(void)
+{
+    craft.no_arm = true;
+    begin(true);
+    go(300);
+    TEST_ASSERT_EQUAL_UINT32(0, run.commands);
+    order(AUVID_CAN_ACTION_ARM);
+    go(3);
+    TEST_ASSERT_TRUE(run.commands > 0);
+}
+
+static void test_an_order_to_arm_without_sensors_is_refused_and_forgotten(void)
+{
+    craft.no_arm = true;
+    begin(true);
+    order(AUVID_CAN_ACTION_ARM);
+    go(200);
+    TEST_ASSERT_EQUAL_UINT32(0, run.commands);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, node.id.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_NO_CAUSE, node.id.guard.refused.cause);
+}
+
+static void test_abort_gives_one_command_of_zero_and_then_none(void)
+{
+    begin(true);
+    go(500);
+    TEST_ASSERT_TRUE(run.largest > 0.0);
+    uint32_t before = run.commands;
+    abort_run();
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(before + 1, run.commands);
+    TEST_ASSERT_TRUE(run.largest == 0.0);
+    go(300);
+    order(AUVID_CAN_ACTION_ARM); /* the abort is latched */
+    go(100);
+    TEST_ASSERT_EQUAL_UINT32(before + 1, run.commands);
+}
+
+static void test_an_abort_with_a_repeated_counter_is_obeyed(void)
+{
+    begin(true);
+    go(400);
+    abort_run();
+    order(AUVID_CAN_ACTION_DISARM);
+    tick();
+    order(AUVID_CAN_ACTION_ARM);
+    go(10);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    craft.sender.counter[AUVID_CAN_ABORT] = (craft.sender.counter[AUVID_CAN_ABORT] + 15u) & 15u;
+    abort_run();
+    tick();
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+}
+
+static void test_stop_fades_the_excitation(void)
+{
+    begin(true);
+    go(500);
+    order(AUVID_CAN_ACTION_STOP);
+    uint32_t before = run.commands;
+    tick();
+    TEST_ASSERT_TRUE(run.largest > 0.0); /* not at once */
+    go(500);
+    TEST_ASSERT_TRUE(run.commands > before + 10);
+    TEST_ASSERT_TRUE(run.largest == 0.0);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+}
+
+static void test_a_breach_of_the_guard_commands_zero(void)
+{
+    begin(true);
+    go(500);
+    craft.sim.sensor[SIM_DVL].period_us = 1000000000u;
+    craft.sim.sensor[SIM_DVL].next_us = UINT64_MAX / 2;
+    go(500);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, node.id.guard.trip.cause);
+    TEST_ASSERT_TRUE(run.largest == 0.0);
+    TEST_ASSERT_FALSE(craft.commanded);
+}
+
+static void test_halt_sends_zero_once_and_only_if_it_commanded(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    int count = -1;
+    begin(true);
+    go(20);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(0, count);
+    setUp();
+    begin(true);
+    go(500);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(2, count);
+    deliver(frame, count);
+    TEST_ASSERT_TRUE(run.largest == 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(0, count);
+}
+
+/* ---- frames that are refused ---- */
+
+static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
+{
+    begin(false);
+    go(100);
+    uint32_t good = node.counters.frames;
+    auvid_can_frame_t frame = taken[taken_count - 1];                      /* a tick frame */
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame)); /* repeated */
+    frame.data[4] ^= 1u;
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
+    frame = taken[taken_count - 1];
+    frame.length = 7;
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
+    TEST_ASSERT_EQUAL_UINT32(3, node.counters.refused);
+    frame.id = 0x123;
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_node_take(&node, &frame));
+    TEST_ASSERT_EQUAL_UINT32(3, node.counters.refused);
+    TEST_ASSERT_EQUAL_UINT32(good, node.counters.frames);
+    go(10);
+    TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
+}
+
+static void test_null_and_not_initialised_are_refused(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES] = {{0}};
+    int count = 7;
+    memset(&node, 0, sizeof node);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_take(&node, frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, NULL, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_report(&node, 0, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(0, count);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_take(NULL, frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(&node, NULL, NULL, &count));
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, NULL, frame, &count));
+    identifier.allocation.thrusters = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_take(&node, frame));
+}
+
+/* ---- time ---- */
+
+static void clock_is_set(int32_t by_us)
+{
+    begin(true);
+    run.jump_at = 400;
+    run.jump_us = by_us;
+    go(399);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
+    uint64_t before = node.t_us;
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
+    TEST_ASSERT_TRUE(node.t_us > before);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_TRUE(run.largest == 0.0);
+    go(200);
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL_UINT32(600, node.counters.ticks);
+    uint32_t dropped = node.counters.samples_dropped; /* gated, until navigation has settled */
+    go(200);
+    TEST_ASSERT_EQUAL_UINT32(dropped, node.counters.samples_dropped);
+}
+
+static void test_a_clock_set_back_is_counted_and_the_node_goes_on(void)
+{
+    clock_is_set(-5000000);
+}
+
+static void test_a_clock_set_ahead_is_counted_and_the_node_goes_on(void)
+{
+    clock_is_set(5000000);
+}
+
+static void test_the_clock_wraps_without_notice(void)
+{
+    begin(true);
+    run.jump_at = 1;
+    run.jump_us = -4000000; /* the tick's 32 bits wrap at 4 s */
+    go(400);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+}
+
+static void test_a_lost_tick_is_counted(void)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES];
+    begin(false);
+    go(100);
+    (void)craft_tick(&craft, frame);
+    go(10);
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.ticks_missed);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
+}
+
+static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES], late;
+    bool has = false;
+    begin(false);
+    for (int k = 0; k < 100; ++k) {
+        int count = craft_tick(&craft, frame);
+        for (int i = 0; i < count; ++i) {
+            auvid_can_message_t m;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
+            if (m.kind != AUVID_CAN_IMU_RATES) {
+                (void)give(&frame[i]);
+                continue;
+            }
+            if (has) { /* that of the tick before: it is 20 ms old by now */
+                (void)give(&late);
+            }
+            auvid_can_sender_t sender;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
+            sender.counter[AUVID_CAN_IMU_RATES] = m.counter;
+            m.as.imu_rates.age = 20;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &late));
+            has = true;
+        }
+    }
+    auvid_nav_state_t state;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &state));
+    TEST_ASSERT_TRUE(state.t_us + 40000u >= node.t_us);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+}
+
+static void test_its_own_clock_sends_the_tick_and_refuses_to_go_back(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_can_message_t m;
+    int count = 0;
+    uint64_t t_us = 1000000;
+    begin(true);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+    TEST_ASSERT_EQUAL(1, count);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, frame, &m));
+    TEST_ASSERT_EQUAL(AUVID_CAN_TICK, m.kind);
+    TEST_ASSERT_EQUAL_UINT32(1000000, m.as.tick.time);
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, &t_us, frame, &count));
+    t_us = 900000;
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_node_step(&node, &t_us, frame, &count));
+    t_us = 1020000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+}
+
+/* ---- numbers of the DBC ---- */
+
+#define SAME(a, b) _Static_assert((int)(a) == (int)(b), #a)
+SAME(AUVID_CAN_GUARD_DISARMED, AUVID_GUARD_DISARMED);
+SAME(AUVID_CAN_GUARD_ARMED, AUVID_GUARD_ARMED);
+SAME(AUVID_CAN_GUARD_EXCITING, AUVID_GUARD_EXCITING);
+SAME(AUVID_CAN_GUARD_SETTLING, AUVID_GUARD_SETTLING);
+SAME(AUVID_CAN_GUARD_DONE, AUVID_GUARD_DONE);
+SAME(AUVID_CAN_GUARD_ABORTED, AUVID_GUARD_ABORTED);
+SAME(AUVID_CAN_WORK_IDLE, AUVID_WORK_IDLE);
+SAME(AUVID_CAN_WORK_FORESEE, AUVID_WORK_FORESEE);
+SAME(AUVID_CAN_WORK_PREDICT, AUVID_WORK_PREDICT);
+SAME(AUVID_CAN_WORK_COMPARE, AUVID_WORK_COMPARE);
+SAME(AUVID_CAN_WORK_JUDGE, AUVID_WORK_JUDGE);
+SAME(AUVID_CAN_WORK_MERGE, AUVID_WORK_MERGE);
+SAME(AUVID_CAN_WORK_ASK, AUVID_WORK_ASK);
+SAME(AUVID_CAN_WORK_COST, AUVID_WORK_COST);
+SAME(AUVID_CAN_WORK_MEASURE, AUVID_WORK_MEASURE);
+SAME(AUVID_CAN_WORK_LINEARISE, AUVID_WORK_LINEARISE);
+SAME(AUVID_CAN_WORK_CONFIDENCE, AUVID_WORK_CONFIDENCE);
+SAME(AUVID_CAN_CAUSE_OPERATOR, AUVID_GUARD_OPERATOR);
+SAME(AUVID_CAN_CAUSE_NO_INPUT, AUVID_GUARD_NO_INPUT);
+SAME(AUVID_CAN_CAUSE_TIME, AUVID_GUARD_TIME);
+SAME(AUVID_CAN_CAUSE_TICK, AUVID_GUARD_TICK);
+SAME(AUVID_CAN_CAUSE_LINK, AUVID_GUARD_LINK);
+SAME(AUVID_CAN_CAUSE_IMU_STALE, AUVID_GUARD_IMU_STALE);
+SAME(AUVID_CAN_CAUSE_VELOCITY_STALE, AUVID_GUARD_VELOCITY_STALE);
+SAME(AUVID_CAN_CAUSE_DEPTH_STALE, AUVID_GUARD_DEPTH_STALE);
+SAME(AUVID_CAN_CAUSE_ALTITUDE_STALE, AUVID_GUARD_ALTITUDE_STALE);
+SAME(AUVID_CAN_CAUSE_APPLIED_STALE, AUVID_GUARD_APPLIED_STALE);
+SAME(AUVID_CAN_CAUSE_DEPTH_MIN, AUVID_GUARD_DEPTH_MIN);
+SAME(AUVID_CAN_CAUSE_DEPTH_MAX, AUVID_GUARD_DEPTH_MAX);
+SAME(AUVID_CAN_CAUSE_ALTITUDE, AUVID_GUARD_ALTITUDE);
+SAME(AUVID_CAN_CAUSE_ROLL, AUVID_GUARD_ROLL);
+SAME(AUVID_CAN_CAUSE_PITCH, AUVID_GUARD_PITCH);
+SAME(AUVID_CAN_CAUSE_SPEED, AUVID_GUARD_SPEED);
+SAME(AUVID_CAN_CAUSE_YAW_RATE, AUVID_GUARD_YAW_RATE);
+SAME(AUVID_CAN_CAUSE_DISTANCE, AUVID_GUARD_DISTANCE);
+SAME(AUVID_CAN_CAUSE_RUN_TIME, AUVID_GUARD_RUN_TIME);
+SAME(AUVID_CAN_CAUSE_SATURATION, AUVID_GUARD_SATURATION);
+SAME(AUVID_CAN_CAUSE_NONE, AUVID_GUARD_NO_CAUSE);
+SAME(AUVID_CAN_NOTE_NONE, AUVID_NOTE_NONE);
+SAME(AUVID_CAN_NOTE_FIXED, AUVID_NOTE_FIXED);
+SAME(AUVID_CAN_NOTE_NOT_DRIVEN, AUVID_NOTE_NOT_DRIVEN);
+SAME(AUVID_CAN_NOTE_COMBINATION, AUVID_NOTE_COMBINATION);
+SAME(AUVID_CAN_NOTE_SMALL, AUVID_NOTE_SMALL);
+SAME(AUVID_CAN_NOTE_NOISE, AUVID_NOTE_NOISE);
+SAME(AUVID_CAN_NOTE_UNCERTAIN, AUVID_NOTE_UNCERTAIN);
+SAME(AUVID_CAN_NOTE_IMPLAUSIBLE, AUVID_NOTE_IMPLAUSIBLE);
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_frames_identify_as_well_as_no_frames);
+    RUN_TEST(test_the_same_frames_again_give_the_same_bits);
+    RUN_TEST(test_arrival_times_change_no_bit);
+    RUN_TEST(test_a_passive_node_never_commands);
+    RUN_TEST(test_no_command_before_the_order_to_arm);
+    RUN_TEST(test_an_order_to_arm_without_sensors_is_refused_and_forgotten);
+    RUN_TEST(test_abort_gives_one_command_of_zero_and_then_none);
+    RUN_TEST(test_an_abort_with_a_repeated_counter_is_obeyed);
+    RUN_TEST(test_stop_fades_the_excitation);
+    RUN_TEST(test_a_breach_of_the_guard_commands_zero);
+    RUN_TEST(test_halt_sends_zero_once_and_only_if_it_commanded);
+    RUN_TEST(test_foreign_repeated_and_bad_frames_are_refused_and_counted);
+    RUN_TEST(test_null_and_not_initialised_are_refused);
+    RUN_TEST(test_a_clock_set_back_is_counted_and_the_node_goes_on);
+    RUN_TEST(test_a_clock_set_ahead_is_counted_and_the_node_goes_on);
+    RUN_TEST(test_the_clock_wraps_without_notice);
+    RUN_TEST(test_a_lost_tick_is_counted);
+    RUN_TEST(test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks);
+    RUN_TEST(test_its_own_clock_sends_the_tick_and_refuses_to_go_back);
+    return UNITY_END();
+}

@@ -1,0 +1,228 @@
+#include "craft.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "auvid/allocation.h"
+#include "auvid/guard.h"
+
+/* Ticks in a second. */
+#define SECOND (1000000u / SIM_TICK_US)
+
+/* Frames of one tick under way. */
+typedef struct {
+    craft_t *craft;
+    auvid_can_frame_t *frame;
+    int count;
+} sending_t;
+
+void craft_defaults(craft_config_t *config)
+{
+    memset(config, 0, sizeof *config);
+    sim_defaults(&config->sim);
+}
+
+static bool init_hover(craft_t *craft)
+{
+    auvid_allocation_t allocation;
+    auvid_allocation_result_t result;
+    auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
+    wrench[AUVID_HEAVE] = (auvid_real_t)-craft->sim.config.parameter[SIM_WB];
+    if (auvid_allocation_init(&allocation, &auvid_allocation_girona500) < 0 ||
+        auvid_allocation_solve(&allocation, wrench, &result) < 0) {
+        return false;
+    }
+    for (int i = 0; i < SIM_THRUSTERS; ++i) {
+        craft->hover_N[i] = (double)result.force_N[i];
+    }
+    return true;
+}
+
+bool craft_init(craft_t *craft, const craft_config_t *config)
+{
+    memset(craft, 0, sizeof *craft);
+    craft->no_arm = config->no_arm;
+    return sim_init(&craft->sim, &config->sim) && init_hover(craft) &&
+           auvid_can_sender_init(&craft->sender, NULL) >= 0 &&
+           auvid_can_command_init(&craft->command, SIM_THRUSTERS, NULL) >= 0;
+}
+
+static void hear(craft_t *craft, const auvid_can_message_t *m)
+{
+    if (m->kind == AUVID_CAN_TICK_DONE) {
+        craft->done = m->as.tick_done.sequence;
+    } else if (m->kind == AUVID_CAN_NAV_POSITION) {
+        craft->navigates = true;
+    } else if (m->kind == AUVID_CAN_ESTIMATE && m->absent == 0 &&
+               m->as.estimate.index < SIM_PARAMETERS) {
+        craft->estimate[m->as.estimate.index] = (double)m->as.estimate.value;
+        craft->estimated |= 1u << m->as.estimate.index;
+    } else if (m->kind == AUVID_CAN_PROGRESS) {
+        craft->guard = (uint8_t)m->as.progress.guard;
+        craft->work = (uint8_t)m->as.progress.work;
+        craft->sets = m->as.progress.sets;
+        craft->searches = m->as.progress.searches;
+        craft->armed = craft->armed || craft->guard != AUVID_GUARD_DISARMED;
+    }
+}
+
+void craft_take(craft_t *craft, const auvid_can_frame_t *frame)
+{
+    auvid_can_frame_t now = *frame;
+    auvid_can_message_t message;
+    now.t_us = craft->seen.t_us;
+    if (auvid_can_command_take(&craft->command, &now) != AUVID_CAN_FOREIGN) {
+        ++craft->frames;
+    } else if (auvid_can_unpack(NULL, &now, &message) == AUVID_OK) {
+        ++craft->frames;
+        hear(craft, &message);
+    }
+}
+
+double craft_rms_percent(const craft_t *craft)
+{
+    double sum = 0.0;
+    if (craft->estimated != (1u << SIM_PARAMETERS) - 1u) {
+        return -1.0;
+    }
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double e = craft->estimate[i] / craft->sim.config.parameter[i] - 1.0;
+        sum += e * e;
+    }
+    return 100.0 * sqrt(sum / SIM_PARAMETERS);
+}
+
+static void send(sending_t *s, const auvid_can_message_t *message)
+{
+    if (s->count < CRAFT_FRAMES &&
+        auvid_can_pack(&s->craft->sender, message, &s->frame[s->count]) >= 0) {
+        s->frame[s->count++].t_us = s->craft->seen.t_us;
+    }
+}
+
+static void copy(auvid_real_t *to, const double *from, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        to[i] = (auvid_real_t)from[i];
+    }
+}
+
+static uint32_t age_ms(const craft_t *craft, const sim_measurement_t *sample)
+{
+    uint64_t age = (craft->seen.t_us - sample->t_us + 500u) / 1000u;
+    return age < AUVID_CAN_AGE_UNKNOWN ? (uint32_t)age : AUVID_CAN_AGE_UNKNOWN;
+}
+
+static void send_imu(sending_t *s, const sim_measurement_t *imu)
+{
+    auvid_can_message_t attitude = {.kind = AUVID_CAN_IMU_ATTITUDE};
+    auvid_can_message_t rates = {.kind = AUVID_CAN_IMU_RATES};
+    auvid_can_imu_attitude_t *a = &attitude.as.imu_attitude;
+    auvid_can_imu_rates_t *r = &rates.as.imu_rates;
+    a->phi = (auvid_real_t)imu->value[0];
+    a->theta = (auvid_real_t)imu->value[1];
+    a->psi = (auvid_real_t)imu->value[2];
+    r->p = (auvid_real_t)imu->value[3];
+    r->q = (auvid_real_t)imu->value[4];
+    r->r = (auvid_real_t)imu->value[5];
+    a->age = r->age = age_ms(s->craft, imu);
+    send(s, &attitude);
+    send(s, &rates);
+}
+
+static void send_dvl(sending_t *s, const sim_measurement_t *dvl)
+{
+    auvid_can_message_t m = {.kind = dvl->bottom ? AUVID_CAN_DVL_BOTTOM : AUVID_CAN_DVL_WATER};
+    auvid_real_t v[3];
+    copy(v, dvl->value, 3);
+    if (dvl->bottom) {
+        auvid_can_dvl_bottom_t bottom = {v[0], v[1], v[2], age_ms(s->craft, dvl)};
+        auvid_can_message_t height = {.kind = AUVID_CAN_DVL_ALTITUDE};
+        m.as.dvl_bottom = bottom;
+        height.as.dvl_altitude.altitude = (auvid_real_t)dvl->value[3];
+        height.as.dvl_altitude.age = bottom.age;
+        send(s, &height);
+    } else {
+        auvid_can_dvl_water_t water = {v[0], v[1], v[2], age_ms(s->craft, dvl)};
+        m.as.dvl_water = water;
+    }
+    send(s, &m);
+}
+
+static void send_sensors(sending_t *s)
+{
+    const sim_measurement_t *sensor = s->craft->seen.sensor;
+    auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
+    if (sensor[SIM_IMU].has) {
+        send_imu(s, &sensor[SIM_IMU]);
+    }
+    if (sensor[SIM_DVL].has) {
+        send_dvl(s, &sensor[SIM_DVL]);
+    }
+    if (sensor[SIM_DEPTH].has) {
+        m.as.depth.depth = (auvid_real_t)sensor[SIM_DEPTH].value[0];
+        m.as.depth.age = age_ms(s->craft, &sensor[SIM_DEPTH]);
+        send(s, &m);
+    }
+    if (sensor[SIM_GPS].has) {
+        m.kind = AUVID_CAN_GPS;
+        m.as.gps.x = (auvid_real_t)sensor[SIM_GPS].value[0];
+        m.as.gps.y = (auvid_real_t)sensor[SIM_GPS].value[1];
+        m.as.gps.age = age_ms(s->craft, &sensor[SIM_GPS]);
+        send(s, &m);
+    }
+}
+
+static void send_feedback(sending_t *s)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
+    auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_B};
+    double part[AUVID_CAN_THRUSTERS] = {0};
+    for (int i = 0; i < SIM_THRUSTERS; ++i) {
+        part[i] = s->craft->seen.thruster_N[i] / s->craft->sim.config.thruster_max_N;
+    }
+    copy(a.as.thruster_feedback_a.thrust, part, 4);
+    copy(b.as.thruster_feedback_b.thrust, part + 4, 4);
+    send(s, &a);
+    send(s, &b);
+}
+
+static void send_order(sending_t *s)
+{
+    craft_t *craft = s->craft;
+    craft->ticks_navigated += craft->navigates;
+    bool due = craft->ticks_navigated > 0 && craft->ticks_navigated % SECOND == 0;
+    if (due && !craft->armed && !craft->no_arm) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
+        m.as.arm.action = AUVID_CAN_ACTION_ARM;
+        m.as.arm.key = AUVID_CAN_ARM_KEY;
+        send(s, &m);
+    }
+}
+
+static void drive(craft_t *craft)
+{
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    craft->commanded =
+        auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust) == AUVID_OK;
+    for (int i = 0; i < SIM_THRUSTERS; ++i) {
+        craft->force_N[i] =
+            craft->hover_N[i] + (double)thrust[i] * craft->sim.config.thruster_max_N;
+    }
+}
+
+int craft_tick(craft_t *craft, auvid_can_frame_t *frame)
+{
+    sending_t s = {craft, frame, 0};
+    auvid_can_message_t tick = {.kind = AUVID_CAN_TICK};
+    drive(craft);
+    sim_step(&craft->sim, craft->force_N, NULL, &craft->seen);
+    send_sensors(&s);
+    send_feedback(&s);
+    send_order(&s);
+    craft->sequence = (craft->sequence + 1u) & 0xFFFFFu;
+    tick.as.tick.sequence = craft->sequence;
+    tick.as.tick.time = (uint32_t)craft->seen.t_us;
+    send(&s, &tick);
+    return s.count;
+}

@@ -1,0 +1,69 @@
+/**
+ * @file craft.h
+ * The simulated vehicle as the bus sees it: sensor frames, thruster feedback and the tick frame out,
+ * thruster commands in.
+ *
+ * Hover thrust is the vehicle's own (what an operator's station keeping would give); commanded
+ * thrust is added to it, and is zero unless good commands keep arriving (can_receiver.h). The
+ * vehicle gives the clock: what one tick sends ends with the tick frame, and the ages of the samples
+ * count back from it. The operator's part: an arm frame once the node has navigated for a second,
+ * repeated every second until the guard has left DISARMED.
+ */
+#ifndef CRAFT_H
+#define CRAFT_H
+
+#include "auvid/can_receiver.h"
+#include "simulator.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Most frames of one tick. */
+enum { CRAFT_FRAMES = 12 };
+
+typedef struct {
+    sim_config_t sim;
+    bool no_arm; /**< nobody arms the node */
+} craft_config_t;
+
+typedef struct {
+    sim_t sim;
+    sim_output_t seen; /**< of the last tick */
+    auvid_can_sender_t sender;
+    auvid_can_command_t command; /**< receivers of the commands; public to read */
+    double hover_N[SIM_THRUSTERS];
+    double force_N[SIM_THRUSTERS];   /**< what acted in the last tick */
+    uint32_t sequence;               /**< of the last tick frame */
+    uint32_t done;                   /**< sequence of the last tick_done */
+    uint32_t ticks_navigated;        /* since the node told its position first */
+    uint32_t frames;                 /**< frames of the node that were taken */
+    uint32_t sets, searches;         /**< which the node has told of */
+    uint8_t guard, work;             /**< likewise */
+    double estimate[SIM_PARAMETERS]; /**< told by the node last */
+    uint32_t estimated;              /**< bit i: it has told parameter i */
+    bool navigates, no_arm, armed;   /* the guard has left DISARMED */
+    bool commanded;                  /**< commanded thrust acted in the last tick */
+} craft_t;
+
+/** The defaults of the simulator. */
+void craft_defaults(craft_config_t *config);
+
+/** Start at time 0. False when the simulator refuses its configuration. */
+bool craft_init(craft_t *craft, const craft_config_t *config);
+
+/** Take a frame off the bus; its time of arrival is the last tick's. */
+void craft_take(craft_t *craft, const auvid_can_frame_t *frame);
+
+/** Root mean square relative error of the estimates told [%]; negative: not all are there. */
+double craft_rms_percent(const craft_t *craft);
+
+/** Simulate a tick of 20 ms. @param frame [CRAFT_FRAMES] written: to be sent in this order.
+ * @return how many */
+int craft_tick(craft_t *craft, auvid_can_frame_t *frame);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
