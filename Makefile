@@ -26,7 +26,9 @@ export EIGEN_DIR ?= /usr/include/eigen3
 LIB := $(wildcard lib/src/*.c)
 SIMULATOR := $(wildcard tools/simulator/*.c)
 PROGRAM := $(wildcard tools/auvid/*.c)
-PORT := $(wildcard port/linux_socketcan/*.c)
+# The bus needs Linux: elsewhere the program is built without it.
+PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c))
+PROGRAM := $(if $(PORT),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
@@ -53,7 +55,8 @@ WAYS := release double sanitized small bench
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
 # Everything but the library may use double and look at private headers.
-FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator
+FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator \
+    -Iport/linux_socketcan
 FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes
 FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itests/support -isystem $(UNITY_DIR) \
     -DUNITY_INCLUDE_DOUBLE=
@@ -122,7 +125,7 @@ clean: ## Remove build/ (third_party/ stays)
 .PHONY: all help demo test test-long lint size bench setup clean
 .PHONY: can can-check can-setup fuzz
 
-build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM))
+build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lm
 

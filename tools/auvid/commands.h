@@ -12,4 +12,9 @@ int demo(const options_t *options);
 int scenario(const options_t *options); /**< demo --scenario */
 int fit(const options_t *options);
 
+/* Where there is the Linux port. */
+int bus_node(const options_t *options);    /**< auvid node */
+int bus_vehicle(const options_t *options); /**< auvid vehicle */
+int bus_replay(const options_t *options);  /**< auvid replay */
+
 #endif

@@ -1,5 +1,6 @@
 /*
- * auvid: identify the dynamics of an underwater vehicle, simulated (demo) or recorded (fit).
+ * auvid: identify the dynamics of an underwater vehicle, simulated (demo), recorded (fit), or on
+ * a CAN bus (node, vehicle, replay: where there is the Linux port).
  */
 #include <stdio.h>
 #include <string.h>
@@ -15,9 +16,14 @@ static const char help[] =
     "\n"
     "usage: auvid demo [options]             identify a simulated Girona500, and check the result\n"
     "       auvid fit TRAIN.csv [options]    identify a vehicle from a recorded log\n"
+#ifdef __linux__
+    "       auvid node --bus IF [options]    identify a vehicle on a CAN bus\n"
+    "       auvid vehicle --bus IF [options] be a simulated Girona500 on a CAN bus\n"
+    "       auvid replay FILE.log [options]  identify from a log of the bus (candump -L)\n"
+#endif
     "       auvid --help | --version\n"
     "\n"
-    "options of both\n"
+    "options of demo and fit\n"
     "  --seed N           of all that is random; default 1\n"
     "  --literal          our reading of the paper's metric: smoothed states, raw wrench\n"
     "  --json             print one JSON object instead of tables\n"
@@ -45,12 +51,61 @@ static const char help[] =
     "                        better where rows sample an input that changes between them\n"
     "  --coupling auto|on|off  terms between degrees of freedom; auto: by cross-validation\n"
     "\n"
+#ifdef __linux__
+    "options of node\n"
+    "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
+    "  --excite           obey arm frames and command the thrusters; default: listen only\n"
+    "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
+    "  --sets K           end when K sets are identified; default 8\n"
+    "  --log FILE         write every frame as candump -L does\n"
+    "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
+    "  --realtime         ask for SCHED_FIFO and locked memory\n"
+    "  --seed N, --json   as above\n"
+    "\n"
+    "options of vehicle\n"
+    "  --bus IF, --seed N, --disturbance N, --realtime   as above\n"
+    "  --lock-step        go on when the node has done its tick, not after 20 ms\n"
+    "  --no-arm           nobody arms the node; default: a second after it navigates\n"
+    "  It ends when the node has been silent for 2 s.\n"
+    "\n"
+    "options of replay\n"
+    "  --seed N, --sets K those of the node that wrote the log\n"
+    "  --csv FILE         write its motion and thrust as a log that fit reads\n"
+    "  --json             as above\n"
+    "\n"
+#endif
     "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
     "cmd_roll cmd_pitch cmd_yaw. Missing attitude or rates count as zero. A degree of freedom\n"
     "without a varying input is left out.\n"
     "\n"
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";
+
+/* The commands on a bus; -1: not one of them. */
+static int on_bus(const char *command, int count, char **argument)
+{
+#ifdef __linux__
+    static const struct {
+        const char *name;
+        int (*read)(options_t *options, int count, char **argument);
+        int (*run)(const options_t *options);
+    } commands[] = {{"node", options_node, bus_node},
+                    {"vehicle", options_vehicle, bus_vehicle},
+                    {"replay", options_replay, bus_replay}};
+    options_t options;
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+        if (strcmp(command, commands[i].name) == 0) {
+            int status = commands[i].read(&options, count, argument);
+            return status != 0 ? status : commands[i].run(&options);
+        }
+    }
+#else
+    (void)command;
+    (void)count;
+    (void)argument;
+#endif
+    return -1;
+}
 
 int main(int count, char **argument)
 {
@@ -75,6 +130,8 @@ int main(int count, char **argument)
     } else if (strcmp(command, "fit") == 0) {
         status = options_fit(&options, count - 2, argument + 2);
         status = status != 0 ? status : fit(&options);
+    } else if (count > 1 && (status = on_bus(command, count - 2, argument + 2)) >= 0) {
+        return status == EXIT_REFUSED ? status : report_finish(status);
     } else if (command[0] == '\0') {
         return complain("no command: use 'auvid demo', 'auvid fit TRAIN.csv' or 'auvid --help'");
     } else {

@@ -214,6 +214,71 @@ static int fit_option(reader_t *r, options_t *options)
     return complain("fit: unknown option %s (auvid --help lists them)", r->name);
 }
 
+/* Options that node and vehicle have in common; -1: not one of them. */
+static int bus_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--bus")) {
+        return take_value(r, &options->bus);
+    }
+    if (is(r, "--lock-step")) {
+        return take_flag(r, &options->lock_step);
+    }
+    if (is(r, "--realtime")) {
+        return take_flag(r, &options->realtime);
+    }
+    return -1;
+}
+
+static int node_option(reader_t *r, options_t *options)
+{
+    static const char *const clocks[] = {"bus", "own"};
+    int choice = 0, status = bus_option(r, options);
+    if (status >= 0) {
+        return status;
+    }
+    if (is(r, "--clock")) {
+        status = take_word(r, clocks, 2, &choice);
+        options->clock_own = choice == 1;
+        return status;
+    }
+    if (is(r, "--excite")) {
+        return take_flag(r, &options->excite);
+    }
+    if (is(r, "--log")) {
+        return take_value(r, &options->log);
+    }
+    if (is(r, "--sets")) {
+        return take_count32(r, 1, 1000, &options->sets);
+    }
+    return complain("node: unknown option %s (auvid --help lists them)", r->name);
+}
+
+static int vehicle_option(reader_t *r, options_t *options)
+{
+    int status = bus_option(r, options);
+    if (status >= 0) {
+        return status;
+    }
+    if (is(r, "--disturbance")) {
+        return take_number(r, 1000.0, &options->disturbance_N);
+    }
+    if (is(r, "--no-arm")) {
+        return take_flag(r, &options->no_arm);
+    }
+    return complain("vehicle: unknown option %s (auvid --help lists them)", r->name);
+}
+
+static int replay_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--csv")) {
+        return take_value(r, &options->csv);
+    }
+    if (is(r, "--sets")) {
+        return take_count32(r, 1, 1000, &options->sets);
+    }
+    return complain("replay: unknown option %s (auvid --help lists them)", r->name);
+}
+
 static int read_all(options_t *options, int count, char **argument, const char *command,
                     int (*own_option)(reader_t *, options_t *), const char **word)
 {
@@ -272,4 +337,51 @@ int options_fit(options_t *options, int count, char **argument)
         return complain("fit: no TRAIN.csv given");
     }
     return status;
+}
+
+/* What does not go together, or is missing. */
+static int check_bus(options_t *options, const char *command)
+{
+    options->sets = options->sets > 0 ? options->sets : 8;
+    options->disturbance_N = options->disturbance_N < 0.0 ? 0.0 : options->disturbance_N;
+    if (options->literal) {
+        return complain("%s: unknown option --literal (auvid --help lists them)", command);
+    }
+    if (options->bus == NULL) {
+        return complain("%s: no --bus given: can0, say, or vcan0", command);
+    }
+    if (options->clock_own && options->lock_step) {
+        return complain("%s: --clock own and --lock-step do not go together", command);
+    }
+    return 0;
+}
+
+int options_node(options_t *options, int count, char **argument)
+{
+    int status = read_all(options, count, argument, "node", node_option, NULL);
+    status = status != 0 ? status : check_bus(options, "node");
+    if (status == 0 && options->clock_own && strcmp(options->bus, "memory") == 0) {
+        return complain("node: on the bus in memory the vehicle has the clock");
+    }
+    return status;
+}
+
+int options_vehicle(options_t *options, int count, char **argument)
+{
+    int status = read_all(options, count, argument, "vehicle", vehicle_option, NULL);
+    status = status != 0 ? status : check_bus(options, "vehicle");
+    if (status == 0 && options->json) {
+        return complain("vehicle: unknown option --json (auvid --help lists them)");
+    }
+    return status;
+}
+
+int options_replay(options_t *options, int count, char **argument)
+{
+    const char *log = NULL;
+    int status = read_all(options, count, argument, "replay", replay_option, &log);
+    options->log = log;
+    options->bus = "";
+    status = status != 0 ? status : check_bus(options, "replay");
+    return status == 0 && log == NULL ? complain("replay: no FILE.log given") : status;
 }

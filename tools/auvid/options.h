@@ -32,11 +32,23 @@ typedef struct {
     bool bias;
     bool linear_input;
     coupling_t coupling;
+
+    /* node, vehicle, replay; seed, sets, disturbance and csv as above */
+    const char *bus; /**< interface */
+    const char *log; /**< node: to be written, null: none; replay: to be read */
+    bool clock_own;  /**< the node gives the tick */
+    bool excite;
+    bool lock_step;
+    bool realtime;
+    bool no_arm;
 } options_t;
 
 /** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr.
  */
 int options_demo(options_t *options, int count, char **argument);
 int options_fit(options_t *options, int count, char **argument);
+int options_node(options_t *options, int count, char **argument);
+int options_vehicle(options_t *options, int count, char **argument);
+int options_replay(options_t *options, int count, char **argument);
 
 #endif

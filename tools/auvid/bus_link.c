@@ -1,0 +1,122 @@
+#include "bus_link.h"
+
+#include <string.h>
+#include <time.h>
+
+#include "complain.h"
+
+/* SCHED_FIFO priority with --realtime. */
+#define PRIORITY 50
+
+void link_take(link_t *link, const char *command, bus_t *bus)
+{
+    memset(link, 0, sizeof *link);
+    link->command = command;
+    link->bus = bus;
+}
+
+int link_open(link_t *link, const char *command, const char *interface, bool realtime)
+{
+    char text[2 * TICK_TEXT];
+    link_take(link, command, &link->socket.bus);
+    if (bus_socketcan_open(&link->socket, interface, NULL, 0) != BUS_OK) {
+        return complain("%s: %s", command, link->socket.bus.text);
+    }
+    if (realtime && tick_realtime(PRIORITY, text, sizeof text) != 0) {
+        complain_line("%s: %s", command, text);
+    }
+    link->ticking = tick_open(&link->tick, LINK_TICK_US) == 0;
+    if (!link->ticking || tick_watch(&link->tick, link->bus->fd) != 0) {
+        complain_line("%s: %s", command, link->tick.text);
+        (void)link_close(link);
+        return EXIT_REFUSED;
+    }
+    return 0;
+}
+
+int link_log(link_t *link, const char *path, const char *interface)
+{
+    uint64_t now = link->bus->now_us(link->bus), day = 1000000u * (uint64_t)time(NULL);
+    if (bus_candump_create(&link->log, path, interface, day - now) != BUS_OK) {
+        return complain("%s: %s", link->command, link->log.bus.text);
+    }
+    link->logging = true;
+    return 0;
+}
+
+static int log_frame(link_t *link, const bus_frame_t *frame)
+{
+    if (link->logging && link->log.bus.send(&link->log.bus, frame) != BUS_OK) {
+        return complain("%s: %s", link->command, link->log.bus.text);
+    }
+    return 0;
+}
+
+/* What a failure of the bus means: a line when it goes down or comes up, the end when broken. */
+static int note(link_t *link, int status)
+{
+    bool down = status == BUS_DOWN;
+    if (down && !link->down) {
+        complain_line("%s: %s", link->command, link->bus->text);
+    }
+    if (!down && link->down) {
+        complain_line("%s: the interface is up again", link->command);
+    }
+    link->down = down;
+    return status == BUS_BROKEN ? complain("%s: %s", link->command, link->bus->text) : 0;
+}
+
+int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
+{
+    int status = 0;
+    for (int i = 0; i < count && status == 0; ++i) {
+        bus_frame_t raw = {.id = frame[i].id, .length = frame[i].length};
+        memcpy(raw.data, frame[i].data, sizeof raw.data);
+        raw.t_us = link->bus->now_us(link->bus);
+        int sent = link->bus->send(link->bus, &raw);
+        status = sent == BUS_BROKEN ? note(link, sent) : 0;
+        status = status == 0 ? log_frame(link, &raw) : status;
+    }
+    return status;
+}
+
+bool link_convert(const bus_frame_t *from, auvid_can_frame_t *to)
+{
+    if (from->flags != 0) {
+        return false;
+    }
+    memset(to, 0, sizeof *to);
+    to->t_us = from->t_us;
+    to->id = (uint16_t)from->id;
+    to->length = from->length;
+    memcpy(to->data, from->data, sizeof to->data);
+    return true;
+}
+
+int link_receive(link_t *link, auvid_can_frame_t *frame)
+{
+    bus_frame_t raw;
+    int count = 0;
+    while ((count = link->bus->receive(link->bus, &raw, 1)) > 0) {
+        if (note(link, BUS_OK) != 0 || log_frame(link, &raw) != 0) {
+            return -1;
+        }
+        if (link_convert(&raw, frame)) {
+            return 1;
+        }
+    }
+    return note(link, count) != 0 ? -1 : 0;
+}
+
+int link_close(link_t *link)
+{
+    int status = 0;
+    if (link->ticking) {
+        tick_close(&link->tick);
+    }
+    (void)link->bus->close(link->bus);
+    if (link->logging && link->log.bus.close(&link->log.bus) != BUS_OK) {
+        status = complain("%s: %s", link->command, link->log.bus.text);
+    }
+    return status;
+}

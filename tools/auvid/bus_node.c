@@ -1,0 +1,205 @@
+/*
+ * auvid node: the identifier on a CAN bus.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/node.h"
+#include "bus_link.h"
+#include "commands.h"
+#include "complain.h"
+#include "craft.h"
+#include "report.h"
+#include "world.h"
+
+/* Ticks after the last search in which the last estimates go out: they take turns, one in five. */
+#define LINGER_TICKS 130u
+
+typedef struct {
+    const options_t *options;
+    auvid_node_t node;
+    link_t link;
+    craft_t craft;    /* --bus memory: the vehicle is in this process */
+    bus_memory_t hub; /* ends: node, vehicle */
+    bool simulated, silent;
+    uint64_t heard_us; /* last tick */
+    uint32_t linger;   /* ticks since everything was done */
+} run_t;
+
+static int begin(run_t *run)
+{
+    const options_t *o = run->options;
+    const world_config_t world = {.seed = o->seed, .sets = o->sets};
+    auvid_identifier_config_t identifier;
+    auvid_node_config_t cfg;
+    world_identifier(&identifier, &world);
+    auvid_node_defaults(&cfg);
+    cfg.excite = o->excite;
+    cfg.answer = o->lock_step || run->simulated;
+    auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
+    if (status < 0) {
+        return complain("node: the identifier refused its configuration");
+    }
+    if (!run->simulated) {
+        return link_open(&run->link, "node", o->bus, o->realtime);
+    }
+    craft_config_t craft;
+    craft_defaults(&craft);
+    craft.sim.seed = o->seed;
+    craft.no_arm = !o->excite;
+    if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK || !craft_init(&run->craft, &craft)) {
+        return complain("node: the simulator refused its configuration");
+    }
+    link_take(&run->link, "node", &run->hub.end[0].bus);
+    return 0;
+}
+
+/* Everything of one tick. own_us: null, or the time of the node's own clock. */
+static int serve(run_t *run, const uint64_t *own_us)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_node_t *node = &run->node;
+    uint64_t began_us = tick_now_us();
+    int count = 0;
+    (void)auvid_node_step(node, own_us, frame, &count);
+    int status = link_send(&run->link, frame, count);
+    bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
+    uint64_t took_us = tick_now_us() - began_us;
+    (void)auvid_node_report(node, (uint32_t)(100u * took_us / LINK_TICK_US), frame, &count);
+    status = status == 0 ? link_send(&run->link, frame, count) : status;
+    bool over = !busy && node->id.metric.sets_recorded >= run->options->sets;
+    run->linger = over ? run->linger + 1 : 0;
+    run->heard_us = began_us;
+    run->silent = false;
+    return status;
+}
+
+/* All frames that are there. */
+static int receive(run_t *run)
+{
+    auvid_can_frame_t frame;
+    int got = 0, status = 0;
+    while (status == 0 && (got = link_receive(&run->link, &frame)) > 0) {
+        if (auvid_node_take(&run->node, &frame) == AUVID_TICK && !run->options->clock_own) {
+            status = serve(run, NULL);
+        }
+    }
+    return got < 0 ? EXIT_REFUSED : status;
+}
+
+/* The vehicle's part of a tick, over the bus in memory. */
+static void simulate(run_t *run)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES], heard;
+    bus_t *bus = &run->hub.end[1].bus;
+    bus_frame_t raw;
+    while (bus->receive(bus, &raw, 1) > 0) {
+        if (link_convert(&raw, &heard)) {
+            craft_take(&run->craft, &heard);
+        }
+    }
+    bus_memory_advance(&run->hub, LINK_TICK_US);
+    int count = craft_tick(&run->craft, frame);
+    for (int i = 0; i < count; ++i) {
+        raw = (bus_frame_t){.id = frame[i].id, .length = frame[i].length};
+        memcpy(raw.data, frame[i].data, sizeof raw.data);
+        (void)bus->send(bus, &raw);
+    }
+}
+
+/* Wait for frames or the own tick. Returns TICK_... or a negative number after a complaint. */
+static int wait(run_t *run)
+{
+    if (run->simulated) {
+        simulate(run);
+        return TICK_READABLE;
+    }
+    int events = tick_wait(&run->link.tick, 500);
+    if (events < 0) {
+        complain_line("node: %s", run->link.tick.text);
+    }
+    if (!run->silent && tick_now_us() - run->heard_us > LINK_SILENCE_US) {
+        complain_line("node: no tick frame on %s: waiting", run->options->bus);
+        run->silent = true;
+    }
+    return events;
+}
+
+static int loop(run_t *run)
+{
+    int status = 0, events = 0;
+    bool own = run->options->clock_own;
+    run->heard_us = tick_now_us();
+    while (status == 0 && (events & TICK_STOP) == 0 && run->linger < LINGER_TICKS) {
+        events = wait(run);
+        status = events < 0 ? EXIT_REFUSED : receive(run);
+        if (status == 0 && own && (events & TICK_DUE) != 0) {
+            const tick_t *tick = &run->link.tick;
+            uint64_t t_us = tick->start_us + tick->ticks * tick->period_us;
+            run->node.counters.ticks_missed = (uint32_t)tick->missed;
+            status = serve(run, &t_us);
+        }
+    }
+    return status;
+}
+
+static void print_counters(const run_t *run)
+{
+    const auvid_node_counters_t *c = &run->node.counters;
+    const bus_statistics_t *s = &run->link.bus->statistics;
+    printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
+           "        refused: %u frames, %u samples; clock set %u times\n",
+           run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent,
+           (unsigned long long)(s->send_busy + s->send_failed + s->dropped), (unsigned)c->ticks,
+           (unsigned)c->ticks_missed, (unsigned)c->refused, (unsigned)c->samples_dropped,
+           (unsigned)c->clock_steps);
+}
+
+static int finish(run_t *run)
+{
+    static result_t result;
+    report_gather(&result, &run->node.id, run->options->seed);
+    result.has_guard = run->options->excite;
+    if (run->simulated) {
+        result.has_truth = true;
+        memcpy(result.truth, run->craft.sim.config.parameter, sizeof result.truth);
+    }
+    if (run->options->json) {
+        report_json(&result, NULL, NULL, NULL);
+    } else {
+        printf("auvid %s node on %s, %s\n\n", AUVID_VERSION_STRING, run->options->bus,
+               run->options->excite ? "exciting" : "passive");
+        report_result(&result, NULL);
+        print_counters(run);
+    }
+    return report_exit(&result);
+}
+
+int bus_node(const options_t *options)
+{
+    run_t *run = calloc(1, sizeof *run);
+    if (run == NULL) {
+        return complain("node: not enough memory");
+    }
+    run->options = options;
+    run->simulated = strcmp(options->bus, "memory") == 0;
+    int status = begin(run);
+    if (status == 0) {
+        auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+        int count = 0;
+        const char *name = run->simulated ? "memory" : options->bus;
+        status = options->log != NULL ? link_log(&run->link, options->log, name) : 0;
+        status = status == 0 ? loop(run) : status;
+        if (run->node.commanding) {
+            (void)auvid_node_halt(&run->node, frame, &count);
+            (void)link_send(&run->link, frame, count);
+        }
+        int report = status == 0 ? finish(run) : 0;
+        int closed = link_close(&run->link);
+        status = status == 0 ? closed : status;
+        status = status == 0 ? report : status;
+    }
+    free(run);
+    return status;
+}

@@ -1,0 +1,189 @@
+/*
+ * auvid replay: a log of the bus through a node, and its estimates beside those in the log.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/node.h"
+#include "bus_link.h"
+#include "commands.h"
+#include "complain.h"
+#include "csv.h"
+#include "report.h"
+#include "world.h"
+
+/* Frames that the node has sent and the log has not shown yet. */
+enum { WAITING = 256 };
+
+typedef struct {
+    const options_t *options;
+    auvid_node_t node;
+    bus_candump_t log;
+    csv_writer_t csv;
+    auvid_can_frame_t sent[WAITING]; /* a ring */
+    uint32_t first, count;
+    uint32_t ours, same, different; /* frames; estimates among them */
+} run_t;
+
+static bool is_estimate(const auvid_can_frame_t *frame)
+{
+    auvid_can_kind_t kind = auvid_can_kind(NULL, frame->id);
+    return kind == AUVID_CAN_ESTIMATE || kind == AUVID_CAN_ESTIMATE_SIGMA;
+}
+
+/* An estimate in the log: is it what this node has sent? */
+static void compare(run_t *run, const auvid_can_frame_t *frame)
+{
+    if (run->count == 0) {
+        ++run->different;
+        return;
+    }
+    const auvid_can_frame_t *mine = &run->sent[run->first];
+    bool same = mine->id == frame->id && memcmp(mine->data, frame->data, sizeof mine->data) == 0;
+    run->first = (run->first + 1) % WAITING;
+    --run->count;
+    run->same += same;
+    run->different += !same;
+}
+
+static void keep(run_t *run, const auvid_can_frame_t *frame, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (is_estimate(&frame[i]) && run->count < WAITING) {
+            run->sent[(run->first + run->count++) % WAITING] = frame[i];
+        }
+    }
+}
+
+/* Motion at the last tick, and the thrust that acted from then on. */
+static void write_row(run_t *run)
+{
+    auvid_nav_state_t state;
+    const auvid_node_t *node = &run->node;
+    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
+    if (run->options->csv == NULL || !node->feedback ||
+        auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {
+        return;
+    }
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        auvid_real_t part = node->thrust[i];
+        force_N[i] = part * (part > 0 ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N);
+    }
+    (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
+    csv_row_t row = {.value = {[CSV_T] = 1e-6 * (double)node->t_us}};
+    for (int i = 0; i < 3; ++i) {
+        row.value[CSV_ATTITUDE + i] = (double)state.attitude[i];
+        row.value[CSV_NU + i] = (double)state.velocity[i];
+        row.value[CSV_NU + 3 + i] = (double)state.rates[i];
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        row.value[CSV_WRENCH + j] = (double)wrench[j];
+    }
+    csv_write_row(&run->csv, &row);
+}
+
+static void take(run_t *run, const auvid_can_frame_t *frame)
+{
+    auvid_can_frame_t out[AUVID_NODE_FRAMES];
+    auvid_can_message_t message;
+    int count = 0;
+    if (auvid_can_unpack(NULL, frame, &message) == AUVID_OK) {
+        ++run->ours;
+    }
+    if (is_estimate(frame)) {
+        compare(run, frame);
+    } else if (auvid_node_take(&run->node, frame) == AUVID_TICK) {
+        write_row(run);
+        (void)auvid_node_step(&run->node, NULL, out, &count);
+        (void)auvid_node_work(&run->node, AUVID_DEFAULT_BUDGET);
+        (void)auvid_node_report(&run->node, 0, out, &count);
+        keep(run, out, count);
+    }
+}
+
+static int read_all(run_t *run)
+{
+    bus_t *bus = &run->log.bus;
+    bus_frame_t raw;
+    auvid_can_frame_t frame;
+    int count = 0;
+    while ((count = bus->receive(bus, &raw, 1)) > 0) {
+        if (link_convert(&raw, &frame)) {
+            take(run, &frame);
+        }
+    }
+    if (count != BUS_END) {
+        return complain("replay: %s", bus->text);
+    }
+    if (run->ours == 0) {
+        return complain("replay: %s: no frame of auvid in it; is it a log of its bus?",
+                        run->options->log);
+    }
+    return run->node.counters.ticks > 0
+               ? 0
+               : complain("replay: %s: no tick frame in it, so no time", run->options->log);
+}
+
+static int begin(run_t *run)
+{
+    const world_config_t world = {.seed = run->options->seed, .sets = run->options->sets};
+    auvid_identifier_config_t identifier;
+    auvid_node_config_t cfg;
+    world_identifier(&identifier, &world);
+    auvid_node_defaults(&cfg);
+    cfg.excite = true; /* obey what the log's operator ordered; nobody hears the commands */
+    if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
+        return complain("replay: the identifier refused its configuration");
+    }
+    if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
+        return complain("replay: %s", run->log.bus.text);
+    }
+    return 0;
+}
+
+static int report(const run_t *run)
+{
+    static result_t result;
+    report_gather(&result, &run->node.id, run->options->seed);
+    if (run->options->json) {
+        report_json(&result, NULL, NULL, NULL);
+    } else {
+        printf("auvid %s replay of %s\n\n", AUVID_VERSION_STRING, run->options->log);
+        report_result(&result, NULL);
+        printf("  log   %u frames of auvid, %u ticks; estimate frames: %u as in the log, %u "
+               "different\n",
+               (unsigned)run->ours, (unsigned)run->node.counters.ticks, (unsigned)run->same,
+               (unsigned)run->different);
+    }
+    return run->different > 0 ? 1 : report_exit(&result);
+}
+
+int bus_replay(const options_t *options)
+{
+    run_t *run = calloc(1, sizeof *run);
+    if (run == NULL) {
+        return complain("replay: not enough memory");
+    }
+    run->options = options;
+    int status = begin(run);
+    if (status == 0) {
+        bool writes = options->csv != NULL;
+        status = writes ? csv_create(&run->csv, options->csv) : 0;
+        writes = writes && status == 0;
+        if (writes) {
+            csv_write_header(&run->csv);
+        }
+        status = status == 0 ? read_all(run) : status;
+        if (writes && status == 0) {
+            status = csv_commit(&run->csv);
+        } else if (writes) {
+            csv_discard(&run->csv);
+        }
+        (void)run->log.bus.close(&run->log.bus);
+        status = status == 0 ? report(run) : status;
+    }
+    free(run);
+    return status;
+}

@@ -1,0 +1,106 @@
+/*
+ * auvid vehicle: the simulated vehicle on a CAN bus.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bus_link.h"
+#include "commands.h"
+#include "complain.h"
+#include "craft.h"
+#include "report.h"
+
+typedef struct {
+    const options_t *options;
+    craft_t craft;
+    link_t link;
+    uint64_t heard_us; /* last frame of the node */
+    bool stop;
+} run_t;
+
+static int receive(run_t *run)
+{
+    auvid_can_frame_t frame;
+    int got = 0;
+    while ((got = link_receive(&run->link, &frame)) > 0) {
+        uint32_t before = run->craft.frames;
+        craft_take(&run->craft, &frame);
+        run->heard_us = run->craft.frames != before ? tick_now_us() : run->heard_us;
+    }
+    return got < 0 ? EXIT_REFUSED : 0;
+}
+
+/* Until the next tick may be simulated: the node has done this one, or 20 ms are over. */
+static int pace(run_t *run)
+{
+    const craft_t *craft = &run->craft;
+    int status = 0, events = 0;
+    bool waits = run->options->lock_step && craft->done != 0;
+    while (status == 0 && !run->stop) {
+        events = tick_wait(&run->link.tick, waits ? 100 : -1);
+        status = events < 0 ? complain("vehicle: %s", run->link.tick.text) : receive(run);
+        run->stop = events > 0 && (events & TICK_STOP) != 0;
+        bool silent = run->heard_us > 0 && tick_now_us() - run->heard_us > LINK_SILENCE_US;
+        run->stop = run->stop || silent;
+        if (waits ? craft->done == craft->sequence : (events & TICK_DUE) != 0) {
+            break;
+        }
+    }
+    return status;
+}
+
+static int loop(run_t *run)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES];
+    int status = 0;
+    while (status == 0 && !run->stop) {
+        status = receive(run);
+        int count = craft_tick(&run->craft, frame);
+        status = status == 0 ? link_send(&run->link, frame, count) : status;
+        status = status == 0 ? pace(run) : status;
+    }
+    return status;
+}
+
+static void print(const run_t *run)
+{
+    const craft_t *c = &run->craft;
+    double rms = craft_rms_percent(c);
+    printf("auvid %s vehicle on %s: %.0f s simulated, %u frames of a node\n", AUVID_VERSION_STRING,
+           run->options->bus, 1e-6 * (double)c->seen.t_us, (unsigned)c->frames);
+    printf("  commands  %u good, %u lost, %u repeated, %u bad; %u times silent: thrust zero\n",
+           (unsigned)c->command.half[0].good, (unsigned)c->command.half[0].lost,
+           (unsigned)c->command.half[0].repeated,
+           (unsigned)(c->command.half[0].checksum + c->command.half[0].invalid),
+           (unsigned)c->command.half[0].timed_out);
+    if (rms >= 0.0) {
+        printf("  estimate  %u sets, rms error %.2f %%\n", (unsigned)c->sets, rms);
+    }
+}
+
+int bus_vehicle(const options_t *options)
+{
+    run_t *run = calloc(1, sizeof *run);
+    if (run == NULL) {
+        return complain("vehicle: not enough memory");
+    }
+    craft_config_t cfg;
+    craft_defaults(&cfg);
+    cfg.sim.seed = options->seed;
+    cfg.sim.disturbance_N = options->disturbance_N;
+    cfg.sim.disturbance_Nm = 0.4 * options->disturbance_N;
+    cfg.no_arm = options->no_arm;
+    run->options = options;
+    int status = craft_init(&run->craft, &cfg)
+                     ? link_open(&run->link, "vehicle", options->bus, options->realtime)
+                     : complain("vehicle: the simulator refused its configuration");
+    if (status == 0) {
+        status = loop(run);
+        if (status == 0) {
+            print(run);
+        }
+        (void)link_close(&run->link);
+    }
+    free(run);
+    return status;
+}
