@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# The program on a bus, as far as it needs no kernel with CAN: the bus in memory, logs, refusals.
+. "$(dirname "$0")/common.sh"
+
+if [ "$(uname -s)" != Linux ]; then
+    echo "ok - skipped: the bus needs Linux"
+    finish
+fi
+
+# ---- identification over the bus in memory, frames and all ----
+check "the node identifies" exits 0 node --bus memory --excite --sets 2 --log run.log --json
+cp out node.json
+check "its estimate is right" is node.json '
+assert all(error(n) < 0.1 for n in P), {n: error(n) for n in P}
+assert d["status"] == "ok", d["status"]'
+check "it has sent thruster commands" grep -q ' 042#' run.log
+check "a listening node ends" exits 1 node --bus memory --sets 1 --log passive.log
+check "and has sent none" sh -c '! grep -Eq " 04[23]#" passive.log'
+check "the same seed, the same estimate" exits 0 node --bus memory --excite --sets 2 --json
+check "to the last digit" cmp out node.json
+
+# ---- replay ----
+check "a log replays" exits 0 replay run.log --sets 2 --json
+check "to the same estimate" is out '
+n = json.load(open("node.json"))
+assert [p["estimate"] for p in d["parameters"]] == [p["estimate"] for p in n["parameters"]]'
+check "and says that all frames are the same" exits 0 replay run.log --sets 2 --csv motion.csv
+check "none different" grep -Eq 'estimate frames: [1-9][0-9]* as in the log, 0 different' out
+check "fit reads the motion" exits 0 fit motion.csv --json
+check "and finds masses" is out '
+assert all(error(n) < 0.1 for n in ("m_u", "m_v", "m_w")), {n: error(n) for n in P}'
+sed -E 's/^\(([0-9.]+)\)/(\1)/; s/ memory / can7 /' run.log | awk '{ $1 = "(7.000000)"; print }' \
+    >late.log
+check "times of arrival do not matter" exits 0 replay late.log --sets 2
+check "no frame differs" grep -q ' 0 different' out
+# a lost sensor frame changes the estimate, and replay says so
+awk '/ 404#/ && ++n % 50 == 0 { next } { print }' run.log >lossy.log
+check "a log with frames missing differs from its estimates" exits 1 replay lossy.log --sets 2
+check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
+
+# ---- refusals ----
+check "node without a bus" refuses 'node: no --bus given' node
+check "vehicle without a bus" refuses 'vehicle: no --bus given' vehicle
+check "no such interface, or no CAN" refuses 'node: .*(no interface|no CAN|nope0)' \
+    node --bus nope0
+check "an interface with too long a name" refuses 'vehicle: ' \
+    vehicle --bus a-name-that-is-longer-than-any
+check "unknown option of node" refuses 'node: unknown option --no-arm' node --bus memory --no-arm
+check "unknown option of vehicle" refuses 'vehicle: unknown option --excite' vehicle --excite
+check "unknown option of replay" refuses 'replay: unknown option --bus' replay --bus=x a.log
+check "another clock" refuses "'sun' is not one of bus, own" node --clock sun
+check "a clock of its own in lock step" refuses 'do not go together' \
+    node --bus can0 --clock own --lock-step
+check "a log that cannot be written" refuses 'none/x.log' \
+    node --bus memory --sets 1 --log none/x.log
+check "a log that is full" refuses '/dev/full' node --bus memory --sets 1 --log /dev/full
+check "no log" refuses 'replay: no FILE.log given' replay
+check "a log that is not there" refuses 'none.log: No such file' replay none.log
+head -c 100000 run.log >cut.log
+check "a log that was cut off" refuses 'cut.log:[0-9]+: is cut off' replay cut.log
+printf 't_s,u\n0,1\n' >other.log
+check "a file of another kind" refuses 'other.log:1: is no line of' replay other.log
+printf '(1.000000) can0 123#00\n' >foreign.log
+check "a log of another bus" refuses 'foreign.log: no frame of auvid' replay foreign.log
+grep ' 400#' run.log | head -n 9 >tickless.log
+check "a log without ticks" refuses 'tickless.log: no tick frame' replay tickless.log
+: >empty.log
+check "an empty log" refuses 'empty.log is empty' replay empty.log
+check "a CSV that cannot be written" refuses 'none/x.csv' replay run.log --csv none/x.csv
+finish
