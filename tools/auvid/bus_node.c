@@ -16,6 +16,9 @@
 /* Ticks after the last search in which the last estimates go out: they take turns, one in five. */
 #define LINGER_TICKS 130u
 
+/* Frames received in one turn of the loop: more than a full bus brings in a tick. */
+#define MOST_FRAMES 512
+
 typedef struct {
     const options_t *options;
     auvid_node_t node;
@@ -75,17 +78,18 @@ static int serve(run_t *run, const uint64_t *own_us)
     return status;
 }
 
-/* All frames that are there. */
+/* The frames that are there, up to a tick: where they never end, signals are looked at in between.
+ */
 static int receive(run_t *run)
 {
     auvid_can_frame_t frame;
-    int got = 0, status = 0;
-    while (status == 0 && (got = link_receive(&run->link, &frame)) > 0) {
+    int got = 0;
+    for (int k = 0; k < MOST_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
         if (auvid_node_take(&run->node, &frame) == AUVID_TICK && !run->options->clock_own) {
-            status = serve(run, NULL);
+            return serve(run, NULL);
         }
     }
-    return got < 0 ? EXIT_REFUSED : status;
+    return got < 0 ? EXIT_REFUSED : 0;
 }
 
 /* The vehicle's part of a tick, over the bus in memory. */

@@ -10,6 +10,9 @@
 #include "craft.h"
 #include "report.h"
 
+/* Frames received in one turn of the loop: more than a full bus brings in a tick. */
+#define MOST_FRAMES 512
+
 typedef struct {
     const options_t *options;
     craft_t craft;
@@ -22,7 +25,7 @@ static int receive(run_t *run)
 {
     auvid_can_frame_t frame;
     int got = 0;
-    while ((got = link_receive(&run->link, &frame)) > 0) {
+    for (int k = 0; k < MOST_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
         uint32_t before = run->craft.frames;
         craft_take(&run->craft, &frame);
         run->heard_us = run->craft.frames != before ? tick_now_us() : run->heard_us;

@@ -1,13 +1,13 @@
 /**
  * @file craft.h
- * The simulated vehicle as the bus sees it: sensor frames, thruster feedback and the tick frame out,
- * thruster commands in.
+ * The simulated vehicle as the bus sees it: sensor frames, thruster feedback and the tick frame
+ * out, thruster commands in.
  *
  * Hover thrust is the vehicle's own (what an operator's station keeping would give); commanded
  * thrust is added to it, and is zero unless good commands keep arriving (can_receiver.h). The
- * vehicle gives the clock: what one tick sends ends with the tick frame, and the ages of the samples
- * count back from it. The operator's part: an arm frame once the node has navigated for a second,
- * repeated every second until the guard has left DISARMED.
+ * vehicle gives the clock: what one tick sends ends with the tick frame, and ages of samples count
+ * back from it. The operator's part: an arm frame once the node has navigated for a second, again
+ * every second until the guard has left DISARMED.
  */
 #ifndef CRAFT_H
 #define CRAFT_H

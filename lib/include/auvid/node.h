@@ -13,7 +13,7 @@
  * that with one command of zero in the same tick; the receiver's time-out does so when the node
  * itself has died.
  *
- * Time is the tick's: what arrived since the tick before counts as sent at this one, less the age it
+ * Time is the tick's: what came since the tick before counts as sent at this one, less the age it
  * carries. So a log of the frames replays bit for bit, however fast it is read. A sender that knows
  * the tick gives its samples' age at the tick; one that does not is up to a tick late.
  *
@@ -91,7 +91,7 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
 /** Start.
- * @param identifier its configuration; allocation is required: the bus knows thrusters, not wrenches
+ * @param identifier its configuration, with allocation: the bus knows thrusters, not wrenches
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.
  * On error every other function refuses *node with AUVID_ERR_STATE. */
