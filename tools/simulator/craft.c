@@ -203,8 +203,12 @@ static void send_order(sending_t *s)
 static void drive(craft_t *craft)
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    bool before = craft->commanded;
     craft->commanded =
         auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust) == AUVID_OK;
+    if (before && !craft->commanded) {
+        craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
+    }
     for (int i = 0; i < SIM_THRUSTERS; ++i) {
         craft->force_N[i] =
             craft->hover_N[i] + (double)thrust[i] * craft->sim.config.thruster_max_N;

@@ -40,6 +40,8 @@ typedef struct {
     uint32_t frames;                 /**< frames of the node that were taken */
     uint32_t sets, searches;         /**< which the node has told of */
     uint8_t guard, work;             /**< likewise */
+    uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
+                                          thrust was zero */
     double estimate[SIM_PARAMETERS]; /**< told by the node last */
     uint32_t estimated;              /**< bit i: it has told parameter i */
     bool navigates, no_arm, armed;   /* the guard has left DISARMED */
