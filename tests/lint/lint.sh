@@ -14,7 +14,7 @@ mkdir -p "$OUT"
 export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion \
 -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca -Werror -Ilib/include"
 TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
--Ilib/include -Ilib/src -Itools/simulator"
+-Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan"
 shopt -s nullglob
 lib=(lib/src/*.c)
 tools=(tools/*/*.c port/*/*.c)
@@ -105,14 +105,14 @@ check_tools() {
 
 check_tidy() {
     each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
-        2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
+        -Iport/linux_socketcan 2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
         exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
 }
 
 check_cppcheck() {
     cppcheck --quiet --std=c11 --enable=warning,portability,performance --error-exitcode=1 \
         --inline-suppr --suppress=missingIncludeSystem -j "$(nproc)" -UAUVID_USER_CONFIG \
-        -Ilib/include -Ilib/src -Itools/simulator "${lib[@]}" "${tools[@]}"
+        -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan "${lib[@]}" "${tools[@]}"
 }
 
 step "the rules below can fail" tests/lint/selftest.sh

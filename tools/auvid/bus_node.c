@@ -152,12 +152,12 @@ static void print_counters(const run_t *run)
 {
     const auvid_node_counters_t *c = &run->node.counters;
     const bus_statistics_t *s = &run->link.bus->statistics;
+    unsigned long long lost = s->send_busy + s->send_failed + s->dropped;
     printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
            "        refused: %u frames, %u samples; clock set %u times\n",
-           run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent,
-           (unsigned long long)(s->send_busy + s->send_failed + s->dropped), (unsigned)c->ticks,
-           (unsigned)c->ticks_missed, (unsigned)c->refused, (unsigned)c->samples_dropped,
-           (unsigned)c->clock_steps);
+           run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent, lost,
+           (unsigned)c->ticks, (unsigned)c->ticks_missed, (unsigned)c->refused,
+           (unsigned)c->samples_dropped, (unsigned)c->clock_steps);
 }
 
 static int finish(run_t *run)
