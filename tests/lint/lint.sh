@@ -105,7 +105,8 @@ check_tools() {
 
 check_tidy() {
     each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
-        -Iport/linux_socketcan 2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
+        -Iport/linux_socketcan \
+        2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
         exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
 }
 
