@@ -15,10 +15,11 @@
  *     var_i = m (nu C_ii + S sum_s (psi_si - mean)^2) / (nu + S - 1)       with own scatter, too
  *
  * (in s_j, g is taken at the DoF's own optimum, in psi at the estimate). For white noise the first
- * sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes of it, one
- * observation's worth; nu = 10 and m = 1.3 hold for eight sets and make the coverage right where the
- * disturbance is coloured as slowly as the motion. The noise n of the acceleration of DoF j, a the
- * derivatives of its row by its acceleration, m_j = a pi its mass: the residual has m_j n in it, so
+ * sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes of it,
+ * one observation's worth; nu = 10 and m = 1.3 hold for eight sets and make the coverage right
+ * where the disturbance is coloured as slowly as the motion. The noise n of the acceleration of DoF
+ * j, a the derivatives of its row by its acceleration, m_j = a pi its mass: the residual has m_j n
+ * in it, so
  *
  *     delta = -P sum_j w_j nu_j a / m_j,   nu_j = m_j^2 sum n^2,
  *

@@ -2,7 +2,7 @@
  * The identifier (Karras et al. 2013, Fig. 2): the tick. What acts is in auvid_identifier_act.c,
  * optimizing in auvid_identifier_work.c.
  */
-#include "auvid_identifier_private.h"
+#include "auvid_identifier.h"
 
 #include <string.h>
 

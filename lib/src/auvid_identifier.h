@@ -7,6 +7,18 @@
 
 #include "auvid/identifier.h"
 
+/** Has init succeeded? A firmware that goes on without must not fly blind. */
+static inline bool identifier_is_ready(const auvid_identifier_t *id)
+{
+    return id->cfg.vehicle != NULL;
+}
+
+/** The last part of a tick: altitude, guard, excitation. out: zeroed; written but its events. */
+void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
+
+/** A step is refused: for a watching guard a breach. All may be null. */
+void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
+
 /** A set has been completed: judge the last estimate by it, then merge. */
 void auvid_identifier_begin_set(auvid_identifier_t *id);
 

@@ -1,7 +1,7 @@
 /*
  * The identifier's acting half: guard and excitation.
  */
-#include "auvid_identifier_private.h"
+#include "auvid_identifier.h"
 
 #include <string.h>
 

@@ -12,8 +12,8 @@
  *
  * Velocity that is interpolated between samples T apart has passed a triangle of variance T^2 / 6,
  * the mean over where in T the sample falls: at 0.25 Hz and 5 Hz that is 0.8 % off, and masses come
- * out so much too large. So the forces pass (a, 1 - 2 a, a) besides, a = T^2 / (12 cell^2), which has
- * the same variance.
+ * out so much too large. So the forces pass (a, 1 - 2 a, a) besides, a = T^2 / (12 cell^2), which
+ * has the same variance.
  *
  * Cells become rows and sets in auvid_metric_record.c, sets become one weighted triangle in
  * auvid_metric_merge.c, costs are evaluated in auvid_metric_cost.c.

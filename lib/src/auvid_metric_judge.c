@@ -4,8 +4,8 @@
  * With U(A) what no pi explains of the wrench in the sets A, a DoF's equation holds for the old and
  * the new sets with the same parameters when U(old and new) - U(old) - U(new) is noise only (Chow
  * 1960): it is then sigma^2 times a chi-square of as many degrees of freedom as there are
- * parameters. One chain of rotations, oldest set first, gives U of the old sets with and without the
- * set before the newest, and U of all; then the newest set is taken alone, and the two newest.
+ * parameters. One chain of rotations, oldest set first, gives U of the old sets with and without
+ * the set before the newest, and U of all; then the newest set is taken alone, and the two newest.
  */
 #include "auvid/metric.h"
 

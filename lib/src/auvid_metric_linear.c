@@ -5,9 +5,9 @@
  *
  *     [ e_1 .. e_n | Z_0 Z_1 Z_2 ],   Z_k = sum_i e_i pi_i - e - (k - s) node e_d,
  *
- * are those that a linear model with these derivatives would have: for s = d / node the weights l of
- * the wrench at the three delays have sum l_k = 1 and sum k l_k = s, so that row [pi, -l(s)] = e,
- * and its derivative by d is e_d. What reads the triangles of a model with regressor (judge,
+ * are those that a linear model with these derivatives would have: for s = d / node the weights l
+ * of the wrench at the three delays have sum l_k = 1 and sum k l_k = s, so that row [pi, -l(s)] =
+ * e, and its derivative by d is e_d. What reads the triangles of a model with regressor (judge,
  * confidence) reads these too.
  *
  * Smoothed residuals one standard deviation of the smoothing apart are all that is needed: they

@@ -84,8 +84,12 @@ static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auv
             auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age], tau = wrench_weight(m, j, age);
             int wrench = m->channel_at[j] + m->count[j];
             m->wrench[slot][j] += tau * delayed(m, j, 0);
+            /* what fixed parameters explain is motion, though it stands with the wrench */
+            bool modelled = m->channel_at[j + 1] > wrench;
+            auvid_real_t known = modelled ? delayed(m, j, 0) - channel[wrench] : AUVID_C(0.0);
             for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
-                row[i] += (i < wrench ? weight : tau) * channel[i];
+                row[i] +=
+                    i < wrench ? weight * channel[i] : tau * (channel[i] + known) - weight * known;
             }
         }
         return;

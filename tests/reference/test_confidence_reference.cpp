@@ -1,8 +1,8 @@
 // The standard errors computed again, dense and in double, from the formulas at the top of
 // auvid_confidence.c and the sets' triangles (that those are right is shown in test_metric.cpp).
 //
-// The library is in float32: over the runs below the largest difference is 1e-5 of a standard error,
-// ten times that fails.
+// The library is in float32: over the runs below the largest difference is 1e-5 of a standard
+// error, ten times that fails.
 #include <Eigen/Dense>
 
 #include <cmath>

@@ -4,9 +4,9 @@
 // Coriolis forces, which the simulated vehicle has, are in it with their true masses, so that the
 // model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
 //
-// Long form (AUVID_TEST_LONG), 240 runs: pooled one standard error covers 60-76 %, two 90-98 %, each
-// parameter's one 55-80 %. Short form, 30: fails when these are refuted, at 3.3 standard errors of
-// the mean over runs, and at the 99.9 % level (Clopper-Pearson).
+// Long form (AUVID_TEST_LONG), 240 runs: pooled one standard error covers 60-76 %, two 90-98 %,
+// each parameter's one 55-80 %. Short form, 30: fails when these are refuted, at 3.3 standard
+// errors of the mean over runs, and at the 99.9 % level (Clopper-Pearson).
 //
 // And the two paths against each other: Girona500 through its residuals alone must come to the
 // standard errors of its regressor.

@@ -181,6 +181,13 @@ static Vector convolve(const Vector &a, const Vector &b)
     return c;
 }
 
+static int taps_of(const auvid_metric_config_t &cfg)
+{
+    int widest = std::max(cfg.half_width[0], cfg.half_width[1]);
+    bool spread = cfg.smoothing == AUVID_SMOOTH_ROWS && cfg.velocity_us > 0;
+    return 2 * widest * cfg.passes + 1 + (spread ? 2 : 0);
+}
+
 static Vector centred(const Vector &c, int taps)
 {
     Vector wide = Vector::Zero(taps);
@@ -248,15 +255,21 @@ struct Reference {
     {
         const int late = AUVID_METRIC_DELAY_CELLS, warm = 2 * late;
         bool literal = cfg.smoothing == AUVID_SMOOTH_STATES;
-        int widest = std::max(cfg.half_width[0], cfg.half_width[1]);
-        int taps = 2 * widest * cfg.passes + 1;
-        Vector kernel[2], derivative;
+        int taps = taps_of(cfg);
+        Vector kernel[2], derivative, wrench_kernel[2];
+        // interpolated velocity has passed a triangle of variance T^2 / 6; so must the forces
+        double period_s = 1e-6 * cfg.velocity_us, a = period_s * period_s / 12;
+        a = std::min(a / (cell_s() * cell_s()), 0.5);
+        Vector triangle(3);
+        triangle << a, 1 - 2 * a, a;
         for (int k = 0; k < 2; ++k) {
-            Vector c = savitzky_golay(cfg.half_width[literal ? 0 : k], cfg.order, 0, cell_s());
-            kernel[k] = centred(cfg.passes == 2 ? convolve(c, c) : c, taps);
+            Vector once = savitzky_golay(cfg.half_width[literal ? 0 : k], cfg.order, 0, cell_s());
+            Vector c = cfg.passes == 2 ? convolve(once, once) : once;
+            kernel[k] = centred(c, taps);
+            wrench_kernel[k] = k == 1 || literal ? kernel[k] : centred(convolve(c, triangle), taps);
             if (literal) {
                 Vector d = savitzky_golay(cfg.half_width[0], cfg.order, 1, cell_s());
-                derivative = centred(cfg.passes == 2 ? convolve(d, c) : d, taps);
+                derivative = centred(cfg.passes == 2 ? convolve(d, once) : d, taps);
             }
         }
         std::vector<Vector> row[6];
@@ -280,8 +293,12 @@ struct Reference {
                     } else {
                         const double *wrench[3] = {c.tau, cells[begin + i - late].tau,
                                                    cells[begin + i - 2 * late].tau};
+                        double kw = wrench_kernel[j >= 3](i);
                         r += k * one_row(j, c, wrench);
-                        smooth_tau += k * c.tau[j];
+                        for (int d = 0; d < 3; ++d) {
+                            r(n + d) += (kw - k) * wrench[d][j];
+                        }
+                        smooth_tau += kw * c.tau[j];
                     }
                 }
                 if (literal) {
@@ -679,9 +696,7 @@ static auvid_metric_config_t defaults()
 
 static int cells_for(const auvid_metric_config_t &cfg, int sets)
 {
-    int widest = std::max(cfg.half_width[0], cfg.half_width[1]);
-    return 2 * AUVID_METRIC_DELAY_CELLS + 2 * widest * cfg.passes + 1 +
-           cfg.row_cells * (sets * cfg.set_rows - 1);
+    return 2 * AUVID_METRIC_DELAY_CELLS + taps_of(cfg) + cfg.row_cells * (sets * cfg.set_rows - 1);
 }
 
 static void test_noisy_record_of_three_sets_is_evaluated_as_the_header_says()

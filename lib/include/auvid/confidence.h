@@ -96,7 +96,8 @@ typedef struct {
 } auvid_confidence_job_t;
 
 /** Begin. The metric must stay as it is until it is done.
- * @param metric merged, and measured at pi last (regressor path) or linearised there (residual path)
+ * @param metric merged, and measured at pi last (regressor path) or linearised there
+ * (residual path)
  * @param pi [n] the result of a search over the parameters auvid_metric_searched
  * @param dry_mass_kg masses must be above; 0: above zero
  * Null is ignored. */

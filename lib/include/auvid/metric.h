@@ -247,14 +247,14 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
 /** Begin to predict the newest set, before it is merged: measure pi's residuals on it alone. Go on
- * with auvid_metric_measure, which then writes `predicted` besides. The bands are weighted as at the
- * last merge. Null is ignored. */
+ * with auvid_metric_measure, which then writes `predicted` besides. The bands are weighted as at
+ * the last merge. Null is ignored. */
 void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
 /** Begin to compare the newest sets with the others, before they are merged: does each DoF's
- * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the last
- * merge. What was merged is lost: merge afterwards. Null is ignored. */
+ * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
+ * last merge. What was merged is lost: merge afterwards. Null is ignored. */
 void auvid_metric_judge_begin(auvid_metric_t *metric);
 
 /** Go on with it.
@@ -271,8 +271,9 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
                                   auvid_real_t delay_s, uint8_t sets);
 
 /** Go on with it, and when all sets of the ring are done, merge their triangles.
- * @param budget one unit for each call of the model: 2 n + 3 for each row and each row of the window
- * over which residuals are smoothed, on rows about one standard deviation of that window apart
+ * @param budget one unit for each call of the model: 2 n + 3 for each row and each row of the
+ * window over which residuals are smoothed, on rows about one standard deviation of that window
+ * apart
  * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 
