@@ -26,9 +26,14 @@ export EIGEN_DIR ?= /usr/include/eigen3
 LIB := $(wildcard lib/src/*.c)
 SIMULATOR := $(wildcard tools/simulator/*.c)
 PROGRAM := $(wildcard tools/auvid/*.c)
+PORT := $(wildcard port/linux_socketcan/*.c)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
+PORT_TESTS := $(wildcard tests/port/test_*.c)
+# System calls that tests/port imitates: each __wrap_x() there takes the place of x().
+WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
+    $(shell grep -o '__wrap_[a-z_]*' tests/port/fake_system.c)))
 # Runs of a real vehicle, which are not part of the project; their test runs where they are.
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
@@ -49,6 +54,7 @@ STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wst
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
 # Everything but the library may use double and look at private headers.
 FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator
+FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes
 FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itests/support -isystem $(UNITY_DIR) \
     -DUNITY_INCLUDE_DOUBLE=
 
@@ -56,7 +62,8 @@ objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(SUPPORT)) build/$(1)/unity.o
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
-    $(REFERENCE:%.cpp=build/release/%)
+    $(REFERENCE:%.cpp=build/release/%) \
+    $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
@@ -108,6 +115,10 @@ build/$(1)/tools/%.o: tools/%.c Makefile | $(SETUP)
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)$$(CC) $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tools) $$(CFLAGS) -c -o $$@ $$<
 
+build/$(1)/port/%.o: port/%.c Makefile | $(SETUP)
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)$$(CC) $(WAY_$(1)) $$(FLAGS) $$(FLAGS_port) $$(CFLAGS) -c -o $$@ $$<
+
 build/$(1)/tests/support/%.o: tests/support/%.c Makefile | $(SETUP)
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -c -o $$@ $$<
@@ -120,6 +131,12 @@ build/$(1)/tests/unit/%: tests/unit/%.c $(call TESTED,$(1))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
 	    -o $$@ $$< $(call TESTED,$(1)) -lm
+
+build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,$(1),$(PORT))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) -Wall -Wextra -Iport/linux_socketcan $$(CFLAGS) \
+	    -MF $$@.d -MT $$@ -o $$@ $$< tests/port/fake_system.c $(call objects,$(1),$(PORT)) \
+	    $$(WRAPPED) -lcmocka
 endef
 $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
 
@@ -136,5 +153,5 @@ build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_S
 .IGNORE: $(TEST_PROGRAMS)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
-    $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(SUPPORT))))
+    $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
 -include $(addsuffix .d,$(TEST_PROGRAMS) $(BENCH_PROGRAMS))

@@ -17,7 +17,7 @@ TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
 -Ilib/include -Ilib/src -Itools/simulator"
 shopt -s nullglob
 lib=(lib/src/*.c)
-tools=(tools/*/*.c)
+tools=(tools/*/*.c port/*/*.c)
 broken=0
 
 # step NAME COMMAND...: run a check, say how it went.

@@ -2,7 +2,7 @@
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
 # usage: tests/support/setup.sh [test] [lint]
-#   test: g++, Eigen (EIGEN_DIR), Unity (UNITY_DIR, else fetched into third_party/unity)
+#   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 # The compiler and make are looked for always.
 set -euo pipefail
@@ -38,6 +38,7 @@ look() {
         test)
             command -v g++ >/dev/null || missing+=(g++)
             [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
+            [ -e /usr/include/cmocka.h ] || missing+=(libcmocka-dev)
             ;;
         lint)
             for tool in clang clang-tidy cppcheck python3; do
