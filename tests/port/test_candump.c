@@ -1,0 +1,304 @@
+/* Logs of candump -L, written and read. */
+#include "fake_system.h"
+
+#include <linux/can/error.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bus_candump.h"
+
+enum { MANY = 5000 };
+
+static char path[] = "/tmp/test_candump.XXXXXX";
+static bus_candump_t candump;
+static bus_t *const bus = &candump.bus;
+static bus_frame_t frames[8];
+
+static int make_file(void **state)
+{
+    int fd;
+
+    (void)state;
+    memset(&fake, 0, sizeof fake);
+    fd = mkstemp(path);
+    return fd < 0 ? -1 : close(fd);
+}
+
+static int remove_file(void **state)
+{
+    (void)state;
+    (void)unlink(path);
+    memcpy(path + strlen(path) - 6, "XXXXXX", 6);
+    return 0;
+}
+
+static void put(const char *text)
+{
+    FILE *file = fopen(path, "w");
+
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The log holds `text`; so many frames are read from it, and then comes `status`. */
+static void check_reading(const char *text, int count, int status)
+{
+    put(text);
+    assert_int_equal(bus_candump_open(&candump, path, NULL), BUS_OK);
+    if (count > 0) {
+        assert_int_equal(bus->receive(bus, frames, 8), count);
+    }
+    assert_int_equal(bus->receive(bus, frames + count, 1), status);
+    assert_int_equal(bus->receive(bus, frames + count, 1), status);
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+static bus_frame_t random_frame(uint64_t *t_us)
+{
+    bus_frame_t frame;
+    int i;
+
+    memset(&frame, 0, sizeof frame);
+    *t_us += (uint64_t)(rand() % 3000000);
+    frame.t_us = *t_us;
+    frame.flags = (uint8_t)(rand() % 3 == 0 ? BUS_FRAME_EXTENDED : 0);
+    if (rand() % 10 == 0) {
+        frame.flags = BUS_FRAME_ERROR;
+    } else if (rand() % 5 == 0) {
+        frame.flags |= BUS_FRAME_RTR;
+    }
+    frame.id = (uint32_t)rand() &
+               (frame.flags & (BUS_FRAME_EXTENDED | BUS_FRAME_ERROR) ? CAN_EFF_MASK : CAN_SFF_MASK);
+    frame.length = (uint8_t)(rand() % 9);
+    for (i = 0; i < frame.length && !(frame.flags & BUS_FRAME_RTR); i++) {
+        frame.data[i] = (uint8_t)rand();
+    }
+    return frame;
+}
+
+static void test_what_was_written_is_read_again(void **state)
+{
+    static bus_frame_t written[MANY], read[MANY + 1];
+    uint64_t t_us = 0;
+    int i;
+
+    (void)state;
+    srand(4);
+    assert_int_equal(bus_candump_create(&candump, path, "vcan0", 1700000000000000), BUS_OK);
+    for (i = 0; i < MANY; i++) {
+        written[i] = random_frame(&t_us);
+        assert_int_equal(bus->send(bus, &written[i]), BUS_OK);
+    }
+    assert_int_equal(bus->now_us(bus), t_us);
+    assert_int_equal(bus->close(bus), BUS_OK);
+    assert_int_equal(bus_candump_open(&candump, path, "vcan0"), BUS_OK);
+    assert_int_equal(bus->receive(bus, read, MANY + 1), MANY);
+    for (i = 0; i < MANY; i++) {
+        read[i].t_us -= 1700000000000000;
+    }
+    assert_memory_equal(written, read, sizeof written);
+    assert_int_equal(bus->receive(bus, read, 1), BUS_END);
+    assert_int_equal(bus->statistics.received, MANY);
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+static void test_a_line_looks_as_candump_writes_it(void **state)
+{
+    const bus_frame_t frame = {
+        .t_us = 1249713, .id = 0x44, .length = 3, .data = {0x2A, 0x36, 0x0C}};
+    const bus_frame_t wide = {.t_us = 2000000, .id = 0x1ABC, .flags = BUS_FRAME_EXTENDED};
+    char text[200] = "";
+    FILE *file;
+
+    (void)state;
+    assert_int_equal(bus_candump_create(&candump, path, "can0", 1436509052000000), BUS_OK);
+    assert_int_equal(bus->send(bus, &frame), BUS_OK);
+    assert_int_equal(bus->send(bus, &wide), BUS_OK);
+    file = fopen(path, "r"); /* before it is closed: each line is out at once */
+    assert_non_null(file);
+    assert_true(fread(text, 1, sizeof text - 1, file) > 0);
+    assert_string_equal(text, "(1436509053.249713) can0 044#2A360C\n"
+                              "(1436509054.000000) can0 00001ABC#\n");
+    (void)fclose(file);
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+static void test_lines_of_other_versions_are_understood(void **state)
+{
+    (void)state;
+    check_reading("(0000000001.000002) can0 123#0011223344556677\r\n"
+                  "(1.000003) vcan12 1ABCDEF0#ab R\n"
+                  "(2.000000) can0 123#R\n"
+                  "(2.000000) can0 123#R8 T\n"
+                  "(3.000000) can0 20000040#0004000000000000\n",
+                  5, BUS_END);
+    assert_int_equal(frames[0].t_us, 1000002);
+    assert_int_equal(frames[0].data[7], 0x77);
+    assert_int_equal(frames[1].id, 0x1ABCDEF0);
+    assert_int_equal(frames[1].data[0], 0xAB);
+    assert_int_equal(frames[2].flags, BUS_FRAME_RTR);
+    assert_int_equal(frames[3].length, 8);
+    assert_int_equal(frames[4].flags, BUS_FRAME_ERROR);
+    assert_int_equal(frames[4].id, CAN_ERR_BUSOFF);
+    assert_int_equal(bus->statistics.bus_offs, 1);
+    assert_int_equal(bus->now_us(bus), 3000000);
+}
+
+static void test_foreign_lines_are_refused_with_their_number(void **state)
+{
+    static const char *const bad[] = {
+        "",                                       /* nothing */
+        "time,id,data",                           /* a table */
+        "  can0  123   [2]  11 22",               /* candump without -L */
+        " (1.000000)  can0  123   [2]  11 22",    /* candump -ta */
+        "(1.000000) can0 123##1112233",           /* CAN FD */
+        "(1.000000) can0 123#112",                /* half a byte */
+        "(1.000000) can0 123#001122334455667788", /* nine bytes */
+        "(1.000000) can0 123#1122_9",             /* length code 9 */
+        "(1.000000) can0 123#R9",                 /* no such length */
+        "(1.000000) can0 123#11 X",               /* neither R nor T */
+        "(1.000000) can0 123#GG",                 /* no digits */
+        "(1.000000) can0 8FF#11",                 /* 12 bits */
+        "(1.000000) can0 FFFFFFFF#11",            /* more than 29 bits */
+        "(1.000000) can0 1234#11",                /* four digits */
+        "(1.000000) can0 12345678",               /* no data */
+        "(1.00000) can0 123#11",                  /* five decimals */
+        "(1.000000)can0 123#11",                  /* no space */
+        "(1.000000) ",                            /* nothing behind the time */
+        "(1.000000) a_name_of_16_____ 123#11",    /* a name Linux cannot have */
+        "(-1.000000) can0 123#11",                /* before all time */
+        "\x7F\x45LF\x01\x02",                     /* no text at all */
+    };
+    char text[400];
+    size_t i;
+
+    (void)state;
+    for (i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        (void)snprintf(text, sizeof text, "(1.000000) can0 123#11\n%s\n(2.000000) can0 123#11\n",
+                       bad[i]);
+        check_reading(text, 1, BUS_BROKEN);
+        (void)snprintf(text, sizeof text, "%s:2: ", path);
+        assert_memory_equal(bus->text, text, strlen(text));
+        assert_null(strchr(bus->text, '\n'));
+    }
+}
+
+/* Cut anywhere, the log gives its whole lines and then a refusal. */
+static void test_a_log_that_was_cut_off_is_refused_at_its_last_line(void **state)
+{
+    static const char whole[] = "(1.000000) can0 123#1122334455667788\n";
+    char text[2 * sizeof whole] = "";
+    size_t length;
+
+    (void)state;
+    for (length = sizeof whole; length < 2 * (sizeof whole - 1); length++) {
+        (void)snprintf(text, length + 1, "%s%s", whole, whole);
+        check_reading(text, 1, BUS_BROKEN);
+        assert_non_null(strstr(bus->text, ":2: is cut off"));
+    }
+    (void)snprintf(text, sizeof text, "%s%s", whole, whole);
+    check_reading(text, 2, BUS_END);
+}
+
+static void test_a_long_line_is_refused(void **state)
+{
+    char text[1000];
+
+    (void)state;
+    memset(text, '1', sizeof text);
+    text[sizeof text - 1] = '\0';
+    check_reading(text, 0, BUS_BROKEN);
+}
+
+static void test_an_empty_log_is_refused(void **state)
+{
+    (void)state;
+    check_reading("", 0, BUS_BROKEN);
+    assert_non_null(strstr(bus->text, "is empty"));
+}
+
+static void test_a_log_that_is_not_there_is_refused(void **state)
+{
+    (void)state;
+    assert_int_equal(bus_candump_open(&candump, "/nonexistent.log", NULL), BUS_BROKEN);
+    assert_non_null(strstr(bus->text, "/nonexistent.log: No such file"));
+    assert_int_equal(bus->close(bus), BUS_OK);
+    assert_int_equal(bus_candump_create(&candump, "/nonexistent/x.log", "can0", 0), BUS_BROKEN);
+    assert_int_equal(bus_candump_open(&candump, "/tmp", NULL), BUS_OK);
+    assert_int_equal(bus->receive(bus, frames, 1), BUS_BROKEN);
+    assert_non_null(strstr(bus->text, "Is a directory"));
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+static void test_only_the_interface_that_was_asked_for_is_read(void **state)
+{
+    (void)state;
+    put("(1.000000) can0 001#\n(1.000000) can1 002#\n(1.000000) can0 003#\n(1.000000) can 004#\n");
+    assert_int_equal(bus_candump_open(&candump, path, "can0"), BUS_OK);
+    assert_int_equal(bus->receive(bus, frames, 8), 2);
+    assert_int_equal(frames[0].id, 1);
+    assert_int_equal(frames[1].id, 3);
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+static void test_names_that_would_spoil_the_log_are_refused(void **state)
+{
+    (void)state;
+    assert_int_equal(bus_candump_create(&candump, path, "a b", 0), BUS_REFUSED);
+    assert_int_equal(bus_candump_create(&candump, path, "", 0), BUS_REFUSED);
+    assert_int_equal(bus_candump_create(&candump, path, NULL, 0), BUS_REFUSED);
+    assert_int_equal(bus_candump_create(&candump, path, "sixteen_letters_", 0), BUS_REFUSED);
+}
+
+static void test_a_full_disk_is_told(void **state)
+{
+    const bus_frame_t frame = {.id = 1};
+
+    (void)state;
+    assert_int_equal(bus_candump_create(&candump, "/dev/full", "can0", 0), BUS_OK);
+    assert_int_equal(bus->send(bus, &frame), BUS_BROKEN);
+    assert_non_null(strstr(bus->text, "No space left"));
+    assert_int_equal(bus->statistics.send_failed, 1);
+    (void)bus->close(bus);
+}
+
+static void test_a_log_goes_one_way_only_and_holds_frames_only(void **state)
+{
+    bus_frame_t frame = {.id = 1, .length = 9};
+
+    (void)state;
+    assert_int_equal(bus_candump_create(&candump, path, "can0", 0), BUS_OK);
+    assert_int_equal(bus->receive(bus, frames, 1), BUS_REFUSED);
+    assert_int_equal(bus->send(bus, &frame), BUS_REFUSED);
+    assert_int_equal(bus->close(bus), BUS_OK);
+    assert_int_equal(bus_candump_open(&candump, path, NULL), BUS_OK);
+    frame.length = 8;
+    assert_int_equal(bus->send(bus, &frame), BUS_REFUSED);
+    assert_int_equal(bus->close(bus), BUS_OK);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, make_file, remove_file)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(test_what_was_written_is_read_again),
+        TEST(test_a_line_looks_as_candump_writes_it),
+        TEST(test_lines_of_other_versions_are_understood),
+        TEST(test_foreign_lines_are_refused_with_their_number),
+        TEST(test_a_log_that_was_cut_off_is_refused_at_its_last_line),
+        TEST(test_a_long_line_is_refused),
+        TEST(test_an_empty_log_is_refused),
+        TEST(test_a_log_that_is_not_there_is_refused),
+        TEST(test_only_the_interface_that_was_asked_for_is_read),
+        TEST(test_names_that_would_spoil_the_log_are_refused),
+        TEST(test_a_full_disk_is_told),
+        TEST(test_a_log_goes_one_way_only_and_holds_frames_only),
+    };
+
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
