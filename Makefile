@@ -37,7 +37,7 @@ WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
 # Runs of a real vehicle, which are not part of the project; their test runs where they are.
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
-SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh))
+SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh tests/vcan/test_*.sh))
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c
 
@@ -64,6 +64,8 @@ TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%))
+# What tests/vcan runs on a real bus; no test by itself.
+VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
@@ -77,10 +79,10 @@ help: ## List the targets
 demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
-test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
+test: build/auvid $(TEST_PROGRAMS) $(VCAN_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
 	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
-test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
+test-long: build/auvid $(TEST_PROGRAMS) $(VCAN_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house
@@ -145,13 +147,18 @@ build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
 	$(Q)$(CXX) -std=c++17 -O2 $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) $(CXXFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call TESTED,release) -lm
 
+build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
+	@mkdir -p $(@D); rm -f $@; echo "  $@"
+	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) -MF $@.d -MT $@ \
+	    -o $@ $< $(call objects,release,$(PORT))
+
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
 	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
-.IGNORE: $(TEST_PROGRAMS)
+.IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
--include $(addsuffix .d,$(TEST_PROGRAMS) $(BENCH_PROGRAMS))
+-include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS))

@@ -2,7 +2,8 @@
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
 # usage: tests/support/setup.sh [test] [lint]
-#   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity)
+#   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity),
+#         can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 # The compiler and make are looked for always.
 set -euo pipefail
@@ -27,6 +28,15 @@ as_root() {
     fi
 }
 
+# What a virtual machine with CAN needs, where the kernel here has none (tests/vcan).
+look_for_machine() {
+    command -v qemu-system-x86_64 >/dev/null || missing+=(qemu-system-x86)
+    command -v cpio >/dev/null || missing+=(cpio)
+    command -v xz >/dev/null || missing+=(xz-utils)
+    { command -v busybox && ! ldd "$(command -v busybox)"; } >/dev/null 2>&1 ||
+        missing+=(busybox-static)
+}
+
 # Fills missing[] with packages.
 look() {
     missing=()
@@ -39,6 +49,9 @@ look() {
             command -v g++ >/dev/null || missing+=(g++)
             [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
             [ -e /usr/include/cmocka.h ] || missing+=(libcmocka-dev)
+            command -v candump >/dev/null || missing+=(can-utils)
+            command -v ip >/dev/null || missing+=(iproute2)
+            tests/vcan/run.sh --native || look_for_machine
             ;;
         lint)
             for tool in clang clang-tidy cppcheck python3; do
@@ -105,4 +118,8 @@ fi
 if [[ " $* " == *" test "* && ! -e $unity/unity.c ]]; then
     [ "$unity" = "$unity_default" ] || die "no unity.c in UNITY_DIR=$unity"
     fetch_unity
+fi
+if [[ " $* " == *" test "* ]] && ! tests/vcan/run.sh --native; then
+    # Package lists may be older than the mirror's newest kernel.
+    tests/vcan/kernel.sh || { as_root apt-get -qq update && tests/vcan/kernel.sh; }
 fi
