@@ -79,10 +79,12 @@ help: ## List the targets
 demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
-test: build/auvid $(TEST_PROGRAMS) $(VCAN_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
+test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
 	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
-test-long: build/auvid $(TEST_PROGRAMS) $(VCAN_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
+test test-long: $(VCAN_PROGRAMS)
+
+test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house
@@ -149,8 +151,8 @@ build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
 
 build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"
-	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) -MF $@.d -MT $@ \
-	    -o $@ $< $(call objects,release,$(PORT))
+	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) \
+	    -MF $@.d -MT $@ -o $@ $< $(call objects,release,$(PORT))
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"

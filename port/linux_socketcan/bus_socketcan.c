@@ -5,7 +5,7 @@
  * - Default buffer: 278 frames on vcan, a quarter of a second of a busy bus. More is asked for.
  * - An interface that goes down leaves ENETDOWN in the socket once, not as long as it lasts; so
  *   while it is down its flags are looked at in each receive.
- * - An interface that vanishes leaves ENODEV, and the socket unbound and without any filter, not even
+ * - An interface that vanishes leaves ENODEV, and the socket unbound and without any filter, even
  *   the one that all frames pass: filters are set and the socket is bound by name again.
  * - SO_TIMESTAMPNS is the software stamp of SO_TIMESTAMPING and comes in the wall clock. A
  *   controller's own stamps would come in a clock that nobody else reads.

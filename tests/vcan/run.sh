@@ -4,8 +4,8 @@
 # usage: tests/vcan/run.sh COMMAND [ARGUMENT...]
 #        tests/vcan/run.sh --native        exit 0 when this machine needs no virtual one
 # Where the kernel has vcan, vxcan and netem, and we may use them, the command runs in a network
-# namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it sees
-# this machine's files and programs under the same names, what it writes is thrown away, except
+# namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it
+# sees this machine's files and programs under the same names, what it writes is thrown away, except
 # below build/. Standard output, error and exit status come back; the current directory is kept; of
 # the environment only PATH, HOME, CI, AUVID* and VCAN*.
 # The command finds VCAN_INSIDE set, to `namespace` or `machine`.

@@ -65,9 +65,9 @@ full_buffer() {
         'v["received"] + v["dropped"] == 15001'
 }
 
-# 3000 frames; the rates within five standard deviations (82, 57). netem may lose a duplicate too. Of
-# two copies that come without another frame between them the kernel may hand on one only: it takes
-# them for one frame that passed two filters.
+# 3000 frames; the rates within five standard deviations (82, 57). netem may lose a duplicate too.
+# Of two copies that come without another frame between them the kernel may hand on one only: it
+# takes them for one frame that passed two filters.
 disturbed() {
     local left lost merged
     ip link add vx0 type vxcan peer name vx1

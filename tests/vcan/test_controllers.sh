@@ -14,7 +14,8 @@ both_ways() {
     "$PEER" send can1 500 2000 &
     "$PEER" send can0 500 2000
     wait $!
-    hear 'v["numbered"] == 1000' 'v["different"] == 500' 'v["dropped"] + v["malformed"] == 0' 'v["ordered"]'
+    hear 'v["numbered"] == 1000' 'v["different"] == 500' 'v["ordered"]' \
+        'v["dropped"] + v["malformed"] == 0'
     kill -TERM "$other"
     wait "$other"
     saw 'v["numbered"] == 1000 && v["different"] == 500 && v["dropped"] == 0' <other_received
