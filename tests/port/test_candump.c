@@ -195,7 +195,8 @@ static void test_a_log_that_was_cut_off_is_refused_at_its_last_line(void **state
 
     (void)state;
     for (length = sizeof whole; length < 2 * (sizeof whole - 1); length++) {
-        (void)snprintf(text, length + 1, "%s%s", whole, whole);
+        (void)snprintf(text, sizeof text, "%s%s", whole, whole);
+        text[length] = '\0';
         check_reading(text, 1, BUS_BROKEN);
         assert_non_null(strstr(bus->text, ":2: is cut off"));
     }

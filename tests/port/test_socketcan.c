@@ -494,6 +494,10 @@ static void test_a_wall_clock_that_is_steered_is_no_step(void **state)
         assert_int_equal(receive(), 1);
         assert_in_range(fake.monotonic_us - frames[0].t_us, 0, 1500);
     }
+    pass(60000000); /* a minute of silence */
+    fake.wall_us += 30000;
+    fake_arrives(0x123, 1)->wall_us = fake.wall_us;
+    assert_int_equal(receive(), 1);
     assert_int_equal(bus->statistics.clock_steps, 0);
 }
 
