@@ -40,6 +40,8 @@ WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh tests/can/test_*.sh))
+# What needs a real bus, here or in a virtual machine.
+VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c
 
@@ -73,6 +75,8 @@ CAN_LIBRARIES := build/can/float.so build/can/double.so
 CAN_CODEGEN := third_party/venv/bin/python tools/can_codegen/can_codegen.py
 FUZZ := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_SECONDS ?= 60
+# What tests/vcan runs on a real bus; no test by itself.
+VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
@@ -93,6 +97,10 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
 test test-long: $(CAN_LIBRARIES)
+
+test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on a real CAN bus, in a virtual machine where need be
+	@tests/support/setup.sh vcan
+	@tests/run.sh $(VCAN_SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
@@ -123,7 +131,7 @@ clean: ## Remove build/ (third_party/ stays)
 	rm -rf build
 
 .PHONY: all help demo test test-long lint size bench setup clean
-.PHONY: can can-check can-setup fuzz
+.PHONY: can can-check can-setup fuzz test-vcan
 
 build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"
@@ -170,6 +178,11 @@ build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
 	$(Q)$(CXX) -std=c++17 -O2 $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) $(CXXFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call TESTED,release) -lm
 
+build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
+	@mkdir -p $(@D); rm -f $@; echo "  $@"
+	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) \
+	    -MF $@.d -MT $@ -o $@ $< $(call objects,release,$(PORT))
+
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
@@ -180,8 +193,8 @@ build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makef
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
-.IGNORE: $(TEST_PROGRAMS)
+.IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
--include $(addsuffix .d,$(TEST_PROGRAMS) $(BENCH_PROGRAMS))
+-include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS))

@@ -5,7 +5,8 @@
  * - Default buffer: 278 frames on vcan, a quarter of a second of a busy bus. More is asked for.
  * - An interface that goes down leaves ENETDOWN in the socket once, not as long as it lasts; so
  *   while it is down its flags are looked at in each receive.
- * - An interface that vanishes leaves ENODEV, and the socket unbound: it is bound again by name.
+ * - An interface that vanishes leaves ENODEV, and the socket unbound and without any filter, even
+ *   the one that all frames pass: filters are set and the socket is bound by name again.
  * - SO_TIMESTAMPNS is the software stamp of SO_TIMESTAMPING and comes in the wall clock. A
  *   controller's own stamps would come in a clock that nobody else reads.
  */
@@ -28,7 +29,7 @@
 
 enum {
     BATCH = 32,
-    RECEIVE_BUFFER = 4 << 20, /* about 5000 frames: more than a second of 1 Mbit/s */
+    RECEIVE_BUFFER = 4 << 20, /* 10900 frames of vcan: more than a second of 1 Mbit/s */
     /* one time stamp and one counter beside each frame */
     CONTROL = CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)),
     STEP_US = 10000, /* a wall clock that moves so far was set, not steered */
@@ -119,6 +120,22 @@ static int note_errno(bus_socketcan_t *self, int error, const char *call)
     }
 }
 
+static int set_filters(bus_socketcan_t *self)
+{
+    struct can_filter out[BUS_FILTERS];
+    int i;
+
+    out[0].can_id = out[0].can_mask = 0; /* none asked for: one that all frames pass */
+    for (i = 0; i < self->filter_count; i++) {
+        const bus_filter_t *in = &self->filters[i];
+
+        out[i].can_id = in->id | (in->extended ? CAN_EFF_FLAG : 0);
+        out[i].can_mask = (in->mask & CAN_EFF_MASK) | CAN_EFF_FLAG | CAN_RTR_FLAG;
+    }
+    return setsockopt(self->bus.fd, SOL_CAN_RAW, CAN_RAW_FILTER, out,
+                      (socklen_t)((size_t)(i > 0 ? i : 1) * sizeof out[0]));
+}
+
 /* Binds to the interface of our name. 0 or errno; *stage names the call that failed. */
 static int bind_by_name(bus_socketcan_t *self, const char **stage)
 {
@@ -135,7 +152,8 @@ static int bind_by_name(bus_socketcan_t *self, const char **stage)
     address.can_family = AF_CAN;
     address.can_ifindex = request.ifr_ifindex;
     *stage = "bind";
-    if (bind(self->bus.fd, (const struct sockaddr *)&address, sizeof address) < 0) {
+    if (set_filters(self) < 0 ||
+        bind(self->bus.fd, (const struct sockaddr *)&address, sizeof address) < 0) {
         return errno;
     }
     self->bound = true;
@@ -365,12 +383,11 @@ static int explain_bind(bus_socketcan_t *self, int error, const char *stage)
 }
 
 /* The options that are worth failing for; a kernel that can CAN can these. */
-static int set_options(bus_socketcan_t *self, const bus_filter_t *filters, int count)
+static int set_options(bus_socketcan_t *self)
 {
-    struct can_filter out[BUS_FILTERS];
     const can_err_mask_t errors = CAN_ERR_MASK;
     const int on = 1, fd = self->bus.fd;
-    int i, size = RECEIVE_BUFFER;
+    int size = RECEIVE_BUFFER;
     socklen_t length = sizeof size;
 
     /* The first passes the system's limit and needs CAP_NET_ADMIN; the second gets what it gets. */
@@ -380,13 +397,7 @@ static int set_options(bus_socketcan_t *self, const bus_filter_t *filters, int c
     if (getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, &length) == 0) {
         self->receive_buffer = size;
     }
-    for (i = 0; i < count; i++) {
-        out[i].can_id = filters[i].id | (filters[i].extended ? CAN_EFF_FLAG : 0);
-        out[i].can_mask = (filters[i].mask & CAN_EFF_MASK) | CAN_EFF_FLAG | CAN_RTR_FLAG;
-    }
-    if ((count > 0 && setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, out,
-                                 (socklen_t)((size_t)count * sizeof out[0])) < 0) ||
-        setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) < 0 ||
+    if (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) < 0 ||
         setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) < 0 ||
         setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) < 0) {
         return bus_fail(&self->bus, BUS_BROKEN, "cannot set up the CAN socket: %s",
@@ -417,11 +428,15 @@ int bus_socketcan_open(bus_socketcan_t *self, const char *interface, const bus_f
         return bus_fail(bus, BUS_REFUSED, "%d filters; 0 to %d are possible", count, BUS_FILTERS);
     }
     memcpy(self->name, interface, length);
+    self->filter_count = count;
+    if (count > 0) {
+        memcpy(self->filters, filters, (size_t)count * sizeof filters[0]);
+    }
     bus->fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (bus->fd < 0) {
         return explain_socket(bus, errno);
     }
-    status = set_options(self, filters, count);
+    status = set_options(self);
     if (status == BUS_OK) {
         const int error = bind_by_name(self, &stage);
 

@@ -28,9 +28,11 @@ typedef struct {
 enum { BUS_FILTERS = 32 };
 
 typedef struct {
-    bus_t bus;                  /* first: a bus_t * is a bus_socketcan_t * */
-    char name[16];              /* of the interface */
-    bool bound;                 /* to an interface that still exists */
+    bus_t bus;     /* first: a bus_t * is a bus_socketcan_t * */
+    char name[16]; /* of the interface */
+    bool bound;    /* to an interface that still exists */
+    bus_filter_t filters[BUS_FILTERS];
+    int filter_count;
     uint32_t overrun;           /* the kernel's counter of drops, which wraps */
     int64_t offset_us;          /* wall clock minus monotonic clock now */
     int64_t previous_offset_us; /* and when the queue was last empty */

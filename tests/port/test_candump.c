@@ -124,6 +124,14 @@ static void test_a_line_looks_as_candump_writes_it(void **state)
                               "(1436509054.000000) can0 00001ABC#\n");
     (void)fclose(file);
     assert_int_equal(bus->close(bus), BUS_OK);
+    assert_int_equal(bus_candump_create(&candump, path, "can0", 0), BUS_OK);
+    assert_int_equal(bus->send(bus, &wide), BUS_OK);
+    assert_int_equal(bus->close(bus), BUS_OK);
+    file = fopen(path, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(text, sizeof text, file));
+    assert_string_equal(text, "(0000000002.000000) can0 00001ABC#\n");
+    (void)fclose(file);
 }
 
 static void test_lines_of_other_versions_are_understood(void **state)
@@ -195,7 +203,8 @@ static void test_a_log_that_was_cut_off_is_refused_at_its_last_line(void **state
 
     (void)state;
     for (length = sizeof whole; length < 2 * (sizeof whole - 1); length++) {
-        (void)snprintf(text, length + 1, "%s%s", whole, whole);
+        (void)snprintf(text, sizeof text, "%s%s", whole, whole);
+        text[length] = '\0';
         check_reading(text, 1, BUS_BROKEN);
         assert_non_null(strstr(bus->text, ":2: is cut off"));
     }

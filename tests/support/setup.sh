@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
-# usage: tests/support/setup.sh [test] [lint] [can] [fuzz]
+# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   fuzz: clang with libFuzzer
+#   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 # The compiler and make are looked for always.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -42,6 +43,15 @@ fuzzer_package() {
     echo "libclang-rt-${version%%.*}-dev"
 }
 
+# What a virtual machine with CAN needs, where the kernel here has none (tests/vcan).
+look_for_machine() {
+    command -v qemu-system-x86_64 >/dev/null || missing+=(qemu-system-x86)
+    command -v cpio >/dev/null || missing+=(cpio)
+    command -v xz >/dev/null || missing+=(xz-utils)
+    { command -v busybox && ! ldd "$(command -v busybox)"; } >/dev/null 2>&1 ||
+        missing+=(busybox-static)
+}
+
 # Fills missing[] with packages.
 look() {
     missing=()
@@ -54,6 +64,11 @@ look() {
             command -v g++ >/dev/null || missing+=(g++)
             [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
             [ -e /usr/include/cmocka.h ] || missing+=(libcmocka-dev)
+            ;;
+        vcan)
+            command -v candump >/dev/null || missing+=(can-utils)
+            command -v ip >/dev/null || missing+=(iproute2)
+            tests/vcan/run.sh --native || look_for_machine
             ;;
         lint)
             for tool in clang clang-tidy cppcheck python3; do
@@ -136,4 +151,8 @@ if [[ " $* " == *" can "* ]] &&
             -r tests/can/requirements.txt ||
         die "could not install tests/can/requirements.txt with pip"
     cp tests/can/requirements.txt third_party/venv/installed.txt
+fi
+if [[ " $* " == *" vcan "* ]] && ! tests/vcan/run.sh --native; then
+    # Package lists may be older than the mirror's newest kernel.
+    tests/vcan/kernel.sh || { as_root apt-get -qq update && tests/vcan/kernel.sh; }
 fi

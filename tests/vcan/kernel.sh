@@ -19,6 +19,9 @@ die() {
     exit 1
 }
 
+busybox=$(command -v busybox) || die "no busybox here; install busybox-static"
+! ldd "$busybox" >/dev/null 2>&1 || die "$busybox is not static; install busybox-static"
+
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/deb" "$work/kernel" "$work/vm" "$work/root"
@@ -38,7 +41,7 @@ done
 dpkg-deb --fsys-tarfile "$work"/deb/*.deb | tar x -C "$work/kernel" --wildcards \
     './boot/vmlinuz-*' "${wanted[@]}" 2>/dev/null || true
 
-mkdir -p "$work/root"/{bin,modules,proc,sys,dev,control,lower,upper,root}
+mkdir -p "$work/root"/{bin,modules,proc,sys,dev,control,lower,upper,machine}
 for module in $modules; do
     file=$(find "$work/kernel" -name "$module.ko" -o -name "$module.ko.xz" | head -n 1)
     case $file in
@@ -48,7 +51,7 @@ for module in $modules; do
     esac
 done
 echo $modules >"$work/root/modules/order"
-cp "$(command -v busybox)" "$work/root/bin/busybox"
+cp "$busybox" "$work/root/bin/busybox"
 install -m 755 init "$work/root/init"
 (cd "$work/root" && find . | cpio -o -H newc --quiet | gzip -1) >"$work/vm/initrd"
 

@@ -4,11 +4,12 @@
 # usage: tests/vcan/run.sh COMMAND [ARGUMENT...]
 #        tests/vcan/run.sh --native        exit 0 when this machine needs no virtual one
 # Where the kernel has vcan, vxcan and netem, and we may use them, the command runs in a network
-# namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it sees
-# this machine's files and programs under the same names, what it writes is thrown away, except
+# namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it
+# sees this machine's files and programs under the same names, what it writes is thrown away, except
 # below build/. Standard output, error and exit status come back; the current directory is kept; of
 # the environment only PATH, HOME, CI, AUVID* and VCAN*.
-#   VCAN_TIMEOUT=60       seconds until everything is stopped (status 124)
+# The command finds VCAN_INSIDE set, to `namespace` or `machine`.
+#   VCAN_TIMEOUT=120      seconds until everything is stopped (status 124)
 #   VCAN_VIRTUAL=1        the virtual machine even where it is not needed
 #   VCAN_CONTROLLERS=0    so many emulated SJA1000 controllers, can0..., on one bus and left down;
 #                         there are none outside the virtual machine
@@ -23,7 +24,7 @@ die() {
 
 top=$(cd "$(dirname "$0")/../.." && pwd -P)
 vm=$top/third_party/vm
-limit=${VCAN_TIMEOUT:-60}
+limit=${VCAN_TIMEOUT:-120}
 controllers=${VCAN_CONTROLLERS:-0}
 
 # A namespace of our own leaves the machine's interfaces alone, and its tests leave nothing behind.
@@ -127,11 +128,12 @@ random.trust_cpu=on cryptomgr.notests audit=0 apparmor=0 8250.nr_uarts=1" \
 }
 
 [ $# -gt 0 ] || die "usage: tests/vcan/run.sh COMMAND [ARGUMENT...]"
-export VCAN_INSIDE=1
 if [ "$*" = --native ]; then
     is_native
 elif is_native; then
+    export VCAN_INSIDE=namespace
     run_native "$@"
 else
+    export VCAN_INSIDE=machine
     run_virtual "$@"
 fi

@@ -1,0 +1,210 @@
+/*
+ * One end of a real bus, for tests/vcan: sends numbered frames, or receives them and tells what it
+ * saw as key=value words.
+ *
+ *   peer send INTERFACE COUNT GAP_US      COUNT frames with id 321 and numbers 0..COUNT-1
+ *   peer busoff INTERFACE                 a bus-off and a restarted error frame
+ *   peer receive INTERFACE [LOG]          receives until SIGTERM; says "ready" when open
+ *   peer read LOG                         the same of a log
+ */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <linux/can/error.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "bus_candump.h"
+#include "bus_socketcan.h"
+#include "tick.h"
+
+enum { BATCH = 64, NUMBERS = 1 << 20, NUMBERED = 0x321 };
+
+static uint8_t seen[NUMBERS];
+static struct {
+    unsigned numbered, different, again, late; /* frames of ours; numbers; seen before; overtaken */
+    uint32_t last;
+    uint64_t last_us, oldest_us; /* age when it was received */
+    bool ordered;                /* stamps never ran backwards, nor into the future */
+    uint64_t checksum;           /* over ids and data of all frames, in their order */
+} sum = {.ordered = true};
+
+static void wait_us(uint64_t us)
+{
+    const struct timespec t = {(time_t)(us / 1000000), (long)(us % 1000000) * 1000};
+
+    (void)nanosleep(&t, NULL);
+}
+
+static void add(const bus_frame_t *frame, uint64_t now_us)
+{
+    uint32_t number;
+    int i;
+
+    sum.checksum = (sum.checksum ^ frame->id) * 1099511628211U;
+    for (i = 0; i < frame->length; i++) {
+        sum.checksum = (sum.checksum ^ frame->data[i]) * 1099511628211U;
+    }
+    sum.ordered = sum.ordered && frame->t_us >= sum.last_us && frame->t_us <= now_us;
+    sum.last_us = frame->t_us;
+    if (now_us - frame->t_us > sum.oldest_us) {
+        sum.oldest_us = now_us - frame->t_us;
+    }
+    if (frame->id != NUMBERED || frame->flags != 0 || frame->length != 8) {
+        return;
+    }
+    memcpy(&number, frame->data, sizeof number);
+    sum.numbered++;
+    sum.late += number < sum.last;
+    sum.last = number;
+    if (number < NUMBERS) {
+        sum.again += seen[number];
+        sum.different += !seen[number];
+        seen[number] = 1;
+    }
+}
+
+static void tell(const bus_t *bus)
+{
+    const bus_statistics_t *s = &bus->statistics;
+
+    printf("received=%llu numbered=%u different=%u again=%u late=%u dropped=%llu malformed=%llu "
+           "ordered=%d oldest_us=%llu link_downs=%llu link_ups=%llu bus_offs=%llu restarts=%llu "
+           "clock_steps=%llu checksum=%llx\n",
+           (unsigned long long)s->received, sum.numbered, sum.different, sum.again, sum.late,
+           (unsigned long long)s->dropped, (unsigned long long)s->malformed, sum.ordered,
+           (unsigned long long)sum.oldest_us, (unsigned long long)s->link_downs,
+           (unsigned long long)s->link_ups, (unsigned long long)s->bus_offs,
+           (unsigned long long)s->restarts, (unsigned long long)s->clock_steps,
+           (unsigned long long)sum.checksum);
+}
+
+static int complain(const bus_t *bus)
+{
+    fprintf(stderr, "peer: %s\n", bus->text);
+    return 2;
+}
+
+/* Everything that waits. 0, or the status that says that there is no more. */
+static int drain(bus_t *bus, bus_t *log)
+{
+    bus_frame_t frames[BATCH];
+    int i, count;
+
+    do {
+        count = bus->receive(bus, frames, BATCH);
+        for (i = 0; i < count; i++) {
+            add(&frames[i], bus->now_us(bus));
+            if (log != NULL && log->send(log, &frames[i]) != BUS_OK) {
+                return complain(log);
+            }
+        }
+    } while (count == BATCH);
+    return count == BUS_END || count == BUS_BROKEN ? count : 0;
+}
+
+static int receive(const char *interface, const char *path)
+{
+    static bus_socketcan_t can;
+    static bus_candump_t log;
+    tick_t tick;
+    int happened;
+
+    if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
+        return complain(&can.bus);
+    }
+    if (path != NULL && bus_candump_create(&log, path, interface, 0) != BUS_OK) {
+        return complain(&log.bus);
+    }
+    if (tick_open(&tick, 10000) != 0 || tick_watch(&tick, can.bus.fd) != 0) {
+        return 2;
+    }
+    puts("ready");
+    (void)fflush(stdout);
+    do {
+        happened = tick_wait(&tick, -1);
+        if (drain(&can.bus, path != NULL ? &log.bus : NULL) != 0) {
+            return complain(&can.bus);
+        }
+    } while (!(happened & TICK_STOP));
+    printf("buffer=%d ", can.receive_buffer);
+    tell(&can.bus);
+    tick_close(&tick);
+    return path == NULL || log.bus.close(&log.bus) == BUS_OK ? 0 : complain(&log.bus);
+}
+
+static int read_log(const char *path)
+{
+    static bus_candump_t log;
+    int status;
+
+    if (bus_candump_open(&log, path, NULL) != BUS_OK) {
+        return complain(&log.bus);
+    }
+    do {
+        status = drain(&log.bus, NULL);
+    } while (status == 0);
+    tell(&log.bus);
+    return status == BUS_END ? 0 : complain(&log.bus);
+}
+
+static int send_numbers(const char *interface, uint32_t count, unsigned gap_us)
+{
+    static bus_socketcan_t can;
+    bus_frame_t frame = {.id = NUMBERED, .length = 8};
+    uint32_t i;
+    int status;
+
+    if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
+        return complain(&can.bus);
+    }
+    for (i = 0; i < count; i++) {
+        memcpy(frame.data, &i, sizeof i);
+        while ((status = can.bus.send(&can.bus, &frame)) == BUS_BUSY) {
+            wait_us(1000);
+        }
+        if (status != BUS_OK) {
+            return complain(&can.bus);
+        }
+        if (gap_us > 0) {
+            wait_us(gap_us);
+        }
+    }
+    printf("sent=%llu busy=%llu\n", (unsigned long long)can.bus.statistics.sent,
+           (unsigned long long)can.bus.statistics.send_busy);
+    return 0;
+}
+
+static int send_errors(const char *interface)
+{
+    static bus_socketcan_t can;
+    bus_frame_t off = {.id = CAN_ERR_BUSOFF, .length = 8, .flags = BUS_FRAME_ERROR};
+    bus_frame_t back = {.id = CAN_ERR_RESTARTED, .length = 8, .flags = BUS_FRAME_ERROR};
+
+    if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK ||
+        can.bus.send(&can.bus, &off) != BUS_OK || can.bus.send(&can.bus, &back) != BUS_OK) {
+        return complain(&can.bus);
+    }
+    return 0;
+}
+
+int main(int count, char **words)
+{
+    const char *command = count > 2 ? words[1] : "";
+
+    if (strcmp(command, "send") == 0 && count == 5) {
+        return send_numbers(words[2], (uint32_t)atoi(words[3]), (unsigned)atoi(words[4]));
+    }
+    if (strcmp(command, "busoff") == 0) {
+        return send_errors(words[2]);
+    }
+    if (strcmp(command, "receive") == 0) {
+        return receive(words[2], count > 3 ? words[3] : NULL);
+    }
+    if (strcmp(command, "read") == 0) {
+        return read_log(words[2]);
+    }
+    fputs("usage: peer send|busoff|receive|read ...\n", stderr);
+    return 2;
+}
