@@ -98,7 +98,7 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 
 test test-long: $(CAN_LIBRARIES)
 
-test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on a real CAN bus, in a virtual machine where need be
+test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
 	@tests/support/setup.sh vcan
 	@tests/run.sh $(VCAN_SCRIPTS)
 

@@ -3,67 +3,51 @@
  */
 #include "auvid_math.h"
 
+/* By status, and by minus the status. */
+static const char *const news[] = {
+    [AUVID_OK] = "done",
+    [AUVID_PENDING] = "more work remains, call again",
+    [AUVID_FINISHED] = "the procedure has come to its end",
+    [AUVID_EMPTY] = "there is nothing to take",
+    [AUVID_GAP] = "the record was broken here and starts anew",
+    [AUVID_SET_COMPLETE] = "a data set was completed",
+    [AUVID_GATED] = "measurement refused by the innovation gate",
+    [AUVID_UNUSED] = "measurement is valid but cannot be used now",
+    [AUVID_SATURATED] = "limited to what the thrusters can give, or a frame can carry",
+    [AUVID_CAPPED] = "stopped at a cap before its own criterion was met",
+    [AUVID_TICK] = "a control tick has opened",
+};
+static const char *const errors[] = {
+    [-AUVID_ERR_NULL] = "a required pointer is null",
+    [-AUVID_ERR_NOT_FINITE] = "a value is NaN or infinite",
+    [-AUVID_ERR_TIME_BACK] = "time went back",
+    [-AUVID_ERR_TIME_SAME] = "time did not advance",
+    [-AUVID_ERR_STALE] = "sample too old, or from the future",
+    [-AUVID_ERR_RANGE] = "a value or a configuration field is out of range",
+    [-AUVID_ERR_BOUNDS] = "a lower bound is not below its upper bound",
+    [-AUVID_ERR_POPULATION] =
+        "the population is smaller than n + 1 or larger than AUVID_MAX_POPULATION",
+    [-AUVID_ERR_PARAMETERS] = "no parameter, or more than AUVID_MAX_PARAMETERS",
+    [-AUVID_ERR_SIZE] = "something exceeds a size in config.h",
+    [-AUVID_ERR_STATE] = "call out of order",
+    [-AUVID_ERR_NO_DATA] = "no data to work on",
+    [-AUVID_ERR_SINGULAR] = "the data do not determine the answer",
+    [-AUVID_ERR_LIMIT] =
+        "more is asked for than the thrusters can give, a limit allows, or a queue takes",
+    [-AUVID_ERR_ARITHMETIC] = "the arithmetic of this machine or build is not auvid's",
+    [-AUVID_ERR_MODEL] = "the vehicle model lacks what is asked of it",
+    [-AUVID_ERR_LENGTH] = "a frame has not the length of its message",
+    [-AUVID_ERR_CHECKSUM] = "a frame's checksum is wrong",
+};
+
 const char *auvid_status_str(auvid_status_t status)
 {
-    switch (status) {
-    case AUVID_OK:
-        return "done";
-    case AUVID_PENDING:
-        return "more work remains, call again";
-    case AUVID_FINISHED:
-        return "the procedure has come to its end";
-    case AUVID_EMPTY:
-        return "there is nothing to take";
-    case AUVID_GAP:
-        return "the record was broken here and starts anew";
-    case AUVID_SET_COMPLETE:
-        return "a data set was completed";
-    case AUVID_GATED:
-        return "measurement refused by the innovation gate";
-    case AUVID_UNUSED:
-        return "measurement is valid but cannot be used now";
-    case AUVID_SATURATED:
-        return "limited to what the thrusters can give, or a frame can carry";
-    case AUVID_CAPPED:
-        return "stopped at a cap before its own criterion was met";
-    case AUVID_TICK:
-        return "a control tick has opened";
-    case AUVID_ERR_NULL:
-        return "a required pointer is null";
-    case AUVID_ERR_NOT_FINITE:
-        return "a value is NaN or infinite";
-    case AUVID_ERR_TIME_BACK:
-        return "time went back";
-    case AUVID_ERR_TIME_SAME:
-        return "time did not advance";
-    case AUVID_ERR_STALE:
-        return "sample too old, or from the future";
-    case AUVID_ERR_RANGE:
-        return "a value or a configuration field is out of range";
-    case AUVID_ERR_BOUNDS:
-        return "a lower bound is not below its upper bound";
-    case AUVID_ERR_POPULATION:
-        return "the population is smaller than n + 1 or larger than AUVID_MAX_POPULATION";
-    case AUVID_ERR_PARAMETERS:
-        return "no parameter, or more than AUVID_MAX_PARAMETERS";
-    case AUVID_ERR_SIZE:
-        return "something exceeds a size in config.h";
-    case AUVID_ERR_STATE:
-        return "call out of order";
-    case AUVID_ERR_NO_DATA:
-        return "no data to work on";
-    case AUVID_ERR_SINGULAR:
-        return "the data do not determine the answer";
-    case AUVID_ERR_LIMIT:
-        return "more is asked for than the thrusters can give, a limit allows, or a queue takes";
-    case AUVID_ERR_ARITHMETIC:
-        return "the arithmetic of this machine or build is not auvid's";
-    case AUVID_ERR_MODEL:
-        return "the vehicle model lacks what is asked of it";
-    case AUVID_ERR_LENGTH:
-        return "a frame has not the length of its message";
-    case AUVID_ERR_CHECKSUM:
-        return "a frame's checksum is wrong";
+    int i = (int)status;
+    if (i >= 0 && i < (int)(sizeof news / sizeof news[0])) {
+        return news[i];
+    }
+    if (i < 0 && i > -(int)(sizeof errors / sizeof errors[0])) {
+        return errors[-i];
     }
     return "unknown status";
 }

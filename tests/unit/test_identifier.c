@@ -91,7 +91,7 @@ static void identify(void)
     TEST_ASSERT_FALSE(chain.over_budget);
 }
 
-/* DoF whose thruster lag was taken for a pure delay, which costs little. Heave has the least to tell
+/* DoF whose thruster lag was taken for a pure delay, which costs little. Heave has least to tell
  * them apart by: 23 of 400 runs in the long form. */
 static uint32_t taken_for_delay(uint8_t lagged)
 {
