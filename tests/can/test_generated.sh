@@ -51,7 +51,7 @@ for file in lib/include/auvid/can_messages.h lib/src/auvid_can_table.c lib/can/R
     check "a change of ${file##*/} is noticed" spoiled "$file"
 done
 check "a gap in the identifiers is refused" touched 2 's/1040/1041/g'
-check "two messages of one data id are refused" touched 2 's/("AuvidDataId" BO_ 1031) 13/\1 14/'
+check "two messages of one data id are refused" touched 2 's/("AuvidDataId" BO_ 1031) 14/\1 15/'
 check "signals that overlap are refused" touched 2 's/theta : 26/theta : 25/'
 check "a signal without comment is refused" touched 2 '/CM_ SG_ 1031 depth/d'
 check "a scale that is no 1/n is refused" touched 2 's/(phi : [^(]*\()0.0004/\10.0003/'
