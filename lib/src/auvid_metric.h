@@ -92,6 +92,9 @@ enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE, PASS_LINEA
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 
+/** Rotate row i of one band of a set's triangle, weighted, into DoF j's merged one. */
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
+
 /** Rotate all sets' rows together, passes on from the present one, one unit a row. @return done */
 bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget);
 

@@ -58,14 +58,7 @@ static bool take_row(auvid_metric_t *m, int j, int place)
     if ((set->driven >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
         return true;
     }
-    int band = m->at_row / n, i = m->at_row % n;
-    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
-    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
-    for (int k = 0; k < n - i; ++k) {
-        row[i + k] = scale * r[k];
-    }
-    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+    auvid_metric_rotate(m, set, m->at_row / n, j, m->at_row % n);
     ++m->at_row;
     return false;
 }

@@ -149,6 +149,18 @@ static void settle_dof(auvid_metric_t *m, int j)
     }
 }
 
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+{
+    int n = auvid_metric_order(m, j);
+    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
+    for (int k = 0; k < n - i; ++k) {
+        row[i + k] = scale * r[k];
+    }
+    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+}
+
 /* One row of one band of one set: rotate it in, or add its residual at the candidate. */
 static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
@@ -163,12 +175,7 @@ static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j
         m->band_sse[band][j] += e * e;
         return;
     }
-    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
-    for (int k = 0; k < n - i; ++k) {
-        row[i + k] = scale * r[k];
-    }
-    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+    auvid_metric_rotate(m, set, band, j, i);
 }
 
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
