@@ -27,6 +27,7 @@ start() {
 
 lock_step() {
     start node node --bus vcan0 --excite --lock-step --sets "$SETS" --log node.log
+    within 20 grep -q 'no tick frame' node.err # it listens: not a tick is missed
     start vehicle vehicle --bus vcan0 --lock-step
     wait "$node"
     wait "$vehicle"
