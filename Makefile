@@ -26,9 +26,10 @@ export EIGEN_DIR ?= /usr/include/eigen3
 LIB := $(wildcard lib/src/*.c)
 SIMULATOR := $(wildcard tools/simulator/*.c)
 PROGRAM := $(wildcard tools/auvid/*.c)
-# The bus needs Linux: elsewhere the program is built without it.
-PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c))
-PROGRAM := $(if $(PORT),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
+# A real bus needs Linux: elsewhere the program has the bus in memory alone.
+MEMORY := $(addprefix port/linux_socketcan/,bus.c bus_memory.c)
+PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c),$(MEMORY))
+PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)

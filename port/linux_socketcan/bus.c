@@ -1,10 +1,23 @@
-/* What all back ends share. Classes of error frames: linux/can/error.h. */
+/* What all back ends share. It and bus_memory.c are plain C, for any system. */
 #include "bus.h"
 
-#include <linux/can.h>
-#include <linux/can/error.h>
 #include <stdarg.h>
 #include <stdio.h>
+
+#ifdef __linux__
+#include <linux/can.h>
+#include <linux/can/error.h>
+#else /* the same numbers */
+enum { CAN_SFF_MASK = 0x7FF, CAN_EFF_MASK = 0x1FFFFFFF, CAN_MAX_DLEN = 8 };
+enum { CAN_ERR_CRTL = 0x4, CAN_ERR_BUSOFF = 0x40, CAN_ERR_RESTARTED = 0x100 };
+enum {
+    CAN_ERR_CRTL_RX_WARNING = 0x04,
+    CAN_ERR_CRTL_TX_WARNING = 0x08,
+    CAN_ERR_CRTL_RX_PASSIVE = 0x10,
+    CAN_ERR_CRTL_TX_PASSIVE = 0x20,
+    CAN_ERR_CRTL_ACTIVE = 0x40,
+};
+#endif
 
 bool bus_frame_valid(const bus_frame_t *frame)
 {

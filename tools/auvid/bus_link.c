@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "complain.h"
+#include "frames.h"
 
 /* SCHED_FIFO priority with --realtime. */
 #define PRIORITY 50
@@ -70,27 +71,13 @@ int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
     int status = 0;
     for (int i = 0; i < count && status == 0; ++i) {
-        bus_frame_t raw = {.id = frame[i].id, .length = frame[i].length};
-        memcpy(raw.data, frame[i].data, sizeof raw.data);
+        bus_frame_t raw = frames_raw(&frame[i]);
         raw.t_us = link->bus->now_us(link->bus);
         int sent = link->bus->send(link->bus, &raw);
         status = sent == BUS_BROKEN ? note(link, sent) : 0;
         status = status == 0 ? log_frame(link, &raw) : status;
     }
     return status;
-}
-
-bool link_convert(const bus_frame_t *from, auvid_can_frame_t *to)
-{
-    if (from->flags != 0) {
-        return false;
-    }
-    memset(to, 0, sizeof *to);
-    to->t_us = from->t_us;
-    to->id = (uint16_t)from->id;
-    to->length = from->length;
-    memcpy(to->data, from->data, sizeof to->data);
-    return true;
 }
 
 int link_receive(link_t *link, auvid_can_frame_t *frame)
@@ -101,7 +88,7 @@ int link_receive(link_t *link, auvid_can_frame_t *frame)
         if (note(link, BUS_OK) != 0 || log_frame(link, &raw) != 0) {
             return -1;
         }
-        if (link_convert(&raw, frame)) {
+        if (frames_convert(&raw, frame)) {
             return 1;
         }
     }

@@ -8,7 +8,6 @@
 
 #include "auvid/can.h"
 #include "bus_candump.h"
-#include "bus_memory.h"
 #include "bus_socketcan.h"
 #include "tick.h"
 
@@ -45,8 +44,5 @@ int link_receive(link_t *link, auvid_can_frame_t *frame);
 
 /** Close all. Returns 0 or EXIT_REFUSED (the log could not be written). */
 int link_close(link_t *link);
-
-/** False: not a data frame with an 11-bit identifier. */
-bool link_convert(const bus_frame_t *from, auvid_can_frame_t *to);
 
 #endif

@@ -9,12 +9,8 @@
 #include "bus_link.h"
 #include "commands.h"
 #include "complain.h"
-#include "craft.h"
 #include "report.h"
 #include "world.h"
-
-/* Ticks after the last search in which the last estimates go out: they take turns, one in five. */
-#define LINGER_TICKS 130u
 
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
 #define MOST_FRAMES 512
@@ -92,31 +88,11 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* The vehicle's part of a tick, over the bus in memory. */
-static void simulate(run_t *run)
-{
-    auvid_can_frame_t frame[CRAFT_FRAMES], heard;
-    bus_t *bus = &run->hub.end[1].bus;
-    bus_frame_t raw;
-    while (bus->receive(bus, &raw, 1) > 0) {
-        if (link_convert(&raw, &heard)) {
-            craft_take(&run->craft, &heard);
-        }
-    }
-    bus_memory_advance(&run->hub, LINK_TICK_US);
-    int count = craft_tick(&run->craft, frame);
-    for (int i = 0; i < count; ++i) {
-        raw = (bus_frame_t){.id = frame[i].id, .length = frame[i].length};
-        memcpy(raw.data, frame[i].data, sizeof raw.data);
-        (void)bus->send(bus, &raw);
-    }
-}
-
 /* Wait for frames or the own tick. Returns TICK_... or a negative number after a complaint. */
 static int wait(run_t *run)
 {
     if (run->simulated) {
-        simulate(run);
+        frames_vehicle(&run->hub.end[1], &run->craft);
         return TICK_READABLE;
     }
     int events = tick_wait(&run->link.tick, 500);
@@ -135,7 +111,7 @@ static int loop(run_t *run)
     int status = 0, events = 0;
     bool own = run->options->clock_own;
     run->heard_us = tick_now_us();
-    while (status == 0 && (events & TICK_STOP) == 0 && run->linger < LINGER_TICKS) {
+    while (status == 0 && (events & TICK_STOP) == 0 && run->linger < WORLD_LINGER_TICKS) {
         events = wait(run);
         status = events < 0 ? EXIT_REFUSED : receive(run);
         if (status == 0 && own && (events & TICK_DUE) != 0) {
@@ -166,8 +142,7 @@ static int finish(run_t *run)
     report_gather(&result, &run->node.id, run->options->seed);
     result.has_guard = run->options->excite;
     if (run->simulated) {
-        result.has_truth = true;
-        memcpy(result.truth, run->craft.sim.config.parameter, sizeof result.truth);
+        report_heard(&result, &run->craft);
     }
     if (run->options->json) {
         report_json(&result, NULL, NULL, NULL);

@@ -110,7 +110,7 @@ static int read_all(run_t *run)
     auvid_can_frame_t frame;
     int count = 0;
     while ((count = bus->receive(bus, &raw, 1)) > 0) {
-        if (link_convert(&raw, &frame)) {
+        if (frames_convert(&raw, &frame)) {
             take(run, &frame);
         }
     }

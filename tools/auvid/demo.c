@@ -36,8 +36,8 @@ typedef struct {
 typedef struct {
     world_t world;
     logger_t logger;
-    auvid_validation_t validation[WORLD_IDENTIFIERS];
-    result_t result[WORLD_IDENTIFIERS]; /* all sets; last set only (literal) */
+    auvid_validation_t validation[WORLD_NODES];
+    result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
     double simulated_s;
 } run_t;
 
@@ -61,13 +61,18 @@ static void log_velocity(logger_t *logger, const auvid_nav_knot_t *knot)
     logger->knot = *knot;
 }
 
-/* A tick: attitude and rates now, wrench from now on. */
+/* A tick: the wrench since the row before, attitude and rates now. */
 static void log_tick(logger_t *logger, const world_t *world)
 {
     auvid_nav_state_t state;
-    const auvid_nav_knot_t *knot = &world->id[0].nav.ground;
-    if (logger->writer == NULL || auvid_nav_state(&world->id[0].nav, &state) != AUVID_OK) {
+    const auvid_nav_t *nav = &world->node[0].id.nav;
+    const auvid_nav_knot_t *knot = &nav->ground;
+    if (logger->writer == NULL || auvid_nav_state(nav, &state) != AUVID_OK) {
         return;
+    }
+    if (logger->rows > 0) {
+        memcpy(&logger->row[logger->rows - 1].value[CSV_WRENCH], world->craft.seen.wrench,
+               sizeof world->craft.seen.wrench);
     }
     if (knot->sequence != logger->knot.sequence) {
         log_velocity(logger, knot);
@@ -82,15 +87,14 @@ static void log_tick(logger_t *logger, const world_t *world)
         row->value[CSV_ATTITUDE + i] = (double)state.attitude[i];
         row->value[CSV_NU + 3 + i] = (double)state.rates[i];
     }
-    memcpy(&row->value[CSV_WRENCH], world->wrench, sizeof world->wrench);
 }
 
 /* told: number of the estimate that was shown last. */
 static void show_progress(const run_t *run, const options_t *options, progress_t *progress,
                           uint32_t *told)
 {
-    const auvid_estimate_t *e = &run->world.id[0].estimate;
-    double rms = report_rms_percent(e, run->world.sim.config.parameter);
+    const auvid_estimate_t *e = &run->world.node[0].id.estimate;
+    double rms = report_rms_percent(e, run->world.craft.sim.config.parameter);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
     if (e->number == 0) {
@@ -126,28 +130,27 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
             return false;
         }
     }
-    bool busy = true;
-    uint32_t told = 0;
+    uint32_t told = 0, linger = 0;
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
-    while (busy && world_time_s(world) < end_s) {
+    while (linger < WORLD_LINGER_TICKS && world_time_s(world) < end_s) {
         world_tick(world);
         log_tick(&run->logger, world);
-        busy = false;
-        for (int i = 0; i < world->identifiers; ++i) {
-            auvid_status_t status = auvid_identifier_work(&world->id[i], AUVID_DEFAULT_BUDGET);
-            busy = busy || status == AUVID_PENDING ||
-                   world->id[i].metric.sets_recorded < options->sets;
+        bool busy = world_work(world, AUVID_DEFAULT_BUDGET);
+        for (int i = 0; i < world->nodes; ++i) {
+            busy = busy || world->node[i].id.metric.sets_recorded < options->sets;
         }
+        linger = busy ? 0 : linger + 1;
         if (progress != NULL) {
             show_progress(run, options, progress, &told);
         }
     }
-    for (int i = 0; i < world->identifiers; ++i) {
-        report_gather(&run->result[i], &world->id[i], seed);
-        run->result[i].has_truth = true;
-        memcpy(run->result[i].truth, world->sim.config.parameter, sizeof run->result[i].truth);
-        run->result[i].estimate.capped |= busy; /* it ran out of time */
+    for (int i = 0; i < world->nodes; ++i) {
+        report_gather(&run->result[i], &world->node[i].id, seed);
+        run->result[i].estimate.capped |= linger == 0; /* it ran out of time */
     }
+    report_heard(&run->result[0], &world->craft);
+    run->result[1].has_truth = true;
+    memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);
     return true;
 }
@@ -161,24 +164,25 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
                                    .sets = HELD_OUT_SETS};
-    const auvid_real_t *pi[WORLD_IDENTIFIERS] = {result->estimate.pi, auvid_girona500_paper};
-    double *r2[WORLD_IDENTIFIERS] = {result->r2, result->r2_truth};
-    bool valid[WORLD_IDENTIFIERS] = {false};
+    const auvid_real_t *pi[WORLD_NODES] = {result->estimate.pi, auvid_girona500_paper};
+    double *r2[WORLD_NODES] = {result->r2, result->r2_truth};
+    bool valid[WORLD_NODES] = {false};
     auvid_identifier_config_t cfg;
     world_identifier(&cfg, &config);
     if (!world_begin(world, &config) || !world_listen(world, &cfg)) {
         return false;
     }
-    for (int i = 0; i < WORLD_IDENTIFIERS; ++i) {
+    for (int i = 0; i < WORLD_NODES; ++i) {
         valid[i] = auvid_validation_init(&run->validation[i], result->vehicle, pi[i], 0,
                                          result->estimate.delay_s, result->estimate.lagged,
                                          AUVID_C(1e-6) * (auvid_real_t)cfg.recorder.cell_us) >= 0;
-        auvid_identifier_attach(&world->id[i], valid[i] ? &run->validation[i] : NULL);
+        auvid_identifier_attach(&world->node[i].id, valid[i] ? &run->validation[i] : NULL);
     }
     while (world_time_s(world) < HELD_OUT_SETS * WORLD_SET_S) {
         world_tick(world);
+        (void)world_work(world, 0);
     }
-    for (int i = 0; i < WORLD_IDENTIFIERS; ++i) {
+    for (int i = 0; i < WORLD_NODES; ++i) {
         auvid_real_t value[AUVID_DOF_COUNT];
         valid[i] = valid[i] && auvid_validation_r2(&run->validation[i], value) == AUVID_OK;
         for (int j = 0; j < AUVID_DOF_COUNT && valid[i]; ++j) {
@@ -289,8 +293,8 @@ static int run_all(run_t *run, const options_t *options, tally_t *tally, result_
 
 static int many_runs(run_t *run, const options_t *options)
 {
-    tally_t tally[WORLD_IDENTIFIERS] = {0};
-    result_t first[WORLD_IDENTIFIERS];
+    tally_t tally[WORLD_NODES] = {0};
+    result_t first[WORLD_NODES];
     int lists = options->literal ? 2 : 1, status = 0;
     for (int i = 0; i < lists && status == 0; ++i) {
         if (!tally_begin(&tally[i], options->runs)) {

@@ -37,6 +37,19 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .trip = id->guard.trip};
 }
 
+void report_heard(result_t *result, const craft_t *craft)
+{
+    result->has_truth = true;
+    for (int i = 0; i < PARAMETERS; ++i) {
+        result->truth[i] = craft->sim.config.parameter[i];
+        if (craft->estimated >> i & 1u) {
+            result->estimate.pi[i] = (auvid_real_t)craft->estimate[i];
+            result->estimate.confidence.sigma[i] =
+                (auvid_real_t)fmin(craft->sigma[i], (double)AUVID_LARGEST);
+        }
+    }
+}
+
 double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
 {
     double squares = 0.0;

@@ -6,6 +6,7 @@
 #define PROGRAM_REPORT_H
 
 #include "auvid/identifier.h"
+#include "craft.h"
 #include "story.h"
 
 /** The 13 parameters of Eq. 12-15. */
@@ -70,6 +71,9 @@ int report_exit(const result_t *result);
 
 /** What an identifier has found: all of *result but truth and validation. */
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed);
+
+/** What the simulated vehicle knows: the truth, and the estimate as it came in frames. */
+void report_heard(result_t *result, const craft_t *craft);
 
 /** Root mean square relative error of those of the 13 parameters that are identified [%]; 0 when
  * none is. */

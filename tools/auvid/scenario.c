@@ -37,25 +37,24 @@ typedef struct {
 
     /* of the run under way */
     auvid_guard_state_t guard;
-    auvid_real_t before[AUVID_DOF_COUNT]; /* excitation of the tick before */
-    double after_abort;                   /* largest excitation since the guard aborted */
-    double farthest_m;                    /* in truth, from the start, horizontally */
-    bool changed;                         /* a change was found */
+    double before[AUVID_DOF_COUNT]; /* excitation of the tick before */
+    double after_abort;             /* largest excitation since the guard aborted */
+    double farthest_m;              /* in truth, from the start, horizontally */
+    bool changed;                   /* a change was found */
 } play_t;
 
 /* ---- telling ---- */
 
-static void tell_excitation(play_t *play, const char *when, const auvid_real_t *wrench)
+static void tell_excitation(play_t *play, const char *when, const double *wrench)
 {
     story_tell(&play->story, world_time_s(&play->world),
                "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when,
-               (double)wrench[AUVID_SURGE], (double)wrench[AUVID_SWAY], (double)wrench[AUVID_HEAVE],
-               (double)wrench[AUVID_YAW]);
+               wrench[AUVID_SURGE], wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
 }
 
 static void tell_guard(play_t *play)
 {
-    const auvid_guard_t *guard = &play->world.id[0].guard;
+    const auvid_guard_t *guard = &play->world.node[0].id.guard;
     const auvid_guard_trip_t *trip = &guard->trip;
     double t_s = world_time_s(&play->world);
     if (guard->state == AUVID_GUARD_EXCITING) {
@@ -78,7 +77,7 @@ static void tell_guard(play_t *play)
 
 static void tell_judgement(play_t *play)
 {
-    const auvid_judgement_t *judged = &play->world.id[0].judgement;
+    const auvid_judgement_t *judged = &play->world.node[0].id.judgement;
     const auvid_real_t *ratio = judged->variance_ratio;
     double most = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -92,7 +91,7 @@ static void tell_judgement(play_t *play)
 
 static void tell_change(play_t *play)
 {
-    const auvid_judgement_t *judged = &play->world.id[0].judgement;
+    const auvid_judgement_t *judged = &play->world.node[0].id.judgement;
     int j = 0;
     while (j < AUVID_DOF_COUNT - 1 && !(judged->changed >> j & 1u)) {
         ++j;
@@ -104,18 +103,18 @@ static void tell_change(play_t *play)
 
 static void tell_estimate(play_t *play)
 {
-    const auvid_estimate_t *e = &play->world.id[0].estimate;
+    const auvid_estimate_t *e = &play->world.node[0].id.estimate;
     story_tell(&play->story, world_time_s(&play->world),
                "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
                (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
-               report_rms_percent(e, play->world.sim.config.parameter), report_identifiable(e),
+               report_rms_percent(e, play->world.craft.sim.config.parameter), report_identifiable(e),
                PARAMETERS);
 }
 
 static void tell_events(play_t *play)
 {
-    const auvid_identifier_t *id = &play->world.id[0];
-    uint32_t events = play->world.events;
+    const auvid_identifier_t *id = &play->world.node[0].id;
+    uint32_t events = play->world.node[0].events;
     double t_s = world_time_s(&play->world);
     if (events & AUVID_EVENT_EXCITATION_DONE) {
         story_tell(&play->story, t_s, "excitation done");
@@ -158,14 +157,15 @@ static bool advance(play_t *play)
     world_t *world = &play->world;
     memcpy(play->before, world->excitation, sizeof play->before);
     world_tick(world);
-    const double *position = world->sim.truth.position, *start = world->sim.config.position;
+    const sim_t *sim = &world->craft.sim;
+    const double *position = sim->truth.position, *start = sim->config.position;
     play->farthest_m =
         fmax(play->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
     tell_events(play);
     for (int j = 0; j < AUVID_DOF_COUNT && play->guard == AUVID_GUARD_ABORTED; ++j) {
-        play->after_abort = fmax(play->after_abort, fabs((double)world->excitation[j]));
+        play->after_abort = fmax(play->after_abort, fabs(world->excitation[j]));
     }
-    return auvid_identifier_work(&world->id[0], AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
+    return world_work(world, AUVID_DEFAULT_BUDGET);
 }
 
 static void run_until(play_t *play, double t_s)
@@ -180,32 +180,32 @@ static void run_to_end(play_t *play, uint32_t sets)
 {
     double end_s = (double)sets * WORLD_SET_S + PATIENCE_S;
     bool busy = true;
-    while ((busy || play->world.id[0].metric.sets_recorded < sets) &&
+    while ((busy || play->world.node[0].id.metric.sets_recorded < sets) &&
            world_time_s(&play->world) < end_s) {
         busy = advance(play);
     }
-    (void)advance(play); /* tells of the estimate that the last call of work has made */
-    report_gather(&play->result, &play->world.id[0], play->options->seed);
-    play->result.has_truth = true;
+    for (uint32_t k = 0; k < WORLD_LINGER_TICKS; ++k) {
+        (void)advance(play);
+    }
+    report_gather(&play->result, &play->world.node[0].id, play->options->seed);
+    report_heard(&play->result, &play->world.craft);
     play->result.estimate.capped |= busy;
-    memcpy(play->result.truth, play->world.sim.config.parameter, sizeof play->result.truth);
 }
 
 /* After an abort: the latch holds, and the estimate stays. @return did both? */
 static bool aftermath(play_t *play, uint32_t number)
 {
-    auvid_identifier_t *id = &play->world.id[0];
+    const auvid_identifier_t *id = &play->world.node[0].id;
     double t_s = world_time_s(&play->world) + 5.0;
     run_until(play, t_s);
-    auvid_status_t arm = auvid_identifier_arm(id), excite = auvid_identifier_excite(id);
-    story_tell(&play->story, t_s, "latched: arm and excite are refused (%s) until disarm",
-               auvid_status_str(arm));
+    play->world.craft.order_arm = true;
+    story_tell(&play->story, t_s, "latched: the operator's order to arm is refused until disarm");
     run_until(play, t_s + 15.0);
     story_tell(&play->story, t_s + 15.0,
                "largest excitation since the abort: %.1f; what was identified stays: estimate %u",
                play->after_abort, (unsigned)id->estimate.number);
-    return arm == AUVID_ERR_STATE && excite == AUVID_ERR_STATE && !(play->after_abort > 0.0) &&
-           id->guard.state == AUVID_GUARD_ABORTED && id->estimate.number >= number;
+    return !(play->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
+           id->estimate.number >= number;
 }
 
 /* ---- the scenarios; each returns whether it went as its story has it ---- */
@@ -220,10 +220,10 @@ static bool payload(play_t *play)
     }
     run_until(play, PAYLOAD_S);
     for (int k = 0; k < (int)sizeof mass; ++k) {
-        play->world.sim.config.parameter[mass[k]] *= MASS_FACTOR;
+        play->world.craft.sim.config.parameter[mass[k]] *= MASS_FACTOR;
     }
     for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
-        play->world.sim.config.parameter[i] *= DRAG_FACTOR;
+        play->world.craft.sim.config.parameter[i] *= DRAG_FACTOR;
     }
     story_tell(&play->story, PAYLOAD_S,
                "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; from now on "
@@ -255,8 +255,8 @@ static bool operator_abort(play_t *play)
     }
     run_until(play, EVENT_S);
     story_tell(&play->story, EVENT_S, "operator: abort, in the middle of set 4");
-    uint32_t number = play->world.id[0].estimate.number;
-    (void)auvid_identifier_abort(&play->world.id[0]);
+    uint32_t number = play->world.node[0].id.estimate.number;
+    play->world.craft.order_abort = true;
     bool held = aftermath(play, number);
     run_to_end(play, 0);
     return held && play->result.trip.cause == AUVID_GUARD_OPERATOR;
@@ -270,8 +270,8 @@ static bool dvl_lost(play_t *play)
     }
     run_until(play, EVENT_S);
     story_tell(&play->story, EVENT_S, "the DVL falls silent, for good");
-    uint32_t number = play->world.id[0].estimate.number;
-    play->world.sim.config.sensor[SIM_DVL].dropout = 1.0;
+    uint32_t number = play->world.node[0].id.estimate.number;
+    play->world.craft.sim.config.sensor[SIM_DVL].dropout = 1.0;
     bool held = aftermath(play, number);
     run_to_end(play, 0);
     return held && play->result.trip.cause == AUVID_GUARD_VELOCITY_STALE;

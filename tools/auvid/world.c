@@ -28,106 +28,93 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
 
 bool world_begin(world_t *world, const world_config_t *config)
 {
-    sim_config_t sim;
+    craft_config_t craft;
+    auvid_node_config_t node;
     auvid_identifier_config_t cfg;
     memset(world, 0, sizeof *world);
-    sim_defaults(&sim);
-    sim.seed = config->seed;
-    sim.disturbance_N = config->disturbance_N;
-    sim.disturbance_Nm = DISTURBANCE_ARM * config->disturbance_N;
-    sim.lag_s = config->lag_s;
-    memcpy(sim.current, config->current, sizeof sim.current);
-    world->both_locks = config->both_locks;
-    sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
+    craft_defaults(&craft);
+    craft.no_arm = config->no_arm;
+    craft.sim.seed = config->seed;
+    craft.sim.disturbance_N = config->disturbance_N;
+    craft.sim.disturbance_Nm = DISTURBANCE_ARM * config->disturbance_N;
+    craft.sim.lag_s = config->lag_s;
+    memcpy(craft.sim.current, config->current, sizeof craft.sim.current);
+    craft.sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
+    auvid_node_defaults(&node);
+    node.excite = !config->passive;
     world_identifier(&cfg, config);
-    world->hover_N = -sim.parameter[SIM_WB];
-    world->identifiers = 1;
-    return sim_init(&world->sim, &sim) && auvid_identifier_init(&world->id[0], &cfg) >= 0;
+    world->both_locks = config->both_locks;
+    world->nodes = 1;
+    return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
+           craft_init(&world->craft, &craft) && auvid_node_init(&world->node[0], &node, &cfg) >= 0;
 }
 
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
 {
-    if (world->identifiers == WORLD_IDENTIFIERS) {
-        return false;
-    }
-    return auvid_identifier_init(&world->id[world->identifiers++], cfg) >= 0;
+    auvid_node_config_t node;
+    auvid_node_defaults(&node);
+    return world->nodes < WORLD_NODES &&
+           auvid_node_init(&world->node[world->nodes++], &node, cfg) >= 0;
 }
 
-static void copy(auvid_real_t *to, const double *from, int n)
+/* A node's frames, up to the tick frame, and its answer. */
+static void step(world_t *world, int i)
 {
-    for (int i = 0; i < n; ++i) {
-        to[i] = (auvid_real_t)from[i];
+    bus_memory_end_t *end = &world->hub.end[WORLD_NODE + i];
+    auvid_can_frame_t frame, answer[AUVID_NODE_FRAMES];
+    int count = 0;
+    while (frames_receive(end, &frame)) {
+        if (auvid_node_take(&world->node[i], &frame) == AUVID_TICK) {
+            (void)auvid_node_step(&world->node[i], NULL, answer, &count);
+            frames_send(end, answer, i == 0 ? count : 0);
+        }
     }
 }
 
-/* What the simulator's sensors gave, as the identifier takes it. */
-static void sense(const sim_output_t *seen, auvid_input_t *in)
+/* The wrench of the thrust that the vehicle has been commanded. */
+static void note_excitation(world_t *world)
 {
-    const sim_measurement_t *imu = &seen->sensor[SIM_IMU], *dvl = &seen->sensor[SIM_DVL];
-    const sim_measurement_t *depth = &seen->sensor[SIM_DEPTH], *gps = &seen->sensor[SIM_GPS];
-    memset(in, 0, sizeof *in);
-    in->t_us = seen->t_us;
-    in->imu.present = imu->has;
-    in->imu.t_us = imu->t_us;
-    copy(in->imu.attitude, imu->value, 3);
-    copy(in->imu.rates, imu->value + 3, 3);
-    in->dvl.present = dvl->has;
-    in->dvl.sample.t_us = dvl->t_us;
-    in->dvl.sample.lock = dvl->bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
-    in->dvl.sample.valid = AUVID_DVL_ALL;
-    copy(in->dvl.sample.velocity, dvl->value, 3);
-    in->depth.present = depth->has;
-    in->depth.t_us = depth->t_us;
-    in->depth.depth_m = (auvid_real_t)depth->value[0];
-    in->gps.present = gps->has;
-    in->gps.t_us = gps->t_us;
-    in->gps.x_m = (auvid_real_t)gps->value[0];
-    in->gps.y_m = (auvid_real_t)gps->value[1];
-}
-
-/* Excitation and hover thrust to the thrusters. */
-static void drive(world_t *world, const auvid_output_t *out)
-{
-    auvid_real_t wrench[AUVID_DOF_COUNT];
-    auvid_allocation_result_t result;
-    memcpy(wrench, out->excitation, sizeof wrench);
-    wrench[AUVID_HEAVE] += (auvid_real_t)world->hover_N;
-    (void)auvid_allocation_solve(&world->id[0].allocation, wrench, &result);
-    for (int i = 0; i < SIM_THRUSTERS; ++i) {
-        world->force_N[i] = (double)result.force_N[i];
-    }
+    craft_t *craft = &world->craft;
+    const sim_config_t *c = &craft->sim.config;
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    (void)auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        world->wrench[j] = (double)result.wrench[j];
+        world->excitation[j] = 0.0;
+        for (int i = 0; i < SIM_THRUSTERS; ++i) {
+            world->excitation[j] += c->thruster_matrix[j][i] * (double)thrust[i] * c->thruster_max_N;
+        }
     }
 }
 
 void world_tick(world_t *world)
 {
-    auvid_input_t in;
-    auvid_output_t out = {0};
-    auvid_real_t feedback[AUVID_DOF_COUNT];
-    uint64_t began_us = world->seen.t_us;
-    if (world->both_locks && world->seen.sensor[SIM_DVL].has) {
-        bool bottom = world->seen.sensor[SIM_DVL].bottom;
-        world->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
+    craft_t *craft = &world->craft;
+    if (world->both_locks && craft->seen.sensor[SIM_DVL].has) {
+        bool bottom = craft->seen.sensor[SIM_DVL].bottom;
+        craft->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
     }
-    sim_step(&world->sim, world->force_N, NULL, &world->seen);
-    sense(&world->seen, &in);
-    copy(feedback, world->seen.wrench, AUVID_DOF_COUNT);
-    if (!world->excited && auvid_identifier_arm(&world->id[0]) == AUVID_OK) {
-        world->excited = auvid_identifier_excite(&world->id[0]) == AUVID_OK;
+    frames_vehicle(&world->hub.end[WORLD_VEHICLE], craft);
+    for (int i = 0; i < world->nodes; ++i) {
+        step(world, i);
     }
-    for (int i = world->identifiers - 1; i >= 0; --i) {
-        /* the feedback tells of the tick that has just gone by, so it bears that one's time */
-        (void)auvid_identifier_applied(&world->id[i], began_us, feedback, NULL);
-        (void)auvid_identifier_step(&world->id[i], &in, &out);
+    frames_hear(&world->hub.end[WORLD_VEHICLE], craft);
+    note_excitation(world);
+}
+
+bool world_work(world_t *world, uint32_t budget)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    int count = 0;
+    bool busy = false;
+    for (int i = 0; i < world->nodes; ++i) {
+        busy = auvid_node_work(&world->node[i], budget) == AUVID_PENDING || busy;
+        (void)auvid_node_report(&world->node[i], 0, frame, &count);
+        frames_send(&world->hub.end[WORLD_NODE + i], frame, i == 0 ? count : 0);
     }
-    world->events = out.events;
-    memcpy(world->excitation, out.excitation, sizeof world->excitation);
-    drive(world, &out);
+    return busy;
 }
 
 double world_time_s(const world_t *world)
 {
-    return 1e-6 * (double)world->seen.t_us;
+    return 1e-6 * (double)world->craft.seen.t_us;
 }

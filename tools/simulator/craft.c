@@ -57,6 +57,9 @@ static void hear(craft_t *craft, const auvid_can_message_t *m)
                m->as.estimate.index < SIM_PARAMETERS) {
         craft->estimate[m->as.estimate.index] = (double)m->as.estimate.value;
         craft->estimated |= 1u << m->as.estimate.index;
+    } else if (m->kind == AUVID_CAN_ESTIMATE_SIGMA && m->as.estimate_sigma.index < SIM_PARAMETERS) {
+        craft->sigma[m->as.estimate_sigma.index] =
+            m->absent == 0 ? (double)m->as.estimate_sigma.sigma : HUGE_VAL;
     } else if (m->kind == AUVID_CAN_PROGRESS) {
         craft->guard = (uint8_t)m->as.progress.guard;
         craft->work = (uint8_t)m->as.progress.work;
@@ -187,17 +190,23 @@ static void send_feedback(sending_t *s)
     send(s, &b);
 }
 
-static void send_order(sending_t *s)
+static void send_orders(sending_t *s)
 {
     craft_t *craft = s->craft;
     craft->ticks_navigated += craft->navigates;
     bool due = craft->ticks_navigated > 0 && craft->ticks_navigated % SECOND == 0;
-    if (due && !craft->armed && !craft->no_arm) {
+    if (craft->order_arm || (due && !craft->armed && !craft->no_arm)) {
         auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
         m.as.arm.action = AUVID_CAN_ACTION_ARM;
         m.as.arm.key = AUVID_CAN_ARM_KEY;
         send(s, &m);
     }
+    if (craft->order_abort) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_ABORT};
+        m.as.abort.cause = AUVID_CAN_CAUSE_OPERATOR;
+        send(s, &m);
+    }
+    craft->order_arm = craft->order_abort = false;
 }
 
 static void drive(craft_t *craft)
@@ -223,7 +232,7 @@ int craft_tick(craft_t *craft, auvid_can_frame_t *frame)
     sim_step(&craft->sim, craft->force_N, NULL, &craft->seen);
     send_sensors(&s);
     send_feedback(&s);
-    send_order(&s);
+    send_orders(&s);
     craft->sequence = (craft->sequence + 1u) & 0xFFFFFu;
     tick.as.tick.sequence = craft->sequence;
     tick.as.tick.time = (uint32_t)craft->seen.t_us;

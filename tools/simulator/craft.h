@@ -43,9 +43,11 @@ typedef struct {
     uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
                                           thrust was zero */
     double estimate[SIM_PARAMETERS]; /**< told by the node last */
+    double sigma[SIM_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;              /**< bit i: it has told parameter i */
     bool navigates, no_arm, armed;   /* the guard has left DISARMED */
     bool commanded;                  /**< commanded thrust acted in the last tick */
+    bool order_arm, order_abort;     /**< written by the operator: goes out with the next tick */
 } craft_t;
 
 /** The defaults of the simulator. */

@@ -1,0 +1,59 @@
+#include "frames.h"
+
+#include <string.h>
+
+bus_frame_t frames_raw(const auvid_can_frame_t *frame)
+{
+    bus_frame_t raw = {.id = frame->id, .length = frame->length};
+    memcpy(raw.data, frame->data, sizeof raw.data);
+    return raw;
+}
+
+bool frames_convert(const bus_frame_t *from, auvid_can_frame_t *to)
+{
+    if (from->flags != 0) {
+        return false;
+    }
+    memset(to, 0, sizeof *to);
+    to->t_us = from->t_us;
+    to->id = (uint16_t)from->id;
+    to->length = from->length;
+    memcpy(to->data, from->data, sizeof to->data);
+    return true;
+}
+
+void frames_send(bus_memory_end_t *end, const auvid_can_frame_t *frame, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        bus_frame_t raw = frames_raw(&frame[i]);
+        (void)end->bus.send(&end->bus, &raw);
+    }
+}
+
+bool frames_receive(bus_memory_end_t *end, auvid_can_frame_t *frame)
+{
+    bus_frame_t raw;
+    while (end->bus.receive(&end->bus, &raw, 1) > 0) {
+        if (frames_convert(&raw, frame)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void frames_hear(bus_memory_end_t *end, craft_t *craft)
+{
+    auvid_can_frame_t frame;
+    while (frames_receive(end, &frame)) {
+        craft_take(craft, &frame);
+    }
+}
+
+void frames_vehicle(bus_memory_end_t *end, craft_t *craft)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES];
+    frames_hear(end, craft);
+    bus_memory_advance(end->hub, SIM_TICK_US);
+    int count = craft_tick(craft, frame);
+    frames_send(end, frame, count);
+}
