@@ -30,6 +30,8 @@ PROGRAM := $(wildcard tools/auvid/*.c)
 MEMORY := $(addprefix port/linux_socketcan/,bus.c bus_memory.c)
 PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c),$(MEMORY))
 PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
+# What of the program tests run as well: the demo's world.
+WORLD := tools/auvid/world.c tools/auvid/frames.c $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
@@ -41,6 +43,9 @@ WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh tests/can/test_*.sh))
+# Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
+SLEEPER := tests/program/test_realtime.sh
+SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
 BENCH := $(wildcard tests/bench/*.c)
@@ -61,11 +66,11 @@ FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
 FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator \
     -Iport/linux_socketcan
 FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes
-FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itests/support -isystem $(UNITY_DIR) \
-    -DUNITY_INCLUDE_DOUBLE=
+FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itools/auvid -Iport/linux_socketcan \
+    -Itests/support -isystem $(UNITY_DIR) -DUNITY_INCLUDE_DOUBLE=
 
 objects = $(patsubst %.c,build/$(1)/%.o,$(2))
-TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(SUPPORT)) build/$(1)/unity.o
+TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%) \
@@ -95,7 +100,7 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
-	@AUVID_TEST_LONG=1 tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
+	@AUVID_TEST_LONG=1 tests/run.sh $(SCRIPTS) $(TEST_PROGRAMS)
 
 test test-long: $(CAN_LIBRARIES)
 

@@ -11,7 +11,11 @@ cd "$(dirname "$0")/.."
 
 export LOGS=build/test-logs AUVID=build/auvid
 export LIMIT=240
-[ -z "${AUVID_TEST_LONG:-}" ] || LIMIT=14400
+JOBS=$(nproc)
+if [ -n "${AUVID_TEST_LONG:-}" ]; then
+    LIMIT=14400
+    JOBS=$((JOBS + 1)) # test_realtime.sh sleeps for most of its ten minutes
+fi
 rm -rf "$LOGS"
 mkdir -p "$LOGS"
 
@@ -43,7 +47,7 @@ run_one() {
 }
 export -f run_one
 
-[ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -n 1 -P "$(nproc)" bash -c 'run_one "$1"' run
+[ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -n 1 -P "$JOBS" bash -c 'run_one "$1"' run
 
 # Show the reasons together at the end, where they are read.
 for count in "$LOGS"/*.count; do

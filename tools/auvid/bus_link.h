@@ -29,6 +29,9 @@ typedef struct {
 /** Open a real interface and the tick. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int link_open(link_t *link, const char *command, const char *interface, bool realtime);
 
+/** Tick, and ask for real-time scheduling or not. Returns as link_open. */
+int link_tick(link_t *link, bool realtime);
+
 /** Take a bus that is there already; no tick. */
 void link_take(link_t *link, const char *command, bus_t *bus);
 

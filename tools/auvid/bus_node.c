@@ -15,6 +15,9 @@
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
 #define MOST_FRAMES 512
 
+/* Times that are told apart: ticks that took longer count as this long [us]. */
+#define MOST_US 40000
+
 typedef struct {
     const options_t *options;
     auvid_node_t node;
@@ -22,8 +25,9 @@ typedef struct {
     craft_t craft;    /* --bus memory: the vehicle is in this process */
     bus_memory_t hub; /* ends: node, vehicle */
     bool simulated, silent;
-    uint64_t heard_us; /* last tick */
-    uint32_t linger;   /* ticks since everything was done */
+    uint64_t heard_us;          /* last tick */
+    uint32_t linger;            /* ticks since everything was done */
+    uint32_t took[MOST_US + 1]; /* ticks by the time of step and work [us] */
 } run_t;
 
 static int begin(run_t *run)
@@ -51,7 +55,7 @@ static int begin(run_t *run)
         return complain("node: the simulator refused its configuration");
     }
     link_take(&run->link, "node", &run->hub.end[0].bus);
-    return 0;
+    return o->realtime ? link_tick(&run->link, true) : 0;
 }
 
 /* Everything of one tick. own_us: null, or the time of the node's own clock. */
@@ -65,6 +69,7 @@ static int serve(run_t *run, const uint64_t *own_us)
     int status = link_send(&run->link, frame, count);
     bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     uint64_t took_us = tick_now_us() - began_us;
+    ++run->took[took_us < MOST_US ? took_us : MOST_US];
     (void)auvid_node_report(node, (uint32_t)(100u * took_us / LINK_TICK_US), frame, &count);
     status = status == 0 ? link_send(&run->link, frame, count) : status;
     bool over = !busy && node->id.metric.sets_recorded >= run->options->sets;
@@ -91,13 +96,15 @@ static int receive(run_t *run)
 /* Wait for frames or the own tick. Returns TICK_... or a negative number after a complaint. */
 static int wait(run_t *run)
 {
-    if (run->simulated) {
-        frames_vehicle(&run->hub.end[1], &run->craft);
-        return TICK_READABLE;
-    }
-    int events = tick_wait(&run->link.tick, 500);
+    int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;
     if (events < 0) {
         complain_line("node: %s", run->link.tick.text);
+    }
+    if (run->simulated) {
+        if (events > 0 && (events & TICK_DUE) != 0) {
+            frames_vehicle(&run->hub.end[1], &run->craft);
+        }
+        return events;
     }
     if (!run->silent && tick_now_us() - run->heard_us > LINK_SILENCE_US) {
         complain_line("node: no tick frame on %s: waiting", run->options->bus);
@@ -136,6 +143,29 @@ static void print_counters(const run_t *run)
            (unsigned)c->samples_dropped, (unsigned)c->clock_steps);
 }
 
+/* The time that this part of the ticks did not exceed [us]. */
+static unsigned quantile(const run_t *run, double part)
+{
+    double below = part * run->node.counters.ticks;
+    unsigned us = 0;
+    for (double sum = run->took[0]; sum < below && us < MOST_US; sum += run->took[us]) {
+        ++us;
+    }
+    return us;
+}
+
+static void print_ticks(const run_t *run)
+{
+    printf("  tick  step and work: p50 %u, p99 %u, max %u us", quantile(run, 0.5),
+           quantile(run, 0.99), quantile(run, 1.0));
+    if (run->link.ticking) {
+        const tick_t *tick = &run->link.tick;
+        printf("; of %llu ticks in %.0f s, missed %llu", (unsigned long long)tick->ticks,
+               1e-6 * (double)(tick->ticks * tick->period_us), (unsigned long long)tick->missed);
+    }
+    putchar('\n');
+}
+
 static int finish(run_t *run)
 {
     static result_t result;
@@ -151,6 +181,7 @@ static int finish(run_t *run)
                run->options->excite ? "exciting" : "passive");
         report_result(&result, NULL);
         print_counters(run);
+        print_ticks(run);
     }
     return report_exit(&result);
 }

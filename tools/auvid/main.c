@@ -59,7 +59,7 @@ static const char help[] =
     "  --sets K           end when K sets are identified; default 8\n"
     "  --log FILE         write every frame as candump -L does\n"
     "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
-    "  --realtime         ask for SCHED_FIFO and locked memory\n"
+    "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
     "  --seed N, --json   as above\n"
     "\n"
     "options of vehicle\n"

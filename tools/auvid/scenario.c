@@ -48,8 +48,8 @@ typedef struct {
 static void tell_excitation(play_t *play, const char *when, const double *wrench)
 {
     story_tell(&play->story, world_time_s(&play->world),
-               "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when,
-               wrench[AUVID_SURGE], wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
+               "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when, wrench[AUVID_SURGE],
+               wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
 }
 
 static void tell_guard(play_t *play)
@@ -107,8 +107,8 @@ static void tell_estimate(play_t *play)
     story_tell(&play->story, world_time_s(&play->world),
                "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
                (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
-               report_rms_percent(e, play->world.craft.sim.config.parameter), report_identifiable(e),
-               PARAMETERS);
+               report_rms_percent(e, play->world.craft.sim.config.parameter),
+               report_identifiable(e), PARAMETERS);
 }
 
 static void tell_events(play_t *play)

@@ -81,7 +81,8 @@ static void note_excitation(world_t *world)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         world->excitation[j] = 0.0;
         for (int i = 0; i < SIM_THRUSTERS; ++i) {
-            world->excitation[j] += c->thruster_matrix[j][i] * (double)thrust[i] * c->thruster_max_N;
+            world->excitation[j] +=
+                c->thruster_matrix[j][i] * (double)thrust[i] * c->thruster_max_N;
         }
     }
 }

@@ -1,0 +1,192 @@
+/*
+ * Who commands the thrusters, and when: every frame of whole runs, as somebody sees them who
+ * listens at an end of his own of the bus in memory.
+ *
+ * No command before an order to arm. After an abort, or the excitation's own end: one command of
+ * zero (both its frames) if the tick before commanded thrust, then none, whatever is ordered.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "unity.h"
+#include "world.h"
+
+enum { SETS = 2, TICKS = 3600, FRAMES = 60000, NEVER = TICKS + 1 };
+
+/* The tick in which the vehicle's operator arms: the node has navigated for a second. */
+enum { ARM_TICK = 51 };
+
+typedef struct {
+    uint32_t tick;
+    auvid_can_kind_t kind;
+    double largest; /* thrust commanded */
+} seen_t;
+
+static world_t world;
+static world_config_t config;
+static seen_t seen[FRAMES];
+static int frames;
+
+void setUp(void)
+{
+    memset(&config, 0, sizeof config);
+    config.seed = 1;
+    config.sets = SETS;
+}
+
+void tearDown(void)
+{
+}
+
+static double largest(const auvid_can_message_t *m)
+{
+    double most = 0.0;
+    for (int i = 0; i < 4; ++i) { /* b is laid out alike */
+        most = fmax(most, fabs((double)m->as.thruster_command_a.thrust[i]));
+    }
+    return most;
+}
+
+static bool commands(auvid_can_kind_t kind)
+{
+    return kind == AUVID_CAN_THRUSTER_COMMAND_A || kind == AUVID_CAN_THRUSTER_COMMAND_B;
+}
+
+static void watch(uint32_t tick)
+{
+    auvid_can_frame_t frame;
+    auvid_can_message_t m;
+    while (frames_receive(&world.hub.end[WORLD_LISTENER], &frame)) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame, &m));
+        TEST_ASSERT_TRUE(frames < FRAMES);
+        const seen_t one = {tick, m.kind, commands(m.kind) ? largest(&m) : 0.0};
+        seen[frames++] = one;
+    }
+}
+
+/* A whole run; abort goes out in tick `abort`, and an order to arm every second from `insist` on.
+ * @return was thrust commanded in the tick before the abort? */
+static bool run(uint32_t abort, uint32_t insist)
+{
+    bool commanding = false;
+    frames = 0;
+    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    for (uint32_t tick = 1; tick <= TICKS; ++tick) {
+        if (tick == abort) {
+            commanding = world.node[0].commanding;
+            world.craft.order_abort = true;
+        }
+        world.craft.order_arm = tick >= insist && tick % 50 == 0;
+        world_tick(&world);
+        (void)world_work(&world, AUVID_DEFAULT_BUDGET);
+        watch(tick);
+    }
+    TEST_ASSERT_EQUAL(0, (int)world.hub.end[WORLD_LISTENER].bus.statistics.dropped);
+    return commanding;
+}
+
+/* Frames of a kind, from number `from` on. */
+static int count(auvid_can_kind_t kind, int from)
+{
+    int n = 0;
+    for (int i = from; i < frames; ++i) {
+        n += seen[i].kind == kind;
+    }
+    return n;
+}
+
+static int count_commands(int from)
+{
+    return count(AUVID_CAN_THRUSTER_COMMAND_A, from) + count(AUVID_CAN_THRUSTER_COMMAND_B, from);
+}
+
+/* Number of the first frame of a kind; `frames` where there is none. */
+static int first(auvid_can_kind_t kind)
+{
+    int i = 0;
+    while (i < frames && seen[i].kind != kind) {
+        ++i;
+    }
+    return i;
+}
+
+static void test_a_passive_node_sends_no_command_in_a_whole_run(void)
+{
+    config.passive = true;
+    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+        (void)run(NEVER, NEVER);
+        TEST_ASSERT_TRUE(count(AUVID_CAN_ARM, 0) > 60); /* every second, as it is not obeyed */
+        TEST_ASSERT_TRUE(count(AUVID_CAN_HEARTBEAT, 0) > 100);
+        TEST_ASSERT_EQUAL(0, count_commands(0));
+    }
+}
+
+static void test_no_order_to_arm_no_command_in_a_whole_run(void)
+{
+    config.no_arm = true;
+    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+        (void)run(NEVER, NEVER);
+        TEST_ASSERT_EQUAL(0, count(AUVID_CAN_ARM, 0));
+        TEST_ASSERT_TRUE(count(AUVID_CAN_HEARTBEAT, 0) > 100);
+        TEST_ASSERT_EQUAL(0, count_commands(0));
+    }
+}
+
+static void test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero(void)
+{
+    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+        (void)run(NEVER, NEVER);
+        int arm = first(AUVID_CAN_ARM);
+        TEST_ASSERT_EQUAL_UINT32(ARM_TICK, seen[arm].tick);
+        TEST_ASSERT_TRUE(first(AUVID_CAN_THRUSTER_COMMAND_A) > arm);
+        TEST_ASSERT_TRUE(first(AUVID_CAN_THRUSTER_COMMAND_B) > arm);
+        int last = frames - 1; /* the last command, its second half */
+        while (last > 0 && !commands(seen[last].kind)) {
+            --last;
+        }
+        TEST_ASSERT_TRUE(seen[last].tick > 3000 && seen[last].tick < TICKS - 100);
+        TEST_ASSERT_TRUE(seen[last].largest == 0.0);
+        TEST_ASSERT_TRUE(world.node[0].id.estimate.number == SETS);
+    }
+}
+
+static void test_after_an_abort_one_command_of_zero_at_most_and_then_none(void)
+{
+    static const uint32_t ticks[] = {/* before navigation, before arming, with the order to arm */
+                                     1, 30, ARM_TICK,
+                                     /* in the fade-in, and in the sets */
+                                     ARM_TICK + 1, ARM_TICK + 2, ARM_TICK + 20, 700, 1551, 1552,
+                                     2222, 3000,
+                                     /* in the fade-out, about its end, and after it */
+                                     3045, 3050, 3051, 3052, 3053, 3054, 3300};
+    int zeros = 0;
+    for (config.seed = 1; config.seed <= 3; ++config.seed) {
+        for (size_t k = 0; k < sizeof ticks / sizeof ticks[0]; ++k) {
+            bool commanding = run(ticks[k], ticks[k]);
+            int abort = first(AUVID_CAN_ABORT);
+            TEST_ASSERT_EQUAL_UINT32(ticks[k], seen[abort].tick);
+            TEST_ASSERT_TRUE(count(AUVID_CAN_ARM, abort) >= (TICKS - (int)ticks[k]) / 50);
+            TEST_ASSERT_EQUAL(ticks[k] > ARM_TICK, count_commands(0) > 0);
+            TEST_ASSERT_EQUAL(commanding, count(AUVID_CAN_THRUSTER_COMMAND_A, abort));
+            TEST_ASSERT_EQUAL(commanding, count(AUVID_CAN_THRUSTER_COMMAND_B, abort));
+            for (int i = abort; i < frames; ++i) {
+                bool zero = seen[i].tick == ticks[k] && !(seen[i].largest > 0.0);
+                TEST_ASSERT_TRUE(zero || !commands(seen[i].kind));
+            }
+            zeros += commanding;
+        }
+    }
+    TEST_ASSERT_TRUE(zeros >= 3 * 8);
+    printf("%d runs aborted, %d of them while commanding\n", 3 * (int)(sizeof(ticks) / sizeof ticks[0]), zeros);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_passive_node_sends_no_command_in_a_whole_run);
+    RUN_TEST(test_no_order_to_arm_no_command_in_a_whole_run);
+    RUN_TEST(test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero);
+    RUN_TEST(test_after_an_abort_one_command_of_zero_at_most_and_then_none);
+    return UNITY_END();
+}
