@@ -4,7 +4,7 @@
  *
  * The vehicle is the simulator's Girona500 (craft.h). All that passes between it and the node are
  * frames: sensors, feedback of the thrusters, the operator's orders and the tick one way, thruster
- * commands and estimates the other. It runs in lock step: the node does a tick, then comes the next.
+ * commands and estimates the other. In lock step: the node does a tick, then comes the next.
  */
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H
