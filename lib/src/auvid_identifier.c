@@ -23,10 +23,10 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_excitation_defaults(&cfg->excitation);
     auvid_guard_defaults(&cfg->guard);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        cfg->lower[i] = AUVID_C(-1000.0);
-        cfg->upper[i] = AUVID_C(1000.0);
+        cfg->search.lower[i] = AUVID_C(-1000.0);
+        cfg->search.upper[i] = AUVID_C(1000.0);
     }
-    cfg->seed = 1;
+    cfg->search.seed = 1;
 }
 
 void auvid_identifier_literal(auvid_identifier_config_t *cfg)
@@ -49,19 +49,19 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
     auvid_crs_defaults(&search, 0);
     for (int i = 0; i < vehicle->parameters; ++i) {
         if (free >> i & 1u) {
-            if (cfg->has_good && !auvid_is_finite(cfg->good[i])) {
+            if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
                 return AUVID_ERR_NOT_FINITE;
             }
-            search.lower[n] = cfg->lower[i];
-            search.upper[n++] = cfg->upper[i];
+            search.lower[n] = cfg->search.lower[i];
+            search.upper[n++] = cfg->search.upper[i];
         }
     }
     if (delay && n < AUVID_MAX_PARAMETERS) {
         search.upper[n] = AUVID_C(1.0);
     }
     search.n = (uint8_t)(n + delay);
-    search.population = cfg->population;
-    search.omega = cfg->omega;
+    search.population = cfg->search.population;
+    search.omega = cfg->search.omega;
     return auvid_crs_check(&search);
 }
 
@@ -80,9 +80,8 @@ static auvid_status_t check(const auvid_identifier_config_t *cfg)
     return status >= 0 && !velocity ? AUVID_ERR_RANGE : status;
 }
 
-static auvid_status_t init_excitation(auvid_identifier_t *id)
+static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
 {
-    const auvid_identifier_config_t *cfg = &id->cfg;
     auvid_status_t status = AUVID_OK;
     if (cfg->allocation.thrusters > 0) {
         status = auvid_allocation_init(&id->allocation, &cfg->allocation);
@@ -98,19 +97,27 @@ static auvid_status_t init_excitation(auvid_identifier_t *id)
     return status;
 }
 
-static auvid_status_t init_modules(auvid_identifier_t *id)
+static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier_config_t *cfg)
 {
-    auvid_status_t status = auvid_nav_init(&id->nav, &id->cfg.nav);
+    auvid_metric_config_t metric_cfg = cfg->metric;
+    metric_cfg.vehicle = cfg->vehicle;
+    metric_cfg.cell_us = cfg->recorder.cell_us;
+    return auvid_metric_init(metric, &metric_cfg);
+}
+
+static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    auvid_status_t status = auvid_nav_init(&id->nav, &cfg->nav);
     if (status >= 0) {
-        status = auvid_recorder_init(&id->recorder, &id->cfg.recorder);
+        status = auvid_recorder_init(&id->recorder, &cfg->recorder);
     }
     if (status >= 0) {
-        status = auvid_metric_init(&id->metric, &id->cfg.metric);
+        status = init_metric(&id->metric, cfg);
     }
     if (status >= 0) {
-        status = auvid_guard_init(&id->guard, &id->cfg.guard);
+        status = auvid_guard_init(&id->guard, &cfg->guard);
     }
-    return status < 0 ? status : init_excitation(id);
+    return status < 0 ? status : init_excitation(id, cfg);
 }
 
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
@@ -121,10 +128,11 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     memset(id, 0, sizeof *id);
     auvid_status_t status = check(cfg);
     if (status >= 0) {
-        id->cfg = *cfg;
-        id->cfg.metric.vehicle = cfg->vehicle;
-        id->cfg.metric.cell_us = cfg->recorder.cell_us;
-        status = init_modules(id);
+        id->search = cfg->search;
+        id->velocity = cfg->velocity;
+        id->velocity_every_tick = cfg->velocity_every_tick;
+        id->dry_mass_kg = cfg->dry_mass_kg;
+        status = init_modules(id, cfg);
     }
     if (status < 0) {
         memset(id, 0, sizeof *id);
@@ -196,13 +204,13 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
         return;
     }
-    bool water = id->cfg.velocity == AUVID_VELOCITY_WATER;
+    bool water = id->velocity == AUVID_VELOCITY_WATER;
     const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
     uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
     if (in->imu.present) {
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }
-    if (id->cfg.velocity_every_tick) {
+    if (id->velocity_every_tick) {
         if (state.flags & fresh) {
             (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity);
         }

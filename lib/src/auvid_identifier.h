@@ -7,10 +7,16 @@
 
 #include "auvid/identifier.h"
 
+/** Null before init. */
+static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t *id)
+{
+    return id->metric.cfg.vehicle;
+}
+
 /** Has init succeeded? A firmware that goes on without must not fly blind. */
 static inline bool identifier_is_ready(const auvid_identifier_t *id)
 {
-    return id->cfg.vehicle != NULL;
+    return identifier_vehicle(id) != NULL;
 }
 
 /** The last part of a tick: altitude, guard, excitation. out: zeroed; written but its events. */

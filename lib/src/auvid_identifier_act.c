@@ -114,7 +114,7 @@ static void excite(auvid_identifier_t *id, auvid_output_t *out)
         end_excitation(id);
         return;
     }
-    if (id->cfg.allocation.thrusters == 0) {
+    if (id->allocation.config.thrusters == 0) {
         memcpy(out->excitation, wrench, sizeof wrench);
         return;
     }
@@ -168,7 +168,7 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!identifier_is_ready(id) || id->cfg.excitation.segments == 0) {
+    if (!identifier_is_ready(id) || id->excitation.config.segments == 0) {
         return AUVID_ERR_STATE;
     }
     look(id, false, &seen);

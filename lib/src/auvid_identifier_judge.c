@@ -31,7 +31,7 @@ auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
                                            const auvid_estimate_t *estimate)
 {
     auvid_real_t delay_s = AUVID_C(0.0);
-    for (int j = 0; j < AUVID_DOF_COUNT && id->cfg.vehicle->regressor == NULL; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && identifier_vehicle(id)->regressor == NULL; ++j) {
         delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all driven ones */
     }
     return delay_s;
@@ -40,10 +40,10 @@ auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
 void auvid_identifier_simulate(auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &id->estimate;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->cfg.recorder.cell_us;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
     memset(&id->prediction, 0, sizeof id->prediction);
     if (e->number > 0) { /* a model without acceleration, or such masses: no simulation */
-        (void)auvid_validation_init(&id->prediction, id->cfg.vehicle, e->pi, e->driven, e->delay_s,
+        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->driven, e->delay_s,
                                     e->lagged, cell_s);
     }
 }

@@ -15,7 +15,7 @@
 /* Is the delay one of the parameters of the search? It is the last one then. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
-    return id->cfg.vehicle->regressor == NULL && id->cfg.metric.estimate_delay;
+    return identifier_vehicle(id)->regressor == NULL && id->metric.cfg.estimate_delay;
 }
 
 /* A point for the optimizer: the active parameters of pi, clipped to the box. */
@@ -36,11 +36,11 @@ static void add_point(auvid_identifier_t *id, const auvid_optimizer_config_t *cf
 /* The box and the scale of the search over the active parameters. */
 static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
 {
-    const auvid_identifier_config_t *cfg = &id->cfg;
+    const auvid_search_config_t *cfg = &id->search;
     auvid_real_t scale[AUVID_MAX_PARAMETERS];
     uint8_t n = 0;
     id->active = auvid_metric_searched(&id->metric);
-    for (uint8_t i = 0; i < cfg->vehicle->parameters; ++i) {
+    for (uint8_t i = 0; i < identifier_vehicle(id)->parameters; ++i) {
         if (id->active >> i & 1u) {
             id->place[n++] = i;
         }
@@ -76,8 +76,8 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
         return status;
     }
     ++id->searches;
-    if (id->cfg.has_good) {
-        add_point(id, &search, id->cfg.good, id->cfg.metric.delay_s[0]);
+    if (id->search.has_good) {
+        add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
     }
     if (id->estimate.number > 0 && !id->anew) {
         add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
@@ -90,13 +90,13 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
 static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
     int k = 0;
-    memcpy(id->candidate, id->cfg.metric.fixed, sizeof id->candidate);
-    for (int i = 0; i < id->cfg.vehicle->parameters; ++i) {
+    memcpy(id->candidate, id->metric.cfg.fixed, sizeof id->candidate);
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
         if (id->active >> i & 1u) {
             id->candidate[i] = theta[k++];
         }
     }
-    id->delay_s = searches_delay(id) ? theta[k] : id->cfg.metric.delay_s[0];
+    id->delay_s = searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
 }
 
 /* The sets are together: search anew, or go on with costs evaluated again. */
@@ -140,7 +140,7 @@ static void publish(auvid_identifier_t *id)
     memcpy(e->pi, id->candidate, sizeof e->pi);
     (void)auvid_optimizer_best(&id->optimizer, &e->cost);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool common = id->cfg.vehicle->regressor == NULL && (e->driven >> j & 1);
+        bool common = identifier_vehicle(id)->regressor == NULL && (e->driven >> j & 1);
         e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
     }
     e->lagged = id->metric.lagged;
@@ -176,7 +176,7 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     } else if (id->phase == AUVID_WORK_LINEARISE) {
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
-            auvid_confidence_begin(&id->confidence, m, id->candidate, id->cfg.dry_mass_kg);
+            auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg);
             id->phase = AUVID_WORK_CONFIDENCE;
         }
     } else {
@@ -237,7 +237,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (id->cfg.vehicle == NULL) {
+    if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
     uint32_t left = budget;

@@ -38,7 +38,7 @@ static void report_velocity(auvid_node_t *node, const auvid_nav_state_t *state,
 static uint32_t flags_of(const auvid_node_t *node, int i)
 {
     const auvid_estimate_t *e = &node->id.estimate;
-    auvid_dof_t dof = node->id.cfg.vehicle->parameter[i].dof;
+    auvid_dof_t dof = node->id.metric.cfg.vehicle->parameter[i].dof;
     return (e->identified >> i & 1u) | (uint32_t)(e->driven >> dof & 1) << 1 |
            (uint32_t)e->capped << 2 | (e->confidence.identifiable >> i & 1u) << 3 |
            (e->confidence.implausible >> i & 1u) << 4 | (uint32_t)e->accepted << 5;
@@ -49,7 +49,7 @@ static void report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *c
 {
     const auvid_estimate_t *e = &node->id.estimate;
     int i = node->index;
-    node->index = (uint8_t)((i + 1) % node->id.cfg.vehicle->parameters);
+    node->index = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
     auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
     m.as.estimate.index = (uint32_t)i;
     m.as.estimate.number = e->number % 128u;

@@ -91,9 +91,9 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
     cfg->metric.row_cells = 2;
-    std::memcpy(cfg->lower, low, sizeof low);
-    std::memcpy(cfg->upper, high, sizeof high);
-    cfg->seed = seed;
+    std::memcpy(cfg->search.lower, low, sizeof low);
+    std::memcpy(cfg->search.upper, high, sizeof high);
+    cfg->search.seed = seed;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
 }
 
@@ -210,8 +210,8 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     chain_defaults(&config, seed, SETS, disturbance_N);
     config.id.vehicle = model;
     config.id.metric.vehicle = model;
-    config.id.has_good = true; // the search of 13 parameters and a delay is not the point
-    std::memcpy(config.id.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
+    config.id.search.has_good = true; // the search of 13 parameters and a delay is not the point
+    std::memcpy(config.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
     if (model->regressor == nullptr) {
         config.id.metric.rows = store;
         config.id.metric.set_rows = SET_ROWS;

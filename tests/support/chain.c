@@ -17,7 +17,7 @@ void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double
     config->sim.disturbance_Nm = 0.4 * disturbance_N;
     auvid_identifier_defaults(&config->id, &auvid_girona500);
     config->id.allocation = auvid_allocation_girona500;
-    config->id.seed = seed;
+    config->id.search.seed = seed;
     (void)auvid_excitation_plan(&config->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
     config->budget = AUVID_DEFAULT_BUDGET;
 }

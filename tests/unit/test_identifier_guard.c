@@ -501,7 +501,7 @@ static void test_altitudes_that_cannot_be_are_dropped(void)
 static void test_an_abort_loses_neither_the_search_nor_the_data(void)
 {
     config.budget = 20;
-    config.id.has_good = false;
+    config.id.search.has_good = false;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 52.0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);

@@ -631,46 +631,46 @@ static void check_init(auvid_status_t status)
 
 static void test_bounds_reversed_or_equal_are_refused(void)
 {
-    config.id.lower[3] = 10;
-    config.id.upper[3] = -10;
+    config.id.search.lower[3] = 10;
+    config.id.search.upper[3] = -10;
     check_init(AUVID_ERR_BOUNDS);
-    config.id.lower[3] = config.id.upper[3];
+    config.id.search.lower[3] = config.id.search.upper[3];
     check_init(AUVID_ERR_BOUNDS);
-    config.id.lower[3] = (auvid_real_t)NAN;
+    config.id.search.lower[3] = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.upper[3] = (auvid_real_t)INFINITY;
+    config.id.search.upper[3] = (auvid_real_t)INFINITY;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.upper[3] = AUVID_C(1e30);
+    config.id.search.upper[3] = AUVID_C(1e30);
     check_init(AUVID_ERR_RANGE);
-    config.id.lower[AUVID_G500_X_0] = 10; /* not free: not looked at */
-    config.id.upper[AUVID_G500_X_0] = -10;
+    config.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not looked at */
+    config.id.search.upper[AUVID_G500_X_0] = -10;
     check_init(AUVID_OK);
 }
 
 static void test_a_population_too_small_or_too_large_is_refused(void)
 {
-    config.id.population = 13; /* 13 parameters want 14 */
+    config.id.search.population = 13; /* 13 parameters want 14 */
     check_init(AUVID_ERR_POPULATION);
-    config.id.population = AUVID_MAX_POPULATION + 1;
+    config.id.search.population = AUVID_MAX_POPULATION + 1;
     check_init(AUVID_ERR_POPULATION);
-    config.id.population = 14;
+    config.id.search.population = 14;
     check_init(AUVID_OK);
-    config.id.population = AUVID_MAX_POPULATION;
+    config.id.search.population = AUVID_MAX_POPULATION;
     check_init(AUVID_OK);
 }
 
 static void test_an_omega_or_a_good_point_that_cannot_be_is_refused(void)
 {
-    config.id.omega = (auvid_real_t)NAN;
+    config.id.search.omega = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.omega = AUVID_C(1e12);
+    config.id.search.omega = AUVID_C(1e12);
     check_init(AUVID_ERR_RANGE);
-    config.id.omega = -1;
+    config.id.search.omega = -1;
     check_init(AUVID_ERR_RANGE);
-    config.id.has_good = true;
-    config.id.good[12] = (auvid_real_t)NAN;
+    config.id.search.has_good = true;
+    config.id.search.good[12] = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.good[12] = (auvid_real_t)NAN; /* not used */
+    config.id.search.good[12] = (auvid_real_t)NAN; /* not used */
     check_init(AUVID_OK);
 }
 
@@ -781,7 +781,7 @@ static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
     memset(&chain.id, 0, sizeof chain.id);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    config.id.omega = -1; /* refused first of all */
+    config.id.search.omega = -1; /* refused first of all */
     check_init(AUVID_ERR_RANGE);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);

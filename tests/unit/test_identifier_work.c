@@ -170,8 +170,8 @@ static void box(double low, double high)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         double a = low * config.sim.parameter[i], b = high * config.sim.parameter[i];
-        config.id.lower[i] = (auvid_real_t)fmin(a, b);
-        config.id.upper[i] = (auvid_real_t)fmax(a, b);
+        config.id.search.lower[i] = (auvid_real_t)fmin(a, b);
+        config.id.search.upper[i] = (auvid_real_t)fmax(a, b);
     }
 }
 
@@ -181,9 +181,9 @@ static void check_in_box(void)
     auvid_real_t near[AUVID_MAX_PARAMETERS] = {0};
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         auvid_real_t truth = (auvid_real_t)config.sim.parameter[i], x = chain.id.estimate.pi[i];
-        TEST_ASSERT_TRUE(x >= config.id.lower[i] && x <= config.id.upper[i]);
-        near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)config.id.lower[i]),
-                                     (double)config.id.upper[i]);
+        TEST_ASSERT_TRUE(x >= config.id.search.lower[i] && x <= config.id.search.upper[i]);
+        near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)config.id.search.lower[i]),
+                                     (double)config.id.search.upper[i]);
     }
     double tie = 1e-3 * (double)chain.id.metric.constant;
     TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tie);
@@ -195,7 +195,7 @@ static void search_in_box(double low, double high, uint16_t population)
         for (int k = 0; k < BUDGETS; ++k) {
             chain_defaults(&config, seed, 2, 0.0);
             box(low, high);
-            config.id.population = population;
+            config.id.search.population = population;
             if (k == 0) {
                 record(2);
                 recorded = chain;
@@ -232,11 +232,11 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
     for (uint64_t seed = 1; seed <= 5; ++seed) {
         for (int kind = 0; kind < 4; ++kind) {
             chain_defaults(&config, seed, 2, 0.0);
-            config.id.has_good = kind > 0;
+            config.id.search.has_good = kind > 0;
             for (int i = 0; i < SIM_PARAMETERS; ++i) {
                 double truth = config.sim.parameter[i];
                 /* within a tenth; a corner, far off; far outside the box: clipped to it */
-                config.id.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
+                config.id.search.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
                                                    : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
                                                                : -1e30);
             }
@@ -265,9 +265,9 @@ static void test_the_good_point_clipped_to_the_box_is_tried_first(void)
 {
     chain_defaults(&config, 1, 1, 0.0);
     box(0.5, 1.5);
-    config.id.has_good = true;
+    config.id.search.has_good = true;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        config.id.good[i] = (auvid_real_t)((i % 2 ? 1.1 : 2.0) * config.sim.parameter[i]);
+        config.id.search.good[i] = (auvid_real_t)((i % 2 ? 1.1 : 2.0) * config.sim.parameter[i]);
     }
     record(1);
     ask_first();
@@ -292,10 +292,10 @@ static void test_the_last_estimate_is_tried_first(void)
 static void test_the_search_is_the_one_configured(void)
 {
     chain_defaults(&config, 1, 1, 0.0);
-    config.id.population = 20;
-    config.id.omega = 500;
-    config.id.literal_search = true;
-    config.id.scale_by_bounds = true;
+    config.id.search.population = 20;
+    config.id.search.omega = 500;
+    config.id.search.literal_search = true;
+    config.id.search.scale_by_bounds = true;
     record(1);
     ask_first();
     TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.config.population);
@@ -483,7 +483,7 @@ static void configure_user(void)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&excitation, amplitude, CHAIN_SET_S, USER_SETS, 9));
     auvid_identifier_defaults(&config.id, &user_vehicle);
-    config.id.seed = 9;
+    config.id.search.seed = 9;
     config.id.excitation = excitation;
     config.id.metric.rows = store;
     config.id.metric.sets = USER_SETS;

@@ -67,9 +67,9 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
     cfg->metric.row_cells = 2;
-    memcpy(cfg->lower, low, sizeof low);
-    memcpy(cfg->upper, high, sizeof high);
-    cfg->seed = seed;
+    memcpy(cfg->search.lower, low, sizeof low);
+    memcpy(cfg->search.upper, high, sizeof high);
+    cfg->search.seed = seed;
     /* there is no depth sensor */
     cfg->guard.off =
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);

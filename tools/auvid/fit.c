@@ -226,7 +226,7 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
     bool commands = job->replay.kind == INPUT_COMMAND;
     double span_s = log->row[log->rows - 1].value[CSV_T] - log->row[0].value[CSV_T];
     double set_s =
-        1e-6 * id->cfg.recorder.cell_us * id->cfg.metric.row_cells * id->cfg.metric.set_rows;
+        1e-6 * id->recorder.cfg.cell_us * id->metric.cfg.row_cells * id->metric.cfg.set_rows;
     printf("auvid %s fit: %s\n", AUVID_VERSION_STRING, log->path);
     printf("  log      %zu rows in %.0f s, %zu gap%s over 0.5 s\n", log->rows, span_s, job->gaps,
            job->gaps == 1 ? "" : "s");
@@ -245,7 +245,7 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
            job->options->literal ? "our reading of the paper: smoothed states, raw wrench"
                                  : "rows and wrench smoothed alike",
            (unsigned)id->metric.sets_recorded, id->metric.sets_recorded == 1 ? "" : "s", set_s);
-    printf("  model    %s\n", id->cfg.vehicle->name);
+    printf("  model    %s\n", id->metric.cfg.vehicle->name);
     if (job->error[0] >= 0.0 && job->error[1] >= 0.0) {
         printf("           chosen by cross-validation: rms residual %.4f coupled, %.4f decoupled,\n"
                "           in parts of the largest input\n",
@@ -286,7 +286,7 @@ static int run(job_t *job)
     }
     gather(job, id, &result);
     if (job->options->validate != NULL && result.estimate.number > 0 &&
-        !heldout_r2(&job->test, &job->replay, &id->cfg.recorder, job->options->seed, &result)) {
+        !heldout_r2(&job->test, &job->replay, &id->recorder.cfg, job->options->seed, &result)) {
         return complain("%s: not enough memory", job->options->validate);
     }
     if (job->options->json) {

@@ -27,12 +27,12 @@ int report_exit(const result_t *result)
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed)
 {
     *result = (result_t){.seed = seed,
-                         .vehicle = id->cfg.vehicle,
-                         .free = id->cfg.metric.free,
+                         .vehicle = id->metric.cfg.vehicle,
+                         .free = id->metric.cfg.free,
                          .estimate = id->estimate,
                          .work_most = id->work_most,
                          .judgement = id->judgement,
-                         .has_guard = id->cfg.excitation.segments > 0,
+                         .has_guard = id->excitation.config.segments > 0,
                          .guard = id->guard.state,
                          .trip = id->guard.trip};
 }

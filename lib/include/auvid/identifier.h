@@ -56,6 +56,21 @@ typedef enum {
     AUVID_VELOCITY_WATER = 1   /**< water lock only */
 } auvid_velocity_source_t;
 
+/** Where and how the optimizer searches. */
+typedef struct {
+    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< the box [parameter's unit]; default
+                                                   -1000 */
+    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
+    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
+    bool has_good;                            /**< use it; default false. Clipped to the bounds */
+    uint16_t population;  /**< m of Algorithm 1; 0: four times the number of parameters, as far as
+                                AUVID_MAX_POPULATION allows */
+    auvid_real_t omega;   /**< of Algorithm 1; 0: the number of parameters, as in the paper */
+    bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
+    bool literal_search;  /**< Algorithm 2 without pattern steps; default false */
+    uint64_t seed;        /**< of the search; default 1 */
+} auvid_search_config_t;
+
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
 typedef struct {
     const auvid_vehicle_t *vehicle;       /**< required; set by defaults */
@@ -72,17 +87,7 @@ typedef struct {
     bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates:
                                    for our literal reading of the paper. Not with water lock.
                                    Default false */
-    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< bounds of the search [parameter's unit]; default
-                                                   -1000 */
-    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
-    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
-    bool has_good;                            /**< use it; default false. Clipped to the bounds */
-    uint16_t population;  /**< m of Algorithm 1; 0: four times the number of parameters, as far as
-                                AUVID_MAX_POPULATION allows */
-    auvid_real_t omega;   /**< of Algorithm 1; 0: the number of parameters, as in the paper */
-    bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
-    bool literal_search;  /**< Algorithm 2 without pattern steps; default false */
-    uint64_t seed;        /**< of the search; default 1 */
+    auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0; default 0: not known */
 } auvid_identifier_config_t;
 
@@ -233,7 +238,10 @@ typedef enum {
 
 /** The identifier. Modules are public to read; write only through the functions. */
 typedef struct {
-    auvid_identifier_config_t cfg;
+    auvid_search_config_t search; /**< as configured; the modules hold the rest */
+    auvid_velocity_source_t velocity;
+    bool velocity_every_tick;
+    auvid_real_t dry_mass_kg;
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
