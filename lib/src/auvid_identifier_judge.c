@@ -43,8 +43,8 @@ void auvid_identifier_simulate(auvid_identifier_t *id)
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
     memset(&id->prediction, 0, sizeof id->prediction);
     if (e->number > 0) { /* a model without acceleration, or such masses: no simulation */
-        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->driven, e->delay_s,
-                                    e->lagged, cell_s);
+        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->driven,
+                                    e->delay_s, e->lagged, cell_s);
     }
 }
 

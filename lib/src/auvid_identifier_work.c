@@ -82,7 +82,10 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
     if (id->estimate.number > 0 && !id->anew) {
         add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
     }
-    id->anew = false;
+    if (id->found && !id->anew) { /* what a new set has caught before it was an estimate */
+        add_point(id, &search, id->candidate, id->delay_s);
+    }
+    id->anew = id->found = false;
     return AUVID_OK;
 }
 
@@ -120,10 +123,10 @@ static void ask(auvid_identifier_t *id)
         auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
-        auvid_real_t cost = AUVID_CRS_COST_FAILED;
-        expand(id, auvid_optimizer_best(&id->optimizer, &cost));
+        expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
         auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
-        id->capped = status == AUVID_CAPPED || !(cost < AUVID_CRS_COST_FAILED);
+        id->searched = auvid_optimizer_work(&id->optimizer);
+        id->capped = status == AUVID_CAPPED || !(id->cost < AUVID_CRS_COST_FAILED);
         id->phase = AUVID_WORK_MEASURE;
     }
 }
@@ -131,14 +134,13 @@ static void ask(auvid_identifier_t *id)
 static void publish(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
-    auvid_optimizer_work_t work = auvid_optimizer_work(&id->optimizer);
     ++e->number;
     e->t_us = id->t_us;
     e->sets = id->metric.sets_recorded;
     e->identified = auvid_metric_active(&id->metric);
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
-    (void)auvid_optimizer_best(&id->optimizer, &e->cost);
+    e->cost = id->cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool common = identifier_vehicle(id)->regressor == NULL && (e->driven >> j & 1);
         e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
@@ -146,13 +148,13 @@ static void publish(auvid_identifier_t *id)
     e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
     e->capped = id->capped;
-    e->evaluations_crs = work.crs;
-    e->evaluations_line = work.line_search;
+    e->evaluations_crs = id->searched.crs;
+    e->evaluations_line = id->searched.line_search;
     e->confidence = id->confidence.result;
     e->accepted = false;
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
-    id->searching = false;
+    id->found = false;
     id->phase = AUVID_WORK_IDLE;
 }
 
@@ -176,6 +178,8 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     } else if (id->phase == AUVID_WORK_LINEARISE) {
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
+            id->searching = false;
+            id->found = true;
             auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg);
             id->phase = AUVID_WORK_CONFIDENCE;
         }

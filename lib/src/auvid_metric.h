@@ -13,9 +13,9 @@ enum {
     MOTION_NU_DOT = MOTION_NU + AUVID_DOF_COUNT,
     MOTION_TAU = MOTION_NU_DOT + AUVID_DOF_COUNT,
     MOTION_COMMAND = MOTION_TAU + AUVID_DOF_COUNT,
-    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_THRUSTERS, /* wrench and commands again, delayed */
+    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS, /* wrench and commands again, delayed */
     AUVID_METRIC_MOTION_CHANNELS =
-        MOTION_LATE + (AUVID_METRIC_DELAYS - 1) * (AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS)
+        MOTION_LATE + (AUVID_METRIC_DELAYS - 1) * (AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
 };
 
 /** Does the smoother work on the motion (residual path, literal reading) or on the rows? */

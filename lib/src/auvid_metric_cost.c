@@ -76,7 +76,7 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
     }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
         int k = AUVID_DOF_COUNT + i;
         s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
     }

@@ -27,7 +27,7 @@ static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
  * delays. The literal reading makes its accelerations of nu. */
 static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
 {
-    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
     bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
     channel[0] = s->phi;
     channel[1] = s->theta;
@@ -128,7 +128,7 @@ static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
 static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
                              const auvid_real_t *motion, auvid_real_t *channel)
 {
-    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS };
+    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
     row_channels(m, s, channel);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *tau = channel + m->channel_at[j] + m->count[j];
@@ -268,7 +268,7 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
         !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT) ||
         !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->command, AUVID_MAX_THRUSTERS)) {
+        !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
     enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };

@@ -162,10 +162,10 @@ auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
     if (recorder == NULL || tau == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
+    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] = {AUVID_C(0.0)};
     memcpy(value, tau, AUVID_DOF_COUNT * sizeof value[0]);
     if (command != NULL) {
-        memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_THRUSTERS * sizeof value[0]);
+        memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_COMMANDS * sizeof value[0]);
     }
     return feed(recorder, INPUT, t_us, value);
 }

@@ -182,7 +182,7 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
         !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
         !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->command, AUVID_MAX_THRUSTERS)) {
+        !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
     auvid_validation_t *v = validation;

@@ -264,7 +264,7 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
         in->applied.wrench[s->element % AUVID_DOF_COUNT] = s->value;
         break;
     default:
-        in->applied.command[s->element % AUVID_MAX_THRUSTERS] = s->value;
+        in->applied.command[s->element % AUVID_MAX_COMMANDS] = s->value;
         break;
     }
 }

@@ -781,7 +781,7 @@ static void test_cell_that_is_not_finite_is_ignored(void)
                              &good.nu[5],
                              &good.nu_dot[0],
                              &good.tau[2],
-                             &good.command[AUVID_MAX_THRUSTERS - 1]};
+                             &good.command[AUVID_MAX_COMMANDS - 1]};
     for (size_t i = 0; i < sizeof field / sizeof field[0]; ++i) {
         auvid_real_t keep = *field[i];
         *field[i] = (auvid_real_t)(i % 2 ? NAN : INFINITY);

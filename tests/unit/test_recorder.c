@@ -42,11 +42,11 @@ static auvid_real_t scaled(double x, int channel)
 /* Channel i of a stream carries (i + 1) times the track's value. */
 static auvid_status_t feed(int stream, uint64_t t_us, double x)
 {
-    auvid_real_t a[6], b[AUVID_MAX_THRUSTERS];
+    auvid_real_t a[6], b[AUVID_MAX_COMMANDS];
     for (int i = 0; i < 6; ++i) {
         a[i] = scaled(x, i);
     }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
         b[i] = scaled(x, 6 + i);
     }
     switch (stream) {
@@ -115,7 +115,7 @@ static void assert_cell(const auvid_sample_t *s)
     for (int j = 0; j < 6; ++j) {
         TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 1) * input, (double)s->tau[j]);
     }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(tiny * (i > 7 ? i : 1), (i + 7) * input, (double)s->command[i]);
     }
 }
@@ -250,7 +250,7 @@ static void test_null_commands_are_zeros(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_input(&recorder, t_us, x, NULL));
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
         TEST_ASSERT_EQUAL_DOUBLE(0, (double)s.command[i]);
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, (double)s.tau[AUVID_YAW]);
@@ -549,7 +549,7 @@ static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void
     before = recorder;
     static const double bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < 3; ++i) {
-        auvid_real_t x[6] = {0}, command[AUVID_MAX_THRUSTERS] = {0};
+        auvid_real_t x[6] = {0}, command[AUVID_MAX_COMMANDS] = {0};
         uint64_t t_us = T0 + 550000;
         for (int k = 0; k < 6; ++k) {
             x[k] = (auvid_real_t)bad[i];
@@ -558,7 +558,7 @@ static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void
             refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_input(&recorder, t_us, x, NULL));
             x[k] = 0;
         }
-        command[AUVID_MAX_THRUSTERS - 1] = (auvid_real_t)bad[i];
+        command[AUVID_MAX_COMMANDS - 1] = (auvid_real_t)bad[i];
         refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_input(&recorder, t_us, x, command));
     }
 }
@@ -570,10 +570,10 @@ static void test_numbers_out_of_all_proportion_are_refused_and_change_nothing(vo
     before = recorder;
     const auvid_real_t bad[] = {AUVID_C(1.01) * AUVID_RECORDER_LARGEST, -AUVID_LARGEST};
     for (size_t i = 0; i < 2; ++i) {
-        auvid_real_t x[6] = {0}, command[AUVID_MAX_THRUSTERS] = {0};
+        auvid_real_t x[6] = {0}, command[AUVID_MAX_COMMANDS] = {0};
         uint64_t t_us = T0 + 550000;
         x[0] = x[5] = bad[i];
-        command[AUVID_MAX_THRUSTERS - 1] = bad[i];
+        command[AUVID_MAX_COMMANDS - 1] = bad[i];
         refuse(AUVID_ERR_RANGE, auvid_recorder_attitude(&recorder, t_us, x, x + 3));
         refuse(AUVID_ERR_RANGE, auvid_recorder_velocity(&recorder, t_us, x));
         refuse(AUVID_ERR_RANGE, auvid_recorder_input(&recorder, t_us, x, NULL));

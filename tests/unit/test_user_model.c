@@ -128,7 +128,7 @@ static void identify(uint64_t seed, uint32_t budget, double disturbance_N, doubl
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
         command = out.excitation[AUVID_SURGE];
         const auvid_real_t nominal[AUVID_DOF_COUNT] = {100 * command};
-        const auvid_real_t commands[AUVID_MAX_THRUSTERS] = {command, command};
+        const auvid_real_t commands[AUVID_MAX_COMMANDS] = {command, command};
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, commands));
         (void)auvid_identifier_work(&id, budget);
         TEST_ASSERT_TRUE(id.work_last <= budget);

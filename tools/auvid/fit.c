@@ -157,14 +157,14 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 {
     const options_t *options = job->options;
     auvid_identifier_defaults(cfg, vehicle);
-    cfg->seed = options->seed;
+    cfg->search.seed = options->seed;
     cfg->recorder.gap_us = GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
     cfg->metric.free = options->bias ? AUVID_G500_FREE_BIAS : AUVID_G500_FREE;
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        cfg->lower[i] = (auvid_real_t)options->lower;
-        cfg->upper[i] = (auvid_real_t)options->upper;
+        cfg->search.lower[i] = (auvid_real_t)options->lower;
+        cfg->search.upper[i] = (auvid_real_t)options->upper;
     }
     set_velocity_time(job, cfg);
     if (options->literal) {

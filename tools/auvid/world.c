@@ -13,7 +13,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
         amplitude[j] = (config->idle >> j & 1u) ? AUVID_C(0.0) : amplitude[j];
     }
     auvid_identifier_defaults(cfg, &auvid_girona500);
-    cfg->seed = config->seed;
+    cfg->search.seed = config->seed;
     cfg->allocation = auvid_allocation_girona500;
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
     (void)auvid_excitation_plan(&cfg->excitation, amplitude, WORLD_SET_S, config->sets,

@@ -51,6 +51,12 @@
 #define AUVID_MAX_THRUSTERS 8
 #endif
 
+/** Thruster commands recorded beside the wrench, for models without regressor that use them;
+ * 1 saves memory where none does. 1..16. */
+#ifndef AUVID_MAX_COMMANDS
+#define AUVID_MAX_COMMANDS 8
+#endif
+
 /** Floats of one data set's triangular factors, all degrees of freedom together: a degree of
  * freedom whose equation has c parameters takes (c + 3)(c + 4) / 2. Girona500 with biases takes
  * 210. 10..8192. */
@@ -60,8 +66,8 @@
 
 /** Columns of all equations together, three for the wrench of each degree of freedom included: the
  * sum over the degrees of freedom of c + 3; Girona500 with biases takes 39. A model without
- * regressor takes 33 and three for each thruster, so that is the least.
- * 33 + 3 AUVID_MAX_THRUSTERS..512. */
+ * regressor takes 33 and three for each command, so that is the least.
+ * 33 + 3 AUVID_MAX_COMMANDS..512. */
 #ifndef AUVID_MAX_COLUMNS
 #define AUVID_MAX_COLUMNS 57
 #endif
@@ -75,6 +81,12 @@
  * 1..64. */
 #ifndef AUVID_MAX_OVERLAP
 #define AUVID_MAX_OVERLAP 9
+#endif
+
+/** Rows over which residuals of a model without regressor are smoothed, at most; 1 saves memory
+ * where there is none. 1..63, odd. */
+#ifndef AUVID_MAX_WINDOW
+#define AUVID_MAX_WINDOW 31
 #endif
 
 /** Largest half-width of the stand-alone smoother, in samples. 1..127. */
@@ -110,14 +122,20 @@
 #if AUVID_MAX_COLUMNS < 36 || AUVID_MAX_COLUMNS > 512
 #error "auvid: AUVID_MAX_COLUMNS must be 36..512"
 #endif
-#if 33 + 3 * AUVID_MAX_THRUSTERS > AUVID_MAX_COLUMNS
-#error "auvid: AUVID_MAX_COLUMNS must be at least 33 + 3 AUVID_MAX_THRUSTERS"
+#if AUVID_MAX_COMMANDS < 1 || AUVID_MAX_COMMANDS > 16
+#error "auvid: AUVID_MAX_COMMANDS must be 1..16"
+#endif
+#if 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MAX_COLUMNS
+#error "auvid: AUVID_MAX_COLUMNS must be at least 33 + 3 AUVID_MAX_COMMANDS"
 #endif
 #if AUVID_MAX_TAPS < 3 || AUVID_MAX_TAPS > 255
 #error "auvid: AUVID_MAX_TAPS must be 3..255"
 #endif
 #if AUVID_MAX_OVERLAP < 1 || AUVID_MAX_OVERLAP > 64
 #error "auvid: AUVID_MAX_OVERLAP must be 1..64"
+#endif
+#if AUVID_MAX_WINDOW < 1 || AUVID_MAX_WINDOW > 63 || AUVID_MAX_WINDOW % 2 == 0
+#error "auvid: AUVID_MAX_WINDOW must be odd, 1..63"
 #endif
 #if AUVID_MAX_HALF_WIDTH < 1 || AUVID_MAX_HALF_WIDTH > 127
 #error "auvid: AUVID_MAX_HALF_WIDTH must be 1..127"
@@ -135,23 +153,24 @@
 #define AUVID_SIZED0(name) name##_f64
 #define AUVID_SIZED1_(name, a) name##_f64_##a
 #define AUVID_SIZED2_(name, a, b) name##_f64_##a##_##b
-#define AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)                                         \
-    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j
+#define AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                   \
+    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
 #else
 #define AUVID_SIZED0(name) name##_f32
 #define AUVID_SIZED1_(name, a) name##_f32_##a
 #define AUVID_SIZED2_(name, a, b) name##_f32_##a##_##b
-#define AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)                                         \
-    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j
+#define AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                   \
+    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
 #endif
 #define AUVID_SIZED1(name, a) AUVID_SIZED1_(name, a)
 #define AUVID_SIZED2(name, a, b) AUVID_SIZED2_(name, a, b)
-#define AUVID_SIZED_ALL10(name, a, b, c, d, e, f, g, h, i, j)                                      \
-    AUVID_SIZED10_(name, a, b, c, d, e, f, g, h, i, j)
+#define AUVID_SIZED_ALL12(name, a, b, c, d, e, f, g, h, i, j, k, l)                                \
+    AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)
 /** All sizes, for structs that hold several modules. */
 #define AUVID_SIZED(name)                                                                          \
-    AUVID_SIZED_ALL10(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
+    AUVID_SIZED_ALL12(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
                       AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,    \
-                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES, AUVID_MAX_COMMANDS,  \
+                      AUVID_MAX_WINDOW)
 
 #endif

@@ -130,7 +130,7 @@ typedef struct {
          * tells of the tick gone by) leaves it out here and calls auvid_identifier_applied with its
          * time. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_MAX_THRUSTERS]; /**< thruster commands, for models that use them
+        auvid_real_t command[AUVID_MAX_COMMANDS]; /**< thruster commands, for models that use them
                                                         */
     } applied;
     bool saturated; /**< the thrusters are at a limit now, for whatever reason; for the guard. That
@@ -245,14 +245,16 @@ typedef struct {
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
+    union { /* in turn: the search is over when its result is assessed */
     auvid_optimizer_t optimizer;
+        auvid_confidence_job_t confidence;
+    };
     auvid_allocation_t allocation;
     auvid_excitation_t excitation;
     auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
     auvid_estimate_t estimate;   /**< the last result */
     auvid_estimate_t trusted;    /* the last accepted one */
     auvid_judgement_t judgement; /**< of the newest set */
-    auvid_confidence_job_t confidence;
     auvid_validation_t prediction;       /* of the set being recorded, by the last estimate */
     auvid_real_t predicted;              /* cost of the last estimate on the new set */
     auvid_validation_t *validation;      /* fed with every cell, if attached */
@@ -274,6 +276,9 @@ typedef struct {
     auvid_guard_seen_t applied;  /* last wrench recorded */
     auvid_real_t altitude_m;
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
+    auvid_optimizer_work_t searched;    /* by the search that has ended */
+    auvid_real_t cost;                  /* its result's */
+    bool found;                         /* candidate is a result, not yet an estimate */
     bool set_pending, searching, capped;
     bool suspect; /* the set before may be from before and after a change */
     bool anew;    /* search without the last estimate */

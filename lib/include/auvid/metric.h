@@ -55,8 +55,6 @@ extern "C" {
 #define AUVID_METRIC_BANDS 2
 /** Rows kept for them. */
 #define AUVID_METRIC_LAGS 2
-/** Most rows whose residuals are summed in the residual path. */
-#define AUVID_METRIC_WINDOW 31
 
 /** Which buffers the rows are made of. */
 typedef enum {
@@ -69,7 +67,7 @@ typedef enum {
  * delays. Written by the metric. */
 typedef struct {
     auvid_sample_t sample;
-    auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
+    auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
 } auvid_row_t;
 
 typedef struct {
@@ -136,7 +134,7 @@ typedef struct {
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
     auvid_real_t wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* smoothed too, all of it */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
-                         [AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS];
+                         [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
     uint32_t cells;                                              /* since the record began */
     uint32_t since_gap;                                          /* rows since then */
@@ -153,8 +151,8 @@ typedef struct {
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];           /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation, squares;
-    auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
-    auvid_real_t share[AUVID_METRIC_WINDOW];                   /* and their weights */
+    auvid_real_t window[AUVID_MAX_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
+    auvid_real_t share[AUVID_MAX_WINDOW];                   /* and their weights */
     uint8_t window_length;
     uint64_t window_us;   /* time of the last */
     uint32_t window_rows; /* since a gap */

@@ -35,7 +35,7 @@ extern "C" {
 /** Largest value taken, whatever its unit: beyond it there is a fault, and in single precision its
  * squares would stay in the data for as long as the set does. */
 #define AUVID_RECORDER_LARGEST AUVID_C(1e9)
-#define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_THRUSTERS)
+#define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
 
 /** How the applied wrench runs between its samples. */
 typedef enum {
@@ -74,7 +74,7 @@ typedef struct {
 /** Fill *cfg with the defaults. Null is ignored. */
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 
-#define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_THRUSTERS)
+#define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_COMMANDS)
 /** Start empty. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (a field out of its range). */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
 
@@ -94,7 +94,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
 
 /** Applied wrench from t_us on.
  * @param tau [6] N, Nm: of all sources, not only auvid's
- * @param command [AUVID_MAX_THRUSTERS] thruster commands, any unit; null: zeros
+ * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; null: zeros
  * Statuses and cost as above. */
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command);

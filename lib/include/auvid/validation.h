@@ -43,7 +43,7 @@ typedef struct {
 } auvid_validation_t;
 
 #define auvid_validation_init                                                                      \
-    AUVID_SIZED2(auvid_validation_init, AUVID_MAX_PARAMETERS, AUVID_MAX_THRUSTERS)
+    AUVID_SIZED2(auvid_validation_init, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 
 /** Start.
  * @param vehicle model with an acceleration; must outlive the comparison
