@@ -93,17 +93,6 @@ static void set_steps(auvid_line_search_t *ls, auvid_real_t alpha)
     }
 }
 
-static void begin(auvid_line_search_t *ls, const auvid_real_t *theta)
-{
-    auvid_line_search_config_t config = ls->config;
-    memset(ls, 0, sizeof *ls);
-    ls->config = config;
-    memcpy(ls->theta, theta, config.n * sizeof *theta);
-    set_steps(ls, config.alpha0);
-    ls->restarts_left = config.restarts;
-    ls->state = STATE_EVALUATE;
-}
-
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
                                       const auvid_line_search_config_t *config)
 {
@@ -115,6 +104,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
         return status;
     }
     auvid_line_search_config_t *c = &ls->config;
+    memset(ls, 0, sizeof *ls);
     *c = *config;
     if (c->max_evaluations == 0) {
         c->max_evaluations = 1000u * c->n;
@@ -124,25 +114,10 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
             c->scale[i] = (c->upper[i] - c->lower[i]) * AUVID_C(0.5);
         }
     }
-    begin(ls, config->start);
-    return AUVID_OK;
-}
-
-auvid_status_t auvid_line_search_start(auvid_line_search_t *ls, const auvid_real_t *theta)
-{
-    if (ls == NULL || theta == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (ls->state == STATE_NONE) {
-        return AUVID_ERR_STATE;
-    }
-    if (!auvid_all_finite(theta, ls->config.n)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    if (!inside(&ls->config, theta)) {
-        return AUVID_ERR_RANGE;
-    }
-    begin(ls, theta);
+    memcpy(ls->theta, c->start, sizeof ls->theta);
+    set_steps(ls, c->alpha0);
+    ls->restarts_left = c->restarts;
+    ls->state = STATE_EVALUATE;
     return AUVID_OK;
 }
 

@@ -34,10 +34,11 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
     memcpy(local.upper, config->crs.upper, sizeof local.upper);
     memcpy(local.scale, config->scale, sizeof local.scale);
     memcpy(local.start, config->crs.lower, sizeof local.start); /* until there is a better one */
-    status = auvid_line_search_init(&optimizer->line_search, &local);
+    status = auvid_line_search_init(&optimizer->line_search, &local); /* refuses what is wrong */
     if (status != AUVID_OK) {
         return status;
     }
+    optimizer->local = local;
     optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
     return auvid_crs_init(&optimizer->crs, &config->crs);
 }
@@ -69,8 +70,12 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
         return status;
     }
     /* S is complete in either case, so there is a best point, and it is in the box. */
+    optimizer->evaluations = optimizer->crs.evaluations;
+    optimizer->attempts = optimizer->crs.attempts;
+    memcpy(optimizer->local.start, auvid_crs_best(&optimizer->crs, &optimizer->cost),
+           optimizer->local.n * sizeof *theta);
     optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    (void)auvid_line_search_start(&optimizer->line_search, auvid_crs_best(&optimizer->crs, NULL));
+    (void)auvid_line_search_init(&optimizer->line_search, &optimizer->local);
     return ask_local(optimizer, theta);
 }
 
@@ -106,19 +111,28 @@ const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auv
     if (optimizer == NULL) {
         return NULL;
     }
-    if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL && optimizer->line_search.evaluations > 0) {
+    if (optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
+        return auvid_crs_best(&optimizer->crs, cost);
+    }
+    if (optimizer->line_search.evaluations > 0) {
         return auvid_line_search_best(&optimizer->line_search, cost);
     }
-    return auvid_crs_best(&optimizer->crs, cost);
+    if (cost != NULL) {
+        *cost = optimizer->cost;
+    }
+    return optimizer->local.start;
 }
 
 auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer)
 {
     auvid_optimizer_work_t work = {0, 0, 0};
-    if (optimizer != NULL) {
+    if (optimizer != NULL && optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
         work.crs = optimizer->crs.evaluations;
+        work.attempts = optimizer->crs.attempts;
+    } else if (optimizer != NULL) {
+        work.crs = optimizer->evaluations;
         work.line_search = optimizer->line_search.evaluations;
-        work.attempts = optimizer->crs.attempts + optimizer->line_search.attempts;
+        work.attempts = optimizer->attempts + optimizer->line_search.attempts;
     }
     return work;
 }

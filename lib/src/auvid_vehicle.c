@@ -95,7 +95,7 @@ auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real
     return AUVID_OK;
 }
 
-#if AUVID_MAX_PARAMETERS >= 17
+#if AUVID_MAX_PARAMETERS >= 13
 
 /* The three variants of the model. */
 typedef struct {
@@ -117,10 +117,12 @@ static const auvid_parameter_t g500_parameter[AUVID_G500_COUNT] = {
     [AUVID_G500_Z_WW] = {"Z_ww", "N s2/m2", AUVID_HEAVE, AUVID_PARAMETER_QUADRATIC_DRAG},
     [AUVID_G500_N_R] = {"N_r", "Nm s", AUVID_YAW, AUVID_PARAMETER_LINEAR_DRAG},
     [AUVID_G500_N_RR] = {"N_rr", "Nm s2", AUVID_YAW, AUVID_PARAMETER_QUADRATIC_DRAG},
+#if AUVID_MAX_PARAMETERS >= 17
     [AUVID_G500_X_0] = {"X_0", "N", AUVID_SURGE, AUVID_PARAMETER_FORCE},
     [AUVID_G500_Y_0] = {"Y_0", "N", AUVID_SWAY, AUVID_PARAMETER_FORCE},
     [AUVID_G500_Z_0] = {"Z_0", "N", AUVID_HEAVE, AUVID_PARAMETER_FORCE},
     [AUVID_G500_N_0] = {"N_0", "Nm", AUVID_YAW, AUVID_PARAMETER_FORCE},
+#endif
 };
 
 const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT] = {
@@ -148,24 +150,26 @@ static void g500_regressor(const void *context, const auvid_sample_t *s, auvid_r
     x_row[AUVID_G500_W_B] = s_theta;
     x_row[AUVID_G500_X_U] = -u;
     x_row[AUVID_G500_X_UU] = -auvid_abs(u) * u;
-    x_row[AUVID_G500_X_0] = AUVID_C(-1.0);
 
     y_row[AUVID_G500_M_V] = s->nu_dot[AUVID_SWAY];
     y_row[AUVID_G500_W_B] = -c_theta * s_phi;
     y_row[AUVID_G500_Y_V] = -v;
     y_row[AUVID_G500_Y_VV] = -auvid_abs(v) * v;
-    y_row[AUVID_G500_Y_0] = AUVID_C(-1.0);
 
     z_row[AUVID_G500_M_W] = s->nu_dot[AUVID_HEAVE];
     z_row[AUVID_G500_W_B] = -c_theta * c_phi;
     z_row[AUVID_G500_Z_W] = -w;
     z_row[AUVID_G500_Z_WW] = -auvid_abs(w) * w;
-    z_row[AUVID_G500_Z_0] = AUVID_C(-1.0);
 
     n_row[AUVID_G500_M_R] = s->nu_dot[AUVID_YAW];
     n_row[AUVID_G500_N_R] = -r;
     n_row[AUVID_G500_N_RR] = -auvid_abs(r) * r;
+#if AUVID_MAX_PARAMETERS >= 17
+    x_row[AUVID_G500_X_0] = AUVID_C(-1.0);
+    y_row[AUVID_G500_Y_0] = AUVID_C(-1.0);
+    z_row[AUVID_G500_Z_0] = AUVID_C(-1.0);
     n_row[AUVID_G500_N_0] = AUVID_C(-1.0);
+#endif
 
     if (form->coupled) {
         x_row[AUVID_G500_M_V] = -v * r;
@@ -206,17 +210,22 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
 }
 
 #define BIT(name) (1u << AUVID_G500_##name)
+#if AUVID_MAX_PARAMETERS >= 17
+#define BIAS(name) BIT(name)
+#else
+#define BIAS(name) 0u
+#endif
 #define G500_MODEL(title, form_)                                                                   \
     {                                                                                              \
         .name = title, .parameters = AUVID_G500_COUNT, .parameter = g500_parameter,                \
         .columns = {[AUVID_SURGE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(X_U) |         \
-                                    BIT(X_UU) | BIT(X_0),                                          \
+                                    BIT(X_UU) | BIAS(X_0),                                          \
                     [AUVID_SWAY] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Y_V) |          \
-                                   BIT(Y_VV) | BIT(Y_0),                                           \
+                                   BIT(Y_VV) | BIAS(Y_0),                                           \
                     [AUVID_HEAVE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Z_W) |         \
-                                    BIT(Z_WW) | BIT(Z_0),                                          \
+                                    BIT(Z_WW) | BIAS(Z_0),                                          \
                     [AUVID_YAW] =                                                                  \
-                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIT(N_0)},         \
+                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIAS(N_0)},         \
         .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
         .context = &(form_)                                                                        \
     }

@@ -63,10 +63,12 @@ static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_pr
 
 static auvid_optimizer_t optimizer;
 
-static void solve(const row_t *row, ls_problem_t *p, uint64_t seed)
+/* @return most consecutive rejections */
+static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
 {
     auvid_optimizer_config_t config;
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    uint32_t rejections = 0;
     configure(&config, row, p, seed);
     if (auvid_optimizer_init(&optimizer, &config) != AUVID_OK) {
         fprintf(stderr, "%s: configuration refused\n", row->name);
@@ -88,8 +90,11 @@ static void solve(const row_t *row, ls_problem_t *p, uint64_t seed)
                 pi[i] = (float)theta[i];
             }
             (void)auvid_optimizer_tell(&optimizer, (auvid_real_t)ls_problem_cost(p, pi));
+            if (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
+                rejections = optimizer.crs.most_rejections;
+            }
         } else if (status != AUVID_PENDING) {
-            return;
+            return rejections;
         }
     }
 }
@@ -128,7 +133,8 @@ int main(int argc, char **argv)
             if (ls_problem_make(&p, s) != 0) {
                 return 1;
             }
-            solve(&rows[r], &p, s);
+            uint32_t in_a_row = solve(&rows[r], &p, s);
+            rejections = in_a_row > rejections ? in_a_row : rejections;
             const auvid_real_t *best = auvid_optimizer_best(&optimizer, NULL);
             for (int i = 0; i < LS_N; ++i) {
                 pi[i] = (double)best[i];
@@ -140,9 +146,6 @@ int main(int argc, char **argv)
             x[s] = work.crs;
             local[s] = work.line_search;
             total[s] = x[s] + local[s];
-            if (optimizer.crs.most_rejections > rejections) {
-                rejections = optimizer.crs.most_rejections;
-            }
         }
         double *columns[3] = {x, local, total};
         printf("%-38s %7.1f%%", rows[r].name, 100.0 * (double)good / (double)seeds);

@@ -300,8 +300,8 @@ static void test_the_search_is_the_one_configured(void)
     ask_first();
     TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.config.population);
     TEST_ASSERT_TRUE(chain.id.optimizer.crs.config.omega == 500);
-    TEST_ASSERT_TRUE(chain.id.optimizer.line_search.config.literal);
-    TEST_ASSERT_TRUE(chain.id.optimizer.line_search.config.scale[0] == 1000);
+    TEST_ASSERT_TRUE(chain.id.optimizer.local.literal);
+    TEST_ASSERT_TRUE(chain.id.optimizer.local.scale[0] == 0); /* half the width of the box */
 }
 
 /* ---- sets that change on the way ---- */
@@ -447,7 +447,9 @@ static void test_an_estimate_stays_whole_until_the_next_is_ready(void)
 enum { USER_M, USER_X_U, USER_X_UU, USER_PARAMETERS };
 
 static const auvid_parameter_t user_parameter[USER_PARAMETERS] = {
-    {"m", "kg", AUVID_SURGE}, {"X_u", "N s/m", AUVID_SURGE}, {"X_uu", "N s2/m2", AUVID_SURGE}};
+    {"m", "kg", AUVID_SURGE, AUVID_PARAMETER_OTHER},
+    {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_OTHER},
+    {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
 
 /* Coupling, tilt and weight are left out of it: surge alone is driven. */
 static void user_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,

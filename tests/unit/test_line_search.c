@@ -186,7 +186,6 @@ static void test_calls_out_of_order_are_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_ask(&ls, theta));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_tell(&ls, 1));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_start(&ls, theta));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_line_search_reevaluate(&ls));
     TEST_ASSERT_NULL(auvid_line_search_best(&ls, NULL));
     init();
@@ -195,7 +194,6 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_ask(&ls, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_ask(NULL, theta));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_tell(NULL, 1));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_start(&ls, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_reevaluate(NULL));
 }
 
@@ -433,18 +431,6 @@ static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_opti
     near(optimum, 1e-3);
 }
 
-static void test_start_begins_anew_at_another_point(void)
-{
-    const auvid_real_t there[4] = {1, 2, 3, 4}, outside[4] = {1, 2, 3, 9};
-    init();
-    (void)run(coupled);
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_line_search_start(&ls, outside));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_start(&ls, there));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_ask(&ls, theta));
-    TEST_ASSERT_EQUAL_INT(0, memcmp(theta, there, sizeof there));
-    TEST_ASSERT_EQUAL_UINT32(0, ls.evaluations);
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -462,6 +448,5 @@ int main(void)
     RUN_TEST(test_evaluations_are_capped);
     RUN_TEST(test_each_restart_takes_the_steps_down_once_more);
     RUN_TEST(test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found);
-    RUN_TEST(test_start_begins_anew_at_another_point);
     return UNITY_END();
 }

@@ -47,7 +47,7 @@ static void prepare(uint64_t seed)
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, SETS, seed);
-    identifier.seed = seed;
+    identifier.search.seed = seed;
     auvid_node_defaults(&config);
     config.answer = true;
 }

@@ -83,8 +83,8 @@
 #define AUVID_MAX_OVERLAP 9
 #endif
 
-/** Rows over which residuals of a model without regressor are smoothed, at most; 1 saves memory
- * where there is none. 1..63, odd. */
+/** Rows over which residuals of a model without regressor are smoothed, at most; 3 saves memory
+ * where there is none. 3..63, odd. */
 #ifndef AUVID_MAX_WINDOW
 #define AUVID_MAX_WINDOW 31
 #endif
@@ -134,8 +134,8 @@
 #if AUVID_MAX_OVERLAP < 1 || AUVID_MAX_OVERLAP > 64
 #error "auvid: AUVID_MAX_OVERLAP must be 1..64"
 #endif
-#if AUVID_MAX_WINDOW < 1 || AUVID_MAX_WINDOW > 63 || AUVID_MAX_WINDOW % 2 == 0
-#error "auvid: AUVID_MAX_WINDOW must be odd, 1..63"
+#if AUVID_MAX_WINDOW < 3 || AUVID_MAX_WINDOW > 63 || AUVID_MAX_WINDOW % 2 == 0
+#error "auvid: AUVID_MAX_WINDOW must be odd, 3..63"
 #endif
 #if AUVID_MAX_HALF_WIDTH < 1 || AUVID_MAX_HALF_WIDTH > 127
 #error "auvid: AUVID_MAX_HALF_WIDTH must be 1..127"

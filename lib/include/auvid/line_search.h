@@ -96,7 +96,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
 /**
  * Check and copy the configuration; the search begins at config->start.
  * @param ls      state to start; need not be zeroed.
- * @param config  copied.
+ * @param config  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
  *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
  *         outside the box). On an error *ls is untouched.
@@ -105,14 +105,6 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
 #define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
                                       const auvid_line_search_config_t *config);
-
-/**
- * Begin anew at another point, with the same configuration; counters go to zero.
- * @param theta  n values in the box [parameter's unit].
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE;
- *         AUVID_ERR_RANGE (outside the box). On an error *ls is untouched. Cost: O(n).
- */
-auvid_status_t auvid_line_search_start(auvid_line_search_t *ls, const auvid_real_t *theta);
 
 /**
  * The next point whose cost is wanted; first the start itself. Asking again before telling gives

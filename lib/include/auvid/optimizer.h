@@ -59,8 +59,13 @@ typedef struct {
 
 /** State; private but for what the accessors give. Written by this module alone. */
 typedef struct {
-    auvid_crs_t crs;
-    auvid_line_search_t line_search;
+    union { /* in turn: the global phase leaves its best point, the work done and the box */
+        auvid_crs_t crs;
+        auvid_line_search_t line_search;
+    };
+    auvid_line_search_config_t local; /* of the local phase; its start: the global phase's best */
+    auvid_real_t cost;                /* of that point */
+    uint32_t evaluations, attempts;   /* of the global phase, once it has ended */
     uint8_t phase; /**< auvid_optimizer_phase_t */
 } auvid_optimizer_t;
 

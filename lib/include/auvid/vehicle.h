@@ -103,7 +103,8 @@ auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real
 
 /** Parameters of the Girona500 model, in the order of the paper's results; X_0 .. N_0 are constant
  * forces and a moment on the hull [N, Nm] (a biased thruster, a trailing cable), which the paper
- * does not have. Z_0 and W-B can hardly be told apart: free only one of them. */
+ * does not have. Z_0 and W-B can hardly be told apart: free only one of them. Where
+ * AUVID_MAX_PARAMETERS has no room for them, the model has only the paper's. */
 typedef enum {
     AUVID_G500_M_U,
     AUVID_G500_M_V,
@@ -118,10 +119,12 @@ typedef enum {
     AUVID_G500_Z_WW,
     AUVID_G500_N_R,
     AUVID_G500_N_RR,
+#if AUVID_MAX_PARAMETERS >= 17
     AUVID_G500_X_0,
     AUVID_G500_Y_0,
     AUVID_G500_Z_0,
     AUVID_G500_N_0,
+#endif
     AUVID_G500_COUNT
 } auvid_girona500_parameter_t;
 
@@ -130,7 +133,7 @@ typedef enum {
 /** The same with X_0, Y_0, N_0 free; heave's constant is W-B. */
 #define AUVID_G500_FREE_BIAS (0x1FFFu | 1u << 13 | 1u << 14 | 1u << 16)
 
-#if AUVID_MAX_PARAMETERS >= 17
+#if AUVID_MAX_PARAMETERS >= 13
 /** Eq. 12-15 with Fossen's m_w w p in Eq. 13. */
 extern const auvid_vehicle_t auvid_girona500;
 /** Eq. 12-15 exactly as printed: m_w w q in Eq. 13. */
