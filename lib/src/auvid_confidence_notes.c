@@ -13,27 +13,51 @@
 
 /* ---- bias of masses by the noise of the measured acceleration ---- */
 
-/* Correlation, at the bands' distance, of white velocity noise that has become an acceleration and
- * passed the rows' filter. DVL samples two cells apart are interpolated (0.5 1 0.5), rates come in
- * every cell; the derivative is (0.5 0 -0.5). */
-static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+/* Tap k of white velocity noise that has become an acceleration and passed the rows' filter. DVL
+ * samples two cells apart are interpolated (0.5 1 0.5), rates come in every cell; the derivative is
+ * (0.5 0 -0.5). */
+static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
 {
     enum { LENGTH = 5 };
     static const auvid_real_t shape[2][LENGTH] = {
         {AUVID_C(0.25), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(-0.25)},
         {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(0.0)}};
+    auvid_real_t tap = AUVID_C(0.0);
+    for (int i = 0; i < LENGTH; ++i) {
+        bool inside = k - i >= 0 && k - i < m->taps;
+        tap += inside ? shape[moment][i] * m->kernel[moment][k - i] : AUVID_C(0.0);
+    }
+    return tap;
+}
+
+/* Its correlation at the bands' distance. */
+static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+{
     int moment = j >= AUVID_ROLL, lag = m->cfg.lag[moment] * m->cfg.row_cells;
-    auvid_real_t passed[AUVID_MAX_TAPS + LENGTH], square = AUVID_C(0.0), product = AUVID_C(0.0);
-    for (int k = 0; k < m->taps + LENGTH - 1; ++k) {
-        passed[k] = AUVID_C(0.0);
-        for (int i = 0; i < LENGTH; ++i) {
-            bool inside = k - i >= 0 && k - i < m->taps;
-            passed[k] += inside ? shape[moment][i] * m->kernel[moment][k - i] : AUVID_C(0.0);
-        }
-        square += passed[k] * passed[k];
-        product += k >= lag ? passed[k] * passed[k - lag] : AUVID_C(0.0);
+    auvid_real_t square = AUVID_C(0.0), product = AUVID_C(0.0);
+    for (int k = 0; k < m->taps + 4; ++k) {
+        auvid_real_t tap = noise_tap(m, moment, k);
+        square += tap * tap;
+        product += tap * noise_tap(m, moment, k - lag);
     }
     return product / square;
+}
+
+/* a: derivatives of DoF j's row by its acceleration. */
+static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_real_t a[AUVID_MAX_PARAMETERS])
+{
+    auvid_regressor_t y;
+    auvid_sample_t sample;
+    memset(&sample, 0, sizeof sample);
+    memset(a, 0, AUVID_MAX_PARAMETERS * sizeof *a);
+    for (int moved = 0; moved <= 1; ++moved) {
+        memset(&y, 0, sizeof y);
+        sample.nu_dot[j] = (auvid_real_t)moved;
+        vehicle->regressor(vehicle->context, &sample, &y);
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            a[i] = y.row[j][i] - a[i];
+        }
+    }
 }
 
 /* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
@@ -41,21 +65,13 @@ static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    if (vehicle->regressor == NULL || m->cfg.smoothing != AUVID_SMOOTH_ROWS) {
+    auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
+    if (auvid_metric_smooths_motion(m)) {
         return;
     }
-    auvid_regressor_t still, moved;
-    auvid_sample_t sample;
-    memset(&sample, 0, sizeof sample);
-    memset(&still, 0, sizeof still);
-    memset(&moved, 0, sizeof moved);
-    vehicle->regressor(vehicle->context, &sample, &still);
-    sample.nu_dot[j] = AUVID_C(1.0);
-    vehicle->regressor(vehicle->context, &sample, &moved);
-    auvid_real_t mass = AUVID_C(0.0);
-    for (int i = 0; i < vehicle->parameters; ++i) {
-        mass += (moved.row[j][i] - still.row[j][i]) * c->pi[i];
+    mass_row(m->cfg.vehicle, j, a);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        mass += a[i] * c->pi[i];
     }
     auvid_real_t rho = noise_correlation(m, j);
     auvid_real_t noise =
@@ -63,8 +79,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
         (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
     auvid_real_t scaled = m->weight[j] * noise / mass;
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
-        int i = c->index[k];
-        c->influence[k] += scaled * (moved.row[j][i] - still.row[j][i]);
+        c->influence[k] += scaled * a[c->index[k]];
     }
 }
 

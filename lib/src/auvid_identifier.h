@@ -13,6 +13,12 @@ static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t
     return id->metric.cfg.vehicle;
 }
 
+/** Does the model have no regressor? Its delay is common to all DoF then. */
+static inline bool identifier_residual_path(const auvid_identifier_t *id)
+{
+    return !AUVID_REGRESSOR_ONLY && identifier_vehicle(id)->regressor == NULL;
+}
+
 /** Has init succeeded? A firmware that goes on without must not fly blind. */
 static inline bool identifier_is_ready(const auvid_identifier_t *id)
 {

@@ -31,7 +31,7 @@ auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
                                            const auvid_estimate_t *estimate)
 {
     auvid_real_t delay_s = AUVID_C(0.0);
-    for (int j = 0; j < AUVID_DOF_COUNT && identifier_vehicle(id)->regressor == NULL; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && identifier_residual_path(id); ++j) {
         delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all driven ones */
     }
     return delay_s;

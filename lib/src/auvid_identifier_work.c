@@ -15,7 +15,7 @@
 /* Is the delay one of the parameters of the search? It is the last one then. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
-    return identifier_vehicle(id)->regressor == NULL && id->metric.cfg.estimate_delay;
+    return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
 }
 
 /* A point for the optimizer: the active parameters of pi, clipped to the box. */
@@ -142,7 +142,7 @@ static void publish(auvid_identifier_t *id)
     memcpy(e->pi, id->candidate, sizeof e->pi);
     e->cost = id->cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool common = identifier_vehicle(id)->regressor == NULL && (e->driven >> j & 1);
+        bool common = identifier_residual_path(id) && (e->driven >> j & 1);
         e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
     }
     e->lagged = id->metric.lagged;

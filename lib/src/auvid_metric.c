@@ -87,22 +87,22 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
             return AUVID_ERR_RANGE;
         }
     }
-    bool linear = cfg->vehicle->regressor != NULL;
     if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) || cfg->cell_us < 1000 ||
         cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 || cfg->row_cells < 1 ||
         cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
         (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||
         cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 || cfg->lag[1] > AUVID_METRIC_LAGS ||
         cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
-        (cfg->smoothing != AUVID_SMOOTH_ROWS && cfg->smoothing != AUVID_SMOOTH_STATES) ||
-        (cfg->smoothing == AUVID_SMOOTH_STATES && cfg->estimate_delay)) {
+        (cfg->smoothing != AUVID_SMOOTH_ROWS && !auvid_metric_is_literal(cfg)) ||
+        (auvid_metric_is_literal(cfg) && cfg->estimate_delay)) {
         return AUVID_ERR_RANGE;
     }
     uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
     if (cfg->free != 0 && (cfg->free & mask) == 0) {
         return AUVID_ERR_PARAMETERS;
     }
-    return linear || cfg->rows != NULL ? AUVID_OK : AUVID_ERR_MODEL;
+    bool stored = !AUVID_REGRESSOR_ONLY && cfg->rows != NULL;
+    return cfg->vehicle->regressor != NULL || stored ? AUVID_OK : AUVID_ERR_MODEL;
 }
 
 /* Savitzky-Golay coefficients of one pass, in the middle of a window of 2 half_width + 1 cells. */
@@ -118,18 +118,20 @@ static auvid_status_t coefficients(const auvid_metric_config_t *cfg, uint8_t hal
 static void make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
                         uint8_t derivative)
 {
-    auvid_real_t c[AUVID_MAX_TAPS], again[AUVID_MAX_TAPS];
-    (void)coefficients(&m->cfg, half_width, derivative, c); /* fits() has seen that they exist */
-    (void)coefficients(&m->cfg, half_width, 0, again);
+    auvid_real_t c[AUVID_MAX_TAPS];
     int n = 2 * half_width + 1;
-    int before = (m->taps - (m->cfg.passes * (n - 1) + 1)) / 2;
-    for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < n && m->cfg.passes == 2; ++k) {
-            kernel[before + i + k] += c[i] * again[k];
+    auvid_real_t *first = kernel + (m->taps - (m->cfg.passes * (n - 1) + 1)) / 2;
+    (void)coefficients(&m->cfg, half_width, derivative, first); /* they exist: filter_fits */
+    if (m->cfg.passes == 1) {
+        return;
+    }
+    (void)coefficients(&m->cfg, half_width, 0, c);
+    for (int t = 2 * n - 2; t >= 0; --t) { /* in place: what is still needed stands before t */
+        auvid_real_t sum = AUVID_C(0.0);
+        for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
+            sum += first[i] * c[t - i];
         }
-        if (m->cfg.passes == 1) {
-            kernel[before + i] = c[i];
-        }
+        first[t] = sum;
     }
 }
 
@@ -139,8 +141,8 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
     auvid_real_t rows = deviation_s * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
     int pairs =
-        (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5), (auvid_real_t)AUVID_MAX_WINDOW);
-    pairs = pairs < AUVID_MAX_WINDOW / 2 ? pairs : AUVID_MAX_WINDOW / 2;
+        (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5), (auvid_real_t)AUVID_METRIC_WINDOW);
+    pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
     m->window_length = (uint8_t)(2 * pairs + 1);
     memset(m->share, 0, sizeof m->share);
     m->share[0] = AUVID_C(1.0);
@@ -155,7 +157,7 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 /* The residual path with rows of its own kind: means over the row; residuals are smoothed later. */
 static bool averages(const auvid_metric_config_t *cfg)
 {
-    return cfg->vehicle->regressor == NULL && cfg->smoothing == AUVID_SMOOTH_ROWS;
+    return !auvid_metric_is_linear(cfg) && !auvid_metric_is_literal(cfg);
 }
 
 static uint32_t widest(const auvid_metric_config_t *cfg)
@@ -165,7 +167,7 @@ static uint32_t widest(const auvid_metric_config_t *cfg)
 
 static uint32_t taps_of(const auvid_metric_config_t *cfg)
 {
-    uint32_t ends = cfg->smoothing == AUVID_SMOOTH_ROWS && cfg->velocity_us > 0 ? 2u : 0u;
+    uint32_t ends = !auvid_metric_is_literal(cfg) && cfg->velocity_us > 0 ? 2u : 0u;
     return averages(cfg) ? cfg->row_cells : 2 * widest(cfg) * cfg->passes + 1 + ends;
 }
 
@@ -185,7 +187,7 @@ static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
         return AUVID_OK;
     }
     auvid_status_t status = coefficients(cfg, cfg->half_width[0], 0, c);
-    if (status == AUVID_OK && cfg->smoothing == AUVID_SMOOTH_STATES) {
+    if (status == AUVID_OK && auvid_metric_is_literal(cfg)) {
         status = coefficients(cfg, cfg->half_width[0], 1, c);
     }
     return status == AUVID_OK ? coefficients(cfg, cfg->half_width[1], 0, c) : status;
@@ -220,7 +222,7 @@ static void make_filter(auvid_metric_t *m)
         return;
     }
     make_window(m, AUVID_C(0.0));
-    bool literal = cfg->smoothing == AUVID_SMOOTH_STATES;
+    bool literal = auvid_metric_is_literal(cfg);
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
     m->spread = literal ? AUVID_C(0.0) : spread;

@@ -18,10 +18,27 @@ enum {
         MOTION_LATE + (AUVID_METRIC_DELAYS - 1) * (AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
 };
 
+/** Regressor path? Else the residual path. */
+static inline bool auvid_metric_is_linear(const auvid_metric_config_t *cfg)
+{
+    return AUVID_REGRESSOR_ONLY || cfg->vehicle->regressor != NULL;
+}
+
+/** Our literal reading of the paper? */
+static inline bool auvid_metric_is_literal(const auvid_metric_config_t *cfg)
+{
+    return !AUVID_REGRESSOR_ONLY && cfg->smoothing == AUVID_SMOOTH_STATES;
+}
+
+static inline bool auvid_metric_has_regressor(const auvid_metric_t *m)
+{
+    return auvid_metric_is_linear(&m->cfg);
+}
+
 /** Does the smoother work on the motion (residual path, literal reading) or on the rows? */
 static inline bool auvid_metric_smooths_motion(const auvid_metric_t *m)
 {
-    return m->cfg.vehicle->regressor == NULL || m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    return !auvid_metric_is_linear(&m->cfg) || auvid_metric_is_literal(&m->cfg);
 }
 
 /** Where the set completed `age` sets ago stands, age < cfg.sets. */
@@ -29,11 +46,6 @@ static inline int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
     int slots = m->cfg.sets + 1;
     return (m->current + 2 * slots - 1 - age) % slots;
-}
-
-static inline bool auvid_metric_has_regressor(const auvid_metric_t *m)
-{
-    return m->cfg.vehicle->regressor != NULL;
 }
 
 /** Order of DoF j's triangle: its parameters and the wrench at each delay; 0: not modelled. */

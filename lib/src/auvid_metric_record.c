@@ -28,7 +28,7 @@ static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
 static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
 {
     enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
-    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    bool literal = auvid_metric_is_literal(&m->cfg);
     channel[0] = s->phi;
     channel[1] = s->theta;
     channel[2] = s->psi;
@@ -94,7 +94,7 @@ static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auv
         }
         return;
     }
-    bool literal = m->cfg.smoothing == AUVID_SMOOTH_STATES;
+    bool literal = auvid_metric_is_literal(&m->cfg);
     auvid_real_t smooth = m->kernel[0][age];
     auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
     auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
@@ -186,12 +186,12 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     if (motion) {
         sample_from_channels(channel, &sample);
         sample.t_us = t_us;
-        if (vehicle->regressor != NULL) {
+        if (auvid_metric_has_regressor(m)) {
             literal_channels(m, &sample, channel, literal);
             equations = literal;
         }
     }
-    size_t n = vehicle->regressor == NULL ? 0u : m->channel_at[AUVID_DOF_COUNT];
+    size_t n = !auvid_metric_has_regressor(m) ? 0u : m->channel_at[AUVID_DOF_COUNT];
     if (auvid_all_within(equations, n, LARGEST_ENTRY) != AUVID_OK) {
         m->since_gap = 0;
         return;
@@ -202,7 +202,7 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : m->wrench[slot][j]);
         }
     }
-    if (vehicle->regressor == NULL) {
+    if (!auvid_metric_has_regressor(m)) {
         store_row(m, &sample, channel);
     } else {
         rotate_row(m, equations);

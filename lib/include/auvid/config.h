@@ -51,10 +51,20 @@
 #define AUVID_MAX_THRUSTERS 8
 #endif
 
-/** Thruster commands recorded beside the wrench, for models without regressor that use them;
- * 1 saves memory where none does. 1..16. */
+/** 1 leaves out what smooths motion instead of rows, with its code and its memory: models without
+ * regressor, and our literal reading of the paper. 0 or 1. */
+#ifndef AUVID_REGRESSOR_ONLY
+#define AUVID_REGRESSOR_ONLY 0
+#endif
+
+/** Thruster commands recorded beside the wrench, for models without regressor that use them.
+ * 1..16. */
 #ifndef AUVID_MAX_COMMANDS
+#if AUVID_REGRESSOR_ONLY
+#define AUVID_MAX_COMMANDS 1
+#else
 #define AUVID_MAX_COMMANDS 8
+#endif
 #endif
 
 /** Floats of one data set's triangular factors, all degrees of freedom together: a degree of
@@ -66,8 +76,8 @@
 
 /** Columns of all equations together, three for the wrench of each degree of freedom included: the
  * sum over the degrees of freedom of c + 3; Girona500 with biases takes 39. A model without
- * regressor takes 33 and three for each command, so that is the least.
- * 33 + 3 AUVID_MAX_COMMANDS..512. */
+ * regressor takes 33 and three for each command, so that is the least but with AUVID_REGRESSOR_ONLY.
+ * 33 + 3 AUVID_MAX_COMMANDS (10)..512. */
 #ifndef AUVID_MAX_COLUMNS
 #define AUVID_MAX_COLUMNS 57
 #endif
@@ -81,12 +91,6 @@
  * 1..64. */
 #ifndef AUVID_MAX_OVERLAP
 #define AUVID_MAX_OVERLAP 9
-#endif
-
-/** Rows over which residuals of a model without regressor are smoothed, at most; 3 saves memory
- * where there is none. 3..63, odd. */
-#ifndef AUVID_MAX_WINDOW
-#define AUVID_MAX_WINDOW 31
 #endif
 
 /** Largest half-width of the stand-alone smoother, in samples. 1..127. */
@@ -119,13 +123,16 @@
 #if AUVID_MAX_FACTOR < 10 || AUVID_MAX_FACTOR > 8192
 #error "auvid: AUVID_MAX_FACTOR must be 10..8192"
 #endif
-#if AUVID_MAX_COLUMNS < 36 || AUVID_MAX_COLUMNS > 512
-#error "auvid: AUVID_MAX_COLUMNS must be 36..512"
+#if AUVID_REGRESSOR_ONLY != 0 && AUVID_REGRESSOR_ONLY != 1
+#error "auvid: AUVID_REGRESSOR_ONLY must be 0 or 1"
+#endif
+#if AUVID_MAX_COLUMNS < 10 || AUVID_MAX_COLUMNS > 512
+#error "auvid: AUVID_MAX_COLUMNS must be 10..512"
 #endif
 #if AUVID_MAX_COMMANDS < 1 || AUVID_MAX_COMMANDS > 16
 #error "auvid: AUVID_MAX_COMMANDS must be 1..16"
 #endif
-#if 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MAX_COLUMNS
+#if !AUVID_REGRESSOR_ONLY && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MAX_COLUMNS
 #error "auvid: AUVID_MAX_COLUMNS must be at least 33 + 3 AUVID_MAX_COMMANDS"
 #endif
 #if AUVID_MAX_TAPS < 3 || AUVID_MAX_TAPS > 255
@@ -133,9 +140,6 @@
 #endif
 #if AUVID_MAX_OVERLAP < 1 || AUVID_MAX_OVERLAP > 64
 #error "auvid: AUVID_MAX_OVERLAP must be 1..64"
-#endif
-#if AUVID_MAX_WINDOW < 3 || AUVID_MAX_WINDOW > 63 || AUVID_MAX_WINDOW % 2 == 0
-#error "auvid: AUVID_MAX_WINDOW must be odd, 3..63"
 #endif
 #if AUVID_MAX_HALF_WIDTH < 1 || AUVID_MAX_HALF_WIDTH > 127
 #error "auvid: AUVID_MAX_HALF_WIDTH must be 1..127"
@@ -171,6 +175,6 @@
     AUVID_SIZED_ALL12(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
                       AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,    \
                       AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES, AUVID_MAX_COMMANDS,  \
-                      AUVID_MAX_WINDOW)
+                      AUVID_REGRESSOR_ONLY)
 
 #endif

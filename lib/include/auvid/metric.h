@@ -55,6 +55,8 @@ extern "C" {
 #define AUVID_METRIC_BANDS 2
 /** Rows kept for them. */
 #define AUVID_METRIC_LAGS 2
+/** Most rows whose residuals are summed in the residual path. */
+#define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 1 : 31)
 
 /** Which buffers the rows are made of. */
 typedef enum {
@@ -151,8 +153,8 @@ typedef struct {
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];           /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation, squares;
-    auvid_real_t window[AUVID_MAX_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
-    auvid_real_t share[AUVID_MAX_WINDOW];                   /* and their weights */
+    auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
+    auvid_real_t share[AUVID_METRIC_WINDOW];                   /* and their weights */
     uint8_t window_length;
     uint64_t window_us;   /* time of the last */
     uint32_t window_rows; /* since a gap */
@@ -197,7 +199,7 @@ void auvid_metric_literal(auvid_metric_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field out of
  * its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (nothing free); AUVID_ERR_SIZE (columns,
  * factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2 half_width);
- * AUVID_ERR_MODEL (residual path without storage). */
+ * AUVID_ERR_MODEL (residual path without storage; or left out, see AUVID_REGRESSOR_ONLY). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
 /** Take the next cell of an unbroken record.
