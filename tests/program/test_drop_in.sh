@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# The library in other people's builds: a wildcard and an include path with any flags, CMake,
+# pkg-config, C++.
+. "$(dirname "$0")/common.sh"
+CC=${CC:-gcc}
+
+cat >user.c <<'END'
+#include <stdio.h>
+#include "auvid/auvid.h"
+static auvid_identifier_t id;
+int main(void)
+{
+    auvid_identifier_config_t cfg;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    auvid_status_t status = auvid_identifier_init(&id, &cfg);
+    printf("%d %u\n", (int)status, (unsigned)sizeof(auvid_real_t));
+    return status == AUVID_OK ? 0 : 1;
+}
+END
+cp user.c user.cpp
+
+# compiles FLAG...: silent with these flags, and init accepts the arithmetic it finds.
+compiles() {
+    "$CC" "$@" -I"$ROOT/lib/include" user.c "$ROOT"/lib/src/*.c -o user 2>log
+    cat log
+    [ ! -s log ] && ./user
+}
+
+cplusplus() {
+    for standard in c++14 c++20; do
+        g++ -std=$standard -Wall -Wextra -Wpedantic -Werror -I"$ROOT/lib/include" -c user.cpp
+    done
+    "$CC" -c -I"$ROOT/lib/include" "$ROOT"/lib/src/*.c
+    g++ user.o auvid_*.o -o user
+    ./user
+}
+
+subdirectory() {
+    mkdir -p sub
+    cat >sub/CMakeLists.txt <<END
+cmake_minimum_required(VERSION 3.16)
+project(user C)
+add_subdirectory($ROOT/lib auvid)
+target_compile_definitions(auvid PUBLIC AUVID_MAX_SETS=4)
+add_executable(user ../user.c)
+target_link_libraries(user auvid::auvid)
+END
+    cmake -S sub -B sub/build && cmake --build sub/build && sub/build/user
+}
+
+installed() {
+    cmake -S "$ROOT/lib" -B lib -DCMAKE_INSTALL_PREFIX="$PWD/usr" \
+        -DAUVID_DEFINITIONS='AUVID_REAL_DOUBLE;AUVID_MAX_SETS=4'
+    cmake --build lib
+    cmake --install lib
+    mkdir -p found
+    cat >found/CMakeLists.txt <<END
+cmake_minimum_required(VERSION 3.16)
+project(user C)
+find_package(auvid $(sed -n 's/#define AUVID_VERSION_STRING "\(.*\)"/\1/p' \
+    "$ROOT/lib/include/auvid/config.h") REQUIRED)
+add_executable(user ../user.c)
+target_link_libraries(user auvid::auvid)
+END
+    cmake -S found -B found/build -DCMAKE_PREFIX_PATH="$PWD/usr" &&
+        cmake --build found/build && found/build/user | grep -q '^0 8$'
+}
+
+pkg_config() {
+    PKG_CONFIG_PATH=$(echo "$PWD"/usr/lib*/pkgconfig "$PWD"/usr/lib/*/pkgconfig | tr ' ' :)
+    export PKG_CONFIG_PATH
+    # shellcheck disable=SC2046
+    "$CC" user.c $(pkg-config --cflags --libs auvid) -o user && ./user | grep -q '^0 8$'
+}
+
+for flags in -O0 '-O3 -Wall -Wextra -funsigned-char -fshort-enums' '-Os -std=gnu17 -flto' \
+    '-O2 -std=c2x -march=native'; do
+    # shellcheck disable=SC2086
+    check "one wildcard, one include path, $flags" compiles $flags
+done
+check "called from C++" cplusplus
+check "CMake: add_subdirectory, other sizes" subdirectory
+check "CMake: install, find_package, double precision" installed
+check "pkg-config: the same" pkg_config
+exit "$failed"
