@@ -219,13 +219,13 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
     {                                                                                              \
         .name = title, .parameters = AUVID_G500_COUNT, .parameter = g500_parameter,                \
         .columns = {[AUVID_SURGE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(X_U) |         \
-                                    BIT(X_UU) | BIAS(X_0),                                          \
+                                    BIT(X_UU) | BIAS(X_0),                                         \
                     [AUVID_SWAY] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Y_V) |          \
-                                   BIT(Y_VV) | BIAS(Y_0),                                           \
+                                   BIT(Y_VV) | BIAS(Y_0),                                          \
                     [AUVID_HEAVE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Z_W) |         \
-                                    BIT(Z_WW) | BIAS(Z_0),                                          \
+                                    BIT(Z_WW) | BIAS(Z_0),                                         \
                     [AUVID_YAW] =                                                                  \
-                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIAS(N_0)},         \
+                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIAS(N_0)},        \
         .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
         .context = &(form_)                                                                        \
     }

@@ -33,9 +33,11 @@ report "a caller built like the library links and runs"
 # The sizes the identifier depends on: those in the AUVID_SIZED macro, each one larger (more
 # commands would want more columns: one fewer).
 config=lib/include/auvid/config.h
-sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' $config | grep -oE 'AUVID_(MAX_[A-Z_]*|REGRESSOR_ONLY)')
+sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' $config |
+    grep -oE 'AUVID_(MAX_[A-Z_]*|REGRESSOR_ONLY)')
 for size in $sizes; do
-    value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 } END { print value }' $config)
+    value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 }
+        END { print value }' $config)
     step=1
     [ "$size" != AUVID_MAX_COMMANDS ] || step=-1
     refused "-D$size=$((value + step))"
