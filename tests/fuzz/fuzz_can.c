@@ -63,7 +63,7 @@ static uint16_t choose_id(uint8_t byte)
 static void put_right(auvid_can_frame_t *frame, auvid_can_kind_t kind)
 {
     if (kind != AUVID_CAN_KINDS) {
-        frame->data[0] = auvid_can_crc(frame->data, auvid_can_entries[kind].data_id);
+        frame->data[0] = auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(kind));
     }
 }
 

@@ -2,7 +2,8 @@
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan]
-#   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity)
+#   test: g++, Eigen (EIGEN_DIR), cmocka, Unity (UNITY_DIR, else fetched into third_party/unity),
+#     gcc-arm-none-eabi
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   fuzz: clang with libFuzzer
@@ -64,6 +65,8 @@ look() {
             command -v g++ >/dev/null || missing+=(g++)
             [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
             [ -e /usr/include/cmocka.h ] || missing+=(libcmocka-dev)
+            command -v arm-none-eabi-gcc >/dev/null || missing+=(gcc-arm-none-eabi)
+            [ -e /usr/include/newlib/string.h ] || missing+=(libnewlib-arm-none-eabi)
             ;;
         vcan)
             command -v candump >/dev/null || missing+=(can-utils)
