@@ -45,7 +45,7 @@ cp "$AUVID" program
 cat >filtered <<'END'
 #!/usr/bin/env python3
 import ctypes, os, platform, struct, sys
-LOAD, EQUAL, RETURN = 0x20, 0x15, 0x06  # of BPF, on struct seccomp_data: number at 0, argument at 16
+LOAD, EQUAL, RETURN = 0x20, 0x15, 0x06  # of BPF; the number lies at 0, the argument at 16
 SOCKET, AF_CAN, EPERM = {"x86_64": 41, "aarch64": 198}[platform.machine()], 29, 1
 code = [(LOAD, 0, 0, 0), (EQUAL, 0, 3, SOCKET), (LOAD, 0, 0, 16), (EQUAL, 0, 1, AF_CAN),
         (RETURN, 0, 0, 0x50000 | EPERM), (RETURN, 0, 0, 0x7FFF0000)]

@@ -30,9 +30,9 @@ unprivileged() {
     grep -q "no real-time priority .* 'ulimit -r'. memory not locked .* 'ulimit -l'" err
 }
 
-check "an interface that is not there" refuses "there is no interface 'can7': 'ip link' lists them" \
-    node --bus can7
-check "an interface that is not CAN" refuses "'lo' is not a CAN interface: 'ip link show type can'" \
-    vehicle --bus lo
+check "an interface that is not there" \
+    refuses "there is no interface 'can7': 'ip link' lists them" node --bus can7
+check "an interface that is not CAN" \
+    refuses "'lo' is not a CAN interface: 'ip link show type can'" vehicle --bus lo
 check "without privileges the node runs, and says what --realtime lacks" unprivileged
 finish
