@@ -110,7 +110,8 @@ static int read_next(bus_candump_t *self, bus_frame_t *frame)
     char line[LINE], name[16];
 
     while (fgets(line, sizeof line, self->file) != NULL) {
-        const char *at = line, *wrong = "is cut off, or is no line of 'candump -L'";
+        const char *at = line, *wrong = "is cut off (without it the log can be used),"
+                                        " or is no line of 'candump -L'";
         size_t length = strlen(line);
 
         self->line++;

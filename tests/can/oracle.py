@@ -261,6 +261,25 @@ def nan_is_refused(codec, _):
     return f"{tried} signals"
 
 
+def limits_hold(codec, _):
+    """+1.5, -2 and infinity in every real signal leave as cantools has the limited value."""
+    tried = 0
+    for kind, message in enumerate(MESSAGES):
+        for s in (s for s in signals_of(message) if s.real):
+            for x in (1.5, -2.0, math.inf, -math.inf):
+                m = codec.Message(kind=kind)
+                codec.put(getattr(m.as_, message.name), s.name, x)
+                status = codec.pack(ctypes.byref(codec.sender), ctypes.byref(m),
+                                    ctypes.byref(codec.frame))
+                assert status in (OK, SATURATED), (message.name, s.name, x, status)
+                got = message.decode(bytes(codec.frame.data), scaling=False, decode_choices=False)
+                raw = s.raw(x)
+                raw = ctypes.c_float(raw).value if s.is_float else raw
+                assert got[s.name] == raw, (message.name, s.name, x, got[s.name], raw)
+                tried += 1
+    return f"{tried} values"
+
+
 def main():
     failed = False
     for path, real, suffix in zip(sys.argv[1:], (ctypes.c_float, ctypes.c_double),
@@ -268,7 +287,8 @@ def main():
         for name, check in (("values packed as by cantools", compare_values),
                             ("payloads unpacked as by cantools", compare_payloads),
                             ("CRC as by autosar-e2e and crccheck", compare_crcs),
-                            ("NaN refused in every signal", nan_is_refused)):
+                            ("NaN refused in every signal", nan_is_refused),
+                            ("+1.5, -2 and infinity limited in every signal", limits_hold)):
             try:
                 said = check(Codec(path, real, suffix), random.Random(name))
                 print(f"ok - {name}{suffix}: {said}", flush=True)

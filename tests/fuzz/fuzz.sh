@@ -2,29 +2,40 @@
 # Build each fuzzer with libFuzzer, ASan and UBSan, and run it from its corpus.
 #
 # usage: fuzz.sh SECONDS FILE.c...
-# The corpus of fuzz_x.c is tests/fuzz/corpus/x, which stays as it is; what is found on the way goes
-# to build/fuzz/x. A crash leaves its input there; exit status 1.
+# SECONDS are shared by the fuzzers. The corpus of fuzz_x.c is tests/fuzz/corpus/x, which stays as
+# it is; what is found on the way goes to build/fuzz/x. A crash leaves its input there; exit status
+# 1. FUZZ_FLAGS are handed to each fuzzer.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=$1
+seconds=$(($1 / ($# - 1)))
 shift
-sanitize="-fsanitize=fuzzer,address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+out=build/fuzz
+sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+compile="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src -Iport/linux_socketcan"
+objects=()
+mkdir -p $out/objects
+for file in lib/src/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c; do
+    objects+=("$out/objects/$(basename "$file" .c).o")
+    if [ "$file" -nt "${objects[-1]}" ] || [ -n "$(find lib port -name '*.h' \
+        -newer "${objects[-1]}" -print -quit)" ]; then
+        $compile -fsanitize=fuzzer-no-link -c -o "${objects[-1]}" "$file"
+    fi
+done
 for file in "$@"; do
     name=$(basename "$file" .c)
     name=${name#fuzz_}
-    out=build/fuzz/$name
-    mkdir -p "$out/found"
-    # shellcheck disable=SC2086
-    clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -MF "$out/fuzz.d" -Ilib/include -Ilib/src \
-        -o "$out/fuzz" "$file" lib/src/auvid_can*.c
+    mkdir -p "$out/$name/found"
+    $compile -fsanitize=fuzzer -MF "$out/$name/fuzz.d" -o "$out/$name/fuzz" "$file" "${objects[@]}"
     status=0
-    "$out/fuzz" -max_total_time="$seconds" -max_len=352 -print_final_stats=1 \
-        -artifact_prefix="$out/" "$out/found" "tests/fuzz/corpus/$name" >"$out/log" 2>&1 ||
-        status=$?
-    awk '/number_of_executed_units|average_exec_per_sec/ { print "  '"$name"': " $0 }' "$out/log"
+    # shellcheck disable=SC2086
+    "$out/$name/fuzz" -max_total_time="$seconds" -max_len=352 -print_final_stats=1 \
+        ${FUZZ_FLAGS:-} -artifact_prefix="$out/$name/" "$out/$name/found" \
+        "tests/fuzz/corpus/$name" >"$out/$name/log" 2>&1 || status=$?
+    awk '/number_of_executed_units|average_exec_per_sec/ { print "  '"$name"': " $0 }' \
+        "$out/$name/log"
     if [ "$status" != 0 ]; then
-        grep -E 'fuzz_can|ERROR|runtime error' "$out/log" | head -n 5
-        echo "fuzz: $name failed; see $out/log"
+        grep -E 'tests/fuzz|ERROR|runtime error' "$out/$name/log" | head -n 5
+        echo "fuzz: $name failed; see $out/$name/log"
         exit 1
     fi
 done

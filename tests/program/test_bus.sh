@@ -39,10 +39,39 @@ check "a log with frames missing differs from its estimates" exits 1 replay loss
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
 # ---- refusals ----
+# ./filtered is the program with a real kernel that answers EPERM to socket(AF_CAN, ...), by
+# seccomp; ./as_nobody is the program without privileges.
+cp "$AUVID" program
+cat >filtered <<'END'
+#!/usr/bin/env python3
+import ctypes, os, platform, struct, sys
+LOAD, EQUAL, RETURN = 0x20, 0x15, 0x06  # of BPF; the number lies at 0, the argument at 16
+SOCKET, AF_CAN, EPERM = {"x86_64": 41, "aarch64": 198}[platform.machine()], 29, 1
+code = [(LOAD, 0, 0, 0), (EQUAL, 0, 3, SOCKET), (LOAD, 0, 0, 16), (EQUAL, 0, 1, AF_CAN),
+        (RETURN, 0, 0, 0x50000 | EPERM), (RETURN, 0, 0, 0x7FFF0000)]
+rules = ctypes.create_string_buffer(b"".join(struct.pack("HBBI", *line) for line in code))
+program = ctypes.create_string_buffer(struct.pack("HxxxxxxP", len(code), ctypes.addressof(rules)))
+libc = ctypes.CDLL(None, use_errno=True)
+if libc.prctl(38, 1, 0, 0, 0) or libc.prctl(22, 2, program, 0, 0):  # NO_NEW_PRIVS, SECCOMP
+    sys.exit(os.strerror(ctypes.get_errno()))
+os.execv("./program", sys.argv)
+END
+cat >as_nobody <<'END'
+#!/bin/sh
+[ "$(id -u)" != 0 ] || exec setpriv --reuid 65534 --regid 65534 --clear-groups ./program "$@"
+exec ./program "$@"
+END
+mkdir locked
+chmod 755 . filtered as_nobody
+chmod 555 locked
+
 check "node without a bus" refuses 'node: no --bus given' node
 check "vehicle without a bus" refuses 'vehicle: no --bus given' vehicle
 check "no such interface, or no CAN" refuses 'node: .*(no interface|no CAN|nope0)' \
     node --bus nope0
+AUVID=./filtered check "no permission for a socket" refuses \
+    "node: no permission to open a CAN socket: run as root, or give the program CAP_NET_RAW" \
+    node --bus can0
 check "an interface with too long a name" refuses 'vehicle: ' \
     vehicle --bus a-name-that-is-longer-than-any
 check "unknown option of node" refuses 'node: unknown option --no-arm' node --bus memory --no-arm
@@ -53,6 +82,11 @@ check "a clock of its own in lock step" refuses 'do not go together' \
     node --bus can0 --clock own --lock-step
 check "a log that cannot be written" refuses 'none/x.log' \
     node --bus memory --sets 1 --log none/x.log
+check "a log that is a directory" refuses 'cannot create \.: Is a directory' \
+    node --bus memory --sets 1 --log .
+AUVID=./as_nobody check "a log in a directory of another's" \
+    refuses 'cannot create locked/x.log: Permission denied' \
+    node --bus memory --sets 1 --log locked/x.log
 check "a log that is full" refuses '/dev/full' node --bus memory --sets 1 --log /dev/full
 check "no log" refuses 'replay: no FILE.log given' replay
 check "a log that is not there" refuses 'none.log: No such file' replay none.log

@@ -123,7 +123,8 @@ static int read_all(run_t *run)
     }
     return run->node.counters.ticks > 0
                ? 0
-               : complain("replay: %s: no tick frame in it, so no time", run->options->log);
+               : complain("replay: %s: no tick frame in it, so no time; record the whole bus",
+                          run->options->log);
 }
 
 static int begin(run_t *run)

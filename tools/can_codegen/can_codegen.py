@@ -59,8 +59,9 @@ class Signal:
         if signal.is_float:
             need(self.length == 32 and signal.scale == 1, where, "float of 32 bits without scale")
             need(self.maximum == 3.4e38 and self.minimum in (0, -3.4e38), where, "range")
-            self.kind, self.per_unit, self.high, limit = "FLOAT", 1, None, 0
-            special = self.minimum == 0
+            self.kind, self.per_unit, self.high = "FLOAT", 1, None
+            kind = "FLOAT_POSITIVE" if self.minimum == 0 else "FLOAT"
+            number = 1
         elif signal.is_signed:
             self.kind = "REAL"
             per_unit = 1 / Fraction(str(signal.scale))
@@ -72,26 +73,24 @@ class Signal:
             need(self.per_unit <= 65535, where, "scale")
             low, high = (Fraction(str(x)) * per_unit for x in (self.minimum, self.maximum))
             need(-(1 << (self.length - 1)) in self.choices, where, "no entry for not available")
-            need(low in (0, -high), where, "range from neither 0 nor minus the largest value")
-            limit, special = self.limit(where, high, (1 << (self.length - 1)) - 1), low == 0
+            largest = (1 << (self.length - 1)) - 1
+            kinds = {(-largest, largest): "REAL", (0, largest): "REAL_POSITIVE",
+                     (-per_unit, per_unit): "REAL_UNIT"}
+            need((low, high) in kinds and high <= largest, where,
+                 "range neither of all bits, with or without a sign, nor -1..1")
+            kind, number = kinds[low, high], self.per_unit
         else:
             self.kind, self.per_unit = "UINT", 1
             need(signal.scale == 1, where, "integer with a scale")
             need(self.length <= 24 or self.length == 32, where, "25 to 31 bits")
             self.low, self.high = int(self.minimum), max([int(self.maximum), *self.choices])
             need(self.low in (0, self.high), where, "range from neither 0 nor a constant")
-            limit = self.limit(where, self.high, (1 << self.length) - 1)
-            special = self.low == self.high
-        self.type = (self.kind, self.length, self.per_unit, limit, int(special))
-
-    @staticmethod
-    def limit(where, high, largest):
-        """0 when all bits are used."""
-        need(0 < high <= largest, where, "range")
-        if high == largest:
-            return 0
-        need(high == int(high) and high <= 65535, where, "range neither of all bits nor small")
-        return int(high)
+            largest = (1 << self.length) - 1
+            need(self.high == largest or 0 < self.high <= min(largest, 65535), where,
+                 "range neither of all bits nor small")
+            kind = "CONSTANT" if self.low == self.high else "UINT"
+            number = 0 if self.high == largest and kind == "UINT" else self.high
+        self.type = (kind, self.length, number)
 
     @property
     def may_be_absent(self):
@@ -125,6 +124,7 @@ class Message:
         self.sender = message.senders[0] if message.senders else ""
         self.cycle_ms = message.cycle_time or 0
         self.data_id = message.dbc.attributes["AuvidDataId"].value
+        need(self.data_id == index + 1, self.name, f"AuvidDataId {self.data_id}, not {index + 1}")
         need(self.comment, self.name, "no comment")
         need(not message.is_extended_frame, self.name, "extended identifier")
         need(message.length == 8, self.name, "not 8 bytes")
@@ -169,7 +169,6 @@ def load(path):
         expected = FAST + i if m in fast else SLOW + i - len(fast)
         need(m.id == expected, m.name, f"identifier 0x{m.id:03X}, 0x{expected:03X} expected")
     need(len(fast) <= 16, "more than 16 identifiers from 0x040 on")
-    need(len({m.data_id for m in messages}) == len(messages), "AuvidDataId is not unique")
     need(bus_load(messages)[1] <= LARGEST_LOAD, "bus load", f"{100 * bus_load(messages)[1]:.1f} %")
     return messages, database.dbc.attributes["AuvidProtocol"].value
 
@@ -305,22 +304,26 @@ typedef struct {{
 
 def table(messages):
     types = sorted({s.type for m in messages for s in m.signals})
-    type_rows = [f"    {{{per_unit}, {limit}, {length}, AUVID_CAN_TYPE_{kind}, {special}}},"
-                 for kind, length, per_unit, limit, special in types]
-    signal_rows, message_rows, first = [], [], {}
+    type_rows = [f"    {{{number}, {32 - length}, AUVID_CAN_TYPE_{kind}}},"
+                 for kind, length, number in types]
+    signal_rows, starts, first = [], [], {}
     for m in messages:
-        # Members of equal kind are of equal size, so equal layouts have equal offsets.
+        # Members of equal kind are of equal size, so equal layouts have equal places.
         layout = tuple((s.start, s.type) for s in m.signals)
         if layout not in first:
             first[layout] = len(signal_rows)
             for s in m.signals:
                 signal_rows.append(
                     f"    {{{s.start}, {types.index(s.type)}, "
-                    f"offsetof(auvid_can_{m.name}_t, {m.member(s)})}},")
-        message_rows.append(f"    {{{m.data_id}, {first[layout]}, {len(m.signals)}}},")
-    need(len(signal_rows) < 256 and len(types) < 256, "more than 255 signals")
-    cycles = textwrap.fill(", ".join(str(m.cycle_ms) for m in messages), 96,
-                           initial_indent="    ", subsequent_indent="    ")
+                    f"WORD({m.name}, {m.member(s)}), {int(s is m.signals[-1])}}},")
+        starts.append(first[layout])
+    need(len(signal_rows) < 256 and len(types) <= 32, "more than 255 signals or 32 types")
+    need(all(len(m.signals) <= 8 for m in messages), "more than 8 signals in a message")
+
+    def numbers(values):
+        return textwrap.fill(", ".join(map(str, values)), 96,
+                             initial_indent="    ", subsequent_indent="    ")
+
     rows = "\n".join
     return f"""/*
  * Generated from lib/can/auvid.dbc by `make can`: do not edit.
@@ -330,6 +333,8 @@ def table(messages):
 #include "auvid_math.h"
 
 /* clang-format off */
+#define WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))
+
 const auvid_can_type_t auvid_can_types[] = {{
 {rows(type_rows)}
 }};
@@ -338,12 +343,12 @@ const auvid_can_signal_t auvid_can_signals[] = {{
 {rows(signal_rows)}
 }};
 
-const auvid_can_entry_t auvid_can_entries[AUVID_CAN_KINDS] = {{
-{rows(message_rows)}
+const uint8_t auvid_can_first[AUVID_CAN_KINDS] = {{
+{numbers(starts)},
 }};
 
 const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS] = {{
-{cycles},
+{numbers(m.cycle_ms for m in messages)},
 }};
 """
 
