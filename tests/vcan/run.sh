@@ -3,6 +3,7 @@
 #
 # usage: tests/vcan/run.sh COMMAND [ARGUMENT...]
 #        tests/vcan/run.sh --native        exit 0 when this machine needs no virtual one
+#        tests/vcan/run.sh --missing       exit 0, and say why, when nothing can be run
 # Where the kernel has vcan, vxcan and netem, and we may use them, the command runs in a network
 # namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it
 # sees this machine's files and programs under the same names, what it writes is thrown away, except
@@ -70,13 +71,23 @@ write_command() {
     echo
 }
 
-run_virtual() {
-    local work tool share arguments=() readers i status=0
+# Says what the virtual machine lacks, if anything.
+lacking() {
+    local tool
     for tool in qemu-system-x86_64 timeout mkfifo; do
-        command -v "$tool" >/dev/null || die "no $tool here, and this machine's kernel has no" \
-            "vcan: run 'make setup', or install qemu-system-x86"
+        command -v "$tool" >/dev/null || {
+            echo "no $tool here, and this machine's kernel has no vcan: run 'make setup', or" \
+                "install qemu-system-x86"
+            return
+        }
     done
-    [ -s "$vm/initrd" ] || die "no kernel in $vm: run 'make setup'"
+    [ -s "$vm/initrd" ] || echo "no kernel in third_party/vm: run 'make setup'"
+}
+
+run_virtual() {
+    local work share arguments=() readers i status=0 lacks
+    lacks=$(lacking)
+    [ -z "$lacks" ] || die "$lacks"
     mkdir -p "$top/build"
     work=$(mktemp -d)
     # shellcheck disable=SC2064
@@ -130,6 +141,8 @@ random.trust_cpu=on cryptomgr.notests audit=0 apparmor=0 8250.nr_uarts=1" \
 [ $# -gt 0 ] || die "usage: tests/vcan/run.sh COMMAND [ARGUMENT...]"
 if [ "$*" = --native ]; then
     is_native
+elif [ "$*" = --missing ]; then
+    ! is_native && lacking | grep .
 elif is_native; then
     export VCAN_INSIDE=namespace
     run_native "$@"
