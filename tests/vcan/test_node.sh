@@ -130,7 +130,7 @@ no_arm() {
 }
 
 excited() {
-    [ "$(grep -c ' 042#' abort.log)" -gt 500 ]
+    [ "$(grep -c ' 042#' abort.log)" -gt 200 ]
 }
 
 # The operator's abort. The command of the tick that was open may follow it; the next tick is
@@ -140,8 +140,8 @@ aborted() {
     (within 60 excited && cansend vcan0 040#AC10000000000000) &
     whole_run abort "$SILENT_SETS" 0 --excite
     order abort.log
-    saw 'v["aborts"] == 1 && v["ticks"] > 1000' <order
-    saw 'v["arms"] > 0 && v["early"] == 0 && v["moving"] > 900' <order
+    saw 'v["aborts"] == 1 && v["under_way"] <= 2 && v["ticks"] > 1000' <order
+    saw 'v["arms"] > 0 && v["early"] == 0 && v["moving"] > 300' <order
     saw 'v["last"] == 2 && v["last_a"] == 1 && v["last_b"] == 1 && v["late"] == 0' <order
 }
 
