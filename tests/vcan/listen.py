@@ -3,7 +3,8 @@
 
 usage: listen.py INTERFACE DBC
 Says "ready" when it listens. On SIGTERM it takes what still waits, then prints the last estimates
-("value sigma", one line for each parameter that is identified) and "frames=N undecoded=N" on standard error.
+("value sigma", one line for each parameter that is identified), and on standard error
+"frames=N undecoded=N".
 """
 import contextlib
 import math

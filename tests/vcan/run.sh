@@ -29,11 +29,12 @@ limit=${VCAN_TIMEOUT:-120}
 controllers=${VCAN_CONTROLLERS:-0}
 
 # A namespace of our own leaves the machine's interfaces alone, and its tests leave nothing behind.
+# /sys is of the namespace it was mounted in.
 in_namespace() {
     if [ "$(id -u)" = 0 ]; then
-        unshare --net "$@"
+        unshare --net --mount "$@"
     else
-        unshare --map-root-user --net "$@"
+        unshare --map-root-user --net --mount "$@"
     fi
 }
 
@@ -55,7 +56,8 @@ run_native() {
     # The inner shell is replaced by the command: its status is the command's.
     # shellcheck disable=SC2016
     in_namespace timeout --kill-after=5 "$limit" sh -c \
-        'ip link set lo up; ip link add vcan0 type vcan && ip link set vcan0 up || exit 125
+        'mount -t sysfs sys /sys && ip link set lo up && ip link add vcan0 type vcan &&
+            ip link set vcan0 up || exit 125
         exec "$@"' vcan "$@"
 }
 

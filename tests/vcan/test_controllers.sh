@@ -48,14 +48,19 @@ load() {
         }' "$1"
 }
 
-as_many() {
-    [ "$(cat can0.log can1.log | wc -l)" = "$((2 * ($(passed_by can0) + $(passed_by can1) - sent)))" ]
+sent() {
+    echo "$(($(passed_by can0) + $(passed_by can1)))"
+}
+
+# Each log has what both have sent.
+complete() {
+    [ "$(cat can0.log can1.log | wc -l)" = "$((2 * ($(sent) - before)))" ]
 }
 
 # At 50 Hz of real time, the node on can0, the vehicle on can1: all that is sent in cycles.
 identification() {
-    local dumps=() can
-    sent=$(($(passed_by can0) + $(passed_by can1)))
+    local dumps=() can node vehicle before
+    before=$(sent)
     for can in can0 can1; do
         dump "$can" "$can.log"
         dumps+=("$candump")
@@ -69,7 +74,7 @@ identification() {
     wait "$node" || [ "$LIMIT" = 25 ]
     kill -TERM "$vehicle"
     wait "$vehicle"
-    within 20 as_many
+    within 20 complete
     kill "${dumps[@]}"
     grep -A 1 '  bus  ' node.out
     tail -n +2 vehicle.out
