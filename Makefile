@@ -97,15 +97,14 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(TEST_PROGRAMS) $(SCRIPTS)
+	@tests/run.sh $(VCAN_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
-	@AUVID_TEST_LONG=1 tests/run.sh $(SCRIPTS) $(TEST_PROGRAMS)
+	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(SCRIPTS) $(TEST_PROGRAMS)
 
-test test-long: $(CAN_LIBRARIES)
+test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
-	@tests/support/setup.sh vcan
 	@tests/run.sh $(VCAN_SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house
@@ -127,8 +126,9 @@ fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
 	@tests/support/setup.sh fuzz
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
-setup: ## Install what the tests need (apt-get, pip) and fetch Unity
+setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
 	@tests/support/setup.sh test can
+	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
 
 can-setup: ## Install what `make can` needs (python3-venv, cantools in third_party/venv)
 	@tests/support/setup.sh can

@@ -1,8 +1,12 @@
 # Shared by tests/vcan/test_*.sh, sourced first: goes where there is CAN, then offers checks.
-[ -n "${VCAN_INSIDE:-}" ] || exec "$(dirname "$0")/run.sh" "$0" "$@"
+if [ -z "${VCAN_INSIDE:-}" ]; then
+    why=$("$(dirname "$0")/run.sh" --missing) || exec "$(dirname "$0")/run.sh" "$0" "$@"
+    echo "ok - $(basename "$0" .sh) # SKIP $why"
+    exit
+fi
 
 set -uo pipefail
-PEER=$PWD/build/release/tests/vcan/peer
+TOP=$PWD PEER=$PWD/build/release/tests/vcan/peer
 PATH=$PATH:/usr/sbin:/sbin
 cd "$(mktemp -d)" || exit 1
 trap 'rm -rf "$PWD"' EXIT
@@ -60,6 +64,32 @@ saw() {
 # word KEY FILE: the value of a word.
 word() {
     grep -o "\<$1=[^ ]*" "$2" | cut -d = -f 2
+}
+
+# within SECONDS COMMAND...: waits until the command succeeds.
+within() {
+    local end=$((SECONDS + $1))
+    shift
+    until "$@"; do
+        [ "$SECONDS" -lt "$end" ] || return 1
+        sleep 0.05
+    done
+}
+
+# listening INTERFACE N: so many sockets are open for all its frames.
+listening() {
+    [ "$(grep -c "^ *$1 .* raw$" /proc/net/can/rcvlist_all)" = "$2" ]
+}
+
+# passed_by INTERFACE: frames that have been sent on it.
+passed_by() {
+    cat "/sys/class/net/$1/statistics/tx_packets"
+}
+
+# dump INTERFACE LOG: candump in the background, its pid in $candump.
+dump() {
+    candump -L -r 268435456 "$1" >"$2" &
+    candump=$!
 }
 
 finish() {

@@ -3,6 +3,7 @@
 #
 # usage: tests/vcan/run.sh COMMAND [ARGUMENT...]
 #        tests/vcan/run.sh --native        exit 0 when this machine needs no virtual one
+#        tests/vcan/run.sh --missing       exit 0, and say why, when nothing can be run
 # Where the kernel has vcan, vxcan and netem, and we may use them, the command runs in a network
 # namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it
 # sees this machine's files and programs under the same names, what it writes is thrown away, except
@@ -28,11 +29,12 @@ limit=${VCAN_TIMEOUT:-120}
 controllers=${VCAN_CONTROLLERS:-0}
 
 # A namespace of our own leaves the machine's interfaces alone, and its tests leave nothing behind.
+# /sys is of the namespace it was mounted in.
 in_namespace() {
     if [ "$(id -u)" = 0 ]; then
-        unshare --net "$@"
+        unshare --net --mount "$@"
     else
-        unshare --map-root-user --net "$@"
+        unshare --map-root-user --net --mount "$@"
     fi
 }
 
@@ -54,7 +56,8 @@ run_native() {
     # The inner shell is replaced by the command: its status is the command's.
     # shellcheck disable=SC2016
     in_namespace timeout --kill-after=5 "$limit" sh -c \
-        'ip link set lo up; ip link add vcan0 type vcan && ip link set vcan0 up || exit 125
+        'mount -t sysfs sys /sys && ip link set lo up && ip link add vcan0 type vcan &&
+            ip link set vcan0 up || exit 125
         exec "$@"' vcan "$@"
 }
 
@@ -70,13 +73,23 @@ write_command() {
     echo
 }
 
-run_virtual() {
-    local work tool share arguments=() readers i status=0
+# Says what the virtual machine lacks, if anything.
+lacking() {
+    local tool
     for tool in qemu-system-x86_64 timeout mkfifo; do
-        command -v "$tool" >/dev/null || die "no $tool here, and this machine's kernel has no" \
-            "vcan: run 'make setup', or install qemu-system-x86"
+        command -v "$tool" >/dev/null || {
+            echo "no $tool here, and this machine's kernel has no vcan: run 'make setup', or" \
+                "install qemu-system-x86"
+            return
+        }
     done
-    [ -s "$vm/initrd" ] || die "no kernel in $vm: run 'make setup'"
+    [ -s "$vm/initrd" ] || echo "no kernel in third_party/vm: run 'make setup'"
+}
+
+run_virtual() {
+    local work share arguments=() readers i status=0 lacks
+    lacks=$(lacking)
+    [ -z "$lacks" ] || die "$lacks"
     mkdir -p "$top/build"
     work=$(mktemp -d)
     # shellcheck disable=SC2064
@@ -130,6 +143,8 @@ random.trust_cpu=on cryptomgr.notests audit=0 apparmor=0 8250.nr_uarts=1" \
 [ $# -gt 0 ] || die "usage: tests/vcan/run.sh COMMAND [ARGUMENT...]"
 if [ "$*" = --native ]; then
     is_native
+elif [ "$*" = --missing ]; then
+    ! is_native && lacking | grep .
 elif is_native; then
     export VCAN_INSIDE=namespace
     run_native "$@"

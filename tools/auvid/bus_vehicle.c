@@ -13,6 +13,10 @@
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
 #define MOST_FRAMES 512
 
+/* Ticks of 20 ms until, in lock step, a node that has not answered yet gets another tick. The first
+ * answer may take more than one: then the run would not be the same again. */
+#define FIRST_TICKS 50
+
 typedef struct {
     const options_t *options;
     craft_t craft;
@@ -33,21 +37,24 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Until the next tick may be simulated: the node has done this one, or 20 ms are over. */
+/* Until the next tick may be simulated: 20 ms, or in lock step until the node has done this one. A
+ * node that has never answered yet may not be there: it is waited for, but not for ever. */
 static int pace(run_t *run)
 {
     const craft_t *craft = &run->craft;
-    int status = 0, events = 0;
-    bool waits = run->options->lock_step && craft->done != 0;
-    while (status == 0 && !run->stop) {
-        events = tick_wait(&run->link.tick, waits ? 100 : -1);
+    bool lock_step = run->options->lock_step;
+    int status = 0, ticks = lock_step ? FIRST_TICKS : 1;
+    while (status == 0 && !run->stop && ticks > 0) {
+        int events = tick_wait(&run->link.tick, -1);
         status = events < 0 ? complain("vehicle: %s", run->link.tick.text) : receive(run);
         run->stop = events > 0 && (events & TICK_STOP) != 0;
         bool silent = run->heard_us > 0 && tick_now_us() - run->heard_us > LINK_SILENCE_US;
         run->stop = run->stop || silent;
-        if (waits ? craft->done == craft->sequence : (events & TICK_DUE) != 0) {
+        if (lock_step && craft->done == craft->sequence) {
             break;
         }
+        bool counts = !lock_step || craft->done == 0;
+        ticks -= events > 0 && (events & TICK_DUE) != 0 && counts;
     }
     return status;
 }
