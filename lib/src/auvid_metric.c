@@ -140,8 +140,8 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 {
     auvid_real_t rows = deviation_s * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
-    int pairs =
-        (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5), (auvid_real_t)AUVID_METRIC_WINDOW);
+    int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
+                               (auvid_real_t)AUVID_METRIC_WINDOW);
     pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
     m->window_length = (uint8_t)(2 * pairs + 1);
     memset(m->share, 0, sizeof m->share);

@@ -2,8 +2,8 @@
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan]
-#   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR, else
-#         fetched into third_party/unity)
+#   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
+#         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   fuzz: clang with libFuzzer

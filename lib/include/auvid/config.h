@@ -76,7 +76,7 @@
 
 /** Columns of all equations together, three for the wrench of each degree of freedom included: the
  * sum over the degrees of freedom of c + 3; Girona500 with biases takes 39. A model without
- * regressor takes 33 and three for each command, so that is the least but with AUVID_REGRESSOR_ONLY.
+ * regressor takes 33 and three for each command: the least without AUVID_REGRESSOR_ONLY.
  * 33 + 3 AUVID_MAX_COMMANDS (10)..512. */
 #ifndef AUVID_MAX_COLUMNS
 #define AUVID_MAX_COLUMNS 57
