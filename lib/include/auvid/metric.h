@@ -56,7 +56,7 @@ extern "C" {
 /** Rows kept for them. */
 #define AUVID_METRIC_LAGS 2
 /** Most rows whose residuals are summed in the residual path. */
-#define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 1 : 31)
+#define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 3 : 31)
 
 /** Which buffers the rows are made of. */
 typedef enum {
