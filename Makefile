@@ -245,7 +245,8 @@ build/firmware/$(1)-$(2)/unity.o: Makefile | setup
 	$$(Q)`$(BOARD) $(1) compile` -$(2) -std=c11 -w $(UNITY_64) -c -o $$@ $$(UNITY_DIR)/unity.c
 
 build/firmware/$(1)-$(2)/tests/unit/%.elf: tests/unit/%.c build/firmware/$(1)-$(2)/unity.o \
-        $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,$(LIB) $(SIMULATOR) $(SUPPORT) $(FIRMWARE_START))
+        $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+        $(LIB) $(SIMULATOR) $(SUPPORT) $(FIRMWARE_START))
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)`$(BOARD) $(1) link` -$(2) $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
 	    --specs=rdimon.specs -Wl,--defsym=STACK_SIZE=0x80000 -MF $$@.d -MT $$@ \
