@@ -48,6 +48,12 @@ SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
+# What runs on emulated microcontrollers: see port/cortex_m/README.md.
+BOARD := port/cortex_m/board.sh
+BOARDS := $(shell $(BOARD) list)
+FIRMWARE_START := $(wildcard port/cortex_m/*.c)
+FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
+FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c
 
@@ -85,8 +91,21 @@ FUZZ_SECONDS ?= 60
 VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 
+# The same images for a board at other levels of optimization, and the host's.
+IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
+IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
+# Unit tests there: see tests/firmware/unit.txt.
+unit_listed = $(shell awk '$$2 ~ /$(1)/ { print "tests/unit/" $$1 ".c" }' tests/firmware/unit.txt)
+UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
+    $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
+UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(addprefix %/,$(call unit_listed,long))),\
+    $(UNIT_IMAGES_LONG))
+FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections
+FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O2 gcc-O3 clang-O2 \
+    gcc-O0-ours gcc-O2-ours gcc-O3-ours clang-O2-ours)
+
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
-SETUP := $(if $(filter test test-long,$(MAKECMDGOALS)),setup)
+SETUP := $(if $(filter test test-long test-firmware,$(MAKECMDGOALS)),setup)
 
 all: build/auvid ## Build the program, build/auvid (default)
 
@@ -97,15 +116,23 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(VCAN_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
+	@tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
-	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(SCRIPTS) $(TEST_PROGRAMS)
+	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
+	    $(SCRIPTS) $(TEST_PROGRAMS)
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
+test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS)
+test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
 	@tests/run.sh $(VCAN_SCRIPTS)
+
+firmware: $(IMAGES) ## Build the example for each microcontroller: build/firmware/*/example.elf
+
+test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the bits the host's?
+	@tests/run.sh $(FIRMWARE_SCRIPTS)
 
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
@@ -127,8 +154,11 @@ fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
 setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
-	@tests/support/setup.sh test can
+	@tests/support/setup.sh test can firmware
 	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
+
+firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU
+	@tests/support/setup.sh firmware
 
 can-setup: ## Install what `make can` needs (python3-venv, cantools in third_party/venv)
 	@tests/support/setup.sh can
@@ -138,6 +168,7 @@ clean: ## Remove build/ (third_party/ stays)
 
 .PHONY: all help demo test test-long lint size bench setup clean
 .PHONY: can can-check can-setup fuzz test-vcan
+.PHONY: firmware firmware-setup test-firmware
 
 build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"
@@ -194,13 +225,54 @@ build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_S
 	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
 	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
+# Unity 2.4.3 takes a machine of 32 bits for one without integers of 64.
+UNITY_64 := -DUNITY_SUPPORT_64 -DUNITY_INCLUDE_DOUBLE=
+
+# $(1) is the board, $(2) the level of optimization.
+define firmware_rules
+build/firmware/$(1)-$(2)/%.o: %.c Makefile port/cortex_m/boards.txt | firmware-setup
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)`$(BOARD) $(1) compile` -$(2) $$(FIRMWARE_FLAGS) -Iport/cortex_m -c -o $$@ $$< \
+	    $$(if $$(filter lib/% port/%,$$<),$(STRICT) -Werror,$(FLAGS_tools) -Itests/support)
+
+build/firmware/$(1)-$(2)/example.elf: port/cortex_m/firmware.ld \
+        $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,$(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE))
+	@echo "  $$@"
+	$$(Q)`$(BOARD) $(1) link` -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
+
+build/firmware/$(1)-$(2)/unity.o: Makefile | setup
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)`$(BOARD) $(1) compile` -$(2) -std=c11 -w $(UNITY_64) -c -o $$@ $$(UNITY_DIR)/unity.c
+
+build/firmware/$(1)-$(2)/tests/unit/%.elf: tests/unit/%.c build/firmware/$(1)-$(2)/unity.o \
+        $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+        $(LIB) $(SIMULATOR) $(SUPPORT) $(FIRMWARE_START))
+	@mkdir -p $$(@D); echo "  $$@"
+	$$(Q)`$(BOARD) $(1) link` -$(2) $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
+	    --specs=rdimon.specs -Wl,--defsym=STACK_SIZE=0x80000 -MF $$@.d -MT $$@ \
+	    -o $$@ $$(filter %.c %.o,$$^) -lm
+endef
+$(foreach board,$(BOARDS),$(foreach level,Os O2,$(eval $(call firmware_rules,$(board),$(level)))))
+
+# The example on the host: with nothing but a level of optimization, which leaves the compiler free
+# to use whatever this machine has, and with our flags ("-ours").
+build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c \
+        $(wildcard lib/*/*.h lib/include/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
+        | firmware-setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
+	    $(if $(findstring ours,$*),-std=c11 -ffp-contract=off,-march=native) \
+	    -Ilib/include -Iport/cortex_m -o $@ $(filter %.c,$^)
+
 build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makefile | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
+.IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
+-include $(wildcard build/firmware/*/*/*/*.d build/firmware/*/*/*/*/*.d)
 -include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS))

@@ -14,10 +14,10 @@ mkdir -p "$OUT"
 export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion \
 -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca -Werror -Ilib/include"
 TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
--Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan"
+-Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m"
 shopt -s nullglob
 lib=(lib/src/*.c)
-tools=(tools/*/*.c port/*/*.c)
+tools=(tools/*/*.c port/linux_socketcan/*.c port/cortex_m/example/*.c)
 broken=0
 
 # step NAME COMMAND...: run a check, say how it went.
@@ -107,7 +107,7 @@ check_tools() {
 
 check_tidy() {
     each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
-        -Iport/linux_socketcan \
+        -Iport/linux_socketcan -Iport/cortex_m \
         2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
         exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
 }
@@ -115,7 +115,8 @@ check_tidy() {
 check_cppcheck() {
     cppcheck --quiet --std=c11 --enable=warning,portability,performance --error-exitcode=1 \
         --inline-suppr --suppress=missingIncludeSystem -j "$(nproc)" -UAUVID_USER_CONFIG \
-        -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan "${lib[@]}" "${tools[@]}"
+        -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m \
+        "${lib[@]}" "${tools[@]}"
 }
 
 step "the rules below can fail" tests/lint/selftest.sh

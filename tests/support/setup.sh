@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
-# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan]
+# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
+#   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang
 # The compiler and make are looked for always.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -82,6 +83,16 @@ look() {
             command -v objdump >/dev/null || missing+=(binutils)
             ;;
         can) python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv) ;;
+        firmware)
+            command -v arm-none-eabi-gcc >/dev/null || missing+=(gcc-arm-none-eabi)
+            [ -d /usr/lib/arm-none-eabi/newlib ] || missing+=(libnewlib-arm-none-eabi)
+            command -v riscv64-unknown-elf-gcc >/dev/null || missing+=(gcc-riscv64-unknown-elf)
+            [ -e /usr/lib/picolibc/riscv64-unknown-elf/picolibc.specs ] ||
+                missing+=(picolibc-riscv64-unknown-elf)
+            command -v qemu-system-arm >/dev/null || missing+=(qemu-system-arm)
+            command -v qemu-system-riscv32 >/dev/null || missing+=(qemu-system-misc)
+            command -v clang >/dev/null || missing+=(clang)
+            ;;
         fuzz)
             command -v clang >/dev/null || missing+=(clang)
             fuzzer_is_there || missing+=("$(fuzzer_package)")

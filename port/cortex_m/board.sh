@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# What boards.txt says of a board, as commands.
+#
+# usage: board.sh list               the names of all boards
+#        board.sh BOARD tools        prefix of its compiler's programs
+#        board.sh BOARD compile      the compiler and its flags
+#        board.sh BOARD link         the same, with start-up's linker script and the board's memory
+#        board.sh BOARD run IMAGE [QEMU OPTION...]
+#                                    run it in QEMU; the host's files are those of this directory.
+#                                    Exit status: the image's
+set -euo pipefail
+here=$(dirname "${BASH_SOURCE[0]}")
+
+die() {
+    echo "board.sh: $*" >&2
+    exit 2
+}
+
+if [ "${1:-}" = list ]; then
+    awk '/^[a-z]/ { print $1 }' "$here/boards.txt"
+    exit
+fi
+[ $# -ge 2 ] || die "usage: board.sh list | BOARD tools|compile|link|run"
+read -r board tools machine flash_at flash ram_at ram flags < <(
+    awk -v board="$1" '$1 == board' "$here/boards.txt"
+) || die "no board '$1' in boards.txt"
+case $2 in
+tools) echo "$tools" ;;
+compile) echo "${tools}gcc $flags" ;;
+link)
+    echo "${tools}gcc $flags -nostartfiles -T $here/firmware.ld" \
+        "-Wl,--gc-sections,--fatal-warnings,--no-warn-rwx-segments" \
+        "-Wl,--defsym=FLASH_ORIGIN=$flash_at,--defsym=FLASH_LENGTH=$flash" \
+        "-Wl,--defsym=RAM_ORIGIN=$ram_at,--defsym=RAM_LENGTH=$ram"
+    ;;
+run)
+    [ $# -ge 3 ] || die "usage: board.sh $board run IMAGE"
+    case $machine in
+    virt) qemu=(qemu-system-riscv32 -bios none) ;;
+    *) qemu=(qemu-system-arm) ;;
+    esac
+    exec "${qemu[@]}" -M "$machine" -display none -monitor none -serial none \
+        -chardev stdio,id=host -semihosting-config enable=on,target=native,chardev=host \
+        -kernel "${@:3}" </dev/null
+    ;;
+*) die "unknown command '$2'" ;;
+esac

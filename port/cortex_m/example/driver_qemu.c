@@ -1,0 +1,175 @@
+/*
+ * The driver in QEMU: a recorded log takes the place of the bus. To be replaced.
+ *
+ * bus.log, as `candump -L` or `auvid node --log` writes it, is read through semihosting by a timer
+ * interrupt, which comes at any moment of the control loop and puts a tick's frames into the queue
+ * whenever there is room. So nothing is lost however slow the core is, and the loop works through
+ * the log as fast as it can. What the loop sends is written to sent.log, in the same format. The
+ * clock stands still, for what is sent must not depend on it.
+ */
+#include "driver.h"
+#include "machine.h"
+
+#include <string.h>
+
+/* Room for the frames of one tick: those of the vehicle and of a node that was on the bus. */
+#define TICK_FRAMES 24u
+
+/* Interrupts without a fed watchdog, after which the run has failed: some seconds. */
+#define WATCHDOG 20000u
+
+typedef struct {
+    int file;
+    size_t place, bytes;
+    char buffer[128];
+} text_t;
+
+static text_t in, out;
+static auvid_can_fifo_t *queue;
+static volatile bool over; /* the log is */
+static volatile uint32_t unfed;
+
+/* ---- bus.log ---- */
+
+static int next(void)
+{
+    if (in.place == in.bytes) {
+        in.place = 0;
+        in.bytes = machine_read(in.file, in.buffer, sizeof in.buffer);
+    }
+    return in.place < in.bytes ? (unsigned char)in.buffer[in.place++] : -1;
+}
+
+static int digit(int c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : (c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1);
+}
+
+/* "(1795246679.020000) can0 400#0790FFDBFFEE3F00": the time is not read, the tick frame has it. */
+static bool read_frame(auvid_can_frame_t *frame)
+{
+    int c = next(), nibbles = 0;
+    memset(frame, 0, sizeof *frame);
+    for (int blanks = 0; c >= 0 && blanks < 2; c = next()) {
+        blanks += c == ' ';
+    }
+    for (; digit(c) >= 0; c = next()) {
+        frame->id = (uint16_t)(frame->id * 16 + digit(c));
+    }
+    while (c == '#' || digit(c) >= 0) {
+        c = next();
+        if (digit(c) >= 0 && nibbles < 2 * AUVID_CAN_BYTES) {
+            uint8_t *byte = &frame->data[nibbles++ / 2];
+            *byte = (uint8_t)(*byte * 16 + digit(c));
+        }
+    }
+    while (c >= 0 && c != '\n') {
+        c = next();
+    }
+    frame->length = (uint8_t)(nibbles / 2);
+    return c >= 0;
+}
+
+static void interrupt(void)
+{
+    auvid_can_frame_t frame;
+    if (++unfed > WATCHDOG) {
+        driver_fault("watchdog");
+    }
+    if (over || queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
+        return;
+    }
+    do {
+        over = !read_frame(&frame);
+        if (!over) {
+            (void)auvid_can_fifo_push(queue, &frame);
+        }
+    } while (!over && auvid_can_kind(NULL, frame.id) != AUVID_CAN_TICK);
+}
+
+/* ---- sent.log ---- */
+
+static void flush(void)
+{
+    if (out.place > 0 && !machine_write(out.file, out.buffer, out.place)) {
+        driver_fault("sent.log cannot be written");
+    }
+    out.place = 0;
+}
+
+static void put(const char *text)
+{
+    for (; *text != '\0'; ++text) {
+        if (out.place == sizeof out.buffer) {
+            flush();
+        }
+        out.buffer[out.place++] = *text;
+    }
+}
+
+static void put_hex(uint32_t value, int digits)
+{
+    char text[2] = {0};
+    while (--digits >= 0) {
+        text[0] = "0123456789ABCDEF"[value >> 4 * digits & 15u];
+        put(text);
+    }
+}
+
+void driver_send(const auvid_can_frame_t *frame)
+{
+    put("(0000000000.000000) can0 ");
+    put_hex(frame->id, 3);
+    put("#");
+    for (int i = 0; i < frame->length; ++i) {
+        put_hex(frame->data[i], 2);
+    }
+    put("\n");
+}
+
+/* ---- the rest ---- */
+
+void driver_start(auvid_can_fifo_t *received)
+{
+    queue = received;
+    in.file = machine_open("bus.log", false);
+    out.file = machine_open("sent.log", true);
+    if (in.file < 0 || out.file < 0) {
+        driver_fault("bus.log or sent.log cannot be opened");
+    }
+    machine_timer(interrupt);
+}
+
+uint32_t driver_now_us(void)
+{
+    return 0;
+}
+
+/* The loop has nothing to do. The order of the two reads: frames come before the end does. */
+void driver_sleep(void)
+{
+    bool ended = over;
+    if (ended && queue->pushed == queue->popped) {
+        flush();
+        machine_print("frames lost: ");
+        machine_print_number(queue->dropped);
+        machine_print("; stack: ");
+        machine_print_number(machine_stack_used());
+        machine_print(" bytes\n");
+        machine_exit(queue->dropped == 0 ? 0 : 1);
+    }
+    machine_sleep();
+}
+
+void driver_feed_watchdog(void)
+{
+    unfed = 0;
+}
+
+void driver_fault(const char *what)
+{
+    machine_print("fault: ");
+    machine_print(what);
+    machine_print("\n");
+    machine_exit(1);
+}

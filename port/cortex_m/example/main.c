@@ -1,0 +1,90 @@
+/*
+ * auvid in firmware: the identifier as a node on the vehicle's CAN bus. To be copied.
+ *
+ * The receive interrupt fills a queue; this loop empties it. A tick frame, which the vehicle's
+ * controller sends every 20 ms after its sensor frames, makes one control tick: step, send what is
+ * urgent, optimize with the time that is left, report, feed the watchdog. lib/can/README.md has the
+ * frames. driver.h is what you write for your board.
+ */
+#include "auvid/can_fifo.h"
+#include "auvid/node.h"
+#include "driver.h"
+
+/* Units of optimizing in each tick. It must fit into 20 ms beside everything else in the worst
+ * case: the health frame tells how much of a tick was used. A fixed number, rather than a look at
+ * the clock, makes a log of the bus replay on a desk bit for bit (auvid replay). */
+#define BUDGET AUVID_DEFAULT_BUDGET
+
+#define TICK_US 20000u
+#define SILENCE_US 150000u /* no tick for so long: somebody pulled the plug */
+
+static auvid_node_t node; /* all the memory auvid has */
+static auvid_can_fifo_t received;
+static auvid_can_frame_t received_storage[64]; /* more than a tick's frames; a power of two */
+
+/* Your vehicle: its model, its thrusters, what the guard permits, what excitation it bears. */
+static bool configure(void)
+{
+    auvid_node_config_t bus;
+    auvid_identifier_config_t cfg;
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    auvid_node_defaults(&bus);
+    bus.excite = true; /* false, the default: listen and identify, never command a thruster */
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.allocation = auvid_allocation_girona500;
+    return auvid_excitation_plan(&cfg.excitation, amplitude, 30, 8, 1) >= 0 &&
+           auvid_node_init(&node, &bus, &cfg) >= 0;
+}
+
+static void send(const auvid_can_frame_t *frame, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        driver_send(&frame[i]);
+    }
+}
+
+static void control_tick(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    int count;
+    uint32_t began_us = driver_now_us();
+    (void)auvid_node_step(&node, NULL, frame, &count); /* sense, navigate, record, excite */
+    send(frame, count);                                /* the excitation: thruster commands */
+    (void)auvid_node_work(&node, BUDGET);              /* optimize */
+    uint32_t load_percent = 100u * (driver_now_us() - began_us) / TICK_US;
+    (void)auvid_node_report(&node, load_percent, frame, &count);
+    send(frame, count); /* navigation, estimates, health */
+    driver_feed_watchdog();
+}
+
+/* The tick is lost, and with it every sensor: nothing may be driven any more. */
+static void control_silence(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    int count;
+    (void)auvid_node_halt(&node, frame, &count);
+    send(frame, count);
+    driver_feed_watchdog();
+}
+
+int main(void)
+{
+    auvid_can_frame_t frame;
+    if (!configure() || auvid_can_fifo_init(&received, received_storage, 64) < 0) {
+        driver_fault("auvid refused its configuration");
+    }
+    driver_start(&received);
+    for (uint32_t tick_us = driver_now_us();;) {
+        while (auvid_can_fifo_pop(&received, &frame) == AUVID_OK) {
+            if (auvid_node_take(&node, &frame) == AUVID_TICK) {
+                tick_us = driver_now_us();
+                control_tick();
+            }
+        }
+        if (driver_now_us() - tick_us > SILENCE_US) {
+            tick_us = driver_now_us();
+            control_silence();
+        }
+        driver_sleep();
+    }
+}

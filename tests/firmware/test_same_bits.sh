@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# The identification of a recorded log on every core, and on the host however it was compiled: every
+# frame that the firmware's example sends, compared bit for bit.
+#
+# The reference is the library as `make` builds it: the run that recorded the log. What it sent is
+# in the log; only its load (in health) and its answers to ticks depend on its machine.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+top=$PWD
+: "${LOGS:=build/test-logs}"
+work=$top/$LOGS/same-bits
+rm -rf "$work"
+mkdir -p "$work"
+
+# Frames as "ID#DATA", in their order, without those that tell of the machine's speed.
+frames() {
+    awk '{ print $3 }' "$1"
+}
+
+build/auvid node --bus memory --excite --sets 8 --log "$work/bus.log" >"$work/node.txt" ||
+    { echo "not ok the log could not be recorded"; exit 1; }
+# The node's messages: lib/can/README.md. 40F is health, 045 tick_done.
+frames "$work/bus.log" | grep -E '^(042|043|409|40A|40B|40C|40D|40E|410)#' >"$work/reference"
+hash=
+
+# compare NAME: what is in $work/NAME/sent.log against the reference, and against all others.
+compare() {
+    local sent=$work/$1/sent.log mine same line
+    frames "$sent" | grep -v '^40F#' >"$work/$1/frames"
+    if ! cmp -s "$work/reference" "$work/$1/frames"; then
+        line=$(diff --speed-large-files "$work/reference" "$work/$1/frames" | grep -m1 '^[0-9]')
+        echo "not ok $1: first difference (line of reference, change, line of sent): $line"
+        diff "$work/reference" "$work/$1/frames" | grep -m2 '^[<>]' || true
+        return 1
+    fi
+    mine=$(sha256sum <"$sent")
+    mine=${mine:0:16}
+    : "${hash:=$mine}"
+    same=$(wc -l <"$sent")
+    [ "$mine" = "$hash" ] || { echo "not ok $1: hash $mine, not $hash"; return 1; }
+    echo "ok $1: $same frames sent, hash $mine; $(tr '\n' ' ' <"$work/$1/said")"
+}
+
+# run NAME COMMAND...: in a folder of its own.
+run() {
+    local name=$1
+    shift
+    mkdir -p "$work/$name"
+    ln -s ../bus.log "$work/$name/bus.log"
+    if (cd "$work/$name" && timeout 120 "$@") >"$work/$name/said" 2>&1; then
+        compare "$name" || true
+    else
+        echo "not ok $name: $(tail -n 2 "$work/$name/said")"
+    fi
+}
+
+for host in build/firmware/host/*; do
+    [ ! -x "$host" ] || [ -d "$host" ] || run "${host##*/}" "$top/$host"
+done
+levels=(Os)
+[ -z "${AUVID_TEST_LONG:-}" ] || levels+=(O2)
+for level in "${levels[@]}"; do
+    for board in $(port/cortex_m/board.sh list); do
+        image=$top/build/firmware/$board-$level/example.elf
+        run "$board-$level" "$top/port/cortex_m/board.sh" "$board" run "$image"
+    done
+done

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# The unit tests on emulated microcontrollers, with hardware floating point and without. Which do
+# not run there, and why, is in unit.txt.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+left_out='host|long'
+[ -z "${AUVID_TEST_LONG:-}" ] || left_out=host
+
+for board in m4f m0plus; do
+    for test in tests/unit/test_*.c; do
+        name=$(basename "$test" .c)
+        why=$(awk -v name="$name" '$1 == name { $1 = ""; print }' tests/firmware/unit.txt)
+        if [[ $why =~ ^\ ($left_out) ]]; then
+            echo "not here: $board $name:$why"
+            continue
+        fi
+        image=build/firmware/$board-O2/${test%.c}.elf
+        echo "$board $name"
+        # Unity says itself what failed, and how many passed.
+        status=0
+        out=$(timeout 3600 port/cortex_m/board.sh "$board" run "$image" 2>&1) || status=$?
+        echo "$out"
+        [ "$status" = 0 ] || grep -q '^[0-9]* Tests [1-9]' <<<"$out" ||
+            echo "not ok $board $name: exit status $status"
+    done
+done
