@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Node and simulated vehicle by the clock, 50 Hz, over the bus in memory: no tick is missed.
+# Node and simulated vehicle by the clock, 50 Hz, over the bus in memory: no tick is missed, but for
+# the time in which a hypervisor gave this machine's processors to another (steal in /proc/stat).
 # Long form: ten minutes. Short form: three seconds; what else runs may then make it miss a tick.
 . "$(dirname "$0")/common.sh"
 
@@ -24,16 +25,28 @@ ticked() {
     [ "$(cat ticks)" -ge "$1" ] && [ "$(cat ticks)" -le "$2" ]
 }
 
+# Time stolen since boot, all processors together [ms].
+stolen() {
+    awk -v hz="$(getconf CLK_TCK)" '$1 == "cpu" { print int(1000 * $9 / hz) }' /proc/stat
+}
+
+# kept STOLEN: a tick is missed for each 20 ms stolen, at most.
+kept() {
+    [ $((20 * $(sed -n 's/.*, missed \([0-9]*\)$/\1/p' out))) -le "$1" ]
+}
+
 if [ -z "${AUVID_TEST_LONG:-}" ]; then
     check "three seconds, then SIGINT: nothing identified yet" \
         interrupted 1 3 node --bus memory --realtime
     check "50 ticks a second" ticked 140 155
 else
     # 20 sets of 30 s, and the last search
+    before=$(stolen)
     check "ten minutes at 50 Hz identify the vehicle" \
         exits 0 node --bus memory --excite --sets 20 --realtime
     check "50 ticks a second" ticked 30000 31500
-    check "none is missed" grep -q ', missed 0$' out
+    stolen=$(($(stolen) - before))
+    check "none is missed but for the $stolen ms stolen" kept "$stolen"
     check "none takes half of its 20 ms" test "$(grep -o 'max [0-9]*' out | cut -c 5-)" -lt 10000
 fi
 cat err
