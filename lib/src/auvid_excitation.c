@@ -298,7 +298,7 @@ static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t we
 {
     uint64_t begins_us[AUVID_DOF_COUNT] = {0};
     if (elapsed_us - e->repeated_us >= e->sequence_us) {
-        e->repetition = (uint32_t)(elapsed_us / e->sequence_us);
+        e->repetition = (uint32_t)auvid_divide(elapsed_us, e->sequence_us);
         e->repeated_us = e->repetition * e->sequence_us;
     }
     uint64_t in_us = elapsed_us - e->repeated_us;
