@@ -29,6 +29,14 @@ static auvid_real_t to_s(uint32_t us)
     return (auvid_real_t)us * AUVID_C(1e-6);
 }
 
+/* sin(2 pi cycles + phase), cycles >= 0 */
+static auvid_real_t sine(auvid_real_t cycles, auvid_real_t phase)
+{
+    auvid_real_t y;
+    auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, &y, NULL);
+    return y;
+}
+
 /* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
 static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
 {
@@ -178,10 +186,7 @@ static auvid_real_t play_sines(const channel_t *c, uint32_t sines, auvid_real_t 
 {
     auvid_real_t sum = AUVID_C(0.0);
     for (uint32_t i = 0; i < sines; ++i) {
-        auvid_real_t cycles = c->frequency_hz[i] * s + c->cycles[i];
-        auvid_real_t y;
-        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles), &y, NULL);
-        sum += y;
+        sum += sine(c->frequency_hz[i] * s + c->cycles[i], AUVID_C(0.0));
     }
     return sum * c->scale;
 }
@@ -222,12 +227,9 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
         y = segment->from + (a - segment->from) * (s / to_s(duration_us));
         largest = auvid_max(largest, auvid_abs(segment->from));
         break;
-    case AUVID_SEGMENT_SINE: {
-        auvid_real_t cycles = segment->frequency_hz * s;
-        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + segment->phase, &y, NULL);
-        y *= a;
+    case AUVID_SEGMENT_SINE:
+        y = a * sine(segment->frequency_hz * s, segment->phase);
         break;
-    }
     case AUVID_SEGMENT_SINES:
         y = a * play_sines(c, segment->sines, s);
         break;

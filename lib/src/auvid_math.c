@@ -48,6 +48,16 @@
 #include "auvid_sqrt_soft.h"
 #endif
 
+auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
+{
+    return a < b ? a : b;
+}
+
+auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
+{
+    return a > b ? a : b;
+}
+
 bool auvid_all_finite(const auvid_real_t *x, size_t n)
 {
     for (size_t i = 0; i < n; ++i) {
@@ -202,7 +212,7 @@ void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
     auvid_real_t c = s;
     if (in_range(x)) {
         int32_t n = nearest(x * AUVID_C(0.63661977236758134308));
-        auvid_real_t r = reduce(x, n);
+        auvid_real_t r = n != 0 ? reduce(x, n) : x;
         auvid_real_t z = r * r;
         auvid_real_t sr = r + r * z * polynomial(sin_c, COUNT(sin_c), z);
         auvid_real_t cr =

@@ -29,15 +29,9 @@ static inline auvid_real_t auvid_abs(auvid_real_t x)
 #endif
 }
 
-static inline auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
-{
-    return a < b ? a : b;
-}
+auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b);
 
-static inline auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
-{
-    return a > b ? a : b;
-}
+auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b);
 
 static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high)
 {
