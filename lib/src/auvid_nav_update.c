@@ -281,6 +281,19 @@ static auvid_real_t innovation_of(const auvid_nav_t *nav, const auvid_nav_measur
     return hph;
 }
 
+/* Write innovation j down; returns its bit if it is outside the gate. */
+NAV_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
+                         auvid_real_t gate)
+{
+    auvid_real_t ratio = nu * nu / s;
+    d->innovation[j] = nu;
+    d->variance[j] = s;
+    if (ratio > d->nis) {
+        d->nis = ratio;
+    }
+    return ratio > gate ? 1u << j : 0u;
+}
+
 /* Can the sample enter by enter_velocity()? */
 NAV_INLINE bool is_plain(const auvid_nav_measurement_t *m)
 {
@@ -290,21 +303,20 @@ NAV_INLINE bool is_plain(const auvid_nav_measurement_t *m)
 uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    auvid_real_t largest = AUVID_C(0.0), r = nav->r[m->sensor];
-    bool plain = is_plain(m);
     unsigned outside = 0;
-    for (int j = 0; j < scalars(m); ++j) {
-        auvid_real_t nu = m->z[j] - nav->velocity[j], s = nav->vv[nav_packed[j][j]] + r;
-        if (!plain) {
-            s = variance_of(nav, m, innovation_of(nav, m, j, &nu));
+    d->nis = AUVID_C(0.0);
+    if (is_plain(m)) {
+        auvid_real_t r = nav->r[m->sensor];
+        for (int j = 0; j < 3; ++j) {
+            auvid_real_t s = nav->vv[nav_packed[j][j]] + r;
+            outside |= note(d, j, m->z[j] - nav->velocity[j], s, nav->gate);
         }
-        auvid_real_t ratio = nu * nu / s;
-        d->innovation[j] = nu;
-        d->variance[j] = s;
-        largest = ratio > largest ? ratio : largest;
-        outside |= (ratio > nav->gate ? 1u : 0u) << j;
+    } else {
+        for (int j = 0; j < scalars(m); ++j) {
+            auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
+            outside |= note(d, j, nu, variance_of(nav, m, hph), nav->gate);
+        }
     }
-    d->nis = largest;
     d->axes = m->n;
     d->seen_us = m->t_us;
     return (uint8_t)outside;
