@@ -83,9 +83,9 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
             c->negative = (strayed > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
         }
         c->level = c->negative ? -level : level;
-        c->hold_us = (uint32_t)excitation_us(segment->hold_min_s +
-                                             (segment->hold_max_s - segment->hold_min_s) *
-                                                 auvid_rng_uniform(&rng));
+        c->hold_us = (uint32_t)auvid_excitation_us(segment->hold_min_s +
+                                                   (segment->hold_max_s - segment->hold_min_s) *
+                                                       auvid_rng_uniform(&rng));
         memcpy(c->rng, rng.s, sizeof rng.s);
         c->second = segment->pairs;
         if (segment->pairs && c->hold_from_us + 2 * (uint64_t)c->hold_us > end_us) {
@@ -100,7 +100,7 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
 static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
                                uint32_t duration_us, auvid_real_t strayed)
 {
-    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
      * for the rest at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
@@ -218,7 +218,7 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
     auvid_real_t a = segment->amplitude;
     auvid_real_t largest = auvid_abs(a);
     auvid_real_t y = AUVID_C(0.0);
-    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     switch (segment->kind) {
     case AUVID_SEGMENT_STEP:
         y = a;

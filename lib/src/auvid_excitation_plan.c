@@ -61,8 +61,8 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
         !auvid_all_finite(amplitude, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
-        !excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
+    if (!auvid_excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
+        !auvid_excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
         return AUVID_ERR_RANGE;
     }
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
