@@ -45,7 +45,7 @@ const auvid_allocation_config_t auvid_allocation_girona500 = {
 /* ---- pseudo-inverse ---- */
 
 typedef struct {
-    auvid_real_t b[DOFS][AUVID_MAX_THRUSTERS];
+    const auvid_allocation_config_t *config;
     auvid_real_t q[DOFS][AUVID_MAX_THRUSTERS]; /* rows, orthonormal */
     auvid_real_t u[DOFS][DOFS];                /* rows of this: columns of U */
     auvid_real_t s[DOFS][DOFS];                /* S[i][j], j >= i */
@@ -59,6 +59,17 @@ static auvid_real_t dot(const auvid_real_t *a, const auvid_real_t *b, int n)
         sum += a[i] * b[i];
     }
     return sum;
+}
+
+/* Row i of B: zero where the thruster does not work or the row is not controlled. */
+static void row_of_b(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
+{
+    bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
+    for (int j = 0; j < config->thrusters; ++j) {
+        const auvid_thruster_t *t = &config->thruster[j];
+        bool works = t->min_N < AUVID_C(0.0) || t->max_N > AUVID_C(0.0);
+        row[j] = works && controlled ? t->wrench[i] : AUVID_C(0.0);
+    }
 }
 
 /* Take the components of v along `count` orthonormal vectors (`stride` apart) out of it, twice;
@@ -82,15 +93,16 @@ static void orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride
 
 /* Orthonormal rows Q that span the rows of B; the next is always the row of which the largest
  * part, relative to its own length (rows have different units), is still outside the span. */
-static void span_rows(decomposition_t *d, int n)
+static void span_rows(decomposition_t *d)
 {
+    int n = d->config->thrusters;
     d->rank = 0;
     while (d->rank < DOFS) {
         auvid_real_t best = DEPENDENT;
         auvid_real_t row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            auvid_real_t length = auvid_sqrt(dot(d->b[i], d->b[i], n));
-            memcpy(row, d->b[i], sizeof row);
+            row_of_b(d->config, i, row);
+            auvid_real_t length = auvid_sqrt(dot(row, row, n));
             orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
             auvid_real_t left = auvid_sqrt(dot(row, row, n));
             if (left > best * length) {
@@ -108,13 +120,15 @@ static void span_rows(decomposition_t *d, int n)
 }
 
 /* L = B Q', column by column, and L = U S. */
-static void orthogonalise_columns(decomposition_t *d, int n)
+static void orthogonalise_columns(decomposition_t *d)
 {
+    int n = d->config->thrusters;
     memset(d->s, 0, sizeof d->s);
     for (int k = 0; k < d->rank; ++k) {
-        auvid_real_t along[DOFS] = {0};
+        auvid_real_t along[DOFS] = {0}, row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            d->u[k][i] = dot(d->b[i], d->q[k], n);
+            row_of_b(d->config, i, row);
+            d->u[k][i] = dot(row, d->q[k], n);
         }
         orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
         auvid_real_t left = auvid_sqrt(dot(d->u[k], d->u[k], DOFS));
@@ -129,8 +143,9 @@ static void orthogonalise_columns(decomposition_t *d, int n)
 }
 
 /* B+ = Q' S^-1 U', one wrench e_dof at a time. */
-static void invert(const decomposition_t *d, int n, auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
+static void invert(const decomposition_t *d, auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
+    int n = d->config->thrusters;
     for (int dof = 0; dof < DOFS; ++dof) {
         auvid_real_t x[DOFS] = {AUVID_C(0.0)};
         auvid_real_t largest = AUVID_C(0.0);
@@ -173,18 +188,13 @@ void auvid_allocation_defaults(auvid_allocation_config_t *config)
 
 static auvid_status_t check_thruster(const auvid_thruster_t *t)
 {
-    if (!auvid_all_finite(t->wrench, DOFS) || !auvid_is_finite(t->min_N) ||
-        !auvid_is_finite(t->max_N) || !auvid_is_finite(t->gain_forward) ||
-        !auvid_is_finite(t->gain_backward)) {
+    const auvid_real_t others[] = {t->min_N, t->max_N, t->gain_forward, t->gain_backward};
+    if (!auvid_all_finite(t->wrench, DOFS) || !auvid_all_finite(others, 4)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    for (int i = 0; i < DOFS; ++i) {
-        if (auvid_abs(t->wrench[i]) > LARGEST_ENTRY) {
-            return AUVID_ERR_RANGE;
-        }
-    }
-    return t->min_N <= AUVID_C(0.0) && t->max_N >= AUVID_C(0.0) && t->gain_forward > AUVID_C(0.0) &&
-                   t->gain_backward >= AUVID_C(0.0) &&
+    return auvid_all_within(t->wrench, DOFS, LARGEST_ENTRY) == AUVID_OK &&
+                   t->min_N <= AUVID_C(0.0) && t->max_N >= AUVID_C(0.0) &&
+                   t->gain_forward > AUVID_C(0.0) && t->gain_backward >= AUVID_C(0.0) &&
                    (t->law == AUVID_THRUST_LINEAR || t->law == AUVID_THRUST_SQUARE)
                ? AUVID_OK
                : AUVID_ERR_RANGE;
@@ -199,28 +209,22 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
     if (config->thrusters < 1 || config->thrusters > AUVID_MAX_THRUSTERS) {
         return AUVID_ERR_SIZE;
     }
-    int n = config->thrusters;
-    for (int j = 0; j < n; ++j) {
-        const auvid_thruster_t *t = &config->thruster[j];
-        auvid_status_t status = check_thruster(t);
+    for (int j = 0; j < config->thrusters; ++j) {
+        auvid_status_t status = check_thruster(&config->thruster[j]);
         if (status != AUVID_OK) {
             return status;
         }
-        bool works = t->min_N < AUVID_C(0.0) || t->max_N > AUVID_C(0.0);
-        for (int i = 0; i < DOFS; ++i) {
-            bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
-            d.b[i][j] = works && controlled ? t->wrench[i] : AUVID_C(0.0);
-        }
     }
-    span_rows(&d, n);
+    d.config = config;
+    span_rows(&d);
     if (d.rank == 0) {
         return AUVID_ERR_SINGULAR;
     }
-    orthogonalise_columns(&d, n);
+    orthogonalise_columns(&d);
     memset(a, 0, sizeof *a);
     a->config = *config;
     a->rank = (uint8_t)d.rank;
-    invert(&d, n, a->inverse);
+    invert(&d, a->inverse);
     for (int i = 0; i < DOFS; ++i) {
         auvid_real_t projected = AUVID_C(0.0);
         for (int k = 0; k < d.rank; ++k) {
@@ -262,13 +266,9 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
     if (a == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!auvid_all_finite(wrench, DOFS)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    for (int i = 0; i < DOFS; ++i) {
-        if (auvid_abs(wrench[i]) > LARGEST_WRENCH) {
-            return AUVID_ERR_RANGE;
-        }
+    auvid_status_t status = auvid_all_within(wrench, DOFS, LARGEST_WRENCH);
+    if (status != AUVID_OK) {
+        return status;
     }
     for (int i = 0; i < DOFS; ++i) {
         auvid_real_t *f = (a->config.priority & AUVID_DOF_BIT(i)) != 0 ? first : rest;

@@ -29,6 +29,14 @@ static auvid_real_t to_s(uint32_t us)
     return (auvid_real_t)us * AUVID_C(1e-6);
 }
 
+/* sin(2 pi cycles + phase), cycles >= 0 */
+static auvid_real_t sine(auvid_real_t cycles, auvid_real_t phase)
+{
+    auvid_real_t y;
+    auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, &y, NULL);
+    return y;
+}
+
 /* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
 static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
 {
@@ -75,9 +83,9 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
             c->negative = (strayed > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
         }
         c->level = c->negative ? -level : level;
-        c->hold_us = (uint32_t)excitation_us(segment->hold_min_s +
-                                             (segment->hold_max_s - segment->hold_min_s) *
-                                                 auvid_rng_uniform(&rng));
+        c->hold_us = (uint32_t)auvid_excitation_us(segment->hold_min_s +
+                                                   (segment->hold_max_s - segment->hold_min_s) *
+                                                       auvid_rng_uniform(&rng));
         memcpy(c->rng, rng.s, sizeof rng.s);
         c->second = segment->pairs;
         if (segment->pairs && c->hold_from_us + 2 * (uint64_t)c->hold_us > end_us) {
@@ -92,7 +100,7 @@ static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end
 static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
                                uint32_t duration_us, auvid_real_t strayed)
 {
-    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
      * for the rest at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
@@ -178,10 +186,7 @@ static auvid_real_t play_sines(const channel_t *c, uint32_t sines, auvid_real_t 
 {
     auvid_real_t sum = AUVID_C(0.0);
     for (uint32_t i = 0; i < sines; ++i) {
-        auvid_real_t cycles = c->frequency_hz[i] * s + c->cycles[i];
-        auvid_real_t y;
-        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles), &y, NULL);
-        sum += y;
+        sum += sine(c->frequency_hz[i] * s + c->cycles[i], AUVID_C(0.0));
     }
     return sum * c->scale;
 }
@@ -213,7 +218,7 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
     auvid_real_t a = segment->amplitude;
     auvid_real_t largest = auvid_abs(a);
     auvid_real_t y = AUVID_C(0.0);
-    uint32_t fade_us = (uint32_t)excitation_us(segment->fade_s);
+    uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     switch (segment->kind) {
     case AUVID_SEGMENT_STEP:
         y = a;
@@ -222,12 +227,9 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
         y = segment->from + (a - segment->from) * (s / to_s(duration_us));
         largest = auvid_max(largest, auvid_abs(segment->from));
         break;
-    case AUVID_SEGMENT_SINE: {
-        auvid_real_t cycles = segment->frequency_hz * s;
-        auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + segment->phase, &y, NULL);
-        y *= a;
+    case AUVID_SEGMENT_SINE:
+        y = a * sine(segment->frequency_hz * s, segment->phase);
         break;
-    }
     case AUVID_SEGMENT_SINES:
         y = a * play_sines(c, segment->sines, s);
         break;
@@ -298,7 +300,7 @@ static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t we
 {
     uint64_t begins_us[AUVID_DOF_COUNT] = {0};
     if (elapsed_us - e->repeated_us >= e->sequence_us) {
-        e->repetition = (uint32_t)(elapsed_us / e->sequence_us);
+        e->repetition = (uint32_t)auvid_divide(elapsed_us, e->sequence_us);
         e->repeated_us = e->repetition * e->sequence_us;
     }
     uint64_t in_us = elapsed_us - e->repeated_us;

@@ -17,25 +17,26 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config)
     }
 }
 
-/* Steps, then a sum of sines, of one degree of freedom. */
+/* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
 static void add(auvid_excitation_config_t *config, auvid_dof_t dof, auvid_real_t amplitude,
                 auvid_real_t set_s, auvid_real_t before_s, auvid_real_t between_s)
 {
-    auvid_segment_t s = {.dof = dof,
-                         .kind = AUVID_SEGMENT_STEPS,
-                         .pause_s = before_s,
-                         .duration_s = set_s,
-                         .amplitude = amplitude,
-                         .fade_s = AUVID_C(0.2),
-                         .frequency_hz = auvid_max(AUVID_C(0.03), AUVID_C(1.0) / set_s),
-                         .frequency_high_hz = AUVID_C(0.25),
-                         .hold_min_s = auvid_min(AUVID_C(4.0), set_s * AUVID_C(0.25)),
-                         .hold_max_s = auvid_min(AUVID_C(8.0), set_s * AUVID_C(0.5)),
-                         .sines = AUVID_MAX_SINES < 5 ? AUVID_MAX_SINES : 5};
-    config->segment[config->segments++] = s;
-    s.kind = AUVID_SEGMENT_SINES;
-    s.pause_s = between_s;
-    config->segment[config->segments++] = s;
+    auvid_segment_t *s = &config->segment[config->segments];
+    s->dof = dof;
+    s->kind = AUVID_SEGMENT_STEPS;
+    s->pause_s = before_s;
+    s->duration_s = set_s;
+    s->amplitude = amplitude;
+    s->fade_s = AUVID_C(0.2);
+    s->frequency_hz = auvid_max(AUVID_C(0.03), AUVID_C(1.0) / set_s);
+    s->frequency_high_hz = AUVID_C(0.25);
+    s->hold_min_s = auvid_min(AUVID_C(4.0), set_s * AUVID_C(0.25));
+    s->hold_max_s = auvid_min(AUVID_C(8.0), set_s * AUVID_C(0.5));
+    s->sines = AUVID_MAX_SINES < 5 ? AUVID_MAX_SINES : 5;
+    s[1] = s[0];
+    s[1].kind = AUVID_SEGMENT_SINES;
+    s[1].pause_s = between_s;
+    config->segments = (uint8_t)(config->segments + 2);
 }
 
 auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
@@ -61,8 +62,8 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
         !auvid_all_finite(amplitude, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
-        !excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
+    if (!auvid_excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
+        !auvid_excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
         return AUVID_ERR_RANGE;
     }
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {

@@ -79,7 +79,7 @@ static bool is_watching(const auvid_guard_t *g)
 /* For telling only: whole and fraction apart, for any length. */
 static auvid_real_t to_s(uint64_t us)
 {
-    uint64_t whole = us / 1000000u;
+    uint64_t whole = auvid_divide(us, 1000000u);
     return (auvid_real_t)(whole < UINT32_MAX ? (uint32_t)whole : UINT32_MAX) +
            (auvid_real_t)(uint32_t)(us - whole * 1000000u) * AUVID_C(1e-6);
 }

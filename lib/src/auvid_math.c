@@ -48,6 +48,57 @@
 #include "auvid_sqrt_soft.h"
 #endif
 
+auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
+{
+    return a < b ? a : b;
+}
+
+auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
+{
+    return a > b ? a : b;
+}
+
+bool auvid_all_finite(const auvid_real_t *x, size_t n)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!auvid_is_finite(x[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!(auvid_abs(x[i]) <= limit)) {
+            return auvid_all_finite(x, n) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
+auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
+{
+    uint64_t us = b_us - a_us;
+    return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
+}
+
+/* Digit by digit: the quotient moves into n from the right as n moves out to the left. */
+uint64_t auvid_divide(uint64_t n, uint64_t d)
+{
+    uint64_t rest = 0;
+    for (int i = 0; i < 64; ++i) {
+        rest = (rest << 1) | (n >> 63);
+        n <<= 1;
+        if (rest >= d) {
+            rest -= d;
+            n |= 1u;
+        }
+    }
+    return n;
+}
+
 auvid_real_t auvid_sqrt(auvid_real_t x)
 {
     if (!(x > AUVID_C(0.0))) {
@@ -161,7 +212,7 @@ void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
     auvid_real_t c = s;
     if (in_range(x)) {
         int32_t n = nearest(x * AUVID_C(0.63661977236758134308));
-        auvid_real_t r = reduce(x, n);
+        auvid_real_t r = n != 0 ? reduce(x, n) : x;
         auvid_real_t z = r * r;
         auvid_real_t sr = r + r * z * polynomial(sin_c, COUNT(sin_c), z);
         auvid_real_t cr =

@@ -17,20 +17,21 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
+/* +0 for both zeros. */
 static inline auvid_real_t auvid_abs(auvid_real_t x)
 {
-    return x < AUVID_C(0.0) ? -x : x;
+#if defined(__GNUC__) && defined(AUVID_REAL_DOUBLE)
+    return __builtin_fabs(x); /* one instruction, never a call */
+#elif defined(__GNUC__)
+    return __builtin_fabsf(x);
+#else
+    return x > AUVID_C(0.0) ? x : AUVID_C(0.0) - x;
+#endif
 }
 
-static inline auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
-{
-    return a < b ? a : b;
-}
+auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b);
 
-static inline auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
-{
-    return a > b ? a : b;
-}
+auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b);
 
 static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high)
 {
@@ -38,34 +39,17 @@ static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_r
 }
 
 /** Are all n values finite? */
-static inline bool auvid_all_finite(const auvid_real_t *x, size_t n)
-{
-    for (size_t i = 0; i < n; ++i) {
-        if (!auvid_is_finite(x[i])) {
-            return false;
-        }
-    }
-    return true;
-}
+bool auvid_all_finite(const auvid_real_t *x, size_t n);
 
 /** AUVID_OK when all n values are within +-limit, else AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE. */
-static inline auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit)
-{
-    for (size_t i = 0; i < n; ++i) {
-        if (!(auvid_abs(x[i]) <= limit)) {
-            return auvid_all_finite(x, n) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-        }
-    }
-    return AUVID_OK;
-}
+auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit);
 
 /** From a to b, which is not before a [s]: formed in integers, exact to the rounding of one
  * conversion, at most 2147 s. */
-static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
-{
-    uint64_t us = b_us - a_us;
-    return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
-}
+auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us);
+
+/** n / d, rounded down; d in 1..2^63. For the rare case: a compiler's own weighs ten times as much. */
+uint64_t auvid_divide(uint64_t n, uint64_t d);
 
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);

@@ -8,8 +8,8 @@
 #include "auvid/nav.h"
 #include "auvid_math.h"
 
-/* For the few lines that the cost of a tick is made of. */
-#if defined(__GNUC__)
+/* For the few lines that the cost of a tick is made of, unless a small program is wanted. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define NAV_INLINE static inline __attribute__((always_inline))
 #else
 #define NAV_INLINE static inline

@@ -281,12 +281,17 @@ static auvid_real_t innovation_of(const auvid_nav_t *nav, const auvid_nav_measur
     return hph;
 }
 
-/* Write innovation j down; returns nu^2 / s. */
-NAV_INLINE auvid_real_t note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s)
+/* Write innovation j down; returns its bit if it is outside the gate. */
+NAV_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
+                         auvid_real_t gate)
 {
+    auvid_real_t ratio = nu * nu / s;
     d->innovation[j] = nu;
     d->variance[j] = s;
-    return nu * nu / s;
+    if (ratio > d->nis) {
+        d->nis = ratio;
+    }
+    return ratio > gate ? 1u << j : 0u;
 }
 
 /* Can the sample enter by enter_velocity()? */
@@ -298,26 +303,23 @@ NAV_INLINE bool is_plain(const auvid_nav_measurement_t *m)
 uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    auvid_real_t ratio[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)}, nu;
+    unsigned outside = 0;
+    d->nis = AUVID_C(0.0);
     if (is_plain(m)) {
         auvid_real_t r = nav->r[m->sensor];
-        ratio[0] = note(d, 0, m->z[0] - nav->velocity[0], nav->vv[0] + r);
-        ratio[1] = note(d, 1, m->z[1] - nav->velocity[1], nav->vv[3] + r);
-        ratio[2] = note(d, 2, m->z[2] - nav->velocity[2], nav->vv[5] + r);
+        for (int j = 0; j < 3; ++j) {
+            auvid_real_t s = nav->vv[nav_packed[j][j]] + r;
+            outside |= note(d, j, m->z[j] - nav->velocity[j], s, nav->gate);
+        }
     } else {
         for (int j = 0; j < scalars(m); ++j) {
-            auvid_real_t hph = innovation_of(nav, m, j, &nu);
-            ratio[j] = note(d, j, nu, variance_of(nav, m, hph));
+            auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
+            outside |= note(d, j, nu, variance_of(nav, m, hph), nav->gate);
         }
     }
-    d->nis = auvid_max(auvid_max(ratio[0], ratio[1]), ratio[2]);
     d->axes = m->n;
     d->seen_us = m->t_us;
-    if (d->nis <= nav->gate) {
-        return 0;
-    }
-    return (uint8_t)((ratio[0] > nav->gate ? 1 : 0) | (ratio[1] > nav->gate ? 2 : 0) |
-                     (ratio[2] > nav->gate ? 4 : 0));
+    return (uint8_t)outside;
 }
 
 /* Of the scalars outside the gate, those that no manoeuvre since the last good sample explains. */

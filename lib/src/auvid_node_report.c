@@ -102,7 +102,7 @@ static void report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, int *
     auvid_can_message_t m = {.kind = AUVID_CAN_HEARTBEAT};
     m.as.heartbeat.protocol = AUVID_CAN_PROTOCOL;
     m.as.heartbeat.role = AUVID_CAN_ROLE_NODE;
-    m.as.heartbeat.uptime = most((uint32_t)(node->t_us / 1000000u), 0xFFFFFFu);
+    m.as.heartbeat.uptime = most((uint32_t)auvid_divide(node->t_us, 1000000u), 0xFFFFFFu);
     m.as.heartbeat.major = AUVID_VERSION_MAJOR;
     m.as.heartbeat.minor = AUVID_VERSION_MINOR;
     auvid_node_send(node, &m, frame, count);

@@ -97,6 +97,18 @@ static auvid_real_t wide_magnitude(wide_t a, int32_t *shift)
     return (auvid_real_t)(a.high | (a.low != 0u ? 1u : 0u));
 }
 
+/* a / b, b in 1..MAX_ORDER, where nothing is left over: times the inverse of the odd part of b
+ * modulo 2^64, after halvings. */
+static int64_t exact_quotient(int64_t a, int32_t b)
+{
+    for (; b % 2 == 0; b /= 2) {
+        a /= 2;
+    }
+    uint64_t third = UINT64_C(0xaaaaaaaaaaaaaaab), fifth = UINT64_C(0xcccccccccccccccd);
+    uint64_t inverse = b == 5 ? fifth : b == 3 ? third : 1u;
+    return (int64_t)((uint64_t)a * inverse);
+}
+
 /* t[m] = t_m^(d)(i), m = 0..order: the recurrence above, differentiated d times. */
 static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d, int64_t *t)
 {
@@ -106,9 +118,9 @@ static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d
         for (int32_t m = 0; m < order; ++m) {
             int64_t last = m == 0 ? 0 : f[e][m - 1];
             int64_t lower = e == 0 ? 0 : e * f[e - 1][m];
-            f[e][m + 1] = ((2 * m + 1) * 2 * (i * f[e][m] + lower) -
-                           (int64_t)m * (points * points - m * m) * last) /
-                          (m + 1);
+            f[e][m + 1] = exact_quotient((2 * m + 1) * 2 * (i * f[e][m] + lower) -
+                                             (int64_t)m * (points * points - m * m) * last,
+                                         m + 1);
         }
     }
     for (int32_t m = 0; m <= order; ++m) {

@@ -114,7 +114,7 @@ typedef struct {
 /** Is x neither NaN nor infinite? Needs no library; not defeated by compiler flags we accept. */
 static inline bool auvid_is_finite(auvid_real_t x)
 {
-    return x >= -AUVID_LARGEST && x <= AUVID_LARGEST;
+    return x - x == AUVID_C(0.0);
 }
 
 #ifdef __cplusplus
