@@ -12,6 +12,9 @@
  * later, so that the record has a gap. */
 #define CLOCK_STEP_US 1000000u
 
+/* Ticks numbered up to this much behind the last one are stragglers, or copies of them. */
+#define LATE_TICKS 16u
+
 void auvid_node_defaults(auvid_node_config_t *cfg)
 {
     if (cfg != NULL) {
@@ -144,9 +147,15 @@ static void take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
     node->feedback = true;
 }
 
-/* Time of the tick: the bus's, with what it was set by taken out. */
-static void take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
+/* Time of the tick: the bus's, with what it was set by taken out. A bus that reorders and doubles
+ * may bring a tick again that the counter lets pass: that is no clock set back. */
+static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
 {
+    uint32_t behind = (node->sequence - tick->sequence) & 0xFFFFFu;
+    if (node->started && behind < LATE_TICKS) {
+        ++node->counters.refused;
+        return AUVID_ERR_CHECKSUM;
+    }
     uint64_t bus_us = node->started ? auvid_can_extend_us(node->bus_us, tick->time) : tick->time;
     uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
     bool set = bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US;
@@ -162,6 +171,7 @@ static void take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
     node->bus_us = bus_us;
     node->sequence = tick->sequence;
     node->started = true;
+    return AUVID_TICK;
 }
 
 static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m)
@@ -175,8 +185,7 @@ static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t
         auvid_node_order(node, m->as.arm.action);
         break;
     case AUVID_CAN_TICK:
-        take_tick(node, &m->as.tick);
-        return AUVID_TICK;
+        return take_tick(node, &m->as.tick);
     case AUVID_CAN_IMU_ATTITUDE:
     case AUVID_CAN_IMU_RATES:
         take_imu(node, m);
@@ -220,6 +229,7 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
     }
-    ++node->counters.frames;
-    return take_message(node, &message);
+    auvid_status_t status = take_message(node, &message);
+    node->counters.frames += status >= 0;
+    return status;
 }

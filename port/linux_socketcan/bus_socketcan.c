@@ -34,6 +34,8 @@ enum {
     CONTROL = CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)),
     STEP_US = 10000, /* a wall clock that moves so far was set, not steered */
     STEER = 1000,    /* and it is steered by up to one part in this */
+    APART_US = 2000, /* readings of the two clocks this far apart had a pause in between */
+    READINGS = 10,   /* most tries to read them without */
 };
 
 static uint64_t to_us(const struct timespec *t)
@@ -41,14 +43,20 @@ static uint64_t to_us(const struct timespec *t)
     return (uint64_t)t->tv_sec * 1000000U + (uint64_t)t->tv_nsec / 1000U;
 }
 
-/* Reads wall clock minus monotonic clock, and notices when the wall clock was set. */
+/* Reads wall clock minus monotonic clock, and notices when the wall clock was set. A program that
+ * is interrupted between two readings would take that for a step. */
 static uint64_t read_clocks(bus_socketcan_t *self)
 {
     struct timespec wall;
-    const uint64_t now_us = tick_now_us();
+    uint64_t before_us, now_us;
     int64_t change, bound;
+    int readings = 0;
 
-    (void)clock_gettime(CLOCK_REALTIME, &wall);
+    do {
+        before_us = tick_now_us();
+        (void)clock_gettime(CLOCK_REALTIME, &wall);
+        now_us = tick_now_us();
+    } while (now_us - before_us > APART_US && ++readings < READINGS);
     change = -self->offset_us;
     self->offset_us = (int64_t)(to_us(&wall) - now_us);
     change += self->offset_us;

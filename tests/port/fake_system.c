@@ -201,11 +201,17 @@ int __wrap_recvmmsg(int fd, struct mmsghdr *messages, unsigned count, int flags,
 int __real_clock_gettime(clockid_t clock, struct timespec *t);
 int __wrap_clock_gettime(clockid_t clock, struct timespec *t)
 {
-    const uint64_t us = clock == CLOCK_REALTIME ? fake.wall_us : fake.monotonic_us;
+    uint64_t us;
 
     if (!fake.clocks) {
         return __real_clock_gettime(clock, t);
     }
+    if (clock == CLOCK_REALTIME) {
+        fake.wall_us += fake.pause_us;
+        fake.monotonic_us += fake.pause_us;
+        fake.pause_us = 0;
+    }
+    us = clock == CLOCK_REALTIME ? fake.wall_us : fake.monotonic_us;
     t->tv_sec = (time_t)(us / 1000000);
     t->tv_nsec = (long)(us % 1000000) * 1000;
     return 0;

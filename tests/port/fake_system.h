@@ -38,6 +38,7 @@ typedef struct {
     short interface_flags; /* of SIOCGIFFLAGS */
     bool clocks;           /* use these two instead of the real ones */
     uint64_t wall_us, monotonic_us;
+    uint64_t pause_us;    /* passes before the next reading of the wall clock */
     uint64_t expirations; /* what the next read of a timer gives; 0: what is real */
     fake_incoming_t incoming[FAKE_INCOMING];
     int arrived, read; /* entries filled, entries given */

@@ -501,6 +501,17 @@ static void test_a_wall_clock_that_is_steered_is_no_step(void **state)
     assert_int_equal(bus->statistics.clock_steps, 0);
 }
 
+static void test_a_pause_between_the_readings_of_the_clocks_is_no_step(void **state)
+{
+    (void)state;
+    fake.pause_us = 50000;
+    fake_arrives(0x123, 1)->wall_us = fake.wall_us + 1000;
+    pass(5000);
+    assert_int_equal(receive(), 1);
+    assert_int_equal(frames[0].t_us, 50001000);
+    assert_int_equal(bus->statistics.clock_steps, 0);
+}
+
 static void test_stamps_never_run_backwards_nor_into_the_future(void **state)
 {
     (void)state;
@@ -553,6 +564,7 @@ int main(void)
         OPENED(test_stamps_survive_a_wall_clock_set_back),
         OPENED(test_stamps_survive_a_small_step_of_the_wall_clock),
         OPENED(test_a_wall_clock_that_is_steered_is_no_step),
+        OPENED(test_a_pause_between_the_readings_of_the_clocks_is_no_step),
         OPENED(test_stamps_never_run_backwards_nor_into_the_future),
     };
 

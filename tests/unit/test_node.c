@@ -481,6 +481,33 @@ static void test_a_lost_tick_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
 }
 
+static auvid_can_frame_t tick_frame(auvid_can_sender_t *from, uint32_t sequence)
+{
+    auvid_can_frame_t frame;
+    auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+    m.as.tick.sequence = sequence;
+    m.as.tick.time = 20000 * sequence;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(from, &m, &frame));
+    return frame;
+}
+
+/* 2 overtakes 1, and comes again behind it, where its counter is in order. */
+static void test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_back(void)
+{
+    auvid_can_sender_t from;
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&from, NULL));
+    auvid_can_frame_t first = tick_frame(&from, 1), second = tick_frame(&from, 2);
+    auvid_can_frame_t third = tick_frame(&from, 3);
+    TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &second));
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &first));
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &second));
+    TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &third));
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL_UINT32(2, node.counters.refused);
+    TEST_ASSERT_EQUAL_UINT32(2, node.counters.frames);
+}
+
 static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES], late;
@@ -601,6 +628,7 @@ int main(void)
     RUN_TEST(test_a_clock_set_ahead_is_counted_and_the_node_goes_on);
     RUN_TEST(test_the_clock_wraps_without_notice);
     RUN_TEST(test_a_lost_tick_is_counted);
+    RUN_TEST(test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_back);
     RUN_TEST(test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks);
     RUN_TEST(test_its_own_clock_sends_the_tick_and_refuses_to_go_back);
     return UNITY_END();

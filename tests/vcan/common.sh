@@ -92,6 +92,14 @@ dump() {
     candump=$!
 }
 
+# start NAME ARGUMENTS...: the program in the background, its pid in $NAME.
+start() {
+    local name=$1
+    shift
+    "$AUVID" "$@" >"$name.out" 2>"$name.err" &
+    printf -v "$name" '%s' $!
+}
+
 finish() {
     exit "$failed"
 }

@@ -4,6 +4,8 @@
  *
  *   peer send INTERFACE COUNT GAP_US      COUNT frames with id 321 and numbers 0..COUNT-1
  *   peer busoff INTERFACE                 a bus-off and a restarted error frame
+ *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with ids of auvid's, but those that end
+ *                                         an excitation when they are obeyed; floodall: with them
  *   peer receive INTERFACE [LOG]          receives until SIGTERM; says "ready" when open
  *   peer read LOG                         the same of a log
  */
@@ -189,12 +191,55 @@ static int send_errors(const char *interface)
     return 0;
 }
 
+/* xorshift64* (Vigna 2016), seeded by a constant: the same frames each time. */
+static uint64_t next(uint64_t *x)
+{
+    *x ^= *x << 13;
+    *x ^= *x >> 7;
+    *x ^= *x << 17;
+    return *x * 2685821657736338717U;
+}
+
+static int flood(const char *interface, uint32_t count, unsigned gap_us, bool all)
+{
+    static bus_socketcan_t can;
+    static unsigned sent[0x800];
+    uint64_t x = 88172645463325252U;
+
+    if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
+        return complain(&can.bus);
+    }
+    while (count > 0) {
+        const uint32_t r = (uint32_t)(next(&x) >> 32) % 23;
+        const uint64_t data = next(&x);
+        bus_frame_t frame = {.id = r < 6 ? 0x040 + r : 0x400 + r - 6, .length = 8};
+
+        memcpy(frame.data, &data, sizeof data);
+        if (!all && (frame.id == 0x040 || frame.id == 0x041 || frame.id == 0x044)) {
+            continue;
+        }
+        if (can.bus.send(&can.bus, &frame) == BUS_BROKEN) {
+            return complain(&can.bus);
+        }
+        sent[frame.id]++;
+        count--;
+        wait_us(gap_us);
+    }
+    printf("sent=%llu busy=%llu commands=%u\n", (unsigned long long)can.bus.statistics.sent,
+           (unsigned long long)can.bus.statistics.send_busy, sent[0x042]);
+    return 0;
+}
+
 int main(int count, char **words)
 {
     const char *command = count > 2 ? words[1] : "";
 
     if (strcmp(command, "send") == 0 && count == 5) {
         return send_numbers(words[2], (uint32_t)atoi(words[3]), (unsigned)atoi(words[4]));
+    }
+    if ((strcmp(command, "flood") == 0 || strcmp(command, "floodall") == 0) && count == 5) {
+        return flood(words[2], (uint32_t)atoi(words[3]), (unsigned)atoi(words[4]),
+                     command[5] != '\0');
     }
     if (strcmp(command, "busoff") == 0) {
         return send_errors(words[2]);
@@ -205,6 +250,6 @@ int main(int count, char **words)
     if (strcmp(command, "read") == 0) {
         return read_log(words[2]);
     }
-    fputs("usage: peer send|busoff|receive|read ...\n", stderr);
+    fputs("usage: peer send|flood|floodall|busoff|receive|read ...\n", stderr);
     return 2;
 }

@@ -14,6 +14,8 @@
 #   VCAN_VIRTUAL=1        the virtual machine even where it is not needed
 #   VCAN_CONTROLLERS=0    so many emulated SJA1000 controllers, can0..., on one bus and left down;
 #                         there are none outside the virtual machine
+#   VCAN_CLOCK=instructions   the virtual machine's clock goes by instructions, 4 ns each: what is
+#                         timed there does not depend on how busy this machine is
 #   VCAN_VERBOSE=1        show the virtual machine's console
 # Exit status: the command's; 124 on time-out; 125 when the machine itself failed.
 set -euo pipefail
@@ -87,7 +89,7 @@ lacking() {
 }
 
 run_virtual() {
-    local work share arguments=() readers i status=0 lacks
+    local work share arguments=() pace=() readers i status=0 lacks
     lacks=$(lacking)
     [ -z "$lacks" ] || die "$lacks"
     mkdir -p "$top/build"
@@ -113,9 +115,11 @@ run_virtual() {
     for ((i = 0; i < controllers; i++)); do
         arguments+=(-device kvaser_pci,canbus=bus)
     done
+    [ "${VCAN_CLOCK:-}" != instructions ] || pace=(-icount shift=2 -rtc clock=vm)
     # TCG: /dev/kvm may be there and still not work, and is not needed. The rest saves seconds.
-    timeout --kill-after=5 "$limit" qemu-system-x86_64 -M q35 -accel tcg -cpu max -smp 1 -m 1G \
-        -nodefaults -no-user-config -display none -no-reboot -serial "file:$work/console" \
+    timeout --kill-after=5 "$limit" qemu-system-x86_64 -M q35 -accel tcg "${pace[@]}" -cpu max \
+        -smp 1 -m 1G -nodefaults -no-user-config -display none -no-reboot \
+        -serial "file:$work/console" \
         -kernel "$vm/vmlinux" -initrd "$vm/initrd" \
         -append "console=ttyS0 quiet panic=-1 nokaslr mitigations=off no_timer_check \
 random.trust_cpu=on cryptomgr.notests audit=0 apparmor=0 8250.nr_uarts=1" \

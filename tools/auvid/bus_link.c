@@ -16,13 +16,13 @@ void link_take(link_t *link, const char *command, bus_t *bus)
     link->bus = bus;
 }
 
-int link_tick(link_t *link, bool realtime)
+int link_tick(link_t *link, const options_t *options)
 {
     char text[2 * TICK_TEXT];
-    if (realtime && tick_realtime(PRIORITY, text, sizeof text) != 0) {
+    if (options->realtime && tick_realtime(PRIORITY, text, sizeof text) != 0) {
         complain_line("%s: %s", link->command, text);
     }
-    link->ticking = tick_open(&link->tick, LINK_TICK_US) == 0;
+    link->ticking = tick_open(&link->tick, LINK_TICK_US / options->speed) == 0;
     if (!link->ticking || tick_watch(&link->tick, link->bus->fd) != 0) {
         complain_line("%s: %s", link->command, link->tick.text);
         (void)link_close(link);
@@ -31,13 +31,13 @@ int link_tick(link_t *link, bool realtime)
     return 0;
 }
 
-int link_open(link_t *link, const char *command, const char *interface, bool realtime)
+int link_open(link_t *link, const char *command, const options_t *options)
 {
     link_take(link, command, &link->socket.bus);
-    if (bus_socketcan_open(&link->socket, interface, NULL, 0) != BUS_OK) {
+    if (bus_socketcan_open(&link->socket, options->bus, NULL, 0) != BUS_OK) {
         return complain("%s: %s", command, link->socket.bus.text);
     }
-    return link_tick(link, realtime);
+    return link_tick(link, options);
 }
 
 int link_log(link_t *link, const char *path, const char *interface)

@@ -9,6 +9,7 @@
 #include "auvid/can.h"
 #include "bus_candump.h"
 #include "bus_socketcan.h"
+#include "options.h"
 #include "tick.h"
 
 /** Length of a tick [us]. */
@@ -27,10 +28,10 @@ typedef struct {
 } link_t;
 
 /** Open a real interface and the tick. Returns 0, or EXIT_REFUSED after one line on stderr. */
-int link_open(link_t *link, const char *command, const char *interface, bool realtime);
+int link_open(link_t *link, const char *command, const options_t *options);
 
-/** Tick, and ask for real-time scheduling or not. Returns as link_open. */
-int link_tick(link_t *link, bool realtime);
+/** Tick; ask for real-time scheduling if told so. Returns as link_open. */
+int link_tick(link_t *link, const options_t *options);
 
 /** Take a bus that is there already; no tick. */
 void link_take(link_t *link, const char *command, bus_t *bus);

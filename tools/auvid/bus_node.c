@@ -45,7 +45,7 @@ static int begin(run_t *run)
         return complain("node: the identifier refused its configuration");
     }
     if (!run->simulated) {
-        return link_open(&run->link, "node", o->bus, o->realtime);
+        return link_open(&run->link, "node", o);
     }
     craft_config_t craft;
     craft_defaults(&craft);
@@ -55,7 +55,7 @@ static int begin(run_t *run)
         return complain("node: the simulator refused its configuration");
     }
     link_take(&run->link, "node", &run->hub.end[0].bus);
-    return o->realtime ? link_tick(&run->link, true) : 0;
+    return o->realtime ? link_tick(&run->link, o) : 0;
 }
 
 /* Everything of one tick. own_us: null, or the time of the node's own clock. */
@@ -137,10 +137,13 @@ static void print_counters(const run_t *run)
     const bus_statistics_t *s = &run->link.bus->statistics;
     unsigned long long lost = s->send_busy + s->send_failed + s->dropped;
     printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
-           "        refused: %u frames, %u samples; clock set %u times\n",
+           "        refused: %u frames, %u samples; clock set %u times\n"
+           "        link down %llu times, bus off %llu times, wall clock set %llu times\n",
            run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent, lost,
            (unsigned)c->ticks, (unsigned)c->ticks_missed, (unsigned)c->refused,
-           (unsigned)c->samples_dropped, (unsigned)c->clock_steps);
+           (unsigned)c->samples_dropped, (unsigned)c->clock_steps,
+           (unsigned long long)s->link_downs, (unsigned long long)s->bus_offs,
+           (unsigned long long)s->clock_steps);
 }
 
 /* The time that this part of the ticks did not exceed [us]. */

@@ -78,13 +78,13 @@ static void print(const run_t *run)
     double rms = craft_rms_percent(c);
     printf("auvid %s vehicle on %s: %.0f s simulated, %u frames of a node\n", AUVID_VERSION_STRING,
            run->options->bus, 1e-6 * (double)c->seen.t_us, (unsigned)c->frames);
-    printf("  commands  %u good, %u lost, %u repeated, %u bad; silent %u times\n",
+    printf("  commands  %u good, %u lost, %u repeated, %u jumped, %u bad\n",
            (unsigned)c->command.half[0].good, (unsigned)c->command.half[0].lost,
-           (unsigned)c->command.half[0].repeated,
-           (unsigned)(c->command.half[0].checksum + c->command.half[0].invalid),
-           (unsigned)c->command.half[0].timed_out);
+           (unsigned)c->command.half[0].repeated, (unsigned)c->command.half[0].jumped,
+           (unsigned)(c->command.half[0].checksum + c->command.half[0].invalid));
     if (c->cut_us > 0) {
-        printf("  thrust    zero %.0f ms after the last command\n", 1e-3 * (double)c->cut_us);
+        printf("  thrust    zero %.0f ms after the last command, cut %u times\n",
+               1e-3 * (double)c->cut_us, (unsigned)c->cuts);
     }
     if (rms >= 0.0) {
         printf("  estimate  %u sets, rms error %.2f %%\n", (unsigned)c->sets, rms);
@@ -105,7 +105,7 @@ int bus_vehicle(const options_t *options)
     cfg.no_arm = options->no_arm;
     run->options = options;
     int status = craft_init(&run->craft, &cfg)
-                     ? link_open(&run->link, "vehicle", options->bus, options->realtime)
+                     ? link_open(&run->link, "vehicle", options)
                      : complain("vehicle: the simulator refused its configuration");
     if (status == 0) {
         status = loop(run);

@@ -265,6 +265,9 @@ static int vehicle_option(reader_t *r, options_t *options)
     if (is(r, "--no-arm")) {
         return take_flag(r, &options->no_arm);
     }
+    if (is(r, "--speed")) {
+        return take_count32(r, 1, 20, &options->speed);
+    }
     return complain("vehicle: unknown option %s (auvid --help lists them)", r->name);
 }
 
@@ -283,7 +286,8 @@ static int read_all(options_t *options, int count, char **argument, const char *
                     int (*own_option)(reader_t *, options_t *), const char **word)
 {
     reader_t r = {.count = count, .argument = argument};
-    *options = (options_t){.seed = 1, .disturbance_N = -1.0, .lower = -1000.0, .upper = 1000.0};
+    *options = (options_t){
+        .seed = 1, .speed = 1, .disturbance_N = -1.0, .lower = -1000.0, .upper = 1000.0};
     while (next(&r)) {
         if (r.name == NULL) {
             if (word == NULL || *word != NULL) {

@@ -41,6 +41,7 @@ typedef struct {
     bool lock_step;
     bool realtime;
     bool no_arm;
+    uint32_t speed; /**< vehicle: its time goes so many times as fast; default 1 */
 } options_t;
 
 /** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr.

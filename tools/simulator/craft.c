@@ -216,6 +216,7 @@ static void drive(craft_t *craft)
     craft->commanded =
         auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust) == AUVID_OK;
     if (before && !craft->commanded) {
+        ++craft->cuts;
         craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
     }
     for (int i = 0; i < SIM_THRUSTERS; ++i) {

@@ -42,6 +42,7 @@ typedef struct {
     uint8_t guard, work;             /**< likewise */
     uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
                                           thrust was zero */
+    uint32_t cuts;                   /**< times that commands ended */
     double estimate[SIM_PARAMETERS]; /**< told by the node last */
     double sigma[SIM_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;              /**< bit i: it has told parameter i */

@@ -54,7 +54,8 @@ typedef struct {
     uint32_t ticks_missed;    /**< that the sequence shows to be missing */
     uint32_t clock_steps;     /**< times the tick's clock went back, or ahead by more than 1 s */
     uint32_t frames;          /**< good frames taken */
-    uint32_t refused;         /**< frames of ours with a bad checksum, length, range or counter */
+    uint32_t refused;         /**< frames of ours with a bad checksum, length, range or counter, and
+                                   ticks of which a later one has come */
     uint32_t samples_dropped; /**< samples that navigation or the recorder refused */
     uint32_t unknown_age;     /**< samples without an age: not used */
 } auvid_node_counters_t;
@@ -101,7 +102,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /** Take a frame off the bus. Its time of arrival is not read.
  * @return AUVID_OK; AUVID_TICK (a tick has opened: call step); AUVID_UNUSED (not a message that a
  * node listens to); AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused: checksum, length,
- * range, or a repeated counter; counted). */
+ * range, a repeated counter, or a tick of which a later one has come; counted). */
 auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame);
 
 /** One tick: sense, navigate, record, and what the excitation commands.
