@@ -62,9 +62,8 @@ WAY_release := -O2
 WAY_double := -O2 -DAUVID_REAL_DOUBLE
 WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
     -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
-WAY_small := -Os -ffunction-sections -fno-pie
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
-WAYS := release double sanitized small bench
+WAYS := release double sanitized bench
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
@@ -100,9 +99,9 @@ UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
     $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(addprefix %/,$(call unit_listed,long))),\
     $(UNIT_IMAGES_LONG))
-FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections
+FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
 FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O2 gcc-O3 clang-O2 \
-    gcc-O0-ours gcc-O2-ours gcc-O3-ours clang-O2-ours)
+    gcc-O0-ours gcc-O2-ours gcc-O3-ours clang-O2-ours gcc-O2-ours-20k)
 
 # Tests install what they need before anything is compiled; a plain build needs no more than gcc.
 SETUP := $(if $(filter test test-long test-firmware,$(MAKECMDGOALS)),setup)
@@ -137,8 +136,10 @@ test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the b
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
 
-size: $(call objects,small,$(LIB)) ## Print text, data and bss of each object at -Os
-	@size -t $^
+size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=write: make that anew)
+	@tests/firmware/size.py $(BOARDS) >build/firmware/size.csv
+	@$(if $(filter write,$(SIZE)),cp build/firmware/size.csv tests/firmware/size.csv,\
+	    tests/firmware/baseline.py tests/firmware/size.csv build/firmware/size.csv)
 
 bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
 	@for program in $^; do $$program || exit 1; done
@@ -262,6 +263,7 @@ build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c 
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
 	    $(if $(findstring ours,$*),-std=c11 -ffp-contract=off,-march=native) \
+	    $(if $(findstring 20k,$*),'-DAUVID_USER_CONFIG="example/config_20k.h"') \
 	    -Ilib/include -Iport/cortex_m -o $@ $(filter %.c,$^)
 
 build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makefile | $(SETUP)

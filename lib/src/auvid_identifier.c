@@ -125,7 +125,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(id, 0, sizeof *id);
+    memset(id, 0, offsetof(auvid_identifier_t, config)); /* where cfg may be */
     auvid_status_t status = check(cfg);
     if (status >= 0) {
         id->search = cfg->search;

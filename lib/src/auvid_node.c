@@ -38,19 +38,20 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
     if (node == NULL || cfg == NULL || identifier == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(node, 0, sizeof *node);
     int thrusters = identifier->allocation.thrusters;
-    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
-        return AUVID_ERR_SIZE;
-    }
-    auvid_status_t status = init_frames(node, cfg);
+    bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+    /* all but the identifier, in which its configuration may be */
+    memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
+    auvid_status_t status = some ? init_frames(node, cfg) : AUVID_ERR_SIZE;
     if (status >= 0) {
         status = auvid_identifier_init(&node->id, identifier);
     }
-    if (status >= 0) {
-        node->cfg = *cfg;
-        node->ready = true;
+    if (status < 0) {
+        memset(node, 0, sizeof *node);
+        return status;
     }
+    node->cfg = *cfg;
+    node->ready = true;
     return status;
 }
 

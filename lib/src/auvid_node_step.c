@@ -1,6 +1,7 @@
 /*
  * The node: the tick.
  */
+#include <stddef.h>
 #include <string.h>
 
 #include "auvid_math.h"
@@ -162,6 +163,14 @@ static void count_drops(auvid_node_t *node, uint32_t events)
     }
 }
 
+/* All but the IMU's: halves of its sample may be waiting. */
+static void forget_samples(auvid_input_t *in)
+{
+    const size_t after = offsetof(auvid_input_t, imu) + sizeof in->imu;
+    memset(in, 0, offsetof(auvid_input_t, imu));
+    memset((unsigned char *)in + after, 0, sizeof *in - after);
+}
+
 auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,
                                int *count)
 {
@@ -189,8 +198,7 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
         node->t_us = node->tick_us;
         ++node->counters.ticks;
     }
-    auvid_input_t next = {.imu = node->in.imu}; /* halves of the IMU's sample may be waiting */
-    node->in = next;
+    forget_samples(&node->in);
     return status;
 }
 

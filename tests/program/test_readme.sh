@@ -146,7 +146,7 @@ check "README's plan excites and identifies it, and the guard is done" ./example
 
 # Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
 cat >blocks.py <<'END'
-import re, subprocess, sys
+import os, re, subprocess, sys
 readme, auvid, mode = sys.argv[1:]
 text = open(readme).read()
 found = re.findall(r"<!-- output of: (.*?) -->\n```text\n(.*?)```\n", text, re.S)
@@ -154,7 +154,8 @@ assert len(found) == text.count("```text\n") >= 4, len(found)
 plain = lambda lines: [l for l in lines.splitlines() if not l.startswith("  time  ")]
 for command, shown in found:
     run = ["bash", "-c", command.replace("build/auvid", auvid, 1)]
-    printed = subprocess.run(run, capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run(run, capture_output=True, text=True, check=True,
+                             cwd=os.path.dirname(readme)).stdout
     if mode == "write":
         text = text.replace("output of: %s -->\n```text\n%s" % (command, shown),
                             "output of: %s -->\n```text\n%s" % (command, printed))

@@ -3,6 +3,7 @@
  */
 #include <math.h>
 #include <stdio.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "auvid/node.h"
@@ -608,6 +609,23 @@ SAME(AUVID_CAN_NOTE_NOISE, AUVID_NOTE_NOISE);
 SAME(AUVID_CAN_NOTE_UNCERTAIN, AUVID_NOTE_UNCERTAIN);
 SAME(AUVID_CAN_NOTE_IMPLAUSIBLE, AUVID_NOTE_IMPLAUSIBLE);
 
+static void test_the_configuration_may_be_filled_in_the_node_itself(void)
+{
+    static auvid_node_t apart, within;
+    static auvid_identifier_config_t cfg;
+    auvid_node_config_t bus;
+    auvid_node_defaults(&bus);
+    memset(&apart, 0xA5, sizeof apart);
+    memset(&within, 0x5A, sizeof within);
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.allocation = auvid_allocation_girona500;
+    within.id.config = cfg;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&apart, &bus, &cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&within, &bus, &within.id.config));
+    TEST_ASSERT_EQUAL_MEMORY(&apart, &within, offsetof(auvid_identifier_t, config));
+    TEST_ASSERT_EQUAL_MEMORY(&apart.cfg, &within.cfg, sizeof apart - offsetof(auvid_node_t, cfg));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -631,5 +649,6 @@ int main(void)
     RUN_TEST(test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_back);
     RUN_TEST(test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks);
     RUN_TEST(test_its_own_clock_sends_the_tick_and_refuses_to_go_back);
+    RUN_TEST(test_the_configuration_may_be_filled_in_the_node_itself);
     return UNITY_END();
 }

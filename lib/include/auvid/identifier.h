@@ -245,10 +245,6 @@ typedef struct {
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
-    union { /* in turn: the search is over when its result is assessed */
-    auvid_optimizer_t optimizer;
-        auvid_confidence_job_t confidence;
-    };
     auvid_allocation_t allocation;
     auvid_excitation_t excitation;
     auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
@@ -282,6 +278,11 @@ typedef struct {
     bool set_pending, searching, capped;
     bool suspect; /* the set before may be from before and after a change */
     bool anew;    /* search without the last estimate */
+    union { /* in turn: the search is over when its result is assessed */
+        auvid_identifier_config_t config; /**< may be filled here for init; void afterwards */
+        auvid_optimizer_t optimizer;
+        auvid_confidence_job_t confidence;
+    };
 } auvid_identifier_t;
 
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
@@ -298,7 +299,8 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
  * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick); and the
  * errors of the modules' init. On error every other function refuses *id with AUVID_ERR_STATE; so
- * it does one that is all zeros. */
+ * it does one that is all zeros.
+ * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 /** Let the guard watch: from now on a breach aborts. Needs a step with fresh sensors behind it, so

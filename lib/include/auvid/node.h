@@ -34,8 +34,10 @@
 extern "C" {
 #endif
 
-/** Most frames from one call of step or report. */
+/** Most frames from one call of report. */
 #define AUVID_NODE_FRAMES 12
+/** Most frames from one call of step or halt. */
+#define AUVID_NODE_COMMANDS 3
 
 /** Messages that a node listens to: the first ones of auvid_can_kind_t. */
 #define AUVID_NODE_KINDS (AUVID_CAN_GPS + 1)
@@ -92,7 +94,8 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
 /** Start.
- * @param identifier its configuration, with allocation: the bus knows thrusters, not wrenches
+ * @param identifier its configuration, with allocation: the bus knows thrusters, not wrenches. May
+ * be node->id.config: no memory besides; void afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.
  * On error every other function refuses *node with AUVID_ERR_STATE. */
@@ -108,7 +111,7 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
 /** One tick: sense, navigate, record, and what the excitation commands.
  * @param t_us null: the time of the tick frame taken last; else this node gives the clock, and the
  * first frame is its tick frame
- * @param frame [AUVID_NODE_FRAMES] written: to be sent at once. @param count written: how many
+ * @param frame [AUVID_NODE_COMMANDS] written: to be sent at once. @param count written: how many
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no tick yet: no frames);
  * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (own clock: nothing but a command of zero if it was
  * exciting). */

@@ -8,9 +8,10 @@
 
 #include "auvid/can_fifo.h"
 
-/** Clock, CAN at 500 kbit/s, watchdog. From now on the receive interrupt puts every classic frame
- * with an 11-bit identifier into *received, with auvid_can_fifo_push: the only function of auvid
- * that an interrupt may call. */
+/** Clock, CAN at 500 kbit/s, watchdog. From now on the receive interrupt puts every frame that a
+ * node listens to (AUVID_NODE_KINDS of node.h; the controller's acceptance filter keeps others out)
+ * into *received, with auvid_can_fifo_push and auvid_can_kind: the only functions of auvid that an
+ * interrupt may call. */
 void driver_start(auvid_can_fifo_t *received);
 
 /** Put a frame into a transmit mailbox, or a queue in front of it. A frame that does not fit may be

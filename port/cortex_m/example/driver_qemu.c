@@ -7,13 +7,14 @@
  * the log as fast as it can. What the loop sends is written to sent.log, in the same format. The
  * clock stands still, for what is sent must not depend on it.
  */
+#include "auvid/node.h"
 #include "driver.h"
 #include "machine.h"
 
 #include <string.h>
 
-/* Room for the frames of one tick: those of the vehicle and of a node that was on the bus. */
-#define TICK_FRAMES 24u
+/* Room for the frames of one tick. */
+#define TICK_FRAMES 16u
 
 /* Interrupts without a fed watchdog, after which the run has failed: some seconds. */
 #define WATCHDOG 20000u
@@ -21,7 +22,7 @@
 typedef struct {
     int file;
     size_t place, bytes;
-    char buffer[128];
+    char buffer[64];
 } text_t;
 
 static text_t in, out;
@@ -81,7 +82,7 @@ static void interrupt(void)
     }
     do {
         over = !read_frame(&frame);
-        if (!over) {
+        if (!over && auvid_can_kind(NULL, frame.id) < AUVID_NODE_KINDS) {
             (void)auvid_can_fifo_push(queue, &frame);
         }
     } while (!over && auvid_can_kind(NULL, frame.id) != AUVID_CAN_TICK);

@@ -20,20 +20,21 @@
 
 static auvid_node_t node; /* all the memory auvid has */
 static auvid_can_fifo_t received;
-static auvid_can_frame_t received_storage[64]; /* more than a tick's frames; a power of two */
+static auvid_can_frame_t received_storage[16]; /* more than a tick's frames; a power of two */
 
 /* Your vehicle: its model, its thrusters, what the guard permits, what excitation it bears. */
 static bool configure(void)
 {
-    auvid_node_config_t bus;
-    auvid_identifier_config_t cfg;
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    auvid_identifier_config_t *cfg = &node.id.config; /* init takes the memory back */
+    auvid_node_config_t bus;
     auvid_node_defaults(&bus);
     bus.excite = true; /* false, the default: listen and identify, never command a thruster */
-    auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
-    return auvid_excitation_plan(&cfg.excitation, amplitude, 30, 8, 1) >= 0 &&
-           auvid_node_init(&node, &bus, &cfg) >= 0;
+    auvid_identifier_defaults(cfg, &auvid_girona500);
+    cfg->allocation = auvid_allocation_girona500;
+    cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* of half a second: 240 s fill the memory */
+    return auvid_excitation_plan(&cfg->excitation, amplitude, 30, 8, 1) >= 0 &&
+           auvid_node_init(&node, &bus, cfg) >= 0;
 }
 
 static void send(const auvid_can_frame_t *frame, int count)
@@ -43,24 +44,35 @@ static void send(const auvid_can_frame_t *frame, int count)
     }
 }
 
-static void control_tick(void)
+static void step(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
+    int count;
+    (void)auvid_node_step(&node, NULL, frame, &count);
+    send(frame, count); /* the excitation: thruster commands */
+}
+
+static void report(uint32_t load_percent)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
     int count;
-    uint32_t began_us = driver_now_us();
-    (void)auvid_node_step(&node, NULL, frame, &count); /* sense, navigate, record, excite */
-    send(frame, count);                                /* the excitation: thruster commands */
-    (void)auvid_node_work(&node, BUDGET);              /* optimize */
-    uint32_t load_percent = 100u * (driver_now_us() - began_us) / TICK_US;
     (void)auvid_node_report(&node, load_percent, frame, &count);
     send(frame, count); /* navigation, estimates, health */
+}
+
+static void control_tick(void)
+{
+    uint32_t began_us = driver_now_us();
+    step();                               /* sense, navigate, record, excite */
+    (void)auvid_node_work(&node, BUDGET); /* optimize */
+    report(100u * (driver_now_us() - began_us) / TICK_US);
     driver_feed_watchdog();
 }
 
 /* The tick is lost, and with it every sensor: nothing may be driven any more. */
 static void control_silence(void)
 {
-    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
     int count;
     (void)auvid_node_halt(&node, frame, &count);
     send(frame, count);
@@ -70,7 +82,7 @@ static void control_silence(void)
 int main(void)
 {
     auvid_can_frame_t frame;
-    if (!configure() || auvid_can_fifo_init(&received, received_storage, 64) < 0) {
+    if (!configure() || auvid_can_fifo_init(&received, received_storage, 16) < 0) {
         driver_fault("auvid refused its configuration");
     }
     driver_start(&received);

@@ -1,0 +1,14 @@
+/**
+ * @file config_20k.h
+ * auvid's sizes (auvid/config.h) for 20 KiB of RAM: Girona500's 13 parameters on its six thrusters,
+ * from two sets of two minutes instead of eight of 30 s.
+ */
+#define AUVID_REGRESSOR_ONLY 1
+#define AUVID_MAX_PARAMETERS 13
+#define AUVID_MAX_POPULATION 52
+#define AUVID_MAX_SETS 2
+#define AUVID_MAX_FACTOR 171
+#define AUVID_MAX_COLUMNS 35
+#define AUVID_MAX_TAPS 43
+#define AUVID_MAX_THRUSTERS 6
+#define AUVID_MAX_SEGMENTS 8

@@ -1,0 +1,291 @@
+#!/usr/bin/env python3
+"""Flash, RAM and stack of the firmware's example, from what `make firmware` left in build/firmware.
+
+usage: size.py BOARD... >FIGURES.csv
+       size.py --readme                 README's table, from tests/firmware/size.csv
+Lines "what/board/name,bytes"; on stderr the same as tables. Exit status 1 when a worst stack is
+not known (recursion, a frame without a known size, a call through a pointer that is not in
+POINTERS), or the RAM that is left for it is less.
+  image   text, data and bss of the example
+  flash   of each module as linked: what the example uses. A module is its public header and the
+          objects named after it; `library` is all of lib/, `library whole` its objects unlinked
+  sizeof  public structs, and parts of the identifier (regressors: without what models that are not
+          linear need, and with a population for 13 parameters)
+  stack   the deepest chain of calls below each public function, the functions of the user's model
+          not counted; on the line of `all`, the worst of every core. `main` and `interrupt` are
+          the example's, with Girona500's model: their sum is what the image needs
+Frames and calls of compiled functions are gcc's (-fcallgraph-info=su), those of its libraries are
+read off the disassembly.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+BOARD = "port/cortex_m/board.sh"
+HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
+API = "".join(path.read_text() for path in HEADERS)
+MODULES = {path.stem for path in HEADERS} | {
+    path.stem.removeprefix("auvid_") for path in pathlib.Path("lib/src").glob("*.h")
+}
+# What calls through pointers lead to in the example, by a pattern of the line of source: functions
+# of auvid_girona500, and the driver's interrupt.
+POINTERS = {
+    r"vehicle->(regressor|residual)\(": r":g500_(?!acceleration)",
+    r"vehicle->acceleration\(": r":g500_acceleration",
+    r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
+    r"timer_handler\(": r"driver_qemu\.c:interrupt$",
+}
+START = r"machine_\w+\.c:start$"
+INTERRUPT = r"machine_\w+\.c:(systick|trap)$"
+PARTS = ("nav", "metric", "optimizer", "guard")  # of a line in the tables: the regressor path
+OTHERS = ("start-up and driver", "compiler's")
+CORE = "nav smoother metric optimizer crs line_search identifier excitation guard can".split()
+
+
+class NoBound(Exception):
+    """The stack has no known bound."""
+
+
+def run(*command, **options):
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, **options).stdout
+
+
+def module_of(path):
+    if "lib/src/" in path:
+        stem = pathlib.Path(path).stem.removeprefix("auvid_")
+        return max((m for m in MODULES if re.match(m + "(_|$)", stem)), key=len, default=stem)
+    return OTHERS["/port/" not in path]
+
+
+def flash(folder):
+    """Bytes of flash by module, from the linker's map."""
+    linked = (folder / "example.map").read_text().split("Linker script and memory map")[1]
+    sizes = {}
+    for name, size, path in re.findall(
+        r"^ (\.[\w.$]+)\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+\.(?:o|a\(.*\)))$", linked, re.M
+    ):
+        if re.match(r"\.(text|s?rodata|vectors|ARM\.ex|s?data)", name):
+            sizes[module_of(path)] = sizes.get(module_of(path), 0) + int(size, 16)
+    return sizes
+
+
+def library_frames(board, folder):
+    """{name: (frame, callees)} of the compiler's libraries, for all that the library may call."""
+    tools, link = (run(BOARD, board, what).split() for what in ("tools", "link"))
+    with tempfile.TemporaryDirectory() as scratch:
+        image = scratch + "/whole.elf"
+        objects = sorted(map(str, folder.glob("lib/src/*.o"))) + sorted(
+            map(str, folder.glob("port/cortex_m/**/*.o")))
+        run(*link, "-Wl,--no-gc-sections,--defsym=FLASH_LENGTH=0x400000",
+            "-Wl,--defsym=RAM_LENGTH=0x200000", "-o", image, *objects)
+        names = {}
+        for line in run(tools[0] + "nm", image).splitlines():
+            address, kind, name = line.split()
+            if kind in "TtWw":
+                names.setdefault(int(address, 16) & ~1, []).append(name)
+        text = run(tools[0] + "objdump", "-d", "--no-show-raw-insn", image)
+    found = {}
+    for block in re.split(r"\n\n(?=[0-9a-f]+ <)", text):
+        head = re.match(r"([0-9a-f]+) <([^>]+)>:", block)
+        if head is None:
+            continue
+        frame, callees = 0, set()
+        for line in block.splitlines()[1:]:
+            words = line.split("\t", 1)[-1].strip()
+            if pushed := re.match(r"(push|stmdb\s+sp!,)\s*(?:\.w)?\s*\{(.*)\}", words):
+                frame += 4 * len(pushed[2].split(","))
+            elif moved := re.match(r"(?:sub(?:\.w|w)?\s+sp,(?: sp,)? #(\d+)"
+                                   r"|str\S*\s.*\[sp, #-(\d+)\]!|addi\s+sp,sp,-(\d+))", words):
+                frame += int(next(filter(None, moved.groups())))
+            elif re.match(r"(sub|add)\S*\s+sp, (sp, )?r\d|vpush|blx\s+r|jalr\s", words):
+                frame = None
+                break
+            if call := re.search(r"^[bj].*<(\w+)(\+0x[0-9a-f]+)?>$", words):
+                callees.add(call[1])
+        for name in names.get(int(head[1], 16), [head[2]]):
+            found[name] = (frame, callees - set(names.get(int(head[1], 16), [])))
+    return found
+
+
+class Graph:
+    """Who calls whom on one board, and how deep the stack gets."""
+
+    def __init__(self, board):
+        folder = pathlib.Path(f"build/firmware/{board}-Os")
+        self.board, self.frames, self.calls, self.done = board, {}, {}, {}
+        for path in sorted(folder.glob("lib/src/*.ci")) + sorted(
+                folder.glob("port/cortex_m/**/*.ci")):
+            text = path.read_text()
+            for title, label in re.findall(r'^node: \{ title: "([^"]+)" label: "([^"]+)"', text,
+                                           re.M):
+                if size := re.search(r"(\d+) bytes \((static|dynamic,bounded)\)", label):
+                    self.frames[title] = int(size[1])
+            for caller, callee, where in re.findall(
+                r'sourcename: "([^"]+)" targetname: "([^"]+)"(?: label: "([^"]+)")?', text
+            ):
+                self.calls.setdefault(caller, set()).add(
+                    self.pointer(where) if callee == "__indirect_call" else callee)
+        for name, (frame, callees) in library_frames(board, folder).items():
+            if name not in self.frames:
+                self.frames[name] = frame
+                self.calls[name] = callees
+
+    def pointer(self, where):
+        """The pattern of POINTERS that fits a line of source."""
+        path, line = where.split(":")[:2]
+        source = pathlib.Path(path).read_text().splitlines()[int(line) - 1]
+        for pattern in POINTERS:
+            if re.search(pattern, source):
+                return pattern
+        raise NoBound(f"{where}: {source.strip()}: what does it call?")
+
+    def worst(self, name, above=(), model=True):
+        """(bytes, chain) below and with `name`."""
+        if name in above:
+            raise NoBound("recursion: " + " -> ".join((*above, name)))
+        if (name, model) not in self.done:
+            if name in POINTERS:
+                targets = filter(re.compile(POINTERS[name]).search, self.frames)
+                frame, callees = 0, targets if model else ()
+            elif self.frames.get(name) is None:
+                raise NoBound(f"{self.board}: the frame of {name} is not known")
+            else:
+                frame, callees = self.frames[name], self.calls.get(name, ())
+            below = [self.worst(callee, (*above, name), model) for callee in sorted(callees)]
+            size, chain = max(below, key=lambda found: found[0], default=(0, ()))
+            self.done[name, model] = frame + size, ((name, frame), *chain)
+        return self.done[name, model]
+
+    def public(self):
+        """{name in the headers: (bytes, chain)}."""
+        found = {}
+        for name in self.frames:
+            plain = re.sub(r"_f(32|64)(_\d+)*$", "", name)
+            if plain.startswith("auvid_") and re.search(rf"\b{plain}\b", API):
+                found[plain] = self.worst(name, model=False)
+        return found
+
+    def root(self, pattern):
+        return max(self.worst(name) for name in self.frames if re.search(pattern, name))
+
+    def frame(self, pattern):
+        return max(self.frames[name] for name in self.frames if re.search(pattern, name))
+
+
+def exception(board):
+    """Bytes that the core itself stacks before a handler runs, aligned to 8."""
+    flags = run(BOARD, board, "compile")
+    return 0 if "riscv" in flags else 112 if "float-abi=hard" in flags else 40
+
+
+def room(prefix, folder):
+    """Bytes of RAM that static data leaves to the stack."""
+    at = dict(re.findall(r"^(\w+) \w (stack_top|bss_end)$", run(
+        prefix + "nm", str(folder / "example.elf")), re.M))
+    at = {name: int(address, 16) for address, name in at.items()}
+    return at["stack_top"] - at["bss_end"]
+
+
+def structs(board, more):
+    """{type: sizeof} of all public structs, without those of single messages."""
+    messages = (HEADERS[0].parent / "can_messages.h").read_text()
+    of, single = (set(re.findall(r"^\} (auvid_\w+_t);", text, re.M)) for text in (API, messages))
+    names = sorted(of - single)
+    source = '#include "auvid/auvid.h"\n#include "auvid/node.h"\n#include "auvid/can_fifo.h"\n'
+    source += "".join(f"char size_of_{name}[sizeof({name})];\n" for name in names)
+    with tempfile.NamedTemporaryFile(suffix=".o") as made:
+        run(*run(BOARD, board, "compile").split(), *more, "-std=c11", "-Ilib/include",
+            "-Iport/cortex_m", "-fno-common", "-xc", "-c", "-o", made.name, "-", input=source)
+        table = run(run(BOARD, board, "tools").strip() + "nm", "-S", made.name)
+    return {name: int(size, 16) for size, name in re.findall(r"(\S+) [BS] size_of_(\w+)", table)}
+
+
+def main():
+    boards, figures, chains = sys.argv[1:], {}, {}
+    for board in boards:
+        folder = pathlib.Path(f"build/firmware/{board}-Os")
+        prefix = run(BOARD, board, "tools").strip()
+        totals = run(prefix + "size", str(folder / "example.elf")).splitlines()[1].split()
+        for name, size in zip(("text", "data", "bss"), totals):
+            figures[f"image/{board}/{name}"] = int(size)
+        sizes = flash(folder)
+        sizes["library"] = sum(size for name, size in sizes.items() if name not in OTHERS)
+        sizes["library whole"] = sum(
+            int(line.split()[0]) for line in run(
+                prefix + "size", *map(str, folder.glob("lib/src/*.o"))).splitlines()[1:])
+        sizes[" ".join(CORE)] = sum(sizes.get(name, 0) for name in CORE)
+        for name in sorted(sizes):
+            figures[f"flash/{board}/{name}"] = sizes[name]
+        graph = Graph(board)
+        public = graph.public()
+        for name, (size, chain) in public.items():
+            key = f"stack/all/{name}"
+            if size > figures.get(key, -1):
+                figures[key], chains[name] = size, (size, board, chain)
+        worst = max(public, key=lambda name: public[name][0])
+        figures[f"stack/{board}/all public functions"] = public[worst][0]
+        for name, pattern, more in (("main", "^main$", graph.frame(START)),
+                                    ("interrupt", INTERRUPT, exception(board))):
+            size, chain = graph.root(pattern)
+            chains[f"{name} {board}"] = size + more, board, chain
+            figures[f"stack/{board}/{name}"] = size + more
+        needed = figures[f"stack/{board}/main"] + figures[f"stack/{board}/interrupt"]
+        if needed > room(prefix, folder):
+            raise NoBound(f"{board}: stack {needed}, but {room(prefix, folder)} bytes are left")
+    for config, board, more in (
+        ("default", "m4f", ()), ("m3_20k", "m3_20k", ()),
+        ("regressors", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52"))
+    ):
+        for name, size in structs(board, more).items():
+            figures[f"sizeof/{config}/{name}"] = size
+        figures[f"sizeof/{config}/{' '.join(PARTS)}"] = sum(
+            figures[f"sizeof/{config}/auvid_{part}_t"] for part in PARTS)
+    print("key,bytes")
+    for key in sorted(figures):
+        print(f"{key},{figures[key]}")
+    return figures, chains
+
+
+def tables(figures, chains):
+    """For people."""
+    out = sys.stderr
+    for what in ("image", "flash", "sizeof", "stack"):
+        rows = {}
+        for key, size in figures.items():
+            kind, column, name = key.split("/")
+            if kind == what and (kind, column) != ("stack", "all"):
+                rows.setdefault(name, {})[column] = size
+        columns = sorted({column for row in rows.values() for column in row})
+        print(f"{what:<36}" + "".join(f"{column:>11}" for column in columns), file=out)
+        for name, row in rows.items():
+            cells = "".join(f"{row.get(column, '-'):>11}" for column in columns)
+            print(f"  {name:<34}" + cells, file=out)
+    print("deepest: bytes, core, chain of calls with their frames", file=out)
+    for name, (size, board, chain) in sorted(chains.items(), key=lambda item: -item[1][0])[:24]:
+        path = " ".join(f"{re.sub('.*:|_f32_.*', '', step)} {frame}," for step, frame in chain
+                        if step not in POINTERS)
+        print(f"  {size:>5} {board:<8} {name}: {path[:-1]}", file=out)
+
+
+def readme():
+    lines = pathlib.Path("tests/firmware/size.csv").read_text().splitlines()
+    size = {key: int(number) for key, number in (line.split(",") for line in lines[1:])}
+    boards = run(BOARD, "list").split()
+    print(f"{'bytes':<28}" + "".join(f"{board:>9}" for board in boards))
+    for title, keys in (("flash: all", ["image/{}/text"]),
+                        ("       auvid's part", ["flash/{}/library"]),
+                        ("RAM: static", ["image/{}/data", "image/{}/bss"]),
+                        ("     stack, at most", ["stack/{}/main", "stack/{}/interrupt"])):
+        print(f"{title:<28}" + "".join(
+            f"{sum(size[key.format(board)] for key in keys):>9}" for board in boards))
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--readme"]:
+        sys.exit(readme())
+    try:
+        tables(*main())
+    except NoBound as why:
+        sys.exit(f"size.py: {why}")
