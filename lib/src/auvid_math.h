@@ -48,7 +48,7 @@ auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t li
  * conversion, at most 2147 s. */
 auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us);
 
-/** n / d, rounded down; d in 1..2^63. For the rare case: a compiler's own weighs ten times as much. */
+/** n / d, rounded down; d in 1..2^63. For rare use: a compiler's own weighs ten times as much. */
 uint64_t auvid_divide(uint64_t n, uint64_t d);
 
 /** Correctly rounded square root; 0 for x <= 0 and for NaN. */

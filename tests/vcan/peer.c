@@ -4,8 +4,8 @@
  *
  *   peer send INTERFACE COUNT GAP_US      COUNT frames with id 321 and numbers 0..COUNT-1
  *   peer busoff INTERFACE                 a bus-off and a restarted error frame
- *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with ids of auvid's, but those that end
- *                                         an excitation when they are obeyed; floodall: with them
+ *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with ids of auvid's, but those that
+ *                                         end an excitation when obeyed; floodall: with them
  *   peer receive INTERFACE [LOG]          receives until SIGTERM; says "ready" when open
  *   peer read LOG                         the same of a log
  */

@@ -85,8 +85,8 @@ identified() {
 }
 
 # direction SENDER RECEIVER IDS: what netem did to one direction, within five standard deviations. A
-# frame that is lost and doubled passes once, and a copy may be lost like any other frame: 0.1 * 0.95
-# + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 doubled.
+# frame that is lost and doubled passes once, and a copy may be lost like any other frame:
+# 0.1 * 0.95 + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 doubled.
 direction() {
     local before behind passed dropped
     before=$(grep -Ec " ($3)#" "$1.log")
