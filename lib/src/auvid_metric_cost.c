@@ -17,14 +17,13 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
-    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+    for (int i = 0; i < m->cfg.vehicle->parameters && !auvid_metric_has_regressor(m); ++i) {
         m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int k = m->channel_at[j]; k < m->channel_at[j] + m->count[j]; ++k) {
-            if (auvid_metric_order(m, j) > 0) {
-                m->candidate[k] = m->pi[m->index[k]];
-            }
+        const uint8_t *index = m->index + m->channel_at[j];
+        for (int k = 0; k < m->count[j]; ++k) {
+            m->candidate[m->channel_at[j] + k] = pi[index[k]];
         }
     }
     m->at_set = m->at_dof = 0;
@@ -50,16 +49,21 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
             continue;
         }
         const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        for (; m->at_row<count && * budget> 0; ++m->at_row, --*budget) {
-            int i = m->at_row;
-            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
+        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, m->at_row);
+        int i = m->at_row, left = count - i;
+        int to = *budget < (uint32_t)left ? i + (int)*budget : count;
+        auvid_real_t squares = m->squares;
+        *budget -= (uint32_t)(to - i);
+        for (; i < to; r += n - i, ++i) {
             auvid_real_t e = -z[i];
             for (int k = i; k < count; ++k) {
                 e += r[k - i] * x[k];
             }
-            m->squares += e * e;
+            squares += e * e;
         }
-        if (m->at_row < count) {
+        m->squares = squares;
+        m->at_row = (uint16_t)i;
+        if (i < count) {
             return AUVID_PENDING;
         }
         m->sum += m->weight[j] * m->squares;

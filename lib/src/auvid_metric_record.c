@@ -23,6 +23,12 @@ static auvid_real_t delayed(const auvid_metric_t *m, int i, int delay)
     return m->past_tau[(m->cells + PAST - ago) % PAST][i];
 }
 
+/* The newest wrench. */
+static const auvid_real_t *newest(const auvid_metric_t *m)
+{
+    return m->past_tau[m->cells % (sizeof m->past_tau / sizeof m->past_tau[0])];
+}
+
 /* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all
  * delays. The literal reading makes its accelerations of nu. */
 static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
@@ -65,35 +71,58 @@ static void row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid
     }
 }
 
-/* Weight of the wrench of DoF j where the motion has kernel[age]: see auvid_metric.c. */
-static auvid_real_t wrench_weight(const auvid_metric_t *m, int j, uint32_t age)
+/* Weight of the wrench where the motion has kernel[age]: see auvid_metric.c. */
+static auvid_real_t wrench_weight(const auvid_metric_t *m, int moment, uint32_t age)
 {
-    const auvid_real_t *kernel = m->kernel[j >= AUVID_ROLL];
-    auvid_real_t spread = j >= AUVID_ROLL ? AUVID_C(0.0) : m->spread;
+    const auvid_real_t *kernel = m->kernel[moment];
+    auvid_real_t spread = moment ? AUVID_C(0.0) : m->spread;
     auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
     auvid_real_t after = age + 1u < m->taps ? kernel[age + 1u] : AUVID_C(0.0);
     return kernel[age] + spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
+/* What fixed parameters explain is motion, though it stands with the wrench: part them. */
+static void part_known(const auvid_metric_t *m, auvid_real_t *channel,
+                       auvid_real_t known[AUVID_DOF_COUNT])
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int wrench = m->channel_at[j] + m->count[j];
+        bool modelled = m->channel_at[j + 1] > wrench;
+        known[j] = modelled ? delayed(m, j, 0) - channel[wrench] : AUVID_C(0.0);
+        for (int i = wrench; i < m->channel_at[j + 1]; ++i) {
+            channel[i] += known[j];
+        }
+    }
+}
+
 /* Add weight * channel to row under construction `slot`; `age` cells have gone into it before. */
-static void accumulate(auvid_metric_t *m, uint32_t slot, uint32_t age, const auvid_real_t *channel)
+static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                            const auvid_real_t *channel, const auvid_real_t *known)
+{
+    const auvid_real_t motion[2] = {m->kernel[0][age], m->kernel[1][age]};
+    const auvid_real_t wrench[2] = {wrench_weight(m, 0, age), wrench_weight(m, 1, age)};
+    const auvid_real_t *input = newest(m);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t weight = motion[j >= AUVID_ROLL], tau = wrench[j >= AUVID_ROLL];
+        auvid_real_t explained = weight * known[j];
+        auvid_real_t *row = m->accumulator[slot] + m->channel_at[j];
+        const auvid_real_t *from = channel + m->channel_at[j];
+        int count = m->count[j], n = auvid_metric_order(m, j);
+        m->wrench[slot][j] += tau * input[j];
+        for (int i = 0; i < count; ++i) {
+            row[i] += weight * from[i];
+        }
+        for (int i = count; i < n; ++i) {
+            row[i] += tau * from[i] - explained;
+        }
+    }
+}
+
+/* The same for channels of motion. */
+static void accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                              const auvid_real_t *channel)
 {
     auvid_real_t *row = m->accumulator[slot];
-    if (!auvid_metric_smooths_motion(m)) {
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            auvid_real_t weight = m->kernel[j >= AUVID_ROLL][age], tau = wrench_weight(m, j, age);
-            int wrench = m->channel_at[j] + m->count[j];
-            m->wrench[slot][j] += tau * delayed(m, j, 0);
-            /* what fixed parameters explain is motion, though it stands with the wrench */
-            bool modelled = m->channel_at[j + 1] > wrench;
-            auvid_real_t known = modelled ? delayed(m, j, 0) - channel[wrench] : AUVID_C(0.0);
-            for (int i = m->channel_at[j]; i < m->channel_at[j + 1]; ++i) {
-                row[i] +=
-                    i < wrench ? weight * channel[i] : tau * (channel[i] + known) - weight * known;
-            }
-        }
-        return;
-    }
     bool literal = auvid_metric_is_literal(&m->cfg);
     auvid_real_t smooth = m->kernel[0][age];
     auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
@@ -237,12 +266,14 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */
         return -1;
     }
-    auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)};
+    auvid_real_t channel[AUVID_MAX_COLUMNS] = {AUVID_C(0.0)}, known[AUVID_DOF_COUNT];
     uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
-    if (auvid_metric_smooths_motion(m)) {
+    bool motion = auvid_metric_smooths_motion(m);
+    if (motion) {
         motion_channels(m, sample, channel);
     } else {
         row_channels(m, sample, channel);
+        part_known(m, channel, known);
     }
     uint32_t age = n % step;
     if (age == 0) {
@@ -252,7 +283,11 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     int complete = -1;
     for (; age < m->taps && age <= n; age += step) {
         uint32_t slot = (n - age) / step % m->overlap;
-        accumulate(m, slot, age, channel);
+        if (motion) {
+            accumulate_motion(m, slot, age, channel);
+        } else {
+            accumulate_rows(m, slot, age, channel, known);
+        }
         complete = age + 1u == m->taps ? (int)slot : -1;
     }
     return complete;
