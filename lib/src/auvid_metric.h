@@ -98,8 +98,19 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
     return later_us - earlier_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
 }
 
+/** Units that it costs to rotate a row into a triangle. */
+enum { AUVID_METRIC_ROTATION = 2 };
+
 /** What a walk through the rows of all sets is for. */
 enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+
+/** Pay one of the units of a step that costs so many. @return it is paid in full: take it */
+static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint8_t price)
+{
+    --*budget;
+    m->paid = (uint8_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
+    return m->paid == 0;
+}
 
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);

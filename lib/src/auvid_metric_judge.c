@@ -76,8 +76,7 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-            --*budget;
-            if (take_row(m, j, m->at_set)) {
+            if (auvid_metric_pay(m, budget, AUVID_METRIC_ROTATION) && take_row(m, j, m->at_set)) {
                 note_set(m, j, m->at_set++);
                 m->at_row = 0;
             }

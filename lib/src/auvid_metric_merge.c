@@ -161,12 +161,17 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
 }
 
+static bool rotates(const auvid_metric_t *m)
+{
+    return m->pass != PASS_RESIDUAL && m->pass != PASS_MEASURE;
+}
+
 /* One row of one band of one set: rotate it in, or add its residual at the candidate. */
 static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
     int n = auvid_metric_order(m, j);
     const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
-    if (m->pass == PASS_RESIDUAL || m->pass == PASS_MEASURE) {
+    if (!rotates(m)) {
         const auvid_real_t *x = m->candidate + m->channel_at[j] + i;
         auvid_real_t e = AUVID_C(0.0);
         for (int k = 0; k < n - i; ++k) {
@@ -182,7 +187,7 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
 {
     m->pass = pass;
     m->to_set = m->cfg.sets;
-    m->at_set = m->at_band = m->at_dof = 0;
+    m->at_set = m->at_band = m->at_dof = m->paid = 0;
     m->at_row = 0;
     memset(m->band_sse, 0, sizeof m->band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
@@ -203,8 +208,9 @@ bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            --*budget;
-            visit_row(m, set, m->at_band, j, m->at_row++);
+            if (auvid_metric_pay(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+                visit_row(m, set, m->at_band, j, m->at_row++);
+            }
             continue;
         }
         m->at_row = 0;
@@ -231,7 +237,7 @@ static void weigh_bands(auvid_metric_t *m, int j)
     m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
 }
 
-/* After a pass, one DoF at a time: four units each. @return all done */
+/* After a pass, one DoF at a time: eight units each. @return all done */
 static bool settle(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_dof < AUVID_DOF_COUNT) {
@@ -240,9 +246,8 @@ static bool settle(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            --*budget;
-            if (m->at_row++ < 3) {
-                continue; /* the work of four rows: let it cost four units */
+            if (!auvid_metric_pay(m, budget, 4 * AUVID_METRIC_ROTATION)) {
+                continue; /* the work of four rows */
             }
             if (m->pass == PASS_RESIDUAL) {
                 weigh_bands(m, j);

@@ -16,9 +16,9 @@
 /* A simulated velocity beyond this [m/s, rad/s] has diverged; it is held here, and R2 shows it. */
 #define DIVERGED AUVID_C(100.0)
 
-/* Steps in half a cell. In cells of 0.1 s the integration is stable up to a damping of 110 times
+/* Steps in half a cell. In cells of 0.1 s the integration is stable up to a damping of 55 times
  * the mass a second; small vehicles reach 30 in yaw. */
-enum { STEPS = 2 };
+enum { STEPS = 1 };
 
 /* Cells of a piece before its wrench is known at every delay. */
 enum { WARM_UP = AUVID_VALIDATION_PAST };
