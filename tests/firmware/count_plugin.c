@@ -163,7 +163,7 @@ static bool read_functions(const char *name)
     char kind;
     unsigned long long at;
     function_t f = {0};
-    while (file != NULL && fscanf(file, "%llx %c %99s", &at, &kind, f.name) == 3) {
+    while (file != NULL && fscanf(file, "%llx %c %99s%*[^\n]", &at, &kind, f.name) == 3) {
         f.at = at & ~1ull; /* Thumb's mark */
         if (strchr("tTwW", kind) != NULL && f.name[0] != '$' && n_functions < FUNCTIONS - 1) {
             functions[n_functions++] = f;
