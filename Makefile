@@ -141,6 +141,10 @@ test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the b
 bench-firmware: build/auvid $(COUNTED_IMAGES) ## Exact instructions of each function, on each core
 	@tests/firmware/bench.sh build/firmware/instructions.csv
 
+bench-eigen: build/firmware/count_plugin.so | firmware-setup ## The navigation step beside Eigen's
+	@tests/support/setup.sh eigen
+	@tests/firmware/bench_eigen.sh
+
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
 
@@ -177,7 +181,7 @@ clean: ## Remove build/ (third_party/ stays)
 
 .PHONY: all help demo test test-long lint size bench setup clean
 .PHONY: can can-check can-setup fuzz test-vcan
-.PHONY: firmware firmware-setup test-firmware bench-firmware
+.PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
 build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"

@@ -105,8 +105,8 @@ static struct {
 COUNTED void blocks_imu(const float *attitude)
 {
     Matrix3 r = rotation(attitude) * dt;
-    Matrix3 rv = r * blocks.vv;                    /* dt R Pvv */
-    Matrix3 half = blocks.xv * r.transpose();      /* Pxv R' dt */
+    Matrix3 rv = r * blocks.vv;               /* dt R Pvv */
+    Matrix3 half = blocks.xv * r.transpose(); /* Pxv R' dt */
     const float q = accel * accel * dt * dt;
     blocks.x += r * blocks.v;
     blocks.xx += half + half.transpose() + rv * r.transpose();
