@@ -55,7 +55,7 @@ FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
 BENCH := $(wildcard tests/bench/*.c)
-BENCH_SUPPORT := tests/support/ls_problem.c
+BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
 
 # The same sources are built in several ways; objects of one way live in build/<way>/.
 WAY_release := -O2
@@ -235,8 +235,8 @@ build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
-	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
+	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support -Itools/simulator $(CFLAGS) \
+	    -MF $@.d -MT $@ -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
 # Unity 2.4.3 takes a machine of 32 bits for one without integers of 64.
 UNITY_64 := -DUNITY_SUPPORT_64 -DUNITY_INCLUDE_DOUBLE=
@@ -270,8 +270,8 @@ build/firmware/$(1)-$(2)/counted.elf: build/firmware/$(1)-$(2)/example.elf \
         build/firmware/$(1)-$(2)/tests/firmware/machine_calm.o
 	@echo "  $$@"
 	$$(Q)`$(BOARD) $(1) link` -Wl,--wrap=machine_timer,--wrap=machine_sleep -o $$@ \
-	    $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,$(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE)) \
-	    $$(filter %.o,$$^)
+	    $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+	    $(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE)) $$(filter %.o,$$^)
 
 build/firmware/$(1)-$(2)/rows.elf: $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
         $(LIB) $(FIRMWARE_START) tests/firmware/bench_rows.c)

@@ -16,10 +16,10 @@ build/auvid node --bus memory --excite --sets 8 --log "$work/bus.log" >"$work/no
 
 # count BOARD-LEVEL IMAGE: run it in a folder of its own.
 count() {
-    local here=$work/$1/$2
+    local here=$work/$1/$2 image=$top/build/firmware/$1/$2.elf
     mkdir -p "$here"
     ln -s "$work/bus.log" "$here/bus.log"
-    (cd "$here" && "$top/tests/firmware/count.sh" "${1%-*}" "$top/build/firmware/$1/$2.elf" >said) ||
+    (cd "$here" && "$top/tests/firmware/count.sh" "${1%-*}" "$image" >said) ||
         { echo "bench: $1 $2: $(tail -n 2 "$here/said")" >&2; exit 1; }
 }
 

@@ -4,7 +4,7 @@
  *
  *     -plugin count_plugin.so,functions=FILE,out=FILE
  *
- * functions: lines "address T name", as `nm --defined-only` prints them, all functions of the image.
+ * functions: lines "address T name" of all functions, as `nm --defined-only` prints them.
  * out: lines "name calls total most". The line "tick" sums up what a node does in one tick: calls
  * of auvid_node_take, _step, _work and _report, up to the end of the latter.
  *

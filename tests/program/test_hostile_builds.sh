@@ -34,7 +34,8 @@ while read -r macro low high; do
         stops "$macro must be $low..$high" gcc "-D$macro=$value"
         report "$macro=$value is refused"
     done
-done < <(sed -nE 's/^#error "auvid: (AUVID_[A-Z_]*) must be ([0-9]+)\.\.([0-9]+)"/\1 \2 \3/p' $config)
+done < <(grep '^#error' $config |
+    sed -nE 's/.*auvid: (AUVID_[A-Z_]*) must be ([0-9]+)\.\.([0-9]+)"/\1 \2 \3/p')
 stops 'AUVID_REGRESSOR_ONLY must be 0 or 1' gcc -DAUVID_REGRESSOR_ONLY=2
 report "AUVID_REGRESSOR_ONLY=2 is refused"
 stops 'AUVID_MAX_COLUMNS must be at least' gcc -DAUVID_MAX_COLUMNS=40
