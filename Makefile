@@ -55,7 +55,7 @@ FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
 BENCH := $(wildcard tests/bench/*.c)
-BENCH_SUPPORT := tests/support/ls_problem.c
+BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
 
 # The same sources are built in several ways; objects of one way live in build/<way>/.
 WAY_release := -O2
@@ -97,6 +97,11 @@ IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
 unit_listed = $(shell awk '$$2 ~ /$(1)/ { print "tests/unit/" $$1 ".c" }' tests/firmware/unit.txt)
 UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
     $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
+# Images whose instructions are counted, BOARD-LEVEL each. m3_20k is m3, with other sizes.
+COUNTED := m4f-O2 $(patsubst %,%-Os,$(filter-out m3_20k,$(BOARDS)))
+COUNTED_IMAGES := build/firmware/count_plugin.so \
+    $(foreach name,$(COUNTED),build/firmware/$(name)/counted.elf build/firmware/$(name)/rows.elf) \
+    $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/test_hostile_inputs.elf)
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(addprefix %/,$(call unit_listed,long))),\
     $(UNIT_IMAGES_LONG))
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
@@ -122,7 +127,7 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 	    $(SCRIPTS) $(TEST_PROGRAMS)
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
-test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS)
+test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
@@ -132,6 +137,13 @@ firmware: $(IMAGES) ## Build the example for each microcontroller: build/firmwar
 
 test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the bits the host's?
 	@tests/run.sh $(FIRMWARE_SCRIPTS)
+
+bench-firmware: build/auvid $(COUNTED_IMAGES) ## Exact instructions of each function, on each core
+	@tests/firmware/bench.sh build/firmware/instructions.csv
+
+bench-eigen: build/firmware/count_plugin.so | firmware-setup ## The navigation step beside Eigen's
+	@tests/support/setup.sh eigen
+	@tests/firmware/bench_eigen.sh
 
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
@@ -169,7 +181,7 @@ clean: ## Remove build/ (third_party/ stays)
 
 .PHONY: all help demo test test-long lint size bench setup clean
 .PHONY: can can-check can-setup fuzz test-vcan
-.PHONY: firmware firmware-setup test-firmware
+.PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
 build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"
@@ -223,8 +235,8 @@ build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support $(CFLAGS) -MF $@.d -MT $@ \
-	    -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
+	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support -Itools/simulator $(CFLAGS) \
+	    -MF $@.d -MT $@ -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
 # Unity 2.4.3 takes a machine of 32 bits for one without integers of 64.
 UNITY_64 := -DUNITY_SUPPORT_64 -DUNITY_INCLUDE_DOUBLE=
@@ -252,8 +264,25 @@ build/firmware/$(1)-$(2)/tests/unit/%.elf: tests/unit/%.c build/firmware/$(1)-$(
 	$$(Q)`$(BOARD) $(1) link` -$(2) $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
 	    --specs=rdimon.specs -Wl,--defsym=STACK_SIZE=0x80000 -MF $$@.d -MT $$@ \
 	    -o $$@ $$(filter %.c %.o,$$^) -lm
+
+# What instructions are counted of: see tests/firmware/bench.sh.
+build/firmware/$(1)-$(2)/counted.elf: build/firmware/$(1)-$(2)/example.elf \
+        build/firmware/$(1)-$(2)/tests/firmware/machine_calm.o
+	@echo "  $$@"
+	$$(Q)`$(BOARD) $(1) link` -Wl,--wrap=machine_timer,--wrap=machine_sleep -o $$@ \
+	    $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+	    $(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE)) $$(filter %.o,$$^)
+
+build/firmware/$(1)-$(2)/rows.elf: $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+        $(LIB) $(FIRMWARE_START) tests/firmware/bench_rows.c)
+	@echo "  $$@"
+	$$(Q)`$(BOARD) $(1) link` -o $$@ $$^
 endef
 $(foreach board,$(BOARDS),$(foreach level,Os O2,$(eval $(call firmware_rules,$(board),$(level)))))
+
+build/firmware/count_plugin.so: tests/firmware/count_plugin.c
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) -std=gnu11 -O2 -Wall -Wextra -shared -fPIC $(CFLAGS) -o $@ $<
 
 # The example on the host: with nothing but a level of optimization, which leaves the compiler free
 # to use whatever this machine has, and with our flags ("-ours").
@@ -272,7 +301,7 @@ build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makef
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
-.IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS)
+.IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
-# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware]
+# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [eigen]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
@@ -9,6 +9,7 @@
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang
+#   eigen: what `make bench-eigen` needs: Eigen, and a C++ library for ARM
 # The compiler and make are looked for always.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -92,6 +93,11 @@ look() {
             command -v qemu-system-arm >/dev/null || missing+=(qemu-system-arm)
             command -v qemu-system-riscv32 >/dev/null || missing+=(qemu-system-misc)
             command -v clang >/dev/null || missing+=(clang)
+            ;;
+        eigen)
+            [ -e "$eigen/Eigen/Core" ] || missing+=(libeigen3-dev)
+            compgen -G '/usr/include/newlib/c++/*/cmath' >/dev/null ||
+                missing+=(libstdc++-arm-none-eabi-newlib)
             ;;
         fuzz)
             command -v clang >/dev/null || missing+=(clang)

@@ -13,7 +13,9 @@
 /* Units of optimizing in each tick. It must fit into 20 ms beside everything else in the worst
  * case: the health frame tells how much of a tick was used. A fixed number, rather than a look at
  * the clock, makes a log of the bus replay on a desk bit for bit (auvid replay). */
+#ifndef BUDGET
 #define BUDGET AUVID_DEFAULT_BUDGET
+#endif
 
 #define TICK_US 20000u
 #define SILENCE_US 150000u /* no tick for so long: somebody pulled the plug */

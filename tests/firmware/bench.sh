@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Exact instructions of each public function: the firmware's example through the identification of a
+# recorded log with eight sets, in QEMU, every call counted (count_plugin.c). `make bench-firmware`.
+#
+# usage: tests/firmware/bench.sh CSV [BOARD-LEVEL...]     default: all that were built
+# Prints a table and writes the same as CSV, to be compared with instructions.csv (baseline.py).
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+top=$PWD csv=$1
+shift
+[ $# -gt 0 ] || set -- $(cd build/firmware && ls -d ./*/counted.elf | cut -d / -f 2)
+work=$top/build/firmware/bench
+rm -rf "$work"
+mkdir -p "$work"
+build/auvid node --bus memory --excite --sets 8 --log "$work/bus.log" >"$work/node.txt"
+
+# count BOARD-LEVEL IMAGE: run it in a folder of its own.
+count() {
+    local here=$work/$1/$2 image=$top/build/firmware/$1/$2.elf
+    mkdir -p "$here"
+    ln -s "$work/bus.log" "$here/bus.log"
+    (cd "$here" && "$top/tests/firmware/count.sh" "${1%-*}" "$image" >said) ||
+        { echo "bench: $1 $2: $(tail -n 2 "$here/said")" >&2; exit 1; }
+}
+
+for name in "$@"; do
+    count "$name" counted
+    count "$name" rows
+done
+python3 tests/firmware/instructions.py "$work" "$csv" "$@"

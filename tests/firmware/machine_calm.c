@@ -1,0 +1,19 @@
+/*
+ * Where instructions are counted no interrupt may come in between: the timer's handler is called
+ * where the loop sleeps. Linked with --wrap=machine_timer,--wrap=machine_sleep.
+ */
+#include "machine.h"
+
+static void (*timer_handler)(void);
+
+void __wrap_machine_timer(void (*handler)(void));
+void __wrap_machine_timer(void (*handler)(void))
+{
+    timer_handler = handler;
+}
+
+void __wrap_machine_sleep(void);
+void __wrap_machine_sleep(void)
+{
+    timer_handler();
+}
