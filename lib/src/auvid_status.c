@@ -34,8 +34,7 @@ static const char *const errors[] = {
     [-AUVID_ERR_SINGULAR] = "the data do not determine the answer",
     [-AUVID_ERR_LIMIT] =
         "more is asked for than the thrusters can give, a limit allows, or a queue takes",
-    [-AUVID_ERR_ARITHMETIC] = "not auvid's arithmetic: switch off flush-to-zero, fast math, "
-                              "contraction; round to nearest",
+    [-AUVID_ERR_ARITHMETIC] = "switch off flush-to-zero, fast math, contraction; round to nearest",
     [-AUVID_ERR_MODEL] = "the vehicle model lacks what is asked of it",
     [-AUVID_ERR_LENGTH] = "a frame has not the length of its message",
     [-AUVID_ERR_CHECKSUM] = "a frame's checksum is wrong",
