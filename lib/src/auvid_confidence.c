@@ -433,8 +433,8 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget)
 {
-    static const uint8_t price[] = {[OWN] = 8,    [ROTATE] = 4,  [BOUND] = 4,
-                                    [INVERT] = 3, [SCATTER] = 4, [JUDGE] = 12}; /* [units] */
+    static const uint8_t price[] = {[OWN] = 16,   [ROTATE] = 8,   [BOUND] = 8,
+                                    [INVERT] = 6, [SCATTER] = 10, [JUDGE] = 24}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }

@@ -99,7 +99,7 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
 }
 
 /** Units that it costs to rotate a row into a triangle. */
-enum { AUVID_METRIC_ROTATION = 2 };
+enum { AUVID_METRIC_ROTATION = 4 };
 
 /** What a walk through the rows of all sets is for. */
 enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE, PASS_LINEAR };

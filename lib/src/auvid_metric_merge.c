@@ -246,8 +246,8 @@ static bool settle(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            if (!auvid_metric_pay(m, budget, 4 * AUVID_METRIC_ROTATION)) {
-                continue; /* the work of four rows */
+            if (!auvid_metric_pay(m, budget, 2 * AUVID_METRIC_ROTATION)) {
+                continue; /* the work of two rows */
             }
             if (m->pass == PASS_RESIDUAL) {
                 weigh_bands(m, j);

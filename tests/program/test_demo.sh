@@ -111,7 +111,7 @@ check "tables" exits 0 demo --literal
 check "  every parameter has a row" python3 -c '
 text = open("out").read()
 assert all("\n  %s " % n in text for n in "m_u W-B X_uu N_rr".split()), text
-assert "last set only" in text and "budget of 200" in text'
+assert "last set only" in text and "budget of 150" in text'
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "plain progress, one line a set, where stderr is no terminal" python3 -c '
 lines = open("err", "rb").read().split(b"\n")

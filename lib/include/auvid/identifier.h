@@ -46,9 +46,9 @@ extern "C" {
  * cells, or the record breaks again and again. */
 #define AUVID_CELLS_PER_STEP 2
 
-/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in five seconds with eight
+/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in seven seconds with eight
  * sets, up to four times that on a single one, whose data determine less (Girona500). */
-#define AUVID_DEFAULT_BUDGET 200u
+#define AUVID_DEFAULT_BUDGET 150u
 
 /** Which DVL lock the dynamics are taken from. They need velocity through the water. */
 typedef enum {

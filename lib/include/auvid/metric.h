@@ -226,7 +226,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
 
 /** Go on with it.
  * @param budget units of work left, reduced by those used. The whole takes three passes over all
- * rows of all sets and bands, at two units a row, in the second at one, and eight for each DoF
+ * rows of all sets and bands, at four units a row, in the second at one, and eight for each DoF
  * @return AUVID_OK (ready for evaluations); AUVID_PENDING (budget used up); AUVID_ERR_NO_DATA (no
  * set, or no DoF driven in any); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
@@ -258,7 +258,7 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 void auvid_metric_judge_begin(auvid_metric_t *metric);
 
 /** Go on with it.
- * @param budget two units for each row of each set, and of the newest two once more
+ * @param budget four units for each row of each set, and of the newest two once more
  * @return AUVID_OK (`change` and `change_rank` written: U of all sets - U of the others - U of the
  * newest, U the part of the wrench that no pi explains); AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
