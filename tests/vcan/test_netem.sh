@@ -70,10 +70,10 @@ identified() {
 }
 
 # Four DVL samples lost one after the other are a second without velocity, or without altitude,
-# which ends an excitation (guard.h): 17 % of runs of two sets, half of those of eight. Of those that
-# end, 1 % and 4 % have more than twice the demo's error, which is a mean; theirs is 2.2 % and 1.4 %
-# (326 and 95 runs of this vehicle over such a bus in memory). So there are TRIES: all of them fail
-# about once in 1000.
+# which ends an excitation (guard.h): 17 % of runs of two sets, half of those of eight. Of the
+# others 1 % and 4 % have more than twice the demo's error, which is a mean; theirs is 2.2 % and
+# 1.4 % (326 and 95 runs of this vehicle over such a bus in memory). So there are TRIES: all of them
+# fail about once in 1000.
 run() {
     local end
     for _ in $(seq "$TRIES"); do
