@@ -4,8 +4,8 @@
  *
  *   peer send INTERFACE COUNT GAP_US      COUNT frames with id 321 and numbers 0..COUNT-1
  *   peer busoff INTERFACE                 a bus-off and a restarted error frame
- *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with ids of auvid's, but those that
- *                                         end an excitation when obeyed; floodall: with them
+ *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with the ids of what a node sends
+ *   peer floodall INTERFACE COUNT GAP_US  the same with all ids of auvid's
  *   peer receive INTERFACE [LOG]          receives until SIGTERM; says "ready" when open
  *   peer read LOG                         the same of a log
  */
@@ -215,7 +215,8 @@ static int flood(const char *interface, uint32_t count, unsigned gap_us, bool al
         bus_frame_t frame = {.id = r < 6 ? 0x040 + r : 0x400 + r - 6, .length = 8};
 
         memcpy(frame.data, &data, sizeof data);
-        if (!all && (frame.id == 0x040 || frame.id == 0x041 || frame.id == 0x044)) {
+        if (!all && (frame.id == 0x040 || frame.id == 0x041 || frame.id == 0x044 ||
+                     (frame.id >= 0x400 && frame.id < 0x409))) {
             continue;
         }
         if (can.bus.send(&can.bus, &frame) == BUS_BROKEN) {

@@ -153,7 +153,7 @@ flooded() {
     ! grep -q 'thrust' vehicle.out
 }
 
-# Forged aborts and ticks may end an excitation; no program ends.
+# Forged aborts, ticks, sensors may end an excitation, as the guard sees it; no program ends.
 flooded_with_orders() {
     begin 1
     "$PEER" floodall vcan1 3000 500
@@ -168,5 +168,5 @@ check "killed at random moments it leaves no thrust" killed
 check "bus-off, link down, full queue, stop, set clock, a sensor off: it identifies" disturbed
 check "an overflow and a lost sensor are told" lasting
 check "in a flood of forged frames commands stay on time" flooded
-check "forged orders end no program" flooded_with_orders
+check "forged orders and sensors end no program" flooded_with_orders
 finish

@@ -2,15 +2,15 @@
 # Node and vehicle at the two ends of a vxcan pair whose netem loses, doubles, delays and reorders,
 # both ways. Simulated time goes SPEED times as fast as the clock, and so does netem.
 AUVID=$(realpath "${AUVID:-build/auvid}")
-# Twice the error of the demo: the root mean square over runs is 2.45 % [2.18 2.70] with two sets
-# (build/auvid demo --runs 60 --sets 2), 1.10 % [0.96 1.25] with eight (--runs 40 --sets 8).
-SETS=2 MOST=4.90 TRIES=3
-[ -z "${AUVID_TEST_LONG:-}" ] || SETS=8 MOST=2.20 TRIES=4
+# Twice the error of the demo: the root mean square over runs is 2.59 % [2.40 2.78] with two sets
+# (build/auvid demo --runs 200 --sets 2), 1.09 % [1.03 1.15] with eight.
+SETS=2 MOST=5.18 TRIES=4
+[ -z "${AUVID_TEST_LONG:-}" ] || SETS=8 MOST=2.18 TRIES=10
 export VCAN_CLOCK=instructions VCAN_TIMEOUT=230
 [ -z "${AUVID_TEST_LONG:-}" ] || VCAN_TIMEOUT=3000
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
-SPEED=4
+SPEED=8
 
 connect() {
     local end
@@ -25,22 +25,28 @@ connect() {
     done
 }
 
-# guard N: it has been in state N.
-guard() {
-    grep -q " 40E#..$1" vx1.log
+# progress PATTERN: so the node's progress frame (40E) is. What is looked for lasts: the end of the
+# log is enough.
+progress() {
+    tail -n 1000 vx1.log | grep -q " 40E#$1"
 }
 
-# What is lost makes a set longer than 30 s: one more is excited, and not waited for.
+# The guard has ended the excitation (state 5), or it is over (4).
+aborted() {
+    progress '..[45]'
+}
+
+# Two DVL samples lost break the record, so that a set takes longer than 30 s: twice as many are
+# excited, and not waited for.
 one_run() {
-    start node node --bus vx1 --excite --realtime --sets $((SETS + 1))
+    start node node --bus vx1 --excite --realtime --sets $((2 * SETS))
     within 20 listening vx1 2
     start vehicle vehicle --bus vx0 --realtime --speed "$SPEED"
-    until guard 5 || grep -q " 40E#.\{8\}$(printf %02X "$SETS")" vx1.log; do # aborted; all sets
+    until aborted || progress ".\{8\}$(printf %02X "$SETS")"; do
         kill -0 "$node"
-        ! guard 4 # excitation done
         sleep 0.5
     done
-    sleep $((10 / SPEED)) # the last search
+    sleep 2 # the last search
     kill -TERM "$vehicle"
     wait "$vehicle"
     sleep 0.5
@@ -48,30 +54,9 @@ one_run() {
     wait "$node" || true
 }
 
-# Four DVL samples lost one after the other are a second without velocity, or without altitude,
-# which ends an excitation (guard.h): in 5 of 100 runs of two sets, 18 of eight. Then all is
-# done again.
-run() {
-    local try end
-    for try in $(seq "$TRIES"); do
-        connect
-        one_run
-        for end in vx0 vx1; do
-            tc -s qdisc show dev "$end" >"$end.netem"
-            cat "/sys/class/net/$end/statistics/rx_packets" >"$end.rx"
-        done
-        ip link del vx0
-        guard 5 || break
-        echo "run $try: $(grep guard node.out)"
-    done
-    ! guard 5
-    tail -n 3 node.out
-    cat vehicle.out
-}
-
 # The truth stands in the report of the same run over the bus in memory. A unit may have a blank.
 identified() {
-    "$AUVID" node --bus memory --excite --sets 1 >memory.out || true
+    [ -e memory.out ] || "$AUVID" node --bus memory --excite --sets 1 >memory.out || true
     awk -v most="$MOST" '
         function number(n, i) {
             for (i = 2; i <= NF; i++) if ($i ~ /^-?[0-9]+\.[0-9]+$/ && !--n) return $i
@@ -82,6 +67,29 @@ identified() {
         END { rms = 100 * sqrt(sum / n)
             print n " parameters, rms error " rms " %"
             exit !(n == 13 && rms < most) }' memory.out node.out
+}
+
+# Four DVL samples lost one after the other are a second without velocity, or without altitude,
+# which ends an excitation (guard.h): 17 % of runs of two sets, half of those of eight. Of the
+# others 1 % and 4 % have more than twice the demo's error, which is a mean; theirs is 2.2 % and
+# 1.4 % (326 and 95 runs of this vehicle over such a bus in memory). So there are TRIES: all of them
+# fail about once in 1000.
+run() {
+    local end
+    for _ in $(seq "$TRIES"); do
+        connect
+        one_run
+        for end in vx0 vx1; do
+            tc -s qdisc show dev "$end" >"$end.netem"
+            cat "/sys/class/net/$end/statistics/rx_packets" >"$end.rx"
+        done
+        ip link del vx0
+        grep guard node.out || true
+        ! identified || break
+    done
+    identified
+    tail -n 4 node.out
+    cat vehicle.out
 }
 
 # direction SENDER RECEIVER IDS: what netem did to one direction, within five standard deviations. A
@@ -148,8 +156,7 @@ interruptions() {
         END { exit !(cuts <= silences) }' silences vehicle.out
 }
 
-check "with 10 % loss, 5 % duplication, 20 ms delay, reordering a run ends" run
-check "it identifies" identified
+check "it identifies with 10 % loss, 5 % duplication, 20 ms delay, reordering" run
 check "vehicle to node: counters add up" direction vx0 vx1 '04[014]|40[0-8]'
 check "node to vehicle: counters add up" direction vx1 vx0 '04[235]|409|40[A-F]|410'
 check "each receiver refused what it should have" counters
