@@ -434,7 +434,7 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
                                      uint32_t *budget)
 {
     static const uint8_t price[] = {[OWN] = 16,   [ROTATE] = 8,   [BOUND] = 8,
-                                    [INVERT] = 6, [SCATTER] = 10, [JUDGE] = 24}; /* [units] */
+                                    [INVERT] = 6, [SCATTER] = 10, [JUDGE] = 50}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }

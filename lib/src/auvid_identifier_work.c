@@ -12,6 +12,9 @@
 #include "auvid_identifier.h"
 #include "auvid_math.h"
 
+/* Units that it costs to draw a population. */
+enum { BEGIN_PRICE = 100 };
+
 /* Is the delay one of the parameters of the search? It is the last one then. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
@@ -161,6 +164,7 @@ static void publish(auvid_identifier_t *id)
 void auvid_identifier_begin_merge(auvid_identifier_t *id)
 {
     auvid_metric_merge_begin(&id->metric);
+    id->paid = 0;
     id->phase = AUVID_WORK_MERGE;
 }
 
@@ -192,20 +196,36 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     return status;
 }
 
+/* Merge, then pay for a population, then search. */
+static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_status_t status = AUVID_OK;
+    if (id->paid == 0) {
+        status = auvid_metric_merge(&id->metric, budget);
+        id->paid = status == AUVID_OK;
+    } else {
+        --*budget;
+        if (id->paid++ == BEGIN_PRICE) {
+            status = after_merge(id);
+            id->searching = true;
+            id->phase = AUVID_WORK_ASK;
+        }
+    }
+    if (status < 0) {
+        id->events |= AUVID_EVENT_NOT_DRIVEN;
+        id->searching = false;
+        id->phase = AUVID_WORK_IDLE;
+    }
+    return status;
+}
+
 /* One stretch of work in the present phase. */
 static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
     switch ((auvid_work_phase_t)id->phase) {
     case AUVID_WORK_MERGE:
-        status = auvid_metric_merge(&id->metric, budget);
-        if (status == AUVID_PENDING) {
-            break;
-        }
-        status = status == AUVID_OK ? after_merge(id) : status;
-        id->events |= status < 0 ? AUVID_EVENT_NOT_DRIVEN : 0u;
-        id->searching = status >= 0;
-        id->phase = status < 0 ? AUVID_WORK_IDLE : AUVID_WORK_ASK;
+        status = finish_merge(id, budget);
         break;
     case AUVID_WORK_ASK:
         --*budget;

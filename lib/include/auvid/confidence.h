@@ -20,7 +20,7 @@
  * the model itself, are not in them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 6.7k units of work, 0.25 million multiplications. Memory:
+ * Cost, Girona500 and eight sets: 7.0k units of work, 0.25 million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
@@ -106,7 +106,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
 
 /** Go on with it.
  * @param metric as at begin
- * @param budget units of work left, reduced by those used: 6 to 24 for each row of a triangle
+ * @param budget units of work left, reduced by those used: 6 to 50 for each row of a triangle
  * @return AUVID_OK (job->result written); AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget);

@@ -13,10 +13,10 @@
  * without regressor the delay is one more parameter of the search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
- * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: a unit is one row of a triangle, one
- * stored sample put through the user's model, or one trial point; rejected ones count too. Never
- * more than `budget` units. In the call in which a search begins, its population is drawn besides:
- * m n random numbers. Memory: sizeof(auvid_identifier_t), all there is.
+ * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, of about
+ * 250 instructions of a Cortex-M4F each: a row of a triangle, a trial point (rejected ones count
+ * too), a stored sample put through the user's model; to begin a search, m n random numbers, is 100.
+ * Memory: sizeof(auvid_identifier_t), all there is.
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
  * auvid_identifier_excite. A breach of a limit, a sensor gone silent, a refused step: excitation
@@ -228,7 +228,7 @@ typedef enum {
     AUVID_WORK_PREDICT,   /**< the last estimate is held against the new set */
     AUVID_WORK_COMPARE,   /**< so is the one accepted before */
     AUVID_WORK_JUDGE,     /**< new sets are held against older ones */
-    AUVID_WORK_MERGE,     /**< sets are brought together */
+    AUVID_WORK_MERGE,     /**< sets are brought together, and a search is begun */
     AUVID_WORK_ASK,       /**< the optimizer is to give a point */
     AUVID_WORK_COST,      /**< its cost is being evaluated */
     AUVID_WORK_MEASURE,   /**< the result's residuals are measured */
@@ -274,6 +274,7 @@ typedef struct {
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     auvid_optimizer_work_t searched;    /* by the search that has ended */
     auvid_real_t cost;                  /* its result's */
+    uint8_t paid; /* 1 and more: all is merged; of what the search costs to begin */
     bool found;                         /* candidate is a result, not yet an estimate */
     bool set_pending, searching, capped;
     bool suspect; /* the set before may be from before and after a change */
