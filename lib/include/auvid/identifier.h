@@ -15,7 +15,8 @@
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, of about
  * 250 instructions of a Cortex-M4F each: a row of a triangle, a trial point (rejected ones count
- * too), a stored sample put through the user's model; to begin a search, m n random numbers, is 100.
+ * too), a stored sample put through the user's model. To begin a search, m n random numbers, is
+ * 100.
  * Memory: sizeof(auvid_identifier_t), all there is.
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
