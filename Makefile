@@ -89,6 +89,9 @@ FUZZ_SECONDS ?= 60
 # What tests/vcan runs on a real bus; no test by itself.
 VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
+# What Python looks at, with the debugging information from which it learns names and layouts.
+VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT)
+VALIDATION_LIBRARIES := build/validation/float.so build/validation/double.so
 
 # The same images for a board at other levels of optimization, and the host's.
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
@@ -176,10 +179,17 @@ firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU
 can-setup: ## Install what `make can` needs (python3-venv, cantools in third_party/venv)
 	@tests/support/setup.sh can
 
+validate: build/auvid $(VALIDATION_LIBRARIES) | validate-setup ## Compare with references (Python)
+	@third_party/validation/bin/auvid-validate references
+
+validate-setup: ## Install what `make validate` needs (python3-venv, third_party/validation)
+	@tests/support/setup.sh validate
+
 clean: ## Remove build/ (third_party/ stays)
 	rm -rf build
 
 .PHONY: all help demo test test-long lint size bench setup clean
+.PHONY: validate validate-setup
 .PHONY: can can-check can-setup fuzz test-vcan
 .PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
@@ -299,6 +309,13 @@ build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makef
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
+
+build/validation/%.so: $(VALIDATION) Makefile \
+        $(wildcard lib/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
+	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
+	    -o $@ $(VALIDATION) -lm
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
