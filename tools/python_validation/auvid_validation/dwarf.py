@@ -101,6 +101,13 @@ class Binding:
     def array(self, values):
         return np.ascontiguousarray(values, self.real)
 
+    def pointer(self, array):
+        """What a struct's member, or a function in a struct, takes for an array of auvid_real_t;
+        the array must outlive it."""
+        if array.dtype != self.real or not array.flags.c_contiguous:
+            raise TypeError(f"an array of {array.dtype} where {self.real} is wanted")
+        return array.ctypes.data_as(ctypes.POINTER(self.auvid_real_t))
+
     @staticmethod
     def _bare(die):
         while die is not None and die.tag in QUALIFIERS:
