@@ -6,7 +6,7 @@
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
-#   validate: python3 with tools/python_validation and what it needs, in third_party/validation
+#   validate: python3 with tools/python_validation and its packages, in third_party/validation
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang

@@ -26,7 +26,9 @@ def close(lib, quantity, reference, pairs, unit, roundings, why):
     epsilon times the largest |theirs| of the pair (a third of a triple: what stands in its place),
     in double precision 1e-9 times that. Differences and bound are in `unit`; they are relative to
     that largest value when it differs from pair to pair and unit says so ("relative ...")."""
-    share = DOUBLE if lib.real == np.float64 else roundings * np.finfo(np.float32).eps
+    share = roundings * np.finfo(np.float32).eps
+    if lib.real == np.float64:
+        share, why = DOUBLE, f"{DOUBLE:.0e} of it"
     worst = (-1.0, 0.0, 0.0)
     for ours, theirs, *scale in pairs:
         ours, theirs = np.asarray(ours, float), np.asarray(theirs, float)
@@ -49,13 +51,3 @@ def close(lib, quantity, reference, pairs, unit, roundings, why):
 def counted(quantity, reference, wrong, tried, what):
     """A row for a comparison that is exact."""
     return Row(quantity, reference, wrong, 0, f"of {tried} {what}", "exact")
-
-
-def show(rows, title, width=100):
-    """Print them, two lines each; how many failed."""
-    print(title)
-    for row in rows:
-        verdict = "PASS" if row.passed else "FAIL"
-        print(f"{verdict}  {row.quantity:<44s} {row.reference:<36s}")
-        print(f"      {row.difference:9.2e} <= {row.bound:8.2e} {row.unit} ({row.why})")
-    return sum(not row.passed for row in rows)

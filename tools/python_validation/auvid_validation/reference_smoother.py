@@ -37,7 +37,7 @@ def smoothed(lib, x, h, order, derivative):
 
 
 def by_legendre(h, order, derivative, dt, position):
-    """savgol_coeffs off the centre, where scipy's powers of up to 100 lose eight digits."""
+    """savgol_coeffs, anywhere in the window: scipy's powers of up to 2 h + 1 lose digits."""
     fit = np.linalg.pinv(legendre.legvander(np.arange(-h, h + 1) / h, order))
     basis = legendre.legder(np.eye(order + 1), derivative)
     return legendre.legval(position / h, basis) @ fit / (h * dt) ** derivative
@@ -49,20 +49,22 @@ def comparisons(lib):
         pairs, edges, records = [], [], []
         rng = np.random.default_rng(derivative)
         for h, order in filters(derivative):
-            theirs = savgol_coeffs(2 * h + 1, order, derivative, dt, use="dot")
-            pairs.append((coefficients(lib, h, order, derivative, 0), theirs))
-            for position in (-h, h // 2, h):
+            for position in (0, -h, h // 2, h):
                 theirs = by_legendre(h, order, derivative, dt, position)
                 edges.append((coefficients(lib, h, order, derivative, position), theirs))
+            if h**order > 1e7:  # here scipy's are no longer good to 1e-9
+                continue
+            theirs = savgol_coeffs(2 * h + 1, order, derivative, dt, use="dot")
+            pairs.append((coefficients(lib, h, order, derivative, 0), theirs))
             x = lib.array(np.cumsum(rng.normal(size=6 * h + 5)))
             theirs = savgol_filter(x.astype(float), 2 * h + 1, order, derivative, dt)
             # An output is as good as the sum of what went into it.
-            gain = max(np.abs(t).sum() for _, t in edges[-3:])
+            gain = max(np.abs(t).sum() for _, t in edges[-4:])
             records.append((smoothed(lib, x, h, order, derivative), theirs,
                             gain * np.abs(x).max()))
         yield close(lib, f"smoother, coefficients, {what}", "scipy savgol_coeffs", pairs,
                     "relative to the largest", 3, "the bound of smoother.h")
-        yield close(lib, f"smoother, coefficients off centre, {what}", "numpy legvander, pinv",
+        yield close(lib, f"smoother, coefficients at four places, {what}", "numpy legvander, pinv",
                     edges, "relative to the largest", 3, "as above")
         yield close(lib, f"smoother, record with both edges, {what}",
                     "scipy savgol_filter(interp)", records, "relative to sum|c| max|x|", 4,
