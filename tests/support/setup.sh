@@ -84,7 +84,9 @@ look() {
             done
             command -v objdump >/dev/null || missing+=(binutils)
             ;;
-        can | validate) python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv) ;;
+        can | validate)
+            python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv)
+            ;;
         firmware)
             command -v arm-none-eabi-gcc >/dev/null || missing+=(gcc-arm-none-eabi)
             [ -d /usr/lib/arm-none-eabi/newlib ] || missing+=(libnewlib-arm-none-eabi)

@@ -36,14 +36,14 @@ def rows_of(part, precision):
 
 
 def show(row, precision):
-    print(f"{'PASS' if row.passed else 'FAIL'}  {precision:<6s}  {row.quantity:<51s}  "
+    print(f"{'PASS' if row.passed else 'FAIL'}  {precision:<6s}  {row.quantity:<47s}  "
           f"{row.reference:<32s}  {row.difference:8.2e} <= {row.bound:8.2e}  {row.unit} "
           f"({row.why})", flush=True)
 
 
 def run(options):
     told = []
-    print(f"      {'':<6s}  {'quantity':<51s}  {'reference':<32s}  largest difference <= bound")
+    print(f"      {'':<6s}  {'quantity':<47s}  {'reference':<32s}  largest difference <= bound")
     for precision in [options.precision] if options.precision else ["float", "double"]:
         load(precision)  # or the one complaint that it is not built
         for part in [options.only] if options.only else PARTS:
