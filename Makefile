@@ -92,7 +92,10 @@ VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 # What Python looks at, with the debugging information from which it learns names and layouts.
 VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT)
-VALIDATION_LIBRARIES := build/validation/float.so build/validation/double.so
+VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so)
+# large: double, and populations as the literature has them, 25 n for n = 10.
+VALIDATION_double := -DAUVID_REAL_DOUBLE
+VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 
 # The same images for a board at other levels of optimization, and the host's.
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
@@ -314,7 +317,7 @@ build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makef
 build/validation/%.so: $(VALIDATION) Makefile \
         $(wildcard lib/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
+	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(VALIDATION_$*) \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
 	    -o $@ $(VALIDATION) -lm
 

@@ -67,11 +67,10 @@ class Auvid:
         lib.auvid_nav_covariance(nav, covariance)
         said = {"x": np.r_[values(state.position), values(state.velocity)].astype(float),
                 "p": covariance.astype(float)}
-        for sensor, index in (("dvl", lib.AUVID_NAV_DVL_BOTTOM), ("depth", lib.AUVID_NAV_DEPTH)):
-            d = nav.diagnostics[index]
-            if sensor in seen and (sensor == "depth" or seen["axes"] == 7):
-                said[sensor] = (values(d.innovation)[:d.axes].astype(float),
-                                values(d.variance)[:d.axes].astype(float), float(d.nis))
+        if seen.get("axes") == 7:
+            d = nav.diagnostics[lib.AUVID_NAV_DVL_BOTTOM]
+            said["dvl"] = (values(d.innovation).astype(float), values(d.variance).astype(float),
+                           d.nis)
         return said
 
 
@@ -121,14 +120,14 @@ def by_filterpy(model, run):
             # In body axes, as auvid gives a full sample's innovation.
             turn = model.mount if len(z) == 3 else np.eye(len(z))
             kf.update(turn @ z, R=np.eye(len(z)) * model.r["dvl"], H=turn @ h)
-            said["dvl"] = (kf.y, np.diag(kf.S), float(kf.y @ kf.SI @ kf.y))
+            if len(z) == 3:
+                said["dvl"] = (kf.y, np.diag(kf.S), kf.y @ kf.SI @ kf.y)
         if "depth" in seen and not depth_known:
             depth_known, kf.x[2] = True, seen["depth"]
             model.restart_depth(kf.P)
         elif "depth" in seen:
             kf.update(np.array([seen["depth"]]), R=np.eye(1) * model.r["depth"],
                       H=np.eye(6)[2:3])
-            said["depth"] = (kf.y, np.diag(kf.S), float(kf.y @ kf.SI @ kf.y))
         if "gps" in seen:
             kf.update(seen["gps"].astype(float), R=np.eye(2) * model.r["gps"], H=np.eye(6)[:2])
         yield {"x": kf.x.copy(), "p": kf.P.copy(), **said}
@@ -194,12 +193,12 @@ def comparisons(lib):
         pairs = [(o["p"], t["p"], of_deviations(t)) for o, t in zip(ours, theirs)]
         yield close(lib, "navigation, covariance", name, pairs, "relative to sigma_i sigma_j", 100,
                     "4 roundings of P, of which the DVL leaves 1/25")
-        if "dvl" not in theirs[9]:
+        if reference is by_equations:
             continue
         for i, (what, unit, roundings, why) in enumerate((
                 ("innovation of the DVL", "m/s", 16, "that of the velocity, and of the turned z"),
                 ("its variance S", "m2/s2", 16, "that of the covariance"),
                 ("its NIS", "-", 60, "2 nu / S times that of the velocity"))):
-            pairs = [(o["dvl"][i], t["dvl"][i]) for o, t in zip(ours, theirs) if "dvl" in o]
-            pairs = [tuple(np.array(side) for side in zip(*pairs))]
+            pairs = [tuple(np.array([s["dvl"][i] for s in side if "dvl" in s])
+                           for side in (ours, theirs))]
             yield close(lib, f"navigation, {what}", name, pairs, unit, roundings, why)
