@@ -121,7 +121,7 @@ def comparisons(lib):
                for dof, ratio in zip(girona500.DRIVEN, reference.ratio)]
     yield close(lib, "metric, weights of the bands", "numpy.linalg.lstsq residuals", weights,
                 "relative to itself", 600, "4 of a wrench 73 times its residual, squared")
-    ours, theirs, size = [], [], []
+    ours, theirs = [], []
     for _ in range(200):
         pi = lib.zeros(17)
         pi[:13] = girona500.TRUTH * rng.uniform(0.5, 1.5, 13)
