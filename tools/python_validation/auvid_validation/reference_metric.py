@@ -38,39 +38,70 @@ def record(lib, rng, cells):
     return out
 
 
+def motion(cell):
+    return cell.phi, cell.theta, values(cell.nu).astype(float), values(cell.nu_dot).astype(float)
+
+
+def taps_of(config):
+    """Of the filter: one pass over smoothed states, or two over rows and the spread of forces."""
+    h = max(config.half_width)
+    return 4 * h + 3 if config.passes == 2 else 2 * h + 1
+
+
+def windows(config, cells):
+    """The cells of each row, from the seventh on: the wrench is wanted at all delays."""
+    taps = taps_of(config)
+    return [slice(b, b + taps) for b in range(6, len(cells) - taps + 1, config.row_cells)]
+
+
 class Pipeline:
     """metric.h's rows: for each of X Y Z N the two bands of [Y, tau], and their weights."""
 
-    def __init__(self, config, cells):
-        y = np.array([girona500.regressor(c.phi, c.theta, values(c.nu).astype(float),
-                                          values(c.nu_dot).astype(float)) for c in cells])
-        tau = np.array([values(c.tau)[girona500.DRIVEN] for c in cells], float)
-        self.bands, self.kernels, self.weight = [], [], []
-        spread = min((1e-6 * config.velocity_us)**2 / 12 / CELL_S**2, 0.5)
-        taps = 4 * max(config.half_width) + 3
-        for k, dof in enumerate(girona500.DRIVEN):
-            moment = int(dof >= 3)
-            once = savgol_coeffs(2 * config.half_width[moment] + 1, config.order)
-            smooth = np.convolve(once, once)
-            smooth = np.pad(smooth, (taps - len(smooth)) // 2)
-            triangle = [0, 1, 0] if moment else [spread, 1 - 2 * spread, spread]
-            # The cells that a row spans, from the sixth: wrench is wanted at all delays.
-            begin = np.arange(6, len(cells) - taps + 1, config.row_cells)
-            of_motion = np.array([smooth @ y[b:b + taps, k] for b in begin])
-            of_wrench = np.array([np.convolve(smooth, triangle, "same") @ tau[b:b + taps, k]
-                                  for b in begin])
-            rows = np.column_stack([of_motion, of_wrench])[:SETS * config.set_rows]
-            lag = config.lag[moment]
-            self.bands.append(((rows[lag:] + rows[:-lag]) / 2, (rows[lag:] - rows[:-lag]) / 2))
-            self.kernels.append(smooth)
-            self.weight.append(1 / (config.tau_max[dof]**2 * SETS * config.set_rows))
-        self.ratio, self.rows = [], []  # of the low band's weight to the high one's
-        for (low, high), weight in zip(self.bands, self.weight):
+    def __init__(self, lib, config, cells):
+        literal = config.smoothing == lib.AUVID_SMOOTH_STATES
+        self.kernels, self.ratio, self.rows = [], [], []
+        every = self.of_states(config, cells) if literal else self.of_rows(config, cells)
+        for dof, rows in zip(girona500.DRIVEN, every):
+            rows = rows[:SETS * config.set_rows]
+            lag = config.lag[int(dof >= 3)]
+            low, high = (rows[lag:] + rows[:-lag]) / 2, (rows[lag:] - rows[:-lag]) / 2
             pi = self.solve([low, high])
-            self.ratio.append(np.clip(self.left(high, pi) / self.left(low, pi), 1e-3, 1e3))
-            root = self.ratio[-1]**0.25
-            self.rows.append(np.sqrt(weight) * np.vstack([low * root, high / root]))
+            # The low band's weight over the high one's.
+            ratio = 1 if literal else np.clip(self.left(high, pi) / self.left(low, pi), 1e-3, 1e3)
+            weight = 1 / (config.tau_max[dof]**2 * SETS * config.set_rows)
+            self.rows.append(np.sqrt(weight) * np.vstack([low * ratio**0.25, high / ratio**0.25]))
+            self.ratio.append(ratio)
         self.a, self.b = np.vstack(self.rows)[:, :-1], np.vstack(self.rows)[:, -1]
+
+    def of_rows(self, config, cells):
+        """Rows of unsmoothed cells; rows and wrench smoothed alike, forces spread besides."""
+        y = np.array([girona500.regressor(*motion(c)) for c in cells])
+        tau = np.array([values(c.tau)[girona500.DRIVEN] for c in cells], float)
+        spread = min((1e-6 * config.velocity_us)**2 / 12 / CELL_S**2, 0.5)
+        for k, dof in enumerate(girona500.DRIVEN):
+            once = savgol_coeffs(2 * config.half_width[int(dof >= 3)] + 1, config.order)
+            smooth = np.convolve(once, once)
+            smooth = np.pad(smooth, (taps_of(config) - len(smooth)) // 2)
+            self.kernels.append(smooth)
+            triangle = [0, 1, 0] if dof >= 3 else [spread, 1 - 2 * spread, spread]
+            of_wrench = np.convolve(smooth, triangle, "same")
+            yield np.array([np.r_[smooth @ y[w, k], of_wrench @ tau[w, k]]
+                            for w in windows(config, cells)])
+
+    @staticmethod
+    def of_states(config, cells):
+        """Our reading of the paper: smoothed states, their smoothed derivative, raw wrench."""
+        h, order = config.half_width[0], config.order
+        smooth = savgol_coeffs(2 * h + 1, order, use="dot")
+        derivative = savgol_coeffs(2 * h + 1, order, 1, CELL_S, use="dot")
+        x = np.array([np.r_[c.phi, c.theta, values(c.nu)] for c in cells], float)
+        every = []
+        for w in windows(config, cells):
+            phi, theta, *nu = smooth @ x[w]
+            y = girona500.regressor(phi, theta, np.array(nu), derivative @ x[w, 2:])
+            tau = values(cells[w.start + h].tau)[girona500.DRIVEN]
+            every.append(np.column_stack([y, tau]))
+        return np.array(every).swapaxes(0, 1)
 
     @staticmethod
     def solve(parts):
@@ -93,34 +124,25 @@ def finish(step, metric):
     assert step(metric, np.array([1_000_000], np.uint32)) == 0
 
 
-def make(lib, rng):
+def make(lib, rng, literal=False):
     config, metric = lib.auvid_metric_config_t(), lib.auvid_metric_t()
     lib.auvid_metric_defaults(config, lib.auvid_girona500)
     config.estimate_delay = False
+    if literal:
+        lib.auvid_metric_literal(config)
     assert lib.auvid_metric_init(metric, config) == 0
-    taps = 4 * max(config.half_width) + 3
-    cells = record(lib, rng, 6 + taps + config.row_cells * (SETS * config.set_rows - 1))
+    rows = SETS * config.set_rows
+    cells = record(lib, rng, 6 + taps_of(config) + config.row_cells * (rows - 1))
     for cell in cells:
         assert lib.auvid_metric_add(metric, cell) >= 0
     lib.auvid_metric_merge_begin(metric)
     finish(lib.auvid_metric_merge, metric)
     assert metric.sets_recorded == SETS and metric.driven == 0b100111
-    return config, metric, cells
+    return metric, Pipeline(lib, config, cells)
 
 
-def comparisons(lib):
-    rng = np.random.default_rng(1)
-    config, metric, cells = make(lib, rng)
-    reference = Pipeline(config, cells)
-    taps = metric.taps
-    kernels = [(values(metric.kernel)[int(dof >= 3), :taps], kernel)
-               for dof, kernel in zip(girona500.DRIVEN, reference.kernels)]
-    yield close(lib, "metric, filter of rows", "scipy savgol_coeffs, twice", kernels,
-                "relative to the largest", 8, "42 products, at random")
-    weights = [(metric.band_weight[0][dof] / metric.band_weight[1][dof], ratio)
-               for dof, ratio in zip(girona500.DRIVEN, reference.ratio)]
-    yield close(lib, "metric, weights of the bands", "numpy.linalg.lstsq residuals", weights,
-                "relative to itself", 600, "4 of a wrench 73 times its residual, squared")
+def costs(lib, rng, metric, reference):
+    """(ours, theirs, scale) at 200 candidates."""
     ours, theirs = [], []
     for _ in range(200):
         pi = lib.zeros(17)
@@ -129,8 +151,23 @@ def comparisons(lib):
         finish(lib.auvid_metric_cost, metric)
         ours.append(metric.cost + metric.constant)
         theirs.append(reference.cost(pi[:13].astype(float)))
-    yield close(lib, "metric, cost, 200 candidates", "numpy, all rows", [(ours, theirs, theirs)],
-                "relative to itself", 600, "that of the bands' weights")
+    return ours, theirs, theirs
+
+
+def comparisons(lib):
+    rng = np.random.default_rng(1)
+    metric, reference = make(lib, rng)
+    kernels = [(values(metric.kernel)[int(dof >= 3), :metric.taps], kernel)
+               for dof, kernel in zip(girona500.DRIVEN, reference.kernels)]
+    yield close(lib, "metric, filter of rows", "scipy savgol_coeffs, twice", kernels,
+                "relative to the largest", 8, "42 products, at random")
+    weights = [(metric.band_weight[0][dof] / metric.band_weight[1][dof], ratio)
+               for dof, ratio in zip(girona500.DRIVEN, reference.ratio)]
+    yield close(lib, "metric, weights of the bands", "numpy.linalg.lstsq residuals", weights,
+                "relative to itself", 600, "4 of a wrench 73 times its residual, squared")
+    yield close(lib, "metric, cost, 200 candidates", "numpy, all rows",
+                [costs(lib, rng, metric, reference)], "relative to itself", 600,
+                "that of the bands' weights")
     yield close(lib, "metric, what no candidate explains", "numpy.linalg.lstsq",
                 [(metric.constant, reference.unexplained())], "-", 600,
                 "that of the bands' weights")
@@ -153,4 +190,7 @@ def comparisons(lib):
     yield close(lib, "metric, scale of the parameters", "numpy.linalg.norm of columns",
                 [(ours[:13], 1 / scale, 1 / scale)], "relative to itself", 600,
                 "that of the bands' weights")
-
+    metric, reference = make(lib, rng, literal=True)
+    yield close(lib, "metric, our reading of the paper, cost", "scipy savgol, numpy, all rows",
+                [costs(lib, rng, metric, reference)], "relative to itself", 600,
+                "4 of a wrench 73 times its residual, squared")
