@@ -8,6 +8,7 @@ import functools
 import json
 import os
 import pathlib
+import sys
 
 import numpy as np
 
@@ -116,8 +117,10 @@ def run_all(options):
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         futures = [(table, line, pool.submit(function, *given))
                    for table, line, function, given in tasks(options.runs)]
-        for table, line, future in futures:
+        for i, (table, line, future) in enumerate(futures):
             told[table][line].append(future.result())
+            if sys.stderr.isatty():
+                print(f"\r{i + 1} of {len(futures)} runs", end="", file=sys.stderr)
     for name in INVARIANT:
         told["columns"][name] = told["box"][name]
     return told
