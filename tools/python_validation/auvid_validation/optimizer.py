@@ -7,12 +7,11 @@ import concurrent.futures
 import functools
 import json
 import os
-import pathlib
 import sys
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.complaint import output
 from auvid_validation.library import load
 
 CAP = 20_000
@@ -31,7 +30,7 @@ def count(text):
 def arguments(parser):
     parser.add_argument("--runs", type=count, default=50, help="of each optimizer (50)")
     parser.add_argument("--jobs", type=count, default=os.cpu_count(), help="processes (all cores)")
-    parser.add_argument("--json", metavar="FILE", type=pathlib.Path,
+    parser.add_argument("--json", metavar="FILE", type=output,
                         help="write every run's evaluations there")
 
 
@@ -190,8 +189,5 @@ def run(options):
     if options.json:
         plain = {table: {str(line): counts for line, counts in lines.items()}
                  for table, lines in told.items()}
-        try:
-            options.json.write_text(json.dumps(plain, indent=1) + "\n")
-        except OSError as error:
-            raise Complaint(f"{options.json}: {error.strerror}") from error
+        json.dump(plain, options.json, indent=1)
     return 0 if good else 1

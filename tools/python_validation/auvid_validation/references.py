@@ -3,12 +3,11 @@ others wrote. One row a comparison; closes with "N passed, N failed"."""
 import dataclasses
 import importlib
 import json
-import pathlib
 
 import numpy as np
 
 from auvid_validation.compare import Row
-from auvid_validation.complaint import Complaint
+from auvid_validation.complaint import Complaint, output
 from auvid_validation.library import load
 
 #: Each is a module reference_NAME with comparisons(lib).
@@ -18,7 +17,7 @@ PARTS = ("smoother", "nav", "dynamics", "allocation", "metric", "can", "signals"
 def arguments(parser):
     parser.add_argument("--only", metavar="PART", choices=PARTS, help=", ".join(PARTS))
     parser.add_argument("--precision", choices=("float", "double"), help="default: both")
-    parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the rows there")
+    parser.add_argument("--json", metavar="FILE", type=output, help="write the rows there")
 
 
 def rows_of(part, precision):
@@ -54,8 +53,5 @@ def run(options):
     failed = sum(not row["passed"] for row in told)
     print(f"{len(told) - failed} passed, {failed} failed")
     if options.json:
-        try:
-            options.json.write_text(json.dumps(told, indent=1, default=float) + "\n")
-        except OSError as error:
-            raise Complaint(f"{options.json}: {error.strerror}") from error
+        json.dump(told, options.json, indent=1, default=float)
     return 1 if failed else 0

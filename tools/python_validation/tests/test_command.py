@@ -18,6 +18,7 @@ def auvid_validate(*arguments, **environment):
 @pytest.mark.parametrize("arguments", [
     (), ("nonsense",), ("references", "--only", "nonsense"), ("references", "--nonsense"),
     ("references", "--only", "allocation", "--json", "/nonsense/rows.json"),
+    ("optimizer", "--json", "/nonsense/runs.json"),
     ("optimizer", "--runs", "0"), ("optimizer", "--runs", "many"),
 ])
 def test_bad_input_is_one_line_and_exit_status_2(arguments):
