@@ -13,6 +13,9 @@ from auvid_validation.complaint import Complaint
 COMMANDS = {
     "references": "compare every module with tools that others wrote",
     "optimizer": "compare the optimizer with others, on the same cost",
+    "paper": "the paper's experiment in simulation: figures, tables, initialisation",
+    "campaign": "many simulated runs: errors beside the Cramer-Rao bound",
+    "report": "identify a vehicle from your own log: a page with figures",
 }
 
 
