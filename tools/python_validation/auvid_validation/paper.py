@@ -114,10 +114,10 @@ def table(out, columns, truth, sigma):
     head = "parameter  unit    " + "".join(f"{name:>12}" for name in columns)
     out(head + f"{'truth':>12}{'sigma':>9}")
     for i, name in enumerate(PARAMETERS):
-        row = "".join(f"{pi[i]:12.3f}" for pi in columns.values())
+        row = "".join(f"{pi[i]:12.3f}" for pi in columns.values()).replace("nan", "  -")
         out(f"{name:<10} {UNITS[i]:<8}" + row + f"{truth[i]:12.4f}{sigma[i]:9.3f}")
     rms = [100 * np.sqrt(np.mean((pi / truth - 1) ** 2)) for pi in columns.values()]
-    out(f"{'rms error':<19}" + "".join(f"{r:10.2f} %" for r in rms))
+    out(f"{'rms error':<19}" + "".join(f"{r:10.2f} %" for r in rms).replace("nan %", "    -"))
     return dict(zip(columns, rms))
 
 
@@ -132,7 +132,7 @@ def velocity_figure(run, predicted):
         axis.set_ylabel(f"{symbol} [{unit}]")
         axis.set_title(f"{name.capitalize()}: R² {measured[i]:.4f} of the measured velocity, "
                        f"{truth[i]:.4f} of the true one")
-    axes[0, 0].legend(ncols=2, loc="lower right")
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     axes[3, 0].set_xlabel("time [s]")
     axes[3, 0].set_xlim(0, run.t[-1])
     return fig
@@ -141,7 +141,7 @@ def velocity_figure(run, predicted):
 def convergence_figure(run):
     estimates = {e.sets: e for e in run.estimates}  # the last with so many sets
     sets = np.array(list(estimates))
-    fig, axes = style.figure(5, 3, height=9, sharex=True)
+    fig, axes = style.figure(4, 4, width=10, height=7.5, sharex=True)
     for i, axis in enumerate(axes.flat):
         if i >= N:
             axis.set_visible(False)
@@ -156,13 +156,14 @@ def convergence_figure(run):
         half = 1.4 * max(np.max(np.abs(pi[1:] - truth) + sigma[1:]), 0.01 * abs(truth))
         axis.set_ylim(truth - half, truth + half)
         axis.set_title(f"{PARAMETERS[i]} [{UNITS[i]}]")
-    for axis in (axes[4, 0], axes[3, 1], axes[3, 2]):
+    for axis in (axes[3, 0], *axes[2, 1:]):
         axis.set_xlabel("sets of 30 s")
         axis.xaxis.set_tick_params(labelbottom=True)
     axes[0, 0].plot([], [], color=style.LIGHT, linewidth=6, label="one sigma")
     axes[0, 0].plot([], [], color=style.BLUE, marker="o", label="estimate")
     axes[0, 0].plot([], [], color=style.BLACK, linestyle="--", linewidth=1, label="truth")
-    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower right", ncols=3)
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower right",
+               bbox_to_anchor=(0.98, 0.12), ncols=3)
     return fig
 
 
@@ -253,7 +254,8 @@ def run(options):
     print("\njoint UKF, told the noise of all sensors and of the force, on the first run's data:")
     print("  start                  every parameter within 20 %   diverged   median largest error")
     for name, tries, right, diverged, median in rows:
-        print(f"  {name:<24} {right:12d} of {tries:<10d} {diverged:10d} {100 * median:18.1f} %")
+        error = f"{100 * median:18.1f} %" if median < np.inf else f"{'-':>18}"
+        print(f"  {name:<24} {right:12d} of {tries:<10d} {diverged:10d} {error}")
     print(f"  {'auvid, from the box':<24} {ours[0]:12d} of {ours[1]:<10d} {0:10d} "
           f"{100 * np.median(worst):18.1f} %")
     shown = held_out(world)
