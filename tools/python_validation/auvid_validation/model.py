@@ -22,30 +22,35 @@ def regressor(tilt, nu, rate):
     return y
 
 
-def derivative(pi, phi, theta, p, q, x, wrench):
-    """Of u v w r depth."""
-    m_u, m_v, m_w, m_r, wb, x_u, x_uu, y_v, y_vv, z_w, z_ww, n_r, n_rr = pi
+def derivative(pi, masses, inverse, phi, theta, p, q, x, wrench):
+    """Of u v w r depth. masses: m_u m_v m_w of the terms of C(nu); inverse: of all four masses."""
+    m_u, m_v, m_w = masses
+    wb, x_u, x_uu, y_v, y_vv, z_w, z_ww, n_r, n_rr = pi[4:]
     u, v, w, r, _ = x
     return (
-        (wrench[0] + m_v * v * r - m_w * w * q - wb * sin(theta) + (x_u + x_uu * abs(u)) * u) / m_u,
+        (wrench[0] + m_v * v * r - m_w * w * q - wb * sin(theta)
+         + (x_u + x_uu * abs(u)) * u) * inverse[0],
         (wrench[1] + m_w * w * p - m_u * u * r + wb * cos(theta) * sin(phi)
-         + (y_v + y_vv * abs(v)) * v) / m_v,
+         + (y_v + y_vv * abs(v)) * v) * inverse[1],
         (wrench[2] + m_u * u * q - m_v * v * p + wb * cos(theta) * cos(phi)
-         + (z_w + z_ww * abs(w)) * w) / m_w,
-        (wrench[3] + (m_u - m_v) * u * v + (n_r + n_rr * abs(r)) * r) / m_r,
+         + (z_w + z_ww * abs(w)) * w) * inverse[2],
+        (wrench[3] + (m_u - m_v) * u * v + (n_r + n_rr * abs(r)) * r) * inverse[3],
         -sin(theta) * u + cos(theta) * (sin(phi) * v + cos(phi) * w),
     )
 
 
-def simulate(pi, tilt, wrench, h, start):
+def simulate(pi, tilt, wrench, h, start, coupled=True, given=None):
     """Fourth-order Runge-Kutta, a step a row.
 
     tilt: [n, 4] phi theta p q at the ends of the steps, interpolated within them; wrench: [n, 4]
     constant during them; h: [n] or a number, their lengths [s]; start: u v w r depth at the end of
-    step 0. -> [n, 5]; not a number from where it diverges.
+    step 0; coupled: with the terms of C(nu); given: [n, 4] velocities, of which those whose mass in
+    pi is 0 are taken. -> [n, 5]; not a number from where it diverges.
     """
     pi, tilt, wrench = [float(x) for x in pi], tilt.tolist(), wrench.tolist()
     h = np.broadcast_to(h, len(tilt)).tolist()
+    held = [i for i in range(4) if pi[i] == 0]
+    model = (pi, pi[:3] if coupled else [0.0] * 3, [1 / m if m else 0.0 for m in pi[:4]])
     out = np.full((len(tilt), 5), np.nan)
     x = out[0] = tuple(float(s) for s in start)
 
@@ -55,13 +60,15 @@ def simulate(pi, tilt, wrench, h, start):
     for k in range(1, len(tilt)):
         a, b, f, step = tilt[k - 1], tilt[k], wrench[k], h[k]
         middle = [(one + other) / 2 for one, other in zip(a, b)]
-        k1 = derivative(pi, *a, x, f)
-        k2 = derivative(pi, *middle, ahead(x, k1, step / 2), f)
-        k3 = derivative(pi, *middle, ahead(x, k2, step / 2), f)
-        k4 = derivative(pi, *b, ahead(x, k3, step), f)
+        k1 = derivative(*model, *a, x, f)
+        k2 = derivative(*model, *middle, ahead(x, k1, step / 2), f)
+        k3 = derivative(*model, *middle, ahead(x, k2, step / 2), f)
+        k4 = derivative(*model, *b, ahead(x, k3, step), f)
         x = tuple(s + step / 6 * (c1 + 2 * c2 + 2 * c3 + c4)
                   for s, c1, c2, c3, c4 in zip(x, k1, k2, k3, k4))
-        if max(abs(s) for s in x[:4]) > 1e3:
+        if held:
+            x = tuple(given[k, i] if i in held else x[i] for i in range(5))
+        if not max(abs(s) for s in x[:4]) < 1e3:
             break
         out[k] = x
     return out
