@@ -223,7 +223,13 @@ td:first-child, th:first-child, td:last-child {{ text-align: left; }}
 
 def direction(log, test, names, options):
     """Identify from one CSV, judge on the other or on itself."""
-    found = fit(log, test, passed_on(options))
+    try:
+        found = fit(log, test, passed_on(options))
+    except Complaint as complaint:  # which may be about what was made of the log
+        words = str(complaint)
+        for path, name in zip((log, test), names):
+            words = words.replace(str(path), str(name)) if path else words
+        raise Complaint(words)
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
     return {"log": names[0], "validate": names[1], "rows": len(read.t),
