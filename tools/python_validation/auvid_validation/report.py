@@ -211,6 +211,7 @@ h2 {{ margin-top: 2.5rem; border-bottom: 2px solid #1f5f99; }} img {{ max-width:
 table {{ border-collapse: collapse; font-size: 14px; margin: 1rem 0; }}
 th, td {{ padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #e3e6ea; }}
 th {{ border-bottom: 2px solid #b8bec6; }}
+td, th {{ white-space: nowrap; }}
 td:first-child, th:first-child, td:last-child {{ text-align: left; }}
 </style></head><body><h1>{title}</h1>
 <p>By auvid {version}. A parameter is identifiable when its degree of freedom was driven and its
