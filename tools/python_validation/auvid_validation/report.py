@@ -197,8 +197,9 @@ def section(one, drawn):
         "<p>The equations of motion under the recorded input, begun once at the measured velocity; "
         "attitude, p and q as recorded.</p>",
         r2_html(one), style.inline(velocity_figure(numbers, drawn), "velocities"),
-        "<h3>Residuals: are they white?</h3><p>What was measured, less what was foretold one second "
-        "before from the velocity measured then. The test is Ljung's and Box's.</p>",
+        "<h3>Residuals: are they white?</h3>",
+        "<p>What was measured, less what was foretold one second before from the velocity measured "
+        "then. The test is Ljung's and Box's.</p>",
         white_words(numbers),
         style.inline(residuals, "residuals") if residuals else ""])
 

@@ -75,7 +75,8 @@ BAD = {
     "no such file": ("there.csv", None, None),
     "no input column": ("x.csv", "train.csv", lambda b: b"\n".join(
         b",".join(line.split(b",")[:10]) for line in b.splitlines())),
-    "not a finite number": ("x.csv", "train.csv", lambda b: b.replace(b"\n0.220000,", b"\nnan,", 1)),
+    "not a finite number": ("x.csv", "train.csv",
+                            lambda b: b.replace(b"\n0.220000,", b"\nnan,", 1)),
     "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
         for line in b.splitlines())),
@@ -105,7 +106,7 @@ def test_white_noise_is_white_and_what_lasts_is_not():
     noise = np.random.default_rng(1).standard_normal((200, 400))
     false = sum(whiteness(one)["p"] < 0.05 for one in noise)
     assert 2 <= false <= 20  # 10 +- 3 standard deviations
-    assert whiteness(noise[0, 1:] + 0.5 * noise[0, :-1])["p"] < 1e-6
+    assert whiteness(noise[0, 1:] + 0.5 * noise[0, :-1])["p"] < 1e-3
     assert whiteness(np.zeros(400)) is None
 
 
