@@ -142,9 +142,10 @@ def gather(worlds, options):
 
 
 def resampled(rows):
-    """Means over all runs, then over 2000 samples of as many runs drawn from them."""
+    """Means over all runs, then over 2000 samples of as many runs drawn from them; the same ones
+    for all rows."""
     drawn = np.random.default_rng(1).integers(0, len(rows), (2000, len(rows)))
-    return np.vstack([rows.mean(axis=0), rows[drawn].mean(axis=1)])
+    return np.concatenate([rows.mean(axis=0, keepdims=True), rows[drawn].mean(axis=1)])
 
 
 def interval(statistic):
@@ -153,9 +154,7 @@ def interval(statistic):
 
 
 def proportion(hits, count):
-    """-> [value, low, high]: Wilson, 95 %; not a number of none."""
-    if count == 0:
-        return [float("nan")] * 3
+    """-> [value, low, high]: Wilson, 95 %."""
     z, p = 1.96, hits / count
     middle, half = p + z * z / (2 * count), z * np.sqrt(p * (1 - p) / count + (z / 2 / count) ** 2)
     scale = 1 + z * z / count
@@ -173,9 +172,10 @@ def tally(lines, goal):
         "runs": count, "goal_percent": goal,
         "rms_percent": interval(100 * np.sqrt(squares.mean(axis=1))),
         "success": proportion(count - int(np.sum(failed)), count),
-        "coverage": {str(k): proportion(int(np.sum((np.abs(error) <= k * sigma) & known)),
-                                        int(known.sum())) for k in (1, 2)},
-        "identifiable": proportion(sum(sum(line["identifiable"]) for line in lines), count * N),
+        "coverage": {str(k): interval(resampled(
+            ((np.abs(error) <= k * sigma) & known).sum(axis=1)) / resampled(known.sum(axis=1)))
+            for k in (1, 2)},
+        "identifiable": float(np.mean([line["identifiable"] for line in lines])),
         "evaluations": np.percentile(evaluations, [50, 95]).tolist(),
         "parameters": []}
     has_bound = "bound" in lines[0]

