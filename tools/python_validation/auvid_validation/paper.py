@@ -273,8 +273,9 @@ def run(options):
                "methods": {name: np.where(np.isnan(pi), None, pi).tolist()
                            for name, pi in columns.items()},
                "rms_percent": {name: None if np.isnan(r) else r for name, r in rms.items()},
-               "r2": {"runs": found.tolist(), "axes": "run, auvid | truth | literal, "
-                      "against measured | true, u v w r", "largest_gap": gap},
+               "r2": {"axes": "run, auvid | truth | literal, measured | true, u v w r",
+                      "runs": np.where(np.isfinite(found), found, None).tolist(),
+                      "largest_gap": gap},
                "largest_error": {name: [e if e < np.inf else None for e in errors]
                                  for name, errors in worst.items()},
                "evaluations": {"global": next(k for k, _, local in steps if local) - 1,

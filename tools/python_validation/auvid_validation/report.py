@@ -55,7 +55,8 @@ def whiteness(errors):
     q = n * (n + 2) * np.sum(rho[1:] ** 2 / (n - np.arange(1, lags + 1)))
     return {"predictions": n, "rms": float(np.sqrt(np.mean(errors ** 2))),
             "mean": float(np.mean(errors)), "autocorrelation": rho.tolist(),
-            "band": 1.96 / np.sqrt(n), "ljung_box": float(q), "p": float(gammaincc(lags / 2, q / 2))}
+            "band": 1.96 / np.sqrt(n), "ljung_box": float(q),
+            "p": float(gammaincc(lags / 2, q / 2))}
 
 
 def judged(log, found):
@@ -66,7 +67,9 @@ def judged(log, found):
     numbers = {"r2": {}, "one_second_ahead": {}}
     for i, (symbol, axis) in enumerate(zip("uvwr", "XYZN")):
         if found["r2_force"][axis] is not None:
-            numbers["r2"][symbol] = float(r2(log.velocity[there, i], predicted[there, i]))
+            measured = log.velocity[there, i]
+            value = r2(measured, predicted[there, i]) if np.ptp(measured) > 0 else -np.inf
+            numbers["r2"][symbol] = float(value) if np.isfinite(value) else None
             numbers["one_second_ahead"][symbol] = whiteness(errors[:, i])
     return numbers, (log, predicted, times, errors)
 
@@ -83,7 +86,7 @@ def velocity_figure(numbers, drawn):
             axis.plot(log.t[piece], predicted[piece, i], color=style.BLACK, linewidth=1,
                       label=None if k else "simulated with the estimate")
         axis.set_ylabel(f"{symbol} [{UNITS[symbol]}]")
-        axis.set_title(f"{NAMES[symbol].capitalize()}: R² {numbers['r2'][symbol]:.3f}")
+        axis.set_title(f"{NAMES[symbol].capitalize()}: R² {number(numbers['r2'][symbol])}")
     axes[-1, 0].set_xlabel("time [s]")
     fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return fig
@@ -170,10 +173,11 @@ def white_words(numbers):
 def r2_html(one):
     found, rows = one["fit"], []
     for symbol, value in one["judged"]["r2"].items():
-        low_high = found.get("r2_interval", {}).get(symbol) if one["validate"] else None
-        fitted = found["r2_validation"][symbol] if one["validate"] else None
-        rows.append((NAMES[symbol], number(fitted, 4), "[{:.3f}, {:.3f}]".format(*low_high)
-                     if low_high else "-", number(value, 4)))
+        fitted, interval = "-", "-"
+        if one["validate"]:
+            fitted = number(found["r2_validation"][symbol])
+            interval = "[{:.3f}, {:.3f}]".format(*found["r2_interval"][symbol])
+        rows.append((NAMES[symbol], fitted, interval, number(value)))
     return table(("", "R² (auvid fit)", "95 %", "R² (this page's own simulation)"), rows)
 
 
@@ -232,6 +236,8 @@ def direction(log, test, names, options):
         for path, name in zip((log, test), names):
             words = words.replace(str(path), str(name)) if path else words
         raise Complaint(words)
+    if test and all(value is None for value in found["r2_validation"].values()):
+        raise Complaint(f"{names[1]}: too short to validate on")
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
     return {"log": names[0], "validate": names[1], "rows": len(read.t),
@@ -247,9 +253,9 @@ def print_summary(one):
             fitted = one["fit"]["r2_validation"][symbol]
             low, high = one["fit"]["r2_interval"][symbol]
             print(f"  {NAMES[symbol]:<6} held-out R2 {fitted:.3f} [{low:.3f}, {high:.3f}], "
-                  f"simulated apart {value:.3f}")
+                  f"simulated apart {number(value)}")
         else:
-            print(f"  {NAMES[symbol]:<6} R2 on the log itself {value:.3f}")
+            print(f"  {NAMES[symbol]:<6} R2 on the log itself {number(value)}")
 
 
 def run(options):

@@ -98,6 +98,12 @@ def test_a_bad_log_is_told_of_in_one_line_with_exit_status_2(words, logs, tmp_pa
     assert status == 2 and error.count("\n") == 1 and words in error and name in error
 
 
+def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
+    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"\n".join(b.splitlines()[:6]))
+    status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
+    assert status == 2 and "s.csv: too short" in capsys.readouterr().err
+
+
 def test_both_needs_two_logs(logs, tmp_path, capsys):
     assert report(tmp_path, logs / "train.csv", "--both")[0] == 2
 
