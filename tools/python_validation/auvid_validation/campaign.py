@@ -6,14 +6,13 @@ Runs go to all cores through dask, to a cluster with --scheduler, or into this p
 """
 import json
 import os
-import pathlib
 import threading
 
 import numpy as np
 
 from auvid_validation import style
 from auvid_validation.bound import bound
-from auvid_validation.complaint import Complaint
+from auvid_validation.complaint import Complaint, at_least, folder
 from auvid_validation.library import PARAMETERS
 from auvid_validation.progress import Progress
 from auvid_validation.world import N, Run, identify
@@ -36,13 +35,15 @@ _one_at_a_time = threading.Lock()  # a worker may have several threads
 
 
 def arguments(parser):
-    parser.add_argument("--runs", type=int, default=200, help="of each world; default %(default)s")
+    parser.add_argument("--runs", type=at_least(2), default=200,
+                        help="of each world; default %(default)s")
     parser.add_argument("--worlds", metavar="A;B", help="of these, separated by semicolons; "
                         f"default all: {'; '.join(WORLDS)}")
-    parser.add_argument("--seed", type=int, default=100000, help="first; default %(default)s")
-    parser.add_argument("--out", type=pathlib.Path, default="build/validation/campaign",
+    parser.add_argument("--seed", type=at_least(0), default=100000,
+                        help="first; default %(default)s")
+    parser.add_argument("--out", type=folder, default="build/validation/campaign",
                         help="folder; runs that are there already are kept; default %(default)s")
-    parser.add_argument("--workers", type=int, default=os.cpu_count(),
+    parser.add_argument("--workers", type=at_least(1), default=os.cpu_count(),
                         help="processes on this machine; default: all cores")
     parser.add_argument("--scheduler", metavar="ADDRESS",
                         help="of a dask cluster (tcp://host:8786), whose workers have auvid too")
@@ -118,17 +119,13 @@ def results(tasks, options):
 def gather(worlds, options):
     """Run what is not there yet. -> {name: lines in the order of their seeds}"""
     path = options.out / "runs.jsonl"
-    try:
-        options.out.mkdir(parents=True, exist_ok=True)
-        found = read(path)
-        wanted = {name: [dict(WORLDS[name][0], seed=options.seed + k)
-                         for k in range(options.runs)] for name in worlds}
-        missing = [w for some in wanted.values() for w in some if key(w) not in found]
-        whole = "".join(json.dumps(line) + "\n" for line in found.values())
-        path.with_suffix(".new").write_text(whole)  # without a line that was cut off
-        path.with_suffix(".new").replace(path)
-    except OSError as error:
-        raise Complaint(f"{error.filename}: {error.strerror}")
+    found = read(path)
+    wanted = {name: [dict(WORLDS[name][0], seed=options.seed + k) for k in range(options.runs)]
+              for name in worlds}
+    missing = [w for some in wanted.values() for w in some if key(w) not in found]
+    whole = "".join(json.dumps(line) + "\n" for line in found.values())
+    path.with_suffix(".new").write_text(whole)  # without a line that was cut off
+    path.with_suffix(".new").replace(path)
     total = options.runs * len(worlds)
     progress = Progress(total, total - len(missing))
     with path.open("a") as file:
@@ -301,8 +298,6 @@ def run(options):
     for name in worlds:
         if name not in WORLDS:
             raise Complaint(f"--worlds: no world '{name}'; there are: {'; '.join(WORLDS)}")
-    if options.runs < 2 or options.workers < 1 or options.seed < 0:
-        raise Complaint("--runs must be at least 2, --workers 1, --seed 0")
     lines = gather(worlds, options)
     tallies = {name: tally(some, WORLDS[name][1]) for name, some in lines.items()}
     print_tables(tallies)

@@ -1,5 +1,6 @@
 """What is wrong with the user's input, in one sentence: the command line prints it and exits 2."""
 import argparse
+import pathlib
 
 
 class Complaint(Exception):
@@ -12,3 +13,21 @@ def output(name):
         return open(name, "w", encoding="utf-8")
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{name}: {error.strerror}") from error
+
+
+def folder(name):
+    """Of an option: a folder to write into, made before the work begins."""
+    try:
+        pathlib.Path(name).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{name}: {error.strerror}") from error
+    return pathlib.Path(name)
+
+
+def at_least(low):
+    """Of an option: a whole number from there on."""
+    def whole(text):
+        if not text.isascii() or not text.isdecimal() or int(text) < low:
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from {low}")
+        return int(text)
+    return whole

@@ -4,12 +4,11 @@ Prints the table of parameters, R2 on held-out runs beside the truth's own, and 
 fares from good and from bad starts; writes figures as the paper's 3 to 6 and more.
 """
 import json
-import pathlib
 
 import numpy as np
 
 from auvid_validation import style, ukf
-from auvid_validation.complaint import Complaint
+from auvid_validation.complaint import at_least, folder
 from auvid_validation.library import PARAMETERS, values
 from auvid_validation.model import r2, simulate
 from auvid_validation.progress import Progress
@@ -26,16 +25,17 @@ SUCCESS = 0.2
 
 
 def arguments(parser):
-    parser.add_argument("--out", type=pathlib.Path, default="build/validation/paper",
+    parser.add_argument("--out", type=folder, default="build/validation/paper",
                         help="folder of figures and numbers; default %(default)s")
-    parser.add_argument("--seed", type=int, default=1, help="of the first run; default 1")
+    parser.add_argument("--seed", type=at_least(0), default=1, help="of the first run; default 1")
     parser.add_argument("--disturbance", type=float, default=1.0, metavar="N",
                         help="rms of an unknown force [N]; default %(default)g")
-    parser.add_argument("--sets", type=int, default=8, help="of 30 s, 2-8; default %(default)s")
-    parser.add_argument("--validations", type=int, default=20, metavar="N",
+    parser.add_argument("--sets", type=int, choices=range(2, 9), default=8,
+                        help="of 30 s; default %(default)s")
+    parser.add_argument("--validations", type=at_least(1), default=20, metavar="N",
                         help="held-out runs, each with an identification of its own; "
                         "default %(default)s")
-    parser.add_argument("--starts", type=int, default=20, metavar="N",
+    parser.add_argument("--starts", type=at_least(1), default=20, metavar="N",
                         help="of the UKF of each kind, each on another run; default %(default)s")
 
 
@@ -240,12 +240,8 @@ def report_r2(out, found, world):
 
 
 def run(options):
-    for name, low in (("sets", 2), ("validations", 1), ("starts", 1)):
-        if getattr(options, name) < low:
-            raise Complaint(f"--{name} must be at least {low}")
     world = {"seed": options.seed, "sets": options.sets, "disturbance_N": options.disturbance}
     progress = Progress(options.validations + options.starts + 2)
-    options.out.mkdir(parents=True, exist_ok=True)
     train = Run(world)
     progress("identification")
     columns = {"auvid": train.estimate.pi, "literal": identify(dict(world, literal=True))[0].pi,

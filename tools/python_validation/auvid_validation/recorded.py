@@ -18,7 +18,7 @@ COMMANDS = ["cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_
 GAP_S = 0.5  # a longer one ends the record
 
 
-def auvid(*arguments, may_fail=False):
+def auvid(*arguments):
     """Output of the program; what it complains about is the user's."""
     done = subprocess.run([str(program()), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode == 2 or (done.returncode != 0 and not done.stdout):

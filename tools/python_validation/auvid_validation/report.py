@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from auvid_validation import style
-from auvid_validation.complaint import Complaint
+from auvid_validation.complaint import Complaint, folder
 from auvid_validation.model import r2
 from auvid_validation.recorded import Log, Model, as_csv, fit
 
@@ -28,7 +28,7 @@ def arguments(parser):
                         help="held-out log, of the same kinds")
     parser.add_argument("--both", action="store_true",
                         help="the other direction too: identify from LOG2, validate on LOG")
-    parser.add_argument("--out", type=pathlib.Path, default="build/validation/report",
+    parser.add_argument("--out", type=folder, default="build/validation/report",
                         help="folder of report.html and report.json; default %(default)s")
     for flag in ("--bias", "--literal"):
         parser.add_argument(flag, action="store_true", help="as for auvid fit")
@@ -261,12 +261,8 @@ def print_summary(one):
 def run(options):
     if options.both and not options.validate:
         raise Complaint("--both needs --validate LOG2")
-    try:
-        options.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise Complaint(f"{options.out}: {error.strerror}")
-    with tempfile.TemporaryDirectory() as folder:
-        folders = [pathlib.Path(folder, name) for name in "ab"]  # two logs may have one name
+    with tempfile.TemporaryDirectory() as made:
+        folders = [pathlib.Path(made, name) for name in "ab"]  # two logs may have one name
         given = [options.log, options.validate] if options.validate else [options.log]
         logs = []
         for path, into in zip(given, folders):

@@ -152,3 +152,15 @@ def test_the_papers_experiment_in_short(tmp_path, capsys):
     assert numbers["rms_percent"]["auvid"] < 4 < numbers["rms_percent"]["literal"]
     assert {p.stem for p in tmp_path.glob("*.png")} == {"velocities", "convergence", "cost",
                                                         "initialisation"}
+
+
+@pytest.mark.parametrize("arguments", [
+    ("paper", "--sets", "1"), ("paper", "--seed", "-1"), ("paper", "--out", "/dev/null/there"),
+    ("paper", "--disturbance", "-1"), ("paper", "--sets", "100"), ("report",),
+])
+def test_bad_options_are_told_in_one_line(arguments, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("AUVID_ROOT", str(root()))
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2 and capsys.readouterr().err.count("\n") == 1
