@@ -42,7 +42,8 @@ WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
 # Runs of a real vehicle, which are not part of the project; their test runs where they are.
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
-SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh tests/can/test_*.sh))
+SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh \
+    tests/can/test_*.sh tests/validation/test_*.sh))
 # Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
@@ -89,6 +90,12 @@ FUZZ_SECONDS ?= 60
 # What tests/vcan runs on a real bus; no test by itself.
 VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
+# What Python looks at, with the debugging information from which it learns names and layouts.
+VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT)
+VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so)
+# large: double, and populations as the literature has them, 25 n for n = 10.
+VALIDATION_double := -DAUVID_REAL_DOUBLE
+VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 
 # The same images for a board at other levels of optimization, and the host's.
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
@@ -126,7 +133,7 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
 	    $(SCRIPTS) $(TEST_PROGRAMS)
 
-test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
+test test-long: $(CAN_LIBRARIES) $(VALIDATION_LIBRARIES) $(VCAN_PROGRAMS)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
@@ -167,7 +174,7 @@ fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
 setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
-	@tests/support/setup.sh test can firmware
+	@tests/support/setup.sh test can firmware validate
 	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
 
 firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU
@@ -176,10 +183,17 @@ firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU
 can-setup: ## Install what `make can` needs (python3-venv, cantools in third_party/venv)
 	@tests/support/setup.sh can
 
+validate: build/auvid $(VALIDATION_LIBRARIES) | validate-setup ## Compare with references (Python)
+	@third_party/validation/bin/auvid-validate references
+
+validate-setup: ## Install what `make validate` needs (python3-venv, third_party/validation)
+	@tests/support/setup.sh validate
+
 clean: ## Remove build/ (third_party/ stays)
 	rm -rf build
 
 .PHONY: all help demo test test-long lint size bench setup clean
+.PHONY: validate validate-setup
 .PHONY: can can-check can-setup fuzz test-vcan
 .PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
@@ -299,6 +313,13 @@ build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makef
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
+
+build/validation/%.so: $(VALIDATION) Makefile \
+        $(wildcard lib/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(VALIDATION_$*) \
+	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
+	    -o $@ $(VALIDATION) -lm
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
-# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [eigen]
+# usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [validate] [eigen]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
+#   validate: python3 with tools/python_validation and its packages, in third_party/validation
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang
@@ -83,7 +84,9 @@ look() {
             done
             command -v objdump >/dev/null || missing+=(binutils)
             ;;
-        can) python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv) ;;
+        can | validate)
+            python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv)
+            ;;
         firmware)
             command -v arm-none-eabi-gcc >/dev/null || missing+=(gcc-arm-none-eabi)
             [ -d /usr/lib/arm-none-eabi/newlib ] || missing+=(libnewlib-arm-none-eabi)
@@ -153,6 +156,20 @@ fetch_unity() {
     rm -rf "$top"
 }
 
+# python_environment FOLDER REQUIREMENTS [ARGUMENTS of a second pip install]
+# The stamp holds what was installed: a changed list is installed anew.
+python_environment() {
+    local folder=$1 requirements=$2
+    shift 2
+    ! cmp -s "$requirements" "$folder/installed.txt" || return 0
+    echo "setup: making $folder ($(grep -v '^#' "$requirements" | tr '\n' ' '))"
+    rm -rf "$folder"
+    local pip=("$folder/bin/pip" install -q --disable-pip-version-check)
+    python3 -m venv "$folder" && "${pip[@]}" -r "$requirements" &&
+        { [ $# = 0 ] || "${pip[@]}" "$@"; } || die "could not install $requirements with pip"
+    cp "$requirements" "$folder/installed.txt"
+}
+
 look "$@"
 if [ ${#missing[@]} -gt 0 ]; then
     install_missing
@@ -163,16 +180,12 @@ if [[ " $* " == *" test "* && ! -e $unity/unity.c ]]; then
     [ "$unity" = "$unity_default" ] || die "no unity.c in UNITY_DIR=$unity"
     fetch_unity
 fi
-# The stamp holds what was installed: a changed list is installed anew.
-if [[ " $* " == *" can "* ]] &&
-    ! cmp -s tests/can/requirements.txt third_party/venv/installed.txt; then
-    echo "setup: making third_party/venv ($(grep -v '^#' tests/can/requirements.txt | tr '\n' ' '))"
-    rm -rf third_party/venv
-    python3 -m venv third_party/venv &&
-        third_party/venv/bin/pip install -q --disable-pip-version-check \
-            -r tests/can/requirements.txt ||
-        die "could not install tests/can/requirements.txt with pip"
-    cp tests/can/requirements.txt third_party/venv/installed.txt
+if [[ " $* " == *" can "* ]]; then
+    python_environment third_party/venv tests/can/requirements.txt
+fi
+if [[ " $* " == *" validate "* ]]; then
+    python_environment third_party/validation tools/python_validation/requirements.txt \
+        --no-build-isolation --no-deps -e tools/python_validation
 fi
 if [[ " $* " == *" vcan "* ]] && ! tests/vcan/run.sh --native; then
     # Package lists may be older than the mirror's newest kernel.

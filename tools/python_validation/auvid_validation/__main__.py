@@ -1,0 +1,3 @@
+from auvid_validation.cli import main
+
+main()

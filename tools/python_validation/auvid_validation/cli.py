@@ -1,0 +1,42 @@
+"""auvid-validate: a subcommand is a module with arguments(parser) and run(options).
+
+Exit status: 0; 1 when something is not as it should be; 2 for what the user got wrong, with one
+line on the standard error.
+"""
+import argparse
+import importlib
+import sys
+
+from auvid_validation.complaint import Complaint
+
+#: Subcommand, which is the module's name too, and what it does.
+COMMANDS = {
+    "references": "compare every module with tools that others wrote",
+    "optimizer": "compare the optimizer with others, on the same cost",
+    "paper": "the paper's experiment in simulation: figures, tables, initialisation",
+    "campaign": "many simulated runs: errors beside the Cramer-Rao bound",
+    "report": "identify a vehicle from your own log: a page with figures",
+}
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def main(argv=None):
+    argv = sys.argv[1:] if argv is None else argv
+    parser = Parser(prog="auvid-validate", description="auvid against others.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    try:
+        for name, about in COMMANDS.items():
+            command = commands.add_parser(name, help=about, description=about)
+            if name in argv[:1]:  # the others need not be imported
+                module = importlib.import_module(f"auvid_validation.{name}")
+                module.arguments(command)
+        options = parser.parse_args(argv)
+        sys.exit(module.run(options))
+    except Complaint as complaint:
+        sys.exit(parser.error(str(complaint)))
+    except KeyboardInterrupt:
+        sys.exit(130)

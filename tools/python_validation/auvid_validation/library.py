@@ -1,0 +1,49 @@
+"""Where the repository is, and the library of each precision as Python sees it (dwarf.py)."""
+import functools
+import os
+import pathlib
+
+import numpy as np
+
+from auvid_validation.complaint import Complaint
+from auvid_validation.dwarf import Binding
+
+MARK = "lib/include/auvid/auvid.h"
+#: Names of the 13 parameters, in the library's order.
+PARAMETERS = "m_u m_v m_w m_r W-B X_u X_uu Y_v Y_vv Z_w Z_ww N_r N_rr".split()
+
+
+@functools.cache
+def root():
+    """The repository: AUVID_ROOT, or above this file or the current directory."""
+    places = [pathlib.Path(__file__).resolve(), pathlib.Path.cwd() / "here"]
+    if "AUVID_ROOT" in os.environ:
+        places = [pathlib.Path(os.environ["AUVID_ROOT"]) / "here"]
+    for place in places:
+        for folder in place.parents:
+            if (folder / MARK).exists():
+                return folder
+    raise Complaint(f"no {MARK} in any folder above: say where auvid is with AUVID_ROOT")
+
+
+def built(path):
+    """A file that make builds."""
+    if not (root() / path).exists():
+        raise Complaint(f"{path} is not built: run `make {path}`")
+    return root() / path
+
+
+@functools.cache
+def load(precision="float"):
+    """The library with the simulator and tests/support, "float" or "double"."""
+    return Binding(built(f"build/validation/{precision}.so"))
+
+
+def values(array):
+    """A ctypes array, of any dimensions, as numpy sees it: no copy."""
+    return np.ctypeslib.as_array(array)
+
+
+def program():
+    """build/auvid, for whole runs: demo, fit, replay."""
+    return built("build/auvid")

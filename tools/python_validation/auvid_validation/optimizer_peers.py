@@ -1,0 +1,122 @@
+"""The optimizers, each as search(f, box, seed): minimize f within +-box, from no starting point.
+
+f is a Counted: it ends the search. Whoever needs a start takes a random one in the box; first steps
+are 0.31 units. Everything else is as its library has it.
+"""
+import cma
+import nlopt
+import numpy as np
+from scipy import optimize
+
+from auvid_validation.library import load
+
+#: Incommensurable with the test functions: steps of 0.3, nine of their periods, see no sines.
+FIRST_STEP = 0.1 * np.pi
+FOREVER = 10**9  # the count ends the search
+
+
+def start(box, seed):
+    return np.random.default_rng(seed).uniform(-box, box)
+
+
+def auvid(lib, literal=False, per_parameter=0, omega=0.0):
+    """Ours, as it is by default; literal: the paper's Algorithm 2 without our additions; points per
+    parameter and omega of the global search."""
+    def search(f, box, seed):
+        n, config = len(box), lib.auvid_optimizer_config_t()
+        optimizer, theta = lib.auvid_optimizer_t(), lib.zeros(17)
+        lib.auvid_optimizer_defaults(config, n)
+        # The box is in units of x already: steps of one, as its unit has it.
+        config.crs.lower[:n], config.crs.upper[:n] = (-box).tolist(), box.tolist()
+        config.scale[:n] = [1.0] * n
+        config.crs.seed, config.crs.omega = seed, omega
+        config.crs.population = per_parameter * n
+        config.line_search.literal = literal
+        if literal:
+            config.line_search.epsilon = 1e-5
+        assert lib.auvid_optimizer_init(optimizer, config) == 0
+        while True:
+            status = lib.auvid_optimizer_ask(optimizer, theta)
+            if status == lib.AUVID_OK:
+                lib.auvid_optimizer_tell(optimizer, f(theta[:n].astype(float)))
+            elif status != lib.AUVID_PENDING:
+                return
+    return search
+
+
+def by_nlopt(algorithm, box, f, x, evaluations=FOREVER, step=None):
+    """The best point after that many evaluations, or at its own end."""
+    o = nlopt.opt(algorithm, len(box))
+    o.set_min_objective(f)
+    o.set_lower_bounds(-box)
+    o.set_upper_bounds(box)
+    o.set_maxeval(evaluations)
+    if step:
+        o.set_initial_step(step)
+    if algorithm != nlopt.GN_CRS2_LM:
+        o.set_xtol_rel(1e-9)
+    return o.optimize(x)
+
+
+def crs2(f, box, seed):
+    nlopt.srand(seed + 1)
+    by_nlopt(nlopt.GN_CRS2_LM, box, f, start(box, seed))
+
+
+def crs2_bobyqa(evaluations):
+    """BOBYQA from CRS2's best point after so many evaluations; again from its own end."""
+    def search(f, box, seed):
+        nlopt.srand(seed + 1)
+        x = by_nlopt(nlopt.GN_CRS2_LM, box, f, start(box, seed), evaluations)
+        for step in (FIRST_STEP, FIRST_STEP / 10):
+            x = by_nlopt(nlopt.LN_BOBYQA, box, f, np.clip(x, -box, box), step=step)
+    return search
+
+
+def bobyqa(f, box, seed):
+    by_nlopt(nlopt.LN_BOBYQA, box, f, start(box, seed), step=FIRST_STEP)
+
+
+def differential_evolution(f, box, seed):
+    optimize.differential_evolution(f, np.column_stack([-box, box]), rng=seed, maxiter=FOREVER,
+                                    tol=0, polish=False)
+
+
+def cma_es(f, box, seed):
+    options = {"bounds": [(-box).tolist(), box.tolist()], "seed": seed + 1, "verbose": -9,
+               "tolfun": 0, "tolfunhist": 0}
+    es = cma.CMAEvolutionStrategy(start(box, seed), FIRST_STEP, options)
+    while not es.stop():
+        points = es.ask()
+        es.tell(points, [f(p) for p in points])
+
+
+def nelder_mead(f, box, seed):
+    x = start(box, seed)
+    simplex = np.vstack([x, x + FIRST_STEP * np.eye(len(box)) * np.where(x > 0, -1, 1)])
+    optimize.minimize(f, x, method="Nelder-Mead", bounds=np.column_stack([-box, box]),
+                      options={"adaptive": True, "initial_simplex": simplex, "maxfev": FOREVER,
+                               "maxiter": FOREVER, "xatol": 0, "fatol": 0})
+
+
+OURS = "auvid: CRS, line search"
+
+
+#: Their runs are the same, point for point, whatever the scale.
+INVARIANT = ("NLopt GN_CRS2_LM", "scipy differential_evolution")
+
+
+def peers():
+    """Name: search."""
+    lib = load("float")
+    return {
+        OURS: auvid(lib),
+        "auvid, the paper's to the letter": auvid(lib, literal=True),
+        "auvid, m = 25 n, omega = 1e3": auvid(load("large"), per_parameter=25, omega=1e3),
+        "NLopt GN_CRS2_LM": crs2,
+        **{f"NLopt CRS2_LM ({m}), BOBYQA": crs2_bobyqa(m) for m in (140, 500)},
+        "NLopt LN_BOBYQA": bobyqa,
+        "scipy differential_evolution": differential_evolution,
+        "CMA-ES (cma)": cma_es,
+        "scipy Nelder-Mead, adaptive": nelder_mead,
+    }

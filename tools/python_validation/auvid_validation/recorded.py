@@ -1,0 +1,143 @@
+"""Logs of a real vehicle: read whatever format, identified by `auvid fit`, simulated here."""
+import json
+import pathlib
+import subprocess
+
+import numpy as np
+
+from auvid_validation.complaint import Complaint
+from auvid_validation.library import PARAMETERS, program
+from auvid_validation.model import simulate
+from auvid_validation.world import DOFS
+
+ATTITUDE = ["phi_rad", "theta_rad"]
+RATES = ["p_radps", "q_radps"]
+VELOCITIES = ["u_mps", "v_mps", "w_mps", "r_radps"]
+WRENCH = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
+COMMANDS = ["cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"]
+GAP_S = 0.5  # a longer one ends the record
+
+
+def auvid(*arguments):
+    """Output of the program; what it complains about is the user's."""
+    done = subprocess.run([str(program()), *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode == 2 or (done.returncode != 0 and not done.stdout):
+        words = done.stderr.strip().splitlines() or ["the program failed"]
+        raise Complaint(words[-1].removeprefix("auvid: "))
+    return done.stdout
+
+
+def as_candump(path, to):
+    """A .asc or .blf, as candump -L writes it."""
+    import can
+    try:
+        with can.LogReader(str(path)) as log, to.open("w") as file:
+            for frame in log:
+                if frame.is_error_frame or frame.is_remote_frame:
+                    continue
+                digits = 8 if frame.is_extended_id else 3
+                file.write(f"({frame.timestamp:.6f}) can0 {frame.arbitration_id:0{digits}X}#"
+                           f"{bytes(frame.data).hex().upper()}\n")
+            cut_off = getattr(log, "file_size", 0) > path.stat().st_size  # of a .blf: as its header
+    except Exception as error:  # whatever a parser of others raises on a damaged file
+        raise Complaint(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
+    if path.suffix == ".asc":
+        text = path.read_text().lower()
+        cut_off = "begin triggerblock" in text and "end triggerblock" not in text
+    if cut_off:
+        raise Complaint(f"{path}: is cut off")
+
+
+def as_csv(path, folder):
+    """The log as `auvid fit` reads it: itself, or written to the folder."""
+    if not path.is_file():
+        raise Complaint(f"{path}: no such file")
+    if path.suffix in (".asc", ".blf"):
+        candump = folder / (path.stem + ".log")
+        as_candump(path, candump)
+        try:
+            return as_csv(candump, folder)
+        except Complaint as complaint:
+            raise Complaint(str(complaint).replace(str(candump), str(path)))
+    if path.suffix != ".log":
+        return path
+    to = folder / (path.stem + ".csv")
+    auvid("replay", path, "--csv", to, "--json")
+    return to
+
+
+def fit(train, test, arguments):
+    """What `auvid fit --json` says; with nothing to identify that is bad input."""
+    more = ["--validate", test] if test else []
+    found = json.loads(auvid("fit", train, "--json", *more, *arguments))
+    if found["status"] == "not_driven":
+        raise Complaint(f"{train}: nothing to identify: no degree of freedom was moved by an input "
+                        "that varies")
+    return found
+
+
+class Log:
+    """Columns of a CSV that `auvid fit` has accepted."""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        with self.path.open() as file:
+            names = [name.strip() for name in file.readline().split(",")]
+            data = np.loadtxt(file, delimiter=",", ndmin=2, comments=None)
+        column = dict(zip(names, data.T))
+
+        def take(wanted):
+            return np.column_stack([column.get(name, np.zeros(len(data))) for name in wanted])
+
+        self.t = column["t_s"] - column["t_s"][0]
+        self.tilt = take(ATTITUDE + RATES)
+        self.velocity = take(VELOCITIES)
+        self.in_commands = not any(name in column for name in WRENCH)
+        inputs = take(COMMANDS if self.in_commands else WRENCH)
+        self.input = inputs[:, DOFS]
+
+    @property
+    def pieces(self):
+        """Slices without a gap."""
+        ends = [0, *(np.flatnonzero(np.diff(self.t) > GAP_S) + 1), len(self.t)]
+        return [slice(a, b) for a, b in zip(ends[:-1], ends[1:]) if b - a > 1]
+
+
+class Model:
+    """What `auvid fit` found, ready to simulate a log."""
+
+    def __init__(self, found, log):
+        pi = {p["name"]: p["estimate"] or 0.0 for p in found["parameters"]}
+        self.log, self.coupled = log, "decoupled" not in found["model"]
+        self.pi = [pi.get(name, 0.0) for name in PARAMETERS]
+        # held from a row to the next, and delayed: a row's input acts in the step that ends there
+        self.input = np.empty_like(log.input)
+        for j, axis in enumerate("XYZN"):
+            since = log.t - (found["delay_s"][axis] or 0.0)
+            row = np.searchsorted(log.t, since - 1e-9) - 1
+            self.input[:, j] = log.input[np.maximum(row, 0), j] + pi.get(f"{axis}_0", 0.0)
+
+    def run(self, part):
+        """u v w r in a slice, from the velocity measured at its begin."""
+        log = self.log
+        start, h = [*log.velocity[part.start], 0], np.diff(log.t[part], prepend=log.t[part.start])
+        return simulate(self.pi, log.tilt[part], self.input[part], h, start, self.coupled,
+                        log.velocity[part])[:, :4]
+
+    def whole(self):
+        """u v w r, begun anew after each gap only."""
+        out = np.full((len(self.log.t), 4), np.nan)
+        for piece in self.log.pieces:
+            out[piece] = self.run(piece)
+        return out
+
+    def ahead(self, seconds=1.0):
+        """-> (times, [m, 4] errors of predictions so far ahead, one after the other)"""
+        t, ends, errors = self.log.t, [], []
+        for piece in self.log.pieces:
+            begin = piece.start
+            while (end := int(np.searchsorted(t, t[begin] + seconds - 1e-9))) < piece.stop:
+                errors.append(self.log.velocity[end] - self.run(slice(begin, end + 1))[-1])
+                ends.append(end)
+                begin = end
+        return t[ends], np.array(errors).reshape(-1, 4)

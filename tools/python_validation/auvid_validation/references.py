@@ -1,0 +1,57 @@
+"""auvid-validate references: every module, in single and in double precision, against tools that
+others wrote. One row a comparison; closes with "N passed, N failed"."""
+import dataclasses
+import importlib
+import json
+
+import numpy as np
+
+from auvid_validation.compare import Row
+from auvid_validation.complaint import Complaint, output
+from auvid_validation.library import load
+
+#: Each is a module reference_NAME with comparisons(lib).
+PARTS = ("smoother", "nav", "dynamics", "allocation", "metric", "can", "signals")
+
+
+def arguments(parser):
+    parser.add_argument("--only", metavar="PART", choices=PARTS, help=", ".join(PARTS))
+    parser.add_argument("--precision", choices=("float", "double"), help="default: both")
+    parser.add_argument("--json", metavar="FILE", type=output, help="write the rows there")
+
+
+def rows_of(part, precision):
+    """All rows; one that failed in place of those that an exception took."""
+    try:
+        module = importlib.import_module(f"auvid_validation.reference_{part}")
+        yield from module.comparisons(load(precision))
+    except Complaint:
+        raise
+    except Exception as error:  # noqa: BLE001  whatever it was, the others go on
+        where = error.__traceback__
+        while where.tb_next:
+            where = where.tb_next
+        yield Row(part, f"line {where.tb_lineno}", np.nan, 0, type(error).__name__, str(error))
+
+
+def show(row, precision):
+    print(f"{'PASS' if row.passed else 'FAIL'}  {precision:<6s}  {row.quantity:<47s}  "
+          f"{row.reference:<32s}  {row.difference:8.2e} <= {row.bound:8.2e}  {row.unit} "
+          f"({row.why})", flush=True)
+
+
+def run(options):
+    told = []
+    print(f"      {'':<6s}  {'quantity':<47s}  {'reference':<32s}  largest difference <= bound")
+    for precision in [options.precision] if options.precision else ["float", "double"]:
+        load(precision)  # or the one complaint that it is not built
+        for part in [options.only] if options.only else PARTS:
+            for row in rows_of(part, precision):
+                show(row, precision)
+                told.append({"precision": precision, "passed": row.passed,
+                             **dataclasses.asdict(row)})
+    failed = sum(not row["passed"] for row in told)
+    print(f"{len(told) - failed} passed, {failed} failed")
+    if options.json:
+        json.dump(told, options.json, indent=1, default=float)
+    return 1 if failed else 0

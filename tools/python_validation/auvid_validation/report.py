@@ -1,0 +1,284 @@
+"""Identify a vehicle from a log of its own: a page with figures, and the numbers as JSON.
+
+LOG is a CSV as `auvid fit` reads it (auvid --help lists the columns), or frames of auvid's bus:
+candump -L (.log), .asc or .blf. The identification is that of `auvid fit`; the simulation and the
+residuals are computed here.
+"""
+import html
+import json
+import pathlib
+import tempfile
+
+import numpy as np
+from scipy.special import gammaincc
+
+from auvid_validation import style
+from auvid_validation.complaint import Complaint, folder
+from auvid_validation.model import r2
+from auvid_validation.recorded import Log, Model, as_csv, fit
+
+NAMES = {"u": "surge", "v": "sway", "w": "heave", "r": "yaw"}
+UNITS = {"u": "m/s", "v": "m/s", "w": "m/s", "r": "rad/s"}
+LAGS = 20
+
+
+def arguments(parser):
+    parser.add_argument("log", type=pathlib.Path, metavar="LOG", help=".csv, .log, .asc or .blf")
+    parser.add_argument("--validate", type=pathlib.Path, metavar="LOG2",
+                        help="held-out log, of the same kinds")
+    parser.add_argument("--both", action="store_true",
+                        help="the other direction too: identify from LOG2, validate on LOG")
+    parser.add_argument("--out", type=folder, default="build/validation/report",
+                        help="folder of report.html and report.json; default %(default)s")
+    for flag in ("--bias", "--literal"):
+        parser.add_argument(flag, action="store_true", help="as for auvid fit")
+    for option in ("--bounds", "--input", "--coupling"):
+        parser.add_argument(option, help="as for auvid fit")
+
+
+def passed_on(options):
+    """Arguments of `auvid fit`."""
+    found = [f"--{name}" for name in ("bias", "literal") if getattr(options, name)]
+    for name in ("bounds", "input", "coupling"):
+        if getattr(options, name):
+            found.append(f"--{name}={getattr(options, name)}")
+    return found
+
+
+def whiteness(errors):
+    """Autocorrelation of the errors up to LAGS, and Ljung and Box's test that there is none."""
+    n, lags = len(errors), min(LAGS, len(errors) // 4)
+    if lags < 1 or np.std(errors) == 0:
+        return None
+    e = errors - np.mean(errors)
+    rho = np.array([np.sum(e[k:] * e[:n - k]) for k in range(lags + 1)]) / np.sum(e * e)
+    q = n * (n + 2) * np.sum(rho[1:] ** 2 / (n - np.arange(1, lags + 1)))
+    return {"predictions": n, "rms": float(np.sqrt(np.mean(errors ** 2))),
+            "mean": float(np.mean(errors)), "autocorrelation": rho.tolist(),
+            "band": 1.96 / np.sqrt(n), "ljung_box": float(q),
+            "p": float(gammaincc(lags / 2, q / 2))}
+
+
+def judged(log, found):
+    """-> (numbers, what the figures need) of an identification on a log."""
+    model = Model(found, log)
+    predicted, (times, errors) = model.whole(), model.ahead()
+    there = np.all(np.isfinite(log.velocity), axis=1) & np.any(np.isfinite(predicted), axis=1)
+    numbers = {"r2": {}, "one_second_ahead": {}}
+    for i, (symbol, axis) in enumerate(zip("uvwr", "XYZN")):
+        if found["r2_force"][axis] is not None:
+            measured = log.velocity[there, i]
+            value = r2(measured, predicted[there, i]) if np.ptp(measured) > 0 else -np.inf
+            numbers["r2"][symbol] = float(value) if np.isfinite(value) else None
+            numbers["one_second_ahead"][symbol] = whiteness(errors[:, i])
+    return numbers, (log, predicted, times, errors)
+
+
+def velocity_figure(numbers, drawn):
+    log, predicted, _, _ = drawn
+    shown = list(numbers["r2"])
+    fig, axes = style.figure(len(shown), 1, height=0.9 + 1.7 * len(shown), sharex=True)
+    for axis, symbol in zip(axes[:, 0], shown):
+        i = "uvwr".index(symbol)
+        for k, piece in enumerate(log.pieces):
+            axis.plot(log.t[piece], log.velocity[piece, i], color=style.LIGHT, linewidth=3.2,
+                      label=None if k else "measured")
+            axis.plot(log.t[piece], predicted[piece, i], color=style.BLACK, linewidth=1,
+                      label=None if k else "simulated with the estimate")
+        axis.set_ylabel(f"{symbol} [{UNITS[symbol]}]")
+        axis.set_title(f"{NAMES[symbol].capitalize()}: R² {number(numbers['r2'][symbol])}")
+    axes[-1, 0].set_xlabel("time [s]")
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+    return fig
+
+
+def residual_figure(numbers, drawn):
+    _, _, times, errors = drawn
+    shown = [s for s, found in numbers["one_second_ahead"].items() if found]
+    if not shown:
+        return None
+    fig, axes = style.figure(len(shown), 2, height=0.6 + 1.6 * len(shown), sharex="col",
+                             width_ratios=[2, 1])
+    for (left, right), symbol in zip(axes, shown):
+        found = numbers["one_second_ahead"][symbol]
+        left.plot(times, errors[:, "uvwr".index(symbol)], ".", color=style.BLUE, markersize=3.5)
+        left.axhline(0, color=style.BLACK, linewidth=0.8)
+        left.set_ylabel(f"{symbol} [{UNITS[symbol]}]")
+        left.set_title(f"{NAMES[symbol].capitalize()}: measured less foretold 1 s before, "
+                       f"rms {found['rms']:.2g}")
+        rho = found["autocorrelation"]
+        right.axhspan(-found["band"], found["band"], color=style.LIGHT, alpha=0.6, linewidth=0)
+        right.vlines(range(1, len(rho)), 0, rho[1:], color=style.BLUE)
+        right.plot(range(1, len(rho)), rho[1:], "o", color=style.BLUE)
+        right.axhline(0, color=style.BLACK, linewidth=0.8)
+        right.set_ylim(-1, 1)
+        right.set_title(f"autocorrelation, p {found['p']:.2g}")
+    axes[-1, 0].set_xlabel("time [s]")
+    axes[-1, 1].set_xlabel("lag [s]; grey: white, 95 %")
+    return fig
+
+
+def parameter_figure(found):
+    known = [p for p in found["parameters"] if p["estimate"] and p["sigma"] is not None]
+    half = [min(2.1 * p["sigma"] / abs(p["estimate"]) * 100, 100) for p in known]
+    fig, axes = style.figure(1, 1, width=8, height=2.6)
+    bars = axes[0, 0].bar([p["name"] for p in known], half, width=0.6, edgecolor=style.BLUE,
+                          color=[style.BLUE if p["identifiable"] else "white" for p in known])
+    axes[0, 0].bar_label(bars, [f"{h:.1f}" if h < 100 else "> 100" for h in half], fontsize=7.5)
+    axes[0, 0].axhline(20, color=style.BLACK, linestyle=":", linewidth=1)
+    axes[0, 0].set_ylabel("95 % half-width\n[% of the estimate]")
+    axes[0, 0].grid(axis="x", visible=False)
+    axes[0, 0].tick_params(axis="x", labelsize=8)
+    axes[0, 0].set_title("How sure: filled is identifiable, dotted is the limit")
+    return fig
+
+
+def number(x, digits=4):
+    return "-" if x is None else f"{x:.{digits}g}"
+
+
+def table(head, rows):
+    def row(cells, tag):
+        return "<tr>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>"
+    return "<table>" + row(head, "th") + "".join(row(r, "td") for r in rows) + "</table>"
+
+
+def parameters_html(found):
+    rows = []
+    for p in found["parameters"]:
+        half = None if p["sigma"] is None else 2.1 * p["sigma"]
+        verdict = "yes" if p["identifiable"] else "no"
+        rows.append((p["name"], p["unit"], number(p["estimate"], 6), number(half, 3), verdict,
+                     p["note"] + (" (at its bound)" if p.get("at_bound") else "")))
+    return table(("parameter", "unit", "estimate", "± 95 %", "identifiable", "note"), rows)
+
+
+def white_words(numbers):
+    out = []
+    for symbol, found in numbers["one_second_ahead"].items():
+        if not found:
+            out.append(f"{NAMES[symbol]}: too short to tell")
+        elif found["p"] >= 0.05:
+            out.append(f"{NAMES[symbol]}: nothing speaks against white (p {found['p']:.2g})")
+        else:
+            first = found["autocorrelation"][1]
+            cause = ("neighbours alike: a force that lasts and is not in the model, or a wrong "
+                     "term" if first > found["band"] else
+                     "neighbours opposite: noise of the measured velocity"
+                     if first < -found["band"] else "at longer lags")
+            out.append(f"{NAMES[symbol]}: not white (p {found['p']:.2g}; {cause})")
+    return "<ul>" + "".join(f"<li>{html.escape(words)}</li>" for words in out) + "</ul>"
+
+
+def r2_html(one):
+    found, rows = one["fit"], []
+    for symbol, value in one["judged"]["r2"].items():
+        fitted, interval = "-", "-"
+        if one["validate"]:
+            fitted = number(found["r2_validation"][symbol])
+            interval = "[{:.3f}, {:.3f}]".format(*found["r2_interval"][symbol])
+        rows.append((NAMES[symbol], fitted, interval, number(value)))
+    return table(("", "R² (auvid fit)", "95 %", "R² (this page's own simulation)"), rows)
+
+
+def section(one, drawn):
+    found, numbers = one["fit"], one["judged"]
+    what = f"held-out log {one['validate']}" if one["validate"] else \
+        f"log {one['log']} itself: no held-out log was given"
+    missing = found["missing"] or ["nothing: every parameter is identifiable"]
+    residuals = residual_figure(numbers, drawn)
+    delays = ", ".join(f"{axis} {number(d, 3)} s" for axis, d in found["delay_s"].items()
+                       if d is not None)
+    return "\n".join([
+        f"<h2>Identified from {html.escape(one['log'])}</h2>",
+        f"<p>Model {html.escape(found['model'])}; {one['rows']} rows, {one['seconds']:.0f} s; "
+        f"delay of the input {delays}; {found['evaluations']['crs']} + "
+        f"{found['evaluations']['line_search']} evaluations; {html.escape(found['status'])}.</p>",
+        parameters_html(found), style.inline(parameter_figure(found), "half-widths"),
+        "<h3>What the excitation lacks</h3><ul>",
+        *(f"<li>{html.escape(words)}</li>" for words in missing), "</ul>",
+        f"<h3>Simulated velocity, {html.escape(what)}</h3>",
+        "<p>The equations of motion under the recorded input, begun once at the measured velocity; "
+        "attitude, p and q as recorded.</p>",
+        r2_html(one), style.inline(velocity_figure(numbers, drawn), "velocities"),
+        "<h3>Residuals: are they white?</h3>",
+        "<p>What was measured, less what was foretold one second before from the velocity measured "
+        "then. The test is Ljung's and Box's.</p>",
+        white_words(numbers),
+        style.inline(residuals, "residuals") if residuals else ""])
+
+
+PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>auvid: {title}</title><style>
+body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 54rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1a1a1a; }}
+h2 {{ margin-top: 2.5rem; border-bottom: 2px solid #1f5f99; }} img {{ max-width: 100%; }}
+table {{ border-collapse: collapse; font-size: 14px; margin: 1rem 0; }}
+th, td {{ padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #e3e6ea; }}
+th {{ border-bottom: 2px solid #b8bec6; }}
+td, th {{ white-space: nowrap; }}
+td:first-child, th:first-child, td:last-child {{ text-align: left; }}
+</style></head><body><h1>{title}</h1>
+<p>By auvid {version}. A parameter is identifiable when its degree of freedom was driven and its
+95 % half-width is at most 20 % of it. Intervals of R² are from blocks of 10 s, drawn again.</p>
+{sections}
+<script type="application/json" id="numbers">{numbers}</script>
+</body></html>
+"""
+
+
+def direction(log, test, names, options):
+    """Identify from one CSV, judge on the other or on itself."""
+    try:
+        found = fit(log, test, passed_on(options))
+    except Complaint as complaint:  # which may be about what was made of the log
+        words = str(complaint)
+        for path, name in zip((log, test), names):
+            words = words.replace(str(path), str(name)) if path else words
+        raise Complaint(words)
+    if test and all(value is None for value in found["r2_validation"].values()):
+        raise Complaint(f"{names[1]}: too short to validate on")
+    read = Log(log)
+    numbers, drawn = judged(Log(test) if test else read, found)
+    return {"log": names[0], "validate": names[1], "rows": len(read.t),
+            "seconds": float(read.t[-1]), "fit": found, "judged": numbers}, drawn
+
+
+def print_summary(one):
+    sure = sum(p["identifiable"] for p in one["fit"]["parameters"])
+    print(f"{one['log']}: {one['fit']['model']}, {sure} of {len(one['fit']['parameters'])} "
+          "parameters identifiable")
+    for symbol, value in one["judged"]["r2"].items():
+        if one["validate"]:
+            fitted = one["fit"]["r2_validation"][symbol]
+            low, high = one["fit"]["r2_interval"][symbol]
+            print(f"  {NAMES[symbol]:<6} held-out R2 {fitted:.3f} [{low:.3f}, {high:.3f}], "
+                  f"simulated apart {number(value)}")
+        else:
+            print(f"  {NAMES[symbol]:<6} R2 on the log itself {number(value)}")
+
+
+def run(options):
+    if options.both and not options.validate:
+        raise Complaint("--both needs --validate LOG2")
+    with tempfile.TemporaryDirectory() as made:
+        folders = [pathlib.Path(made, name) for name in "ab"]  # two logs may have one name
+        given = [options.log, options.validate] if options.validate else [options.log]
+        logs = []
+        for path, into in zip(given, folders):
+            into.mkdir()
+            logs.append((as_csv(path, into), path.name))
+        logs = logs + [(None, None)] if len(logs) == 1 else logs
+        pairs = [logs, logs[::-1]] if options.both else [logs]
+        found = [direction(a[0], b[0], (a[1], b[1]), options) for a, b in pairs]
+    numbers = [one for one, _ in found]
+    (options.out / "report.json").write_text(json.dumps(numbers, indent=1) + "\n")
+    page = PAGE.format(title=html.escape(f"Identification from {options.log.name}"),
+                       version=numbers[0]["fit"]["version"],
+                       sections="\n".join(section(*each) for each in found),
+                       numbers=json.dumps(numbers).replace("<", "\\u003c"))
+    (options.out / "report.html").write_text(page)
+    for one in numbers:
+        print_summary(one)
+    print(f"{options.out}/report.html, {options.out}/report.json")
+    return 0

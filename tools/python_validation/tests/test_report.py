@@ -1,0 +1,166 @@
+"""auvid-validate report and paper, from outside."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+
+import can
+import numpy as np
+import pytest
+
+from auvid_validation.cli import main
+from auvid_validation.library import program, root
+from auvid_validation.recorded import Log, Model, as_csv
+from auvid_validation.report import whiteness
+
+TANK = pathlib.Path(root(), os.environ.get("AUVID_TANK_DATA", "../shared/data/bluerov2_tank"))
+
+
+def auvid(*arguments):
+    subprocess.run([str(program()), *map(str, arguments)], check=True, capture_output=True)
+
+
+def report(out, *arguments):
+    """-> (exit status, numbers)"""
+    with pytest.raises(SystemExit) as end:
+        main(["report", *map(str, arguments), "--out", str(out)])
+    return end.value.code, out / "report.json"
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """A CSV, one to validate on, and a log of the bus as .log, .asc and .blf."""
+    at = tmp_path_factory.mktemp("logs")
+    for name, seed in (("train", 1), ("test", 2)):
+        auvid("demo", "--sets", 2, "--seed", seed, "--disturbance", 1, "--csv", at / f"{name}.csv")
+    auvid("node", "--bus", "memory", "--excite", "--sets", 1, "--log", at / "bus.log")
+    frames = list(can.LogReader(str(at / "bus.log")))
+    for kind in ("asc", "blf"):
+        with can.Logger(str(at / f"bus.{kind}")) as to:
+            for frame in frames:
+                to(frame)
+    return at
+
+
+def test_a_page_holds_all_it_needs_and_the_numbers_are_in_it_and_beside(logs, tmp_path, capsys):
+    status, path = report(tmp_path, logs / "train.csv", "--validate", logs / "test.csv", "--both")
+    assert not status and "held-out R2" in capsys.readouterr().out
+    page, numbers = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
+    embedded = re.search(r'<script type="application/json" id="numbers">(.*?)</script>', page)
+    assert json.loads(embedded[1]) == numbers
+    assert not re.search(r'(src|href)="(?!data:)', page) and page.count("<img") == 6
+    for one in numbers:
+        assert len(one["fit"]["parameters"]) == 13
+        for symbol, value in one["judged"]["r2"].items():  # simulated twice, by two programs
+            assert abs(value - one["fit"]["r2_validation"][symbol]) < 0.003
+
+
+def test_frames_give_the_same_motion_in_every_format(logs, tmp_path):
+    found = []
+    for kind in ("log", "asc", "blf"):
+        (tmp_path / kind).mkdir()
+        found.append(as_csv(logs / f"bus.{kind}", tmp_path / kind).read_bytes())
+    assert found[0] == found[1] == found[2] and found[0].count(b"\n") > 1500
+    status, _ = report(tmp_path, logs / "bus.blf")
+    assert not status
+
+
+def change(path, to, edit):
+    to.write_bytes(edit(path.read_bytes()))
+    return to
+
+
+BAD = {
+    "no such file": ("there.csv", None, None),
+    "no input column": ("x.csv", "train.csv", lambda b: b"\n".join(
+        b",".join(line.split(b",")[:10]) for line in b.splitlines())),
+    "not a finite number": ("x.csv", "train.csv",
+                            lambda b: b.replace(b"\n0.220000,", b"\nnan,", 1)),
+    "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
+        line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
+        for line in b.splitlines())),
+    "the row ends": ("x.csv", "train.csv", lambda b: b[:50000]),
+    "cut off": ("x.log", "bus.log", lambda b: b[:100000]),
+    "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
+    "x.blf: is cut off": ("x.blf", "bus.blf", lambda b: b[:-2000]),
+    "cannot be read as blf": ("x.blf", "bus.log", lambda b: b),
+    "no frame of auvid": ("x.log", "bus.log", lambda b: b"(1.000000) can0 123#11223344\n"),
+}
+
+
+@pytest.mark.parametrize("words", BAD)
+def test_a_bad_log_is_told_of_in_one_line_with_exit_status_2(words, logs, tmp_path, capsys):
+    name, source, edit = BAD[words]
+    path = change(logs / source, tmp_path / name, edit) if source else tmp_path / name
+    status, _ = report(tmp_path / "out", path)
+    error = capsys.readouterr().err
+    assert status == 2 and error.count("\n") == 1 and words in error and name in error
+
+
+def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
+    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"\n".join(b.splitlines()[:6]))
+    status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
+    assert status == 2 and "s.csv: too short" in capsys.readouterr().err
+
+
+def test_both_needs_two_logs(logs, tmp_path, capsys):
+    assert report(tmp_path, logs / "train.csv", "--both")[0] == 2
+
+
+def test_white_noise_is_white_and_what_lasts_is_not():
+    noise = np.random.default_rng(1).standard_normal((200, 400))
+    false = sum(whiteness(one)["p"] < 0.05 for one in noise)
+    assert 2 <= false <= 20  # 10 +- 3 standard deviations
+    assert whiteness(noise[0, 1:] + 0.5 * noise[0, :-1])["p"] < 1e-3
+    assert whiteness(np.zeros(400)) is None
+
+
+def test_a_velocity_without_a_model_is_taken_from_the_record_and_a_gap_begins_anew(logs):
+    log = Log(logs / "train.csv")
+    log.t = log.t + (np.arange(len(log.t)) > 1000)
+    parameters = [{"name": name, "estimate": value} for name, value in
+                  (("m_u", 250.0), ("X_u", -42.0), ("X_uu", -125.0))]
+    found = {"model": "Girona500, decoupled", "parameters": parameters,
+             "delay_s": dict.fromkeys("XYZN")}
+    out = Model(found, log).whole()
+    assert np.array_equal(out[:, 1:], log.velocity[:, 1:])
+    assert np.array_equal(out[[0, 1001], 0], log.velocity[[0, 1001], 0])
+    assert not np.array_equal(out[:, 0], log.velocity[:, 0])
+
+
+@pytest.mark.skipif(not (TANK / "run_a.csv").exists(), reason="no tank data")
+def test_the_tank_data_both_directions(tmp_path):
+    status, path = report(tmp_path, TANK / "run_a.csv", "--validate", TANK / "run_b.csv", "--both",
+                          "--bias")
+    assert not status
+    # least squares of the same model, each axis alone, with a bias
+    for one, reached in zip(json.loads(path.read_text()),
+                            ((0.956, 0.946, 0.908), (0.90, 0.90, 0.86))):
+        for symbol, baseline in zip("uvw", reached):
+            assert one["fit"]["r2_validation"][symbol] > baseline - 0.04
+            assert abs(one["judged"]["r2"][symbol] - one["fit"]["r2_validation"][symbol]) < 0.01
+
+
+def test_the_papers_experiment_in_short(tmp_path, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["paper", "--sets", "4", "--validations", "2", "--starts", "1", "--out",
+              str(tmp_path)])
+    assert not end.value.code and "PASS" in capsys.readouterr().out
+    numbers = json.loads((tmp_path / "paper.json").read_text())
+    assert numbers["r2"]["largest_gap"] <= 0.002
+    assert numbers["rms_percent"]["auvid"] < 4 < numbers["rms_percent"]["literal"]
+    assert {p.stem for p in tmp_path.glob("*.png")} == {"velocities", "convergence", "cost",
+                                                        "initialisation"}
+
+
+@pytest.mark.parametrize("arguments", [
+    ("paper", "--sets", "1"), ("paper", "--seed", "-1"), ("paper", "--out", "/dev/null/there"),
+    ("paper", "--disturbance", "-1"), ("paper", "--sets", "100"), ("report",),
+])
+def test_bad_options_are_told_in_one_line(arguments, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("AUVID_ROOT", str(root()))
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2 and capsys.readouterr().err.count("\n") == 1
