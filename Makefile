@@ -43,7 +43,9 @@ WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
 export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh \
-    tests/can/test_*.sh tests/validation/test_*.sh))
+    tests/can/test_*.sh))
+# Python and its packages are fetched for the long form alone, and for `make validate`.
+VALIDATION_SCRIPTS := $(wildcard tests/validation/test_*.sh)
 # Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
@@ -131,9 +133,10 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
-	    $(SCRIPTS) $(TEST_PROGRAMS)
+	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS)
 
-test test-long: $(CAN_LIBRARIES) $(VALIDATION_LIBRARIES) $(VCAN_PROGRAMS)
+test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
+test-long: $(VALIDATION_LIBRARIES)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
@@ -174,7 +177,7 @@ fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
 setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
-	@tests/support/setup.sh test can firmware validate
+	@tests/support/setup.sh test can firmware $(if $(filter test-long,$(MAKECMDGOALS)),validate)
 	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
 
 firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU

@@ -13,8 +13,8 @@
  * without regressor the delay is one more parameter of the search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
- * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, of about
- * 250 instructions of a Cortex-M4F each: a row of a triangle, a trial point (rejected ones count
+ * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, each of
+ * about 250 instructions of a Cortex-M4F: a row of a triangle, a trial point (rejected ones count
  * too), a stored sample put through the user's model. To begin a search, m n random numbers, is
  * 100.
  * Memory: sizeof(auvid_identifier_t), all there is.
