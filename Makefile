@@ -51,6 +51,8 @@ SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
+# Of these, what takes minutes of a machine's clock is left to the long form and `make test-vcan`.
+VCAN_SHORT := $(filter-out %/test_netem.sh %/test_faults.sh %/test_controllers.sh,$(VCAN_SCRIPTS))
 # What runs on emulated microcontrollers: see port/cortex_m/README.md.
 BOARD := port/cortex_m/board.sh
 BOARDS := $(shell $(BOARD) list)
@@ -129,7 +131,7 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
+	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (quarter of an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
