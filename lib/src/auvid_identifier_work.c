@@ -108,9 +108,6 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 /* The sets are together: search anew, or go on with costs evaluated again. */
 static auvid_status_t after_merge(auvid_identifier_t *id)
 {
-    if (auvid_metric_active(&id->metric) == 0) {
-        return AUVID_ERR_NO_DATA; /* what is driven has no free parameter */
-    }
     if (id->searching && id->active == auvid_metric_searched(&id->metric)) {
         return auvid_optimizer_reevaluate(&id->optimizer);
     }
@@ -212,7 +209,6 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
         }
     }
     if (status < 0) {
-        id->events |= AUVID_EVENT_NOT_DRIVEN;
         id->searching = false;
         id->phase = AUVID_WORK_IDLE;
     }

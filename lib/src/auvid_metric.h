@@ -60,6 +60,9 @@ static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
     return (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6) * (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
 }
 
+/** Free parameters of these DoF: bit i. */
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t driven);
+
 /** Weights of the wrench at those delays for a delay, or a first-order lag, of s distances. */
 void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);
 

@@ -195,16 +195,20 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     return AUVID_OK;
 }
 
-uint32_t auvid_metric_active(const auvid_metric_t *metric)
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t driven)
 {
-    uint32_t active = 0;
-    for (int i = 0; metric != NULL && i < metric->cfg.vehicle->parameters; ++i) {
-        bool free = metric->cfg.free == 0 || (metric->cfg.free >> i & 1u) != 0;
-        if (free && (metric->driven >> metric->cfg.vehicle->parameter[i].dof & 1)) {
-            active |= 1u << i;
+    uint32_t free = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        if (driven >> m->cfg.vehicle->parameter[i].dof & 1) {
+            free |= 1u << i;
         }
     }
-    return active;
+    return m->cfg.free == 0 ? free : free & m->cfg.free;
+}
+
+uint32_t auvid_metric_active(const auvid_metric_t *metric)
+{
+    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->driven);
 }
 
 uint32_t auvid_metric_searched(const auvid_metric_t *metric)

@@ -253,10 +253,11 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
                       set->tau_m2[j] > least * least * (auvid_real_t)set->rows;
         set->driven = (uint8_t)(set->driven | (unsigned)driven << j);
     }
+    bool kept = auvid_metric_free_of(metric, set->driven) != 0;
     ++metric->sets_recorded;
-    metric->current = (uint8_t)((metric->current + 1) % (metric->cfg.sets + 1));
+    metric->current = (uint8_t)((metric->current + kept) % (metric->cfg.sets + 1));
     memset(&metric->set[metric->current], 0, sizeof metric->set[0]);
-    return AUVID_SET_COMPLETE;
+    return kept ? AUVID_SET_COMPLETE : AUVID_SET_IDLE;
 }
 
 /* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */

@@ -16,6 +16,7 @@ static const char *const news[] = {
     [AUVID_SATURATED] = "limited to what the thrusters can give, or a frame can carry",
     [AUVID_CAPPED] = "stopped at a cap before its own criterion was met",
     [AUVID_TICK] = "a control tick has opened",
+    [AUVID_SET_IDLE] = "a data set was closed and left out: nothing free was driven in it",
 };
 static const char *const errors[] = {
     [-AUVID_ERR_NULL] = "a required pointer is null",

@@ -556,7 +556,8 @@ static void test_ticks_left_out_for_5_s_are_a_gap(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_GAP, chain.events & AUVID_EVENT_GAP);
     chain_run(&chain, 55.0);
     finish(&chain);
-    TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.id.guard.state); /* what follows is idle */
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.sets);
     check_masses(&chain);
 }
 
@@ -587,20 +588,41 @@ static void test_a_set_may_be_closed_early(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_ESTIMATE, chain.out.events);
 }
 
+/* One more set is recorded, and left out. */
+static void check_idle_set(void)
+{
+    uint32_t number = chain.id.estimate.number;
+    do {
+        chain_tick(&chain);
+    } while (!(chain.out.events & AUVID_EVENT_SET));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_NOT_DRIVEN, chain.out.events);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 1000));
+    TEST_ASSERT_EQUAL_UINT32(number, chain.id.estimate.number);
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.out.events);
+}
+
 static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
 {
     auvid_excitation_defaults(&config.id.excitation); /* hovers */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    while (!(chain.events & AUVID_EVENT_SET)) {
-        chain_tick(&chain);
+    check_idle_set();
+    chain_run(&chain, 25.0);
+    TEST_ASSERT_EQUAL(AUVID_SET_IDLE, auvid_identifier_close(&chain.id));
+}
+
+static void test_an_idle_vehicle_keeps_what_it_has_learnt(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    chain_run(&chain, 40.0); /* the set in which the excitation ends */
+    finish(&chain);
+    for (int k = 0; k <= AUVID_MAX_SETS; ++k) {
+        check_idle_set();
     }
-    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_work(&chain.id, 1000));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 1000));
-    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
-    chain_tick(&chain);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_NOT_DRIVEN, chain.out.events);
-    chain_tick(&chain);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.out.events);
+    auvid_metric_merge_begin(&chain.id.metric);
+    uint32_t budget = UINT32_MAX;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&chain.id.metric, &budget));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, auvid_metric_active(&chain.id.metric));
 }
 
 static void test_drive_without_a_free_parameter_is_not_searched(void)
@@ -610,15 +632,7 @@ static void test_drive_without_a_free_parameter_is_not_searched(void)
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[0].dof);
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[1].dof);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    while (!(chain.events & AUVID_EVENT_SET)) {
-        chain_tick(&chain);
-    }
-    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_work(&chain.id, 10000));
-    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, chain.id.metric.driven);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 10000));
-    chain_tick(&chain);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_NOT_DRIVEN, chain.out.events);
-    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+    check_idle_set();
 }
 
 /* ---- configurations that are refused ---- */
@@ -1003,6 +1017,7 @@ int main(void)
     RUN_TEST(test_an_empty_set_cannot_be_closed);
     RUN_TEST(test_a_set_may_be_closed_early);
     RUN_TEST(test_sets_in_which_nothing_is_driven_are_not_searched);
+    RUN_TEST(test_an_idle_vehicle_keeps_what_it_has_learnt);
     RUN_TEST(test_drive_without_a_free_parameter_is_not_searched);
     RUN_TEST(test_bounds_reversed_or_equal_are_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);

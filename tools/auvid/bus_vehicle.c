@@ -103,6 +103,7 @@ int bus_vehicle(const options_t *options)
     cfg.sim.disturbance_N = options->disturbance_N;
     cfg.sim.disturbance_Nm = 0.4 * options->disturbance_N;
     cfg.no_arm = options->no_arm;
+    cfg.arm_again = options->arm_again;
     run->options = options;
     int status = craft_init(&run->craft, &cfg)
                      ? link_open(&run->link, "vehicle", options)

@@ -66,6 +66,7 @@ static const char help[] =
     "  --bus IF, --seed N, --disturbance N, --realtime   as above\n"
     "  --lock-step        go on when the node has done its tick, not after 20 ms\n"
     "  --no-arm           nobody arms the node; default: a second after it navigates\n"
+    "  --arm-again        after an abort it is disarmed, and armed a second later\n"
     "  --speed K          simulated time goes K times as fast as the clock; default 1\n"
     "  It ends when the node has been silent for 2 s.\n"
     "\n"

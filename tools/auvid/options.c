@@ -265,6 +265,9 @@ static int vehicle_option(reader_t *r, options_t *options)
     if (is(r, "--no-arm")) {
         return take_flag(r, &options->no_arm);
     }
+    if (is(r, "--arm-again")) {
+        return take_flag(r, &options->arm_again);
+    }
     if (is(r, "--speed")) {
         return take_count32(r, 1, 20, &options->speed);
     }

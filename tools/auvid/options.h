@@ -41,6 +41,7 @@ typedef struct {
     bool lock_step;
     bool realtime;
     bool no_arm;
+    bool arm_again;
     uint32_t speed; /**< vehicle: its time goes so many times as fast; default 1 */
 } options_t;
 

@@ -42,6 +42,7 @@ bool craft_init(craft_t *craft, const craft_config_t *config)
 {
     memset(craft, 0, sizeof *craft);
     craft->no_arm = config->no_arm;
+    craft->arm_again = config->arm_again;
     return sim_init(&craft->sim, &config->sim) && init_hover(craft) &&
            auvid_can_sender_init(&craft->sender, NULL) >= 0 &&
            auvid_can_command_init(&craft->command, SIM_THRUSTERS, NULL) >= 0;
@@ -195,9 +196,11 @@ static void send_orders(sending_t *s)
     craft_t *craft = s->craft;
     craft->ticks_navigated += craft->navigates;
     bool due = craft->ticks_navigated > 0 && craft->ticks_navigated % SECOND == 0;
-    if (craft->order_arm || (due && !craft->armed && !craft->no_arm)) {
+    bool aborted = craft->arm_again && craft->guard == AUVID_GUARD_ABORTED;
+    craft->armed = craft->armed && !(craft->arm_again && craft->guard == AUVID_GUARD_DISARMED);
+    if (craft->order_arm || (due && !craft->no_arm && (!craft->armed || aborted))) {
         auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
-        m.as.arm.action = AUVID_CAN_ACTION_ARM;
+        m.as.arm.action = aborted ? AUVID_CAN_ACTION_DISARM : AUVID_CAN_ACTION_ARM;
         m.as.arm.key = AUVID_CAN_ARM_KEY;
         send(s, &m);
     }

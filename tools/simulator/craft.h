@@ -24,7 +24,8 @@ enum { CRAFT_FRAMES = 12 };
 
 typedef struct {
     sim_config_t sim;
-    bool no_arm; /**< nobody arms the node */
+    bool no_arm;    /**< nobody arms the node */
+    bool arm_again; /**< after an abort the operator disarms, and arms a second later */
 } craft_config_t;
 
 typedef struct {
@@ -46,7 +47,8 @@ typedef struct {
     double estimate[SIM_PARAMETERS]; /**< told by the node last */
     double sigma[SIM_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;              /**< bit i: it has told parameter i */
-    bool navigates, no_arm, armed;   /* the guard has left DISARMED */
+    bool no_arm, arm_again;          /* of the configuration */
+    bool navigates, armed;           /* the guard has left DISARMED */
     bool commanded;                  /**< commanded thrust acted in the last tick */
     bool order_arm, order_abort;     /**< written by the operator: goes out with the next tick */
 } craft_t;

@@ -153,8 +153,8 @@ enum {
     AUVID_EVENT_VELOCITY_STALE = 1u << 6,    /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,               /**< the record was broken and started anew */
     AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,        /**< no DoF with a free parameter is driven in the
-                                              ring's sets: nothing to search */
+    AUVID_EVENT_NOT_DRIVEN = 1u << 9,        /**< no DoF with a free parameter was driven in
+                                              the set: it is left out, the estimate stays */
     AUVID_EVENT_ESTIMATE = 1u << 10,         /**< a search has ended: there is a new estimate */
     AUVID_EVENT_EXCITATION_DONE = 1u << 11,  /**< the excitation's run came to its end */
     AUVID_EVENT_ALTITUDE_DROPPED = 1u << 12, /**< sample refused: not finite, negative, not newer
@@ -351,8 +351,8 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 
 /** Complete the data set under way, at the end of a dive or log.
- * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA
- * (it is empty). */
+ * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (left out: see AUVID_EVENT_NOT_DRIVEN);
+ * AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (it is empty). */
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 
 /** Hand every further cell of the record to a comparison (null: no more). It is not copied. */
@@ -361,8 +361,7 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 /** Optimize with what time is left.
  * @param budget units of work; 0 does nothing
  * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used
- * up); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no DoF with a free
- * parameter is driven in the ring's sets; once for each set; also AUVID_EVENT_NOT_DRIVEN). */
+ * up); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
 
 #ifdef __cplusplus

@@ -30,7 +30,8 @@
  * and commands, is searched together with the parameters.
  *
  * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
- * (they would pull its parameters to zero with a small formal error).
+ * (they would pull its parameters to zero with a small formal error). A set in which no DoF with a
+ * free parameter is driven does not enter the ring: an idle vehicle keeps what it has learnt.
  *
  * Called by the identifier: `add` and `gap` from the control tick, the rest from work().
  * Cost: add, Girona500: 0.4k multiplications a cell, and four rows of Givens rotations every
@@ -204,16 +205,17 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
 
 /** Take the next cell of an unbroken record.
  * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
- * under way is void); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell ignored: the record has a hole
- * now, say `gap`). Rows in which the model's regressor is not finite, or beyond 1e15, are left out
- * and not counted. Cost: see above. */
+ * under way is void); AUVID_SET_IDLE (the ring is as before); AUVID_ERR_NULL;
+ * AUVID_ERR_NOT_FINITE (cell ignored: the record has a hole now, say `gap`). Rows in which the
+ * model's regressor is not finite, or beyond 1e15, are left out and not counted. Cost: above. */
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
 
 /** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
 void auvid_metric_gap(auvid_metric_t *metric);
 
 /** Complete the set early.
- * @return AUVID_SET_COMPLETE; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has no row: nothing done). */
+ * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (see add); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has
+ * no row: nothing done). */
 auvid_status_t auvid_metric_close(auvid_metric_t *metric);
 
 /** Forget the completed set recorded `age` sets ago (0: the last). Merge afterwards.

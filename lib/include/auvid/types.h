@@ -74,6 +74,8 @@ typedef enum {
     AUVID_SATURATED = 8,     /**< limited to what the thrusters can give, or a frame can carry */
     AUVID_CAPPED = 9,        /**< stopped at a cap before its own criterion was met */
     AUVID_TICK = 10,         /**< a control tick has opened: step */
+    AUVID_SET_IDLE = 11,     /**< a data set was closed and left out: no DoF with a free parameter
+                                  was driven in it */
     AUVID_ERR_NULL = -1,     /**< a required pointer is null */
     AUVID_ERR_NOT_FINITE = -2,  /**< a value is NaN or infinite */
     AUVID_ERR_TIME_BACK = -3,   /**< time went back */
