@@ -78,12 +78,6 @@ auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t li
     return AUVID_OK;
 }
 
-auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
-{
-    uint64_t us = b_us - a_us;
-    return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
-}
-
 /* Digit by digit: the quotient moves into n from the right as n moves out to the left. */
 uint64_t auvid_divide(uint64_t n, uint64_t d)
 {
@@ -196,7 +190,7 @@ static inline auvid_real_t reduce(auvid_real_t x, int32_t n)
 /* Is x where the reduction holds? False for NaN too. */
 static inline bool in_range(auvid_real_t x)
 {
-    return x >= AUVID_C(-10000.0) && x <= AUVID_C(10000.0);
+    return auvid_abs(x) <= AUVID_C(10000.0);
 }
 
 /* What a function returns where its argument has no meaning: the next is_finite() finds it. */
@@ -206,17 +200,22 @@ static auvid_real_t not_a_number(void)
     return zero / zero;
 }
 
+/* sin and cos of r, |r| <= pi/4 and its rounding */
+AUVID_INLINE void sincos_near(auvid_real_t r, auvid_real_t *sin_r, auvid_real_t *cos_r)
+{
+    auvid_real_t z = r * r;
+    *sin_r = r + r * z * polynomial(sin_c, COUNT(sin_c), z);
+    *cos_r = AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+}
+
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
     auvid_real_t s = not_a_number();
     auvid_real_t c = s;
     if (in_range(x)) {
         int32_t n = nearest(x * AUVID_C(0.63661977236758134308));
-        auvid_real_t r = n != 0 ? reduce(x, n) : x;
-        auvid_real_t z = r * r;
-        auvid_real_t sr = r + r * z * polynomial(sin_c, COUNT(sin_c), z);
-        auvid_real_t cr =
-            AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+        auvid_real_t r = n != 0 ? reduce(x, n) : x, sr, cr;
+        sincos_near(r, &sr, &cr);
         uint32_t quadrant = (uint32_t)n & 3u;
         s = (quadrant & 1u) != 0u ? cr : sr;
         c = (quadrant & 1u) != 0u ? sr : cr;
@@ -279,11 +278,21 @@ auvid_real_t auvid_wrap_pi(auvid_real_t x)
     return auvid_clamp(r, -AUVID_PI, AUVID_PI);
 }
 
+/* auvid_sincos() of what is small most of the time; where it is, without a call. */
+AUVID_INLINE void sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
+{
+    if (auvid_abs(x) < AUVID_C(0.785)) {
+        sincos_near(x, sin_x, cos_x);
+    } else {
+        auvid_sincos(x, sin_x, cos_x);
+    }
+}
+
 void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3])
 {
     auvid_real_t sf, cf, st, ct, sp, cp;
-    auvid_sincos(phi, &sf, &cf);
-    auvid_sincos(theta, &st, &ct);
+    sincos_small(phi, &sf, &cf);
+    sincos_small(theta, &st, &ct);
     auvid_sincos(psi, &sp, &cp);
     r[0][0] = cp * ct;
     r[0][1] = cp * st * sf - sp * cf;

@@ -17,6 +17,13 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
+/* For the few lines that the cost of a tick is made of, unless a small program is wanted. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
+#define AUVID_INLINE static inline __attribute__((always_inline))
+#else
+#define AUVID_INLINE static inline
+#endif
+
 /* +0 for both zeros. */
 static inline auvid_real_t auvid_abs(auvid_real_t x)
 {
@@ -46,7 +53,11 @@ auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t li
 
 /** From a to b, which is not before a [s]: formed in integers, exact to the rounding of one
  * conversion, at most 2147 s. */
-auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us);
+static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
+{
+    uint64_t us = b_us - a_us;
+    return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
+}
 
 /** n / d, rounded down; d in 1..2^63. For rare use: a compiler's own weighs ten times as much. */
 uint64_t auvid_divide(uint64_t n, uint64_t d);

@@ -148,8 +148,8 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
 }
 
 /* Row i of t R, N and Ppv, and the position; a: A, its upper half. */
-NAV_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
-                            const auvid_real_t quarter[3], auvid_real_t tr[3], auvid_real_t n[3])
+AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
+                              const auvid_real_t quarter[3], auvid_real_t tr[3], auvid_real_t n[3])
 {
     auvid_real_t x = t * nav->rotation[i][0];
     auvid_real_t y = t * nav->rotation[i][1];
@@ -192,8 +192,11 @@ static void predict(auvid_nav_t *nav, auvid_real_t t)
 }
 
 /* Whole turns that psi left behind when it jumped by more than half a turn. */
-static int32_t jumped_turns(auvid_real_t from, auvid_real_t to)
+static inline int32_t jumped_turns(auvid_real_t from, auvid_real_t to)
 {
+    if (auvid_abs(from - to) < AUVID_C(3.0)) {
+        return 0;
+    }
     auvid_real_t turns = (from - to) * (AUVID_C(0.5) / AUVID_PI);
     return (int32_t)(turns + (turns < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }

@@ -8,13 +8,6 @@
 #include "auvid/nav.h"
 #include "auvid_math.h"
 
-/* For the few lines that the cost of a tick is made of, unless a small program is wanted. */
-#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
-#define NAV_INLINE static inline __attribute__((always_inline))
-#else
-#define NAV_INLINE static inline
-#endif
-
 /* auvid_nav_t.ready */
 enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 
@@ -31,13 +24,13 @@ static inline void nav_count(uint16_t *counter)
     *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
 }
 
-NAV_INLINE auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
+AUVID_INLINE auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* y += a x */
-NAV_INLINE void nav_add(auvid_real_t y[3], auvid_real_t a, const auvid_real_t x[3])
+AUVID_INLINE void nav_add(auvid_real_t y[3], auvid_real_t a, const auvid_real_t x[3])
 {
     y[0] += a * x[0];
     y[1] += a * x[1];
@@ -46,7 +39,7 @@ NAV_INLINE void nav_add(auvid_real_t y[3], auvid_real_t a, const auvid_real_t x[
 
 /** AUVID_OK when the length of x is at most `limit`, else AUVID_ERR_NOT_FINITE or
  * AUVID_ERR_RANGE. */
-NAV_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t limit)
+AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t limit)
 {
     if (nav_dot(x, x) <= limit * limit) {
         return AUVID_OK;
@@ -63,7 +56,7 @@ static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
 
 /** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
  * exact while |position| >= |step|; else the loss is a rounding of step, once). */
-NAV_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
+AUVID_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
     auvid_real_t d = nav->residue[axis] + step;
     auvid_real_t sum = nav->position[axis] + d;
@@ -79,12 +72,60 @@ typedef struct {
     uint8_t first;    /* position: axis of the first */
     bool is_velocity; /* else position */
     bool directed;    /* velocity along the rows of h, else along the body's axes */
-    bool clean;       /* nothing entered the filter since it was taken */
     uint8_t outside;  /* bit j: scalar j is outside the gate and enters all the same */
     auvid_real_t age; /* [s] */
     auvid_real_t z[3];
     auvid_real_t h[3][3];
 } auvid_nav_measurement_t;
+
+/* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
+ * must stay well above the rounding of P. It acts as a larger R. */
+#define NAV_SMALLEST_REST (AUVID_C(16.0) * AUVID_EPSILON)
+
+/* S, of what H P H' is once the noise since is out of it. */
+AUVID_INLINE auvid_real_t nav_variance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
+                                       auvid_real_t hph)
+{
+    auvid_real_t r = nav->r[m->sensor], least = NAV_SMALLEST_REST * hph;
+    return hph + (r > least ? r : least);
+}
+
+/* y = s x, s a symmetric block */
+AUVID_INLINE void nav_times(const auvid_real_t s[6], const auvid_real_t x[3], auvid_real_t y[3])
+{
+    y[0] = s[0] * x[0] + s[1] * x[1] + s[2] * x[2];
+    y[1] = s[1] * x[0] + s[3] * x[1] + s[4] * x[2];
+    y[2] = s[2] * x[0] + s[4] * x[1] + s[5] * x[2];
+}
+
+/* P -= k c' of a symmetric block */
+AUVID_INLINE void nav_subtract(auvid_real_t p[6], const auvid_real_t k[3], const auvid_real_t c[3])
+{
+    p[0] -= k[0] * c[0];
+    p[1] -= k[0] * c[1];
+    p[2] -= k[0] * c[2];
+    p[3] -= k[1] * c[1];
+    p[4] -= k[1] * c[2];
+    p[5] -= k[2] * c[2];
+}
+
+/* Eq. 6 for one scalar of variance s and covariance c with the state; returns nu^2 / s. Position is
+ * moved through its residue, which the next prediction carries over. */
+AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s,
+                                auvid_real_t nu)
+{
+    auvid_real_t inverse = AUVID_C(1.0) / s;
+    const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
+                               c[3] * inverse, c[4] * inverse, c[5] * inverse};
+    nav_subtract(nav->pp, k, c);
+    nav_subtract(nav->vv, k + 3, c + 3);
+    nav_add(nav->pv[0], -k[0], c + 3);
+    nav_add(nav->pv[1], -k[1], c + 3);
+    nav_add(nav->pv[2], -k[2], c + 3);
+    nav_add(nav->residue, nu, k);
+    nav_add(nav->velocity, nu, k + 3);
+    return nu * nu * inverse;
+}
 
 /** The sample of t_us has passed. */
 static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
@@ -101,7 +142,7 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 /** auvid_nav_look(), the gate, and the way out of it: AUVID_OK or AUVID_GATED. */
 auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
-/** Eq. 6 for a sample that auvid_nav_pass() let in. */
+/** Eq. 6 for a sample that auvid_nav_pass() let in, one scalar after the other. */
 void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
 /** Move one axis of the position by `step` and give it a variance, whatever was known of it. */

@@ -25,21 +25,10 @@
 
 #include "auvid_nav_private.h"
 
-/* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
- * must stay well above the rounding of P. It acts as a larger R. */
-#define SMALLEST_REST (AUVID_C(16.0) * AUVID_EPSILON)
 /* Other sensors may have told of w since, and then H P H' is less than h'm; taking all but a fifth
  * of it for noise keeps S a fair variance of nu (with 0.99, a quarter of DVL samples 0.4 s late
  * fell to the gate) and the gain near one. */
 #define LARGEST_BETA AUVID_C(0.8)
-
-/* y = s x, s a symmetric block */
-NAV_INLINE void times(const auvid_real_t s[6], const auvid_real_t x[3], auvid_real_t y[3])
-{
-    y[0] = s[0] * x[0] + s[1] * x[1] + s[2] * x[2];
-    y[1] = s[1] * x[0] + s[3] * x[1] + s[4] * x[2];
-    y[2] = s[2] * x[0] + s[4] * x[1] + s[5] * x[2];
-}
 
 /* P H' of a velocity along h; returns H P H'. */
 static auvid_real_t along(const auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t c[6])
@@ -47,7 +36,7 @@ static auvid_real_t along(const auvid_nav_t *nav, const auvid_real_t h[3], auvid
     c[0] = nav_dot(nav->pv[0], h);
     c[1] = nav_dot(nav->pv[1], h);
     c[2] = nav_dot(nav->pv[2], h);
-    times(nav->vv, h, c + 3);
+    nav_times(nav->vv, h, c + 3);
     return nav_dot(h, c + 3);
 }
 
@@ -82,7 +71,7 @@ static auvid_real_t position_innovation(const auvid_nav_t *nav, int i, auvid_rea
 }
 
 /* How many scalars; never more than three, here for all to see. */
-NAV_INLINE int scalars(const auvid_nav_measurement_t *m)
+AUVID_INLINE int scalars(const auvid_nav_measurement_t *m)
 {
     return m->n < 3 ? m->n : 3;
 }
@@ -104,13 +93,6 @@ static auvid_real_t noise_since(const auvid_nav_t *nav, auvid_real_t age, const 
         m[k] = age * nav->q[k] * h[k];
     }
     return nav_dot(m, h);
-}
-
-/* S, of what H P H' is once the noise since is out of it. */
-static auvid_real_t variance_of(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
-                                auvid_real_t hph)
-{
-    return hph + auvid_max(nav->r[m->sensor], SMALLEST_REST * hph);
 }
 
 /* Is c' P^-1 c < s, so that P - c c'/s is positive definite? P = L D L', y = L^-1 c. */
@@ -135,7 +117,7 @@ static bool is_possible(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_r
             }
         }
     }
-    return sum < s * (AUVID_C(1.0) - SMALLEST_REST);
+    return sum < s * (AUVID_C(1.0) - NAV_SMALLEST_REST);
 }
 
 /* P H' and H P H' of a velocity with the noise since the sample taken out. */
@@ -146,7 +128,7 @@ static auvid_real_t late_velocity(const auvid_nav_t *nav, const auvid_nav_measur
     const auvid_real_t *h = direction(m, j);
     auvid_real_t hph = along(nav, h, c);
     auvid_real_t variance = noise_since(nav, m->age, h, noise);
-    if (m->clean && hph > variance) {
+    if (m->t_us >= nav->touched_us && hph > variance) {
         for (int k = 0; k < 3; ++k) {
             exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
             exact[3 + k] = c[3 + k] - noise[k];
@@ -163,37 +145,6 @@ static auvid_real_t late_velocity(const auvid_nav_t *nav, const auvid_nav_measur
     return hph * rest;
 }
 
-/* P -= k c' of a symmetric block */
-NAV_INLINE void subtract(auvid_real_t p[6], const auvid_real_t k[3], const auvid_real_t c[3])
-{
-    p[0] -= k[0] * c[0];
-    p[1] -= k[0] * c[1];
-    p[2] -= k[0] * c[2];
-    p[3] -= k[1] * c[1];
-    p[4] -= k[1] * c[2];
-    p[5] -= k[2] * c[2];
-}
-
-/* Eq. 6 for one scalar of variance s and covariance c with the state; returns nu^2 / s. Position is
- * moved through its residue, which the next prediction carries over. */
-static auvid_real_t apply(auvid_nav_t *nav, const auvid_real_t covariance[6], auvid_real_t s,
-                          auvid_real_t nu)
-{
-    auvid_real_t inverse = AUVID_C(1.0) / s;
-    const auvid_real_t c[6] = {covariance[0], covariance[1], covariance[2],
-                               covariance[3], covariance[4], covariance[5]}; /* into registers */
-    const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
-                               c[3] * inverse, c[4] * inverse, c[5] * inverse};
-    subtract(nav->pp, k, c);
-    subtract(nav->vv, k + 3, c + 3);
-    nav_add(nav->pv[0], -k[0], c + 3);
-    nav_add(nav->pv[1], -k[1], c + 3);
-    nav_add(nav->pv[2], -k[2], c + 3);
-    nav_add(nav->residue, nu, k);
-    nav_add(nav->velocity, nu, k + 3);
-    return nu * nu * inverse;
-}
-
 /* Scalar j enters by itself. */
 static auvid_real_t enter_one(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
@@ -207,59 +158,7 @@ static auvid_real_t enter_one(auvid_nav_t *nav, const auvid_nav_measurement_t *m
         hph = position_of(nav, i, m->age, c);
         nu = position_innovation(nav, i, m->age, m->z[j]);
     }
-    return apply(nav, c, variance_of(nav, m, hph), nu);
-}
-
-/*
- * All of a present velocity at once: H = [0 I], R = r I, S = Pvv + r I. With W = Ppv S^-1
- *
- *     e = S^-1 nu,   p += Ppv e,   v += nu - r e
- *     Ppp -= W Ppv',   Ppv = r W,   Pvv = r Pvv S^-1
- *
- * the same as three scalars for two thirds of the work; S^-1 by S = L D L', L^-1 = [1; a 1; b c 1].
- */
-static auvid_real_t enter_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
-{
-    const auvid_real_t *v = nav->vv;
-    auvid_real_t r = nav->r[m->sensor];
-    auvid_real_t d0 = AUVID_C(1.0) / (v[0] + r);
-    auvid_real_t a = -v[1] * d0, l2 = v[2] * d0;
-    auvid_real_t d1 = AUVID_C(1.0) / (v[3] + r + a * v[1]);
-    auvid_real_t s = v[4] + a * v[2], c = -s * d1;
-    auvid_real_t d2 = AUVID_C(1.0) / (v[5] + r - l2 * v[2] + c * s);
-    auvid_real_t b = c * a - l2;
-    auvid_real_t bd = b * d2, cd = c * d2, ad = a * d1;
-    const auvid_real_t inverse[6] = {d0 + a * ad + b * bd, ad + c * bd, bd, d1 + c * cd, cd, d2};
-    const auvid_real_t nu[3] = {m->z[0] - nav->velocity[0], m->z[1] - nav->velocity[1],
-                                m->z[2] - nav->velocity[2]};
-    auvid_real_t e[3], w[3][3], q[3][3];
-    times(inverse, nu, e);
-    for (int i = 0; i < 3; ++i) {
-        times(inverse, nav->pv[i], w[i]);
-        nav->residue[i] += nav_dot(nav->pv[i], e);
-        nav->velocity[i] = m->z[i] - r * e[i];
-    }
-    nav->pp[0] -= nav_dot(w[0], nav->pv[0]);
-    nav->pp[1] -= nav_dot(w[0], nav->pv[1]);
-    nav->pp[2] -= nav_dot(w[0], nav->pv[2]);
-    nav->pp[3] -= nav_dot(w[1], nav->pv[1]);
-    nav->pp[4] -= nav_dot(w[1], nav->pv[2]);
-    nav->pp[5] -= nav_dot(w[2], nav->pv[2]);
-    for (int i = 0; i < 3; ++i) {
-        nav->pv[i][0] = r * w[i][0];
-        nav->pv[i][1] = r * w[i][1];
-        nav->pv[i][2] = r * w[i][2];
-    }
-    const auvid_real_t rows[2][3] = {{v[0], v[1], v[2]}, {v[1], v[3], v[4]}};
-    times(inverse, rows[0], q[0]);
-    times(inverse, rows[1], q[1]);
-    nav->vv[5] = r * (v[2] * inverse[2] + v[4] * inverse[4] + v[5] * inverse[5]);
-    nav->vv[0] = r * q[0][0];
-    nav->vv[1] = r * q[0][1];
-    nav->vv[2] = r * q[0][2];
-    nav->vv[3] = r * q[1][1];
-    nav->vv[4] = r * q[1][2];
-    return nav_dot(nu, e);
+    return nav_apply(nav, c, nav_variance(nav, m, hph), nu);
 }
 
 /* Innovation j; returns its H P H', a velocity's with the noise since the sample taken out. */
@@ -282,8 +181,8 @@ static auvid_real_t innovation_of(const auvid_nav_t *nav, const auvid_nav_measur
 }
 
 /* Write innovation j down; returns its bit if it is outside the gate. */
-NAV_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
-                         auvid_real_t gate)
+AUVID_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
+                           auvid_real_t gate)
 {
     auvid_real_t ratio = nu * nu / s;
     d->innovation[j] = nu;
@@ -294,28 +193,14 @@ NAV_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auv
     return ratio > gate ? 1u << j : 0u;
 }
 
-/* Can the sample enter by enter_velocity()? */
-NAV_INLINE bool is_plain(const auvid_nav_measurement_t *m)
-{
-    return m->is_velocity && !m->directed && !(m->age > AUVID_C(0.0));
-}
-
 uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     unsigned outside = 0;
     d->nis = AUVID_C(0.0);
-    if (is_plain(m)) {
-        auvid_real_t r = nav->r[m->sensor];
-        for (int j = 0; j < 3; ++j) {
-            auvid_real_t s = nav->vv[nav_packed[j][j]] + r;
-            outside |= note(d, j, m->z[j] - nav->velocity[j], s, nav->gate);
-        }
-    } else {
-        for (int j = 0; j < scalars(m); ++j) {
-            auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
-            outside |= note(d, j, nu, variance_of(nav, m, hph), nav->gate);
-        }
+    for (int j = 0; j < scalars(m); ++j) {
+        auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
+        outside |= note(d, j, nu, nav_variance(nav, m, hph), nav->gate);
     }
     d->axes = m->n;
     d->seen_us = m->t_us;
@@ -393,19 +278,14 @@ void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
             start_again(nav, m, j);
         }
     }
-    if (m->outside == 0 && is_plain(m)) {
-        nis = enter_velocity(nav, m);
-    } else {
-        for (int j = 0; j < scalars(m); ++j) {
-            if ((m->outside >> j & 1) == 0) {
-                nis += enter_one(nav, m, j);
-            }
+    for (int j = 0; j < scalars(m); ++j) {
+        if ((m->outside >> j & 1) == 0) {
+            nis += enter_one(nav, m, j);
         }
     }
     if (m->outside == 0) {
         nav->diagnostics[m->sensor].nis = nis;
     }
-    nav->touched_us = nav->t_us;
 }
 
 void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance)

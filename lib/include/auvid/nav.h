@@ -13,8 +13,8 @@
  * `water`: velocity at the DVL's own times, because a constant-velocity filter held between pulses
  * lags by a tenth of a second.
  *
- * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.65k, a depth 0.45k, a
- * full DVL sample of the present 0.67k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
+ * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.54k, a depth 0.21k, a
+ * full DVL sample of the present 0.45k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
  * nothing entered since it was taken. Memory: auvid_nav_t, AUVID_NAV_BYTES in float.
  *
  * Numbers: position is a sum of two floats (plain float32 drifts by 1 mm at 120 m); the covariance
