@@ -45,6 +45,9 @@ static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_r
     return x < low ? low : (x > high ? high : x);
 }
 
+/** n zeros. memset() of small C libraries goes byte by byte. */
+void auvid_clear(auvid_real_t *x, size_t n);
+
 /** Are all n values finite? */
 bool auvid_all_finite(const auvid_real_t *x, size_t n);
 

@@ -135,7 +135,7 @@ typedef struct {
 
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
-    auvid_real_t wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* smoothed too, all of it */
+    auvid_real_t known[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* of their wrench, by fixed pi */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
