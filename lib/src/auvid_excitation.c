@@ -20,6 +20,8 @@
 #define LOW_LEVEL AUVID_C(0.3)     /* of a random step */
 #define SIGN_CHANGES AUVID_C(0.75) /* probability */
 #define JITTER AUVID_C(0.12)       /* of the frequencies of a sum of sines */
+#define LARGEST_RATIO AUVID_C(1e9) /* of two frequencies */
+#define ROOT_STEPS (4 * AUVID_MAX_SINES)
 #define POINTS_PER_PERIOD AUVID_C(8.0)
 
 typedef auvid_excitation_channel_t channel_t;
@@ -32,20 +34,17 @@ static auvid_real_t to_s(uint32_t us)
 /* sin(2 pi cycles + phase), cycles >= 0 */
 static auvid_real_t sine(auvid_real_t cycles, auvid_real_t phase)
 {
-    auvid_real_t y;
-    auvid_sincos(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, &y, NULL);
-    return y;
+    return auvid_sin_turned(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, 0);
 }
 
 /* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
 static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
 {
-    auvid_real_t c;
     if (x_us >= length_us) {
         return AUVID_C(1.0);
     }
-    auvid_sincos(AUVID_PI * ((auvid_real_t)(uint32_t)x_us / (auvid_real_t)length_us), NULL, &c);
-    return AUVID_C(0.5) - AUVID_C(0.5) * c;
+    auvid_real_t part = (auvid_real_t)(uint32_t)x_us / (auvid_real_t)length_us;
+    return AUVID_C(0.5) - AUVID_C(0.5) * auvid_sin_turned(AUVID_PI * part, 1);
 }
 
 /* ---- random steps ---- */
@@ -111,24 +110,33 @@ static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uin
 
 /* ---- sum of sines ---- */
 
-/* The positive root of r^k = q, q >= 1, by bisection: 24 halvings are the digits of a float. */
+static auvid_real_t power(auvid_real_t r, int k)
+{
+    auvid_real_t p = AUVID_C(1.0);
+    for (; k > 0; --k) {
+        p *= r;
+    }
+    return p;
+}
+
+/* The positive root of r^k = q, 1 <= q <= LARGEST_RATIO, by Newton's steps from above,
+ *     r <- r - (r - q / r^(k-1)) / k,
+ * which fall until rounding stops them. */
 static auvid_real_t root(auvid_real_t q, int k)
 {
-    auvid_real_t low = AUVID_C(1.0);
-    auvid_real_t high = q;
-    for (int i = 0; i < 24 && k > 0; ++i) {
-        auvid_real_t r = (low + high) * AUVID_C(0.5);
-        auvid_real_t power = r;
-        for (int j = 1; j < k && power < q; ++j) {
-            power *= r;
-        }
-        if (power < q) {
-            low = r;
-        } else {
-            high = r;
-        }
+    auvid_real_t r = AUVID_C(1.0);
+    for (int i = 0; i < 32 && k > 0 && power(r, k) < q; ++i) {
+        r *= AUVID_C(2.0);
     }
-    return low;
+    auvid_real_t part = k > 0 ? AUVID_C(1.0) / (auvid_real_t)k : AUVID_C(0.0);
+    for (int i = 0; i < ROOT_STEPS; ++i) {
+        auvid_real_t next = r - (r - q / power(r, k - 1)) * part;
+        if (!(next < r)) {
+            break;
+        }
+        r = next;
+    }
+    return r;
 }
 
 /* A part of a cycle in 2^-32. */
@@ -137,16 +145,15 @@ static uint32_t to_phase(auvid_real_t cycles)
     return (uint32_t)((cycles - (auvid_real_t)(uint32_t)cycles) * AUVID_C(4294967296.0));
 }
 
-/* sin(2 pi phase / 2^32) in 2^-15, in integers, which cores without floating point like better: in
- * the first quarter y (a - b y^2 + c y^4), fitted with all roundings. */
-#define PHASE_SINE_ERROR AUVID_C(1.2e-4)
+/* sin(2 pi phase / 2^32) in 2^-15, in integers, which cores without floating point like better:
+ * p (a + b p) of the parabola p = 4 y (1 - y) over half a cycle, fitted with all roundings. */
+#define PHASE_SINE_ERROR AUVID_C(8.6e-4)
 static int32_t phase_sine(uint32_t phase)
 {
-    uint32_t half = phase & 0x7fffffffu;
-    uint32_t y = (half > 0x40000000u ? 0x80000000u - half : half) >> 15;
-    uint32_t square = y * y >> 15;
-    uint32_t sine = y * (51461u - (square * (21053u - (square * 2363u >> 15)) >> 15)) >> 15;
-    return phase > half ? -(int32_t)sine : (int32_t)sine;
+    uint32_t y = (phase & 0x7fffffffu) >> 16;
+    uint32_t p = y * (32768u - y) >> 13;
+    int32_t sine = (int32_t)(p * (25478u + (7267u * p >> 15)) >> 15);
+    return (phase >> 31) != 0 ? -sine : sine;
 }
 
 /* An upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart, ends
@@ -187,7 +194,8 @@ static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t 
 static void begin_sines(channel_t *c, const auvid_segment_t *segment, auvid_rng_t *rng)
 {
     auvid_real_t ratio =
-        root(segment->frequency_high_hz / segment->frequency_hz, (int)segment->sines - 1);
+        root(auvid_min(segment->frequency_high_hz / segment->frequency_hz, LARGEST_RATIO),
+             (int)segment->sines - 1);
     auvid_real_t f = segment->frequency_hz;
     for (uint32_t i = 0; i < segment->sines; ++i) {
         auvid_real_t u = AUVID_C(2.0) * auvid_rng_uniform(rng) - AUVID_C(1.0);

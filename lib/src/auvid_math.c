@@ -221,12 +221,35 @@ static auvid_real_t not_a_number(void)
     return zero / zero;
 }
 
-/* sin and cos of r, |r| <= pi/4 and its rounding */
-AUVID_INLINE void sincos_near(auvid_real_t r, auvid_real_t *sin_r, auvid_real_t *cos_r)
+/* Of r, |r| <= pi/4 and its rounding; z = r^2. */
+AUVID_INLINE auvid_real_t sin_near(auvid_real_t r, auvid_real_t z)
 {
-    auvid_real_t z = r * r;
-    *sin_r = r + r * z * polynomial(sin_c, COUNT(sin_c), z);
-    *cos_r = AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+    return r + r * z * polynomial(sin_c, COUNT(sin_c), z);
+}
+
+AUVID_INLINE auvid_real_t cos_near(auvid_real_t z)
+{
+    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+}
+
+/* x = n pi/2 + r */
+static auvid_real_t to_quadrant(auvid_real_t x, uint32_t *n)
+{
+    int32_t nearest_n = nearest(x * AUVID_C(0.63661977236758134308));
+    *n = (uint32_t)nearest_n;
+    return nearest_n != 0 ? reduce(x, nearest_n) : x;
+}
+
+auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters)
+{
+    uint32_t n;
+    if (!in_range(x)) {
+        return not_a_number();
+    }
+    auvid_real_t r = to_quadrant(x, &n);
+    n += quarters;
+    r = (n & 1u) != 0u ? cos_near(r * r) : sin_near(r, r * r);
+    return (n & 2u) != 0u ? -r : r;
 }
 
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
@@ -234,14 +257,13 @@ void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
     auvid_real_t s = not_a_number();
     auvid_real_t c = s;
     if (in_range(x)) {
-        int32_t n = nearest(x * AUVID_C(0.63661977236758134308));
-        auvid_real_t r = n != 0 ? reduce(x, n) : x, sr, cr;
-        sincos_near(r, &sr, &cr);
-        uint32_t quadrant = (uint32_t)n & 3u;
-        s = (quadrant & 1u) != 0u ? cr : sr;
-        c = (quadrant & 1u) != 0u ? sr : cr;
-        s = (quadrant & 2u) != 0u ? -s : s;
-        c = ((quadrant + 1u) & 2u) != 0u ? -c : c;
+        uint32_t n;
+        auvid_real_t r = to_quadrant(x, &n);
+        auvid_real_t sr = sin_near(r, r * r), cr = cos_near(r * r);
+        s = (n & 1u) != 0u ? cr : sr;
+        c = (n & 1u) != 0u ? sr : cr;
+        s = (n & 2u) != 0u ? -s : s;
+        c = ((n + 1u) & 2u) != 0u ? -c : c;
     }
     if (sin_x != NULL) {
         *sin_x = s;
@@ -303,7 +325,8 @@ auvid_real_t auvid_wrap_pi(auvid_real_t x)
 AUVID_INLINE void sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
     if (auvid_abs(x) < AUVID_C(0.785)) {
-        sincos_near(x, sin_x, cos_x);
+        *sin_x = sin_near(x, x * x);
+        *cos_x = cos_near(x * x);
     } else {
         auvid_sincos(x, sin_x, cos_x);
     }

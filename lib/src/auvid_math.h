@@ -72,6 +72,9 @@ auvid_real_t auvid_sqrt(auvid_real_t x);
  * Either pointer may be null. */
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x);
 
+/** sin(x + quarters pi/2), exactly what auvid_sincos() gives for it: sin x for 0, cos x for 1. */
+auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters);
+
 /** Angle of (x, y) in [-pi, pi]; 0 for (0, 0); relative error below 2 AUVID_EPSILON. */
 auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x);
 

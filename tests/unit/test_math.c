@@ -169,6 +169,46 @@ static void test_sincos_is_odd_and_even_to_the_bit(void)
     }
 }
 
+static void test_one_of_sine_and_cosine_has_the_bits_of_both(void)
+{
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t s, c, x = AUVID_C(2e4) * auvid_rng_uniform(&rng) - AUVID_C(1e4);
+        x = i % 2 ? x * AUVID_C(1e-4) : x;
+        auvid_sincos(x, &s, &c);
+        TEST_ASSERT_TRUE(auvid_sin_turned(x, 0) == s && auvid_sin_turned(x, 1) == c);
+    }
+    TEST_ASSERT_FALSE(auvid_is_finite(auvid_sin_turned(AUVID_C(1.1e4), 0)));
+    TEST_ASSERT_FALSE(auvid_is_finite(auvid_sin_turned((auvid_real_t)NAN, 1)));
+}
+
+static void test_all_finite_finds_what_is_not_wherever_it_stands(void)
+{
+    const auvid_real_t bad[] = {(auvid_real_t)NAN, (auvid_real_t)INFINITY, (auvid_real_t)-INFINITY};
+    auvid_real_t x[5] = {AUVID_C(0.0), AUVID_LARGEST, -AUVID_LARGEST, AUVID_C(-0.0), AUVID_C(1e-40)};
+    TEST_ASSERT_TRUE(auvid_all_finite(x, 5));
+    for (int i = 0; i < 15; ++i) {
+        auvid_real_t good = x[i % 5];
+        x[i % 5] = bad[i / 5];
+        TEST_ASSERT_FALSE(auvid_all_finite(x, 5));
+        TEST_ASSERT_TRUE(auvid_all_finite(x, (size_t)(i % 5)));
+        x[i % 5] = good;
+    }
+}
+
+static void test_clear_writes_as_many_zeros_as_it_is_told(void)
+{
+    for (size_t n = 0; n < 20; ++n) {
+        auvid_real_t x[21];
+        for (size_t i = 0; i < 21; ++i) {
+            x[i] = AUVID_C(1.0);
+        }
+        auvid_clear(x, n);
+        for (size_t i = 0; i < 21; ++i) {
+            TEST_ASSERT_TRUE(x[i] == (i < n ? AUVID_C(0.0) : AUVID_C(1.0)));
+        }
+    }
+}
+
 static void test_sincos_accepts_null_for_what_is_not_wanted(void)
 {
     auvid_real_t s = AUVID_C(5.0);
@@ -369,6 +409,9 @@ int main(void)
     RUN_TEST(test_sincos_keep_their_bound_up_to_ten_thousand);
     RUN_TEST(test_sin_keeps_its_relative_bound_up_to_pi);
     RUN_TEST(test_sincos_is_odd_and_even_to_the_bit);
+    RUN_TEST(test_one_of_sine_and_cosine_has_the_bits_of_both);
+    RUN_TEST(test_all_finite_finds_what_is_not_wherever_it_stands);
+    RUN_TEST(test_clear_writes_as_many_zeros_as_it_is_told);
     RUN_TEST(test_sincos_accepts_null_for_what_is_not_wanted);
     RUN_TEST(test_sincos_and_wrap_are_nan_out_of_range);
     RUN_TEST(test_atan2_keeps_its_bound_in_all_quadrants);

@@ -22,7 +22,7 @@
  *
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. In the tick
  * in which a sum of sines begins: also up to 8 points per period of its highest frequency (at most
- * AUVID_EXCITATION_SCAN) times its sines, 4 multiplications of integers each, to find its peak.
+ * AUVID_EXCITATION_SCAN) times its sines, 3 multiplications of integers each, to find its peak.
  * Memory: sizeof(auvid_excitation_t), 1.6 KiB with the default sizes in float; no pointer is kept.
  *
  * Source: Karras et al. 2013, III-A. Deviation: the paper names steps, ramps, sines and sums of
