@@ -24,6 +24,13 @@
 #define AUVID_INLINE static inline
 #endif
 
+/* For a function whose large frame must not lie under what its caller calls next. */
+#if defined(__GNUC__)
+#define AUVID_APART __attribute__((noinline))
+#else
+#define AUVID_APART
+#endif
+
 /* +0 for both zeros. */
 static inline auvid_real_t auvid_abs(auvid_real_t x)
 {

@@ -98,21 +98,15 @@ static bool row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid
     return any;
 }
 
-/* DoF after DoF, its row and the wrench that is left to explain. */
-static void gather(const auvid_metric_t *m, const auvid_real_t *channel,
-                   const auvid_real_t known[AUVID_DOF_COUNT], auvid_real_t *equation)
+/* What is left to explain of the wrench. */
+static void part_known(const auvid_metric_t *m, auvid_real_t *channel,
+                       const auvid_real_t known[AUVID_DOF_COUNT])
 {
-    const auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
+    auvid_real_t *wrench = channel + section(m, 1);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (j == AUVID_ROLL) {
-            motion = channel + section(m, 2);
-            wrench = channel + section(m, 3);
-        }
-        for (int k = m->count[j]; k > 0; --k) {
-            *equation++ = *motion++;
-        }
+        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
         for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
-            *equation++ = *wrench++ - known[j];
+            *wrench++ -= known[j];
         }
     }
 }
@@ -194,18 +188,28 @@ static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
 
 /* Rows of the literal reading: of the smoothed sample, with the raw wrench in the middle of the
  * window instead of the newest. */
-static void literal_equations(const auvid_metric_t *m, const auvid_sample_t *s,
-                              const auvid_real_t *motion, auvid_real_t *equation)
+static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
+                             const auvid_real_t *motion, auvid_real_t *channel)
 {
     enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
-    auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
+    auvid_real_t known[AUVID_DOF_COUNT];
     (void)row_channels(m, s, channel, known);
-    gather(m, channel, known, equation);
+    auvid_real_t *wrench = channel + section(m, 1);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t *tau = equation + m->channel_at[j] + m->count[j];
+        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
         for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
-            tau[d] = motion[MOTION_TAU + d * INPUTS + j] - known[j];
+            *wrench++ = motion[MOTION_TAU + d * INPUTS + j];
         }
+    }
+    part_known(m, channel, known);
+}
+
+/* row = a / 2 + half b */
+static inline void half_sum(auvid_real_t *row, const auvid_real_t *a, auvid_real_t half,
+                            const auvid_real_t *b, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        row[i] = AUVID_C(0.5) * a[i] + half * b[i];
     }
 }
 
@@ -215,22 +219,23 @@ static void literal_equations(const auvid_metric_t *m, const auvid_sample_t *s,
 static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
 {
     auvid_set_t *set = &m->set[m->current];
+    int wrench = section(m, 1), motion = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int at = m->channel_at[j], n = m->channel_at[j + 1] - at;
+        wrench = j == AUVID_ROLL ? section(m, 3) : wrench;
+        motion = j == AUVID_ROLL ? section(m, 2) : motion;
+        int count = m->count[j], n = auvid_metric_order(m, j);
         uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
         const auvid_real_t *previous =
             m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS];
-        if (m->since_gap < lag) {
-            continue;
-        }
-        for (int band = 0; band < AUVID_METRIC_BANDS && n > 0; ++band) {
+        for (int band = 0; band < AUVID_METRIC_BANDS && n > 0 && m->since_gap >= lag; ++band) {
             auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-            auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
-            for (int i = 0; i < n; ++i) {
-                row[i] = AUVID_C(0.5) * channel[at + i] + other * previous[at + i];
-            }
+            auvid_real_t half = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
+            half_sum(row, channel + motion, half, previous + motion, count);
+            half_sum(row + count, channel + wrench, half, previous + wrench, n - count);
             auvid_triangle_add(set->factor[band] + m->factor_at[j], n, 0, row);
         }
+        motion += count;
+        wrench += n - count;
     }
     memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS], channel,
            m->channel_at[AUVID_DOF_COUNT] * sizeof channel[0]);
@@ -247,21 +252,22 @@ static void store_row(auvid_metric_t *m, const auvid_sample_t *sample, const auv
 
 /* A row is complete: into the triangles, or into the store. One in which the regressor failed does
  * not count: its wrench would pass for explained. */
-static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    const auvid_real_t *channel = m->accumulator[slot];
-    auvid_real_t equations[AUVID_MAX_COLUMNS];
+    auvid_real_t *channel = m->accumulator[slot], *equations = channel;
+    auvid_real_t literal[AUVID_MAX_COLUMNS];
     auvid_set_t *set = &m->set[m->current];
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     bool motion = auvid_metric_smooths_motion(m);
     auvid_sample_t sample;
     if (!motion) {
-        gather(m, channel, m->known[slot], equations);
+        part_known(m, channel, m->known[slot]);
     } else {
         sample_from_channels(channel, &sample);
         sample.t_us = t_us;
         if (auvid_metric_has_regressor(m)) {
-            literal_equations(m, &sample, channel, equations);
+            literal_channels(m, &sample, channel, literal);
+            equations = literal;
         }
     }
     size_t n = !auvid_metric_has_regressor(m) ? 0u : m->channel_at[AUVID_DOF_COUNT];
@@ -270,10 +276,12 @@ static void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         return;
     }
     ++set->rows;
+    const auvid_real_t *wrench = channel + section(m, 1);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
         if (vehicle->columns[j] != 0) {
-            auvid_real_t left = equations[m->channel_at[j] + m->count[j]];
-            watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : left + m->known[slot][j]);
+            watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : wrench[0] + m->known[slot][j]);
+            wrench += AUVID_METRIC_DELAYS;
         }
     }
     if (!auvid_metric_has_regressor(m)) {
@@ -306,7 +314,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
 }
 
 /* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
-static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
+static AUVID_APART int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
     if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */

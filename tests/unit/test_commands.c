@@ -12,7 +12,7 @@
 #include "unity.h"
 #include "world.h"
 
-enum { SETS = 2, TICKS = 3600, FRAMES = 60000, NEVER = TICKS + 1 };
+enum { SETS = 2, TICKS = 4000, FRAMES = 60000, NEVER = TICKS + 1 };
 
 /* The tick in which the vehicle's operator arms: the node has navigated for a second. */
 enum { ARM_TICK = 51 };
