@@ -184,7 +184,8 @@ static void test_one_of_sine_and_cosine_has_the_bits_of_both(void)
 static void test_all_finite_finds_what_is_not_wherever_it_stands(void)
 {
     const auvid_real_t bad[] = {(auvid_real_t)NAN, (auvid_real_t)INFINITY, (auvid_real_t)-INFINITY};
-    auvid_real_t x[5] = {AUVID_C(0.0), AUVID_LARGEST, -AUVID_LARGEST, AUVID_C(-0.0), AUVID_C(1e-40)};
+    auvid_real_t x[5] = {AUVID_C(0.0), AUVID_LARGEST, -AUVID_LARGEST, AUVID_C(-0.0),
+                         AUVID_C(1e-40)};
     TEST_ASSERT_TRUE(auvid_all_finite(x, 5));
     for (int i = 0; i < 15; ++i) {
         auvid_real_t good = x[i % 5];
