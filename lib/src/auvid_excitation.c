@@ -110,6 +110,7 @@ static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uin
 
 /* ---- sum of sines ---- */
 
+/* r^k */
 static auvid_real_t power(auvid_real_t r, int k)
 {
     auvid_real_t p = AUVID_C(1.0);
@@ -146,8 +147,9 @@ static uint32_t to_phase(auvid_real_t cycles)
 }
 
 /* sin(2 pi phase / 2^32) in 2^-15, in integers, which cores without floating point like better:
- * p (a + b p) of the parabola p = 4 y (1 - y) over half a cycle, fitted with all roundings. */
-#define PHASE_SINE_ERROR AUVID_C(8.6e-4)
+ * p (a + b p) of the parabola p = 4 y (1 - y) over half a cycle, fitted with all roundings. The
+ * error is 8.6e-4, and 2e-5 are for the rounding of the phase after 256 steps. */
+#define PHASE_SINE_ERROR AUVID_C(8.8e-4)
 static int32_t phase_sine(uint32_t phase)
 {
     uint32_t y = (phase & 0x7fffffffu) >> 16;
@@ -158,8 +160,7 @@ static int32_t phase_sine(uint32_t phase)
 
 /* An upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart, ends
  * included: at an extremum inside, the slope is zero, and the nearest point is at most h / 2 away,
- *   peak <= max over points + n error of a sine + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n.
- * The rounding of f_i h adds less than 2e-5 to that error where the bound is below n. */
+ *   peak <= max over points + n error of a sine + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n. */
 static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t duration_s)
 {
     uint32_t phase[AUVID_MAX_SINES], turn[AUVID_MAX_SINES];
