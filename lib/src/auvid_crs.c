@@ -60,7 +60,8 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
     if (m < (uint32_t)c->n + 1u || m > AUVID_MAX_POPULATION) {
         return AUVID_ERR_POPULATION;
     }
-    if (!auvid_is_finite(c->epsilon) || !auvid_is_finite(c->omega) ||
+    const auvid_real_t reals[] = {c->epsilon, c->reduction, c->omega};
+    if (!auvid_all_finite(reals, 3) ||
         !auvid_all_finite(c->lower, c->n) || !auvid_all_finite(c->upper, c->n)) {
         return AUVID_ERR_NOT_FINITE;
     }
@@ -72,7 +73,8 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
             return AUVID_ERR_RANGE;
         }
     }
-    if (c->epsilon < AUVID_C(0.0) || c->omega < AUVID_C(0.0) || c->omega > OMEGA_MAX) {
+    if (c->epsilon < AUVID_C(0.0) || c->omega < AUVID_C(0.0) || c->omega > OMEGA_MAX ||
+        !(c->reduction >= AUVID_C(0.0) && c->reduction < AUVID_C(1.0))) {
         return AUVID_ERR_RANGE;
     }
     return AUVID_OK;
@@ -152,7 +154,7 @@ static uint8_t next_state(const auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = crs->cost[crs->worst];
     auvid_real_t ulps = SPREAD_ULPS * AUVID_EPSILON * auvid_max(auvid_abs(low), auvid_abs(high));
-    auvid_real_t limit = auvid_max(crs->config.epsilon, auvid_max(ulps, SPREAD_MIN));
+    auvid_real_t limit = auvid_max(crs->last_spread, ulps);
     if (low >= AUVID_CRS_COST_FAILED) {
         return STATE_CAPPED; /* the model failed everywhere: nothing to go by */
     }
@@ -190,6 +192,11 @@ static void complete(auvid_crs_t *crs)
         }
     }
     crs->initial_spread = auvid_max(high - low, SPREAD_MIN);
+    if (!crs->again) {
+        crs->last_spread = auvid_max(crs->config.epsilon,
+                                     crs->config.reduction * crs->initial_spread);
+        crs->last_spread = auvid_max(crs->last_spread, SPREAD_MIN);
+    }
     find_worst(crs);
     crs->state = next_state(crs);
 }

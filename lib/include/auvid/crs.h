@@ -47,6 +47,9 @@ typedef struct {
     uint16_t population;  /**< m, n+1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2, and as many
                                  as AUVID_MAX_POPULATION allows) */
     auvid_real_t epsilon; /**< ends when J_max - J_min <= epsilon [cost]; >= 0; default 1e-2 */
+    auvid_real_t reduction; /**< ends, too, when J_max - J_min is this part of what it was over the
+                                 first population; 0 <= reduction < 1; default 0: as in the paper,
+                                 by epsilon alone */
     auvid_real_t omega;   /**< factor of phi, 0..1e9; 0: n, as in the paper. Larger (1e6 n) keeps
                                  the population from collapsing, at more evaluations */
     uint32_t max_evaluations; /**< cap on evaluations, those after auvid_crs_reevaluate apart; the
@@ -65,6 +68,7 @@ typedef struct {
     uint16_t order[AUVID_MAX_POPULATION];     /**< a permutation of 0..m-1; draws shuffle it */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
     auvid_real_t initial_spread; /**< J0_max - J0_min over the points that did not fail */
+    auvid_real_t last_spread;    /**< J_max - J_min at which the search ends */
     uint32_t rng[4];             /**< state of the random numbers */
     uint32_t evaluations;        /**< costs told, 0.. */
     uint32_t extra_evaluations;  /**< of these, after auvid_crs_reevaluate */
@@ -93,8 +97,8 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config);
  * @param crs     state to start; need not be zeroed.
  * @param config  copied.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_POPULATION (m);
- *         AUVID_ERR_NOT_FINITE (epsilon, omega or a bound); AUVID_ERR_BOUNDS (lower >= upper);
- *         AUVID_ERR_RANGE (epsilon, omega or a bound out of range). On an error *crs is untouched.
+ *         AUVID_ERR_NOT_FINITE (epsilon, reduction, omega or a bound); AUVID_ERR_BOUNDS (lower >=
+ *         upper); AUVID_ERR_RANGE (one of these out of range). On an error *crs is untouched.
  * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
  */
 #define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
@@ -116,7 +120,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
  * @param theta  n values are written on AUVID_OK, none otherwise [parameter's unit]; in the box.
  * @return AUVID_OK: evaluate theta, then tell;
  *         AUVID_PENDING: a trial was made and fell outside the box: ask again. Counts as work;
- *         AUVID_FINISHED: J_max - J_min <= epsilon;
+ *         AUVID_FINISHED: J_max - J_min <= epsilon, or reduced enough;
  *         AUVID_CAPPED: ended by max_evaluations or max_rejections;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
  * Cost: (n + 1) / 2 random numbers, n + 1 divisions, n (n + 1) multiply-adds. Stack: ~0.3 KiB.

@@ -74,15 +74,23 @@ typedef struct {
     auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
     auvid_real_t trial[AUVID_MAX_PARAMETERS];     /**< the point last asked for */
     auvid_real_t alpha[2 * AUVID_MAX_PARAMETERS]; /**< steps of +e_1..+e_n, -e_1..-e_n [scale] */
-    auvid_real_t curvature[AUVID_MAX_PARAMETERS]; /**< half second derivative [cost/scale^2];
-                                                       <= 0: not known */
+    auvid_real_t curvature[AUVID_MAX_PARAMETERS]; /**< half second derivative along d_i
+                                                       [cost/scale^2]; <= 0: not known */
+    auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, where its line ended */
+    /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
+    auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
+    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, from which d_i is sought */
     auvid_real_t cost, base_cost, previous_cost;  /**< of theta, base, previous */
-    auvid_real_t t;                               /**< step of the trial along the line [scale] */
-    auvid_real_t t_near, cost_near; /**< the step that was taken last, or the poll that failed */
-    auvid_real_t t_far, cost_far;   /**< the expansion that failed; t_far 0: there is none */
+    auvid_real_t t;                 /**< step of the trial along the line [scale] */
+    auvid_real_t t_best;            /**< step accepted last, 0: none */
+    auvid_real_t t_near, cost_near; /**< the line's last point */
+    auvid_real_t t_far, cost_far;   /**< the point before that; t_far 0: there is none */
     uint32_t evaluations;           /**< costs told, 0.. */
     uint32_t attempts;              /**< points made, those without room to move too */
     uint8_t direction;              /**< 0..2n-1; 2n: the pattern step */
+    uint8_t built;                  /**< d_i with i < built have been made conjugate */
+    bool plain;                     /**< no d_i has been made in this sweep */
+    uint8_t probe;                  /**< k of the d_k that is probed */
     uint8_t move;                   /**< private enum: what the trial is for */
     uint8_t state;                  /**< private enum */
     uint8_t restarts_left;          /**< 0..restarts */
