@@ -61,8 +61,8 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
         return AUVID_ERR_POPULATION;
     }
     const auvid_real_t reals[] = {c->epsilon, c->reduction, c->omega};
-    if (!auvid_all_finite(reals, 3) ||
-        !auvid_all_finite(c->lower, c->n) || !auvid_all_finite(c->upper, c->n)) {
+    if (!auvid_all_finite(reals, 3) || !auvid_all_finite(c->lower, c->n) ||
+        !auvid_all_finite(c->upper, c->n)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (size_t i = 0; i < c->n; ++i) {
@@ -193,8 +193,8 @@ static void complete(auvid_crs_t *crs)
     }
     crs->initial_spread = auvid_max(high - low, SPREAD_MIN);
     if (!crs->again) {
-        crs->last_spread = auvid_max(crs->config.epsilon,
-                                     crs->config.reduction * crs->initial_spread);
+        crs->last_spread =
+            auvid_max(crs->config.epsilon, crs->config.reduction * crs->initial_spread);
         crs->last_spread = auvid_max(crs->last_spread, SPREAD_MIN);
     }
     find_worst(crs);

@@ -128,6 +128,10 @@ static void test_init_names_what_is_wrong_and_changes_nothing(void)
     refuse(AUVID_ERR_RANGE);
     config.omega = AUVID_C(2e9);
     refuse(AUVID_ERR_RANGE);
+    config.reduction = 1;
+    refuse(AUVID_ERR_RANGE);
+    config.reduction = (auvid_real_t)NAN;
+    refuse(AUVID_ERR_NOT_FINITE);
 }
 
 static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
@@ -319,6 +323,26 @@ static void test_it_finishes_when_the_spread_is_epsilon(void)
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_crs_ask(&crs, theta));
 }
 
+static void test_it_finishes_when_the_spread_is_reduced_as_asked(void)
+{
+    config.reduction = AUVID_C(0.1);
+    config.epsilon = 0;
+    init();
+    auvid_real_t spread = 0, first = 0;
+    while (auvid_crs_ask(&crs, theta) != AUVID_FINISHED) {
+        if (crs.asked) {
+            auvid_crs_tell(&crs, sphere(theta));
+        }
+        if (crs.evaluations < 16) {
+            continue;
+        }
+        TEST_ASSERT_TRUE(first <= 0 || spread > first / 10);
+        spread = crs.cost[crs.worst] - crs.cost[crs.best];
+        first = crs.evaluations == 16 ? spread : first;
+    }
+    TEST_ASSERT_TRUE(spread <= first / 10 && spread > first / 100);
+}
+
 /* m = n + 1, an optimum in a corner: the paper's loops do not end. */
 static void test_it_ends_whatever_the_cost_and_the_population(void)
 {
@@ -498,6 +522,7 @@ int main(void)
     RUN_TEST(test_every_point_is_drawn_equally_often);
     RUN_TEST(test_the_population_is_the_best_m_points_ever_evaluated);
     RUN_TEST(test_it_finishes_when_the_spread_is_epsilon);
+    RUN_TEST(test_it_finishes_when_the_spread_is_reduced_as_asked);
     RUN_TEST(test_it_ends_whatever_the_cost_and_the_population);
     RUN_TEST(test_consecutive_rejections_are_capped);
     RUN_TEST(test_a_trial_in_the_box_ends_the_run_of_rejections);

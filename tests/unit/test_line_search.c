@@ -175,11 +175,22 @@ static void test_init_names_what_is_wrong_and_changes_nothing(void)
                                     &config.sigma,    &config.sigma,   &config.delta,
                                     &config.delta,    &config.gamma,   &config.gamma,
                                     &config.start[1], &config.scale[1]};
-    const auvid_real_t values[] = {0, AUVID_C(1.1e-3), AUVID_C(3e-5), 0, 1, 1, 101, 1, -1, 9, -1};
+    const auvid_real_t values[] = {-1, AUVID_C(1.1e-3), AUVID_C(3e-6), -1, 1, 1, 101, 1, -1, 9, -1};
     for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
         *fields[k] = values[k];
         refuse(AUVID_ERR_RANGE);
     }
+}
+
+static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
+{
+    init();
+    TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.35) && ls.config.sigma == AUVID_C(0.09) &&
+                     ls.config.epsilon == AUVID_C(3e-6) && ls.config.scale[0] == 8);
+    config.literal = true;
+    init();
+    TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.05) && ls.config.sigma == AUVID_C(0.5) &&
+                     ls.config.epsilon == AUVID_C(3e-5));
 }
 
 static void test_calls_out_of_order_are_refused(void)
@@ -289,6 +300,37 @@ static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
     near(optimum, 1e-2);
     TEST_ASSERT_TRUE(2 * accelerated < ls.evaluations);
+}
+
+/* n^2 / 2 + 5 n, for the largest n, coupled as badly as before; the bound is of line_search.h. */
+static void test_a_quadratic_is_at_its_minimum_after_one_sweep(void)
+{
+    const uint8_t sizes[] = {1, 2, 6, AUVID_MAX_PARAMETERS};
+    for (int s = 0; s < 4; ++s) {
+        auvid_real_t cost = 0;
+        box(sizes[s], 64);
+        init();
+        for (int k = 0; k < sizes[s] * sizes[s] / 2 + 5 * sizes[s];) {
+            if (auvid_line_search_ask(&ls, theta) == AUVID_OK) {
+                auvid_line_search_tell(&ls, chain(theta, AUVID_C(0.8)));
+                ++k;
+            }
+        }
+        (void)auvid_line_search_best(&ls, &cost);
+        TEST_ASSERT_TRUE(cost <= AUVID_C(1e-5) * (auvid_real_t)sizes[s]);
+    }
+}
+
+static void test_a_direction_stays_a_direction_whatever_the_cost_says(void)
+{
+    const cost_t costs[] = {absolute, dead_band, fails_beyond, corner, edge};
+    for (int c = 0; c < 5; ++c) {
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(costs[c]));
+        for (int k = 0; k < 6; ++k) {
+            TEST_ASSERT_TRUE(fabs((double)ls.shear[k]) <= 1e6);
+        }
+    }
 }
 
 static void test_it_finds_the_optimum_of_costs_with_kinks(void)
@@ -401,15 +443,19 @@ static void test_evaluations_are_capped(void)
 
 static void test_each_restart_takes_the_steps_down_once_more(void)
 {
-    config.restarts = 0;
-    init();
-    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
-    uint32_t once = ls.evaluations;
-    config.restarts = 2;
-    init();
-    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
-    TEST_ASSERT_TRUE(ls.evaluations > 2 * once);
-    TEST_ASSERT_TRUE(ls.evaluations < 3 * once);
+    for (int literal = 0; literal < 2; ++literal) {
+        uint32_t evaluations[4];
+        config.literal = literal != 0;
+        for (uint8_t restarts = 0; restarts < 4; ++restarts) {
+            config.restarts = restarts;
+            init();
+            TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
+            evaluations[restarts] = ls.evaluations;
+        }
+        TEST_ASSERT_TRUE(evaluations[2] > evaluations[1]);
+        TEST_ASSERT_EQUAL_UINT32(evaluations[2] - evaluations[1], evaluations[3] - evaluations[2]);
+        TEST_ASSERT_TRUE(literal == 0 || evaluations[1] > evaluations[0]);
+    }
 }
 
 static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found(void)
@@ -435,10 +481,13 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_init_names_what_is_wrong_and_changes_nothing);
+    RUN_TEST(test_zeros_of_the_configuration_mean_what_the_header_says);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_literal_asks_for_the_very_points_of_algorithm_2);
     RUN_TEST(test_it_finds_the_optimum_of_coupled_quadratics);
     RUN_TEST(test_pattern_step_and_parabola_pay_where_parameters_are_coupled);
+    RUN_TEST(test_a_quadratic_is_at_its_minimum_after_one_sweep);
+    RUN_TEST(test_a_direction_stays_a_direction_whatever_the_cost_says);
     RUN_TEST(test_it_finds_the_optimum_of_costs_with_kinks);
     RUN_TEST(test_it_follows_a_curved_valley);
     RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly);

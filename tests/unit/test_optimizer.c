@@ -188,6 +188,24 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_add_point(NULL, theta));
 }
 
+static void test_the_global_phase_is_a_short_one_unless_told_otherwise(void)
+{
+    init();
+    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 2);
+    TEST_ASSERT_TRUE(optimizer.crs.config.reduction == AUVID_C(0.05));
+    config.crs.reduction = AUVID_C(0.2);
+    init();
+    TEST_ASSERT_TRUE(optimizer.crs.config.reduction == AUVID_C(0.2));
+    config.crs.reduction = 0;
+    config.crs.omega = 7;
+    init();
+    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 7 && optimizer.crs.config.reduction == 0);
+    config.crs.omega = 0;
+    config.line_search.literal = true;
+    init();
+    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 5 && optimizer.crs.config.reduction == 0);
+}
+
 static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void)
 {
     auvid_real_t best[AUVID_MAX_PARAMETERS];
@@ -390,6 +408,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_the_global_phase_is_a_short_one_unless_told_otherwise);
     RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);
     RUN_TEST(test_work_counts_every_evaluation_and_every_point_made);
     RUN_TEST(test_a_split_run_and_a_single_run_give_the_same_bits);

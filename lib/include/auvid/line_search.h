@@ -3,7 +3,7 @@
  * Coordinate search with line-search expansions: the local phase of the optimizer, ask / tell.
  *
  * Purpose: from a starting point, go to the minimum of its region without derivatives. Each of the
- * 2n directions +e_i, -e_i has its own step. A step that lowers the cost enough is lengthened by
+ * 2n directions +d_i, -d_i has its own step. A step that lowers the cost enough is lengthened by
  * delta for as long as that pays; one that does not is shortened by sigma. It ends when all steps
  * are short.
  *
@@ -12,24 +12,30 @@
  *
  * Steps are in units of scale[i]: along e_i by alpha moves parameter i by alpha * scale[i]. Half
  * the width of the box is a scale; the inverse norm of the parameter's column in a least-squares
- * problem is another.
+ * problem is another. Scale the cost so that J(0) ~ 1: gamma is what counts as a gain.
  *
- * Cost: one ask makes at most one trial: for n = 13 about 250 instructions on a Cortex-M4F (at most
- * 800), tell 160 (460). Memory: 0.8 KiB by default.
+ * Cost: one ask makes at most one trial. For n = 13 about 500 instructions on a Cortex-M4F (at most
+ * 1000), tell 250 (700). Memory: 1.4 KiB by default.
  *
  * Sources: Algorithm 2 of Karras et al., IROS 2013 ("the paper"); Lucidi, Sciandrone, Computational
  * Optimization and Applications 21 (2002): steps are cut at the box, and any better point may
- * replace the iterate without harm to the convergence theory.
+ * replace the iterate without harm to the convergence theory. Conjugate directions: Smith 1962,
+ * Powell, The Computer Journal 7 (1964).
  *
- * Deviations from the paper. `literal` switches off the first two:
+ * Deviations from the paper. `literal` switches off the first four:
+ * - directions: the first sweep makes d_1 .. d_n conjugate, as the cost bends, by a trial for each
+ *   pair, and minimizes along each as it is made: a quadratic is at its minimum after n^2 / 2 + 5 n
+ *   evaluations. When the steps are a tenth of alpha0 the search goes on along e_1 .. e_n, as in
+ *   the paper, where no kink can hold it. A later sweep that still gains more than gamma begins all
+ *   of this anew: the cost is not that quadratic;
+ * - -d_i is left out of a sweep in which +d_i has moved;
  * - pattern step: after a sweep of all directions that lowered the cost, the line through the
  *   sweep's two ends is searched in the same way, with step 1 (Hooke, Jeeves 1961);
- * - parabola: after each line search, the lowest point of the parabola through its points (or
- *   through two of them, with the curvature that an earlier search along that parameter found) is
- *   tried. Both are taken only when better than the iterate and change no step, so the polling
- *   that the convergence proof rests on remains as it is. On costs with kinks they lose no more
- *   than their own trials (one a direction at most, two a sweep); they bring a recorded
- *   13-parameter identification from ~4900 evaluations, both phases, to ~2000;
+ * - parabola: in each line search the lowest point of the parabola through its points (or with the
+ *   curvature that an earlier search along d_i found) is tried. Pattern step and parabola are taken
+ *   only when better than the iterate, and shorten no step, so the polling that the convergence
+ *   proof rests on remains as it is. Together they bring a recorded 13-parameter identification
+ *   from 4300 evaluations in this phase to 290;
  * - restarts: float32 may end falsely early, so the search begins again with a tenth of alpha0;
  * - a cap on evaluations; a cost that is not finite or above AUVID_LINE_SEARCH_COST_FAILED counts
  *   as that (the model failed there).
@@ -50,14 +56,16 @@ extern "C" {
 /** Configuration; copied at init. */
 typedef struct {
     uint8_t n;            /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
-    uint8_t restarts;     /**< times to begin again with alpha0 / 10; default 1 */
-    bool literal;         /**< Algorithm 2 alone, no pattern step, no parabola; default false */
-    auvid_real_t alpha0;  /**< first steps [scale], > epsilon, <= 1e3; default 0.05 */
-    auvid_real_t sigma;   /**< contraction, 0 < sigma < 1; default 0.5 */
+    uint8_t restarts;     /**< times to begin again with alpha0 / 10, the first along e_i;
+                                default 1 */
+    bool literal;         /**< Algorithm 2 alone, along e_i; default false */
+    auvid_real_t alpha0;  /**< first steps [scale], > epsilon, <= 1e3; 0: 0.35, literal 0.05 */
+    auvid_real_t sigma;   /**< contraction, 0 < sigma < 1; 0: 0.09, literal 0.5. A step this much
+                                longer than epsilon is the last that is tried */
     auvid_real_t delta;   /**< expansion, 1 < delta <= 100; default 2 */
     auvid_real_t gamma;   /**< least decrease over alpha^2 [cost], 0 <= gamma < 1; default 1e-6 */
     auvid_real_t epsilon; /**< ends when all steps <= epsilon [scale], 0 < epsilon <= 1e-3;
-                                default 3e-5; 1e-5 is advised with literal */
+                                0: 3e-6, literal 3e-5 (1e-5 is advised) */
     uint32_t max_evaluations;                 /**< cap on evaluations; 0: 1000 n */
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< the box [parameter's unit]; first n used; */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18 */
@@ -73,13 +81,13 @@ typedef struct {
     auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
     auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
     auvid_real_t trial[AUVID_MAX_PARAMETERS];     /**< the point last asked for */
-    auvid_real_t alpha[2 * AUVID_MAX_PARAMETERS]; /**< steps of +e_1..+e_n, -e_1..-e_n [scale] */
+    auvid_real_t alpha[2 * AUVID_MAX_PARAMETERS]; /**< steps by direction [scale] */
     auvid_real_t curvature[AUVID_MAX_PARAMETERS]; /**< half second derivative along d_i
                                                        [cost/scale^2]; <= 0: not known */
     auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, where its line ended */
     /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
     auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
-    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, from which d_i is sought */
+    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is sought */
     auvid_real_t cost, base_cost, previous_cost;  /**< of theta, base, previous */
     auvid_real_t t;                 /**< step of the trial along the line [scale] */
     auvid_real_t t_best;            /**< step accepted last, 0: none */
@@ -124,7 +132,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
  *         AUVID_FINISHED: all steps <= epsilon, restarts included;
  *         AUVID_CAPPED: ended by max_evaluations;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
- * Cost: n multiply-adds and comparisons.
+ * Cost: 2n multiply-adds and comparisons.
  */
 auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *theta);
 
@@ -133,7 +141,8 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
  * @param cost  any value; NaN, infinities and values beyond +-AUVID_LINE_SEARCH_COST_FAILED count
  *              as AUVID_LINE_SEARCH_COST_FAILED.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (nothing was asked for).
- * Cost: at most 3 n copies and, at the end of a sweep, 2n comparisons.
+ * Cost: at most 3 n copies, n multiply-adds and, at the end of a sweep, 2n comparisons; where the
+ * directions begin anew n^2 / 2 stores.
  */
 auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost);
 

@@ -22,15 +22,16 @@
  * Cost: one ask makes at most one trial (crs.h, line_search.h). Memory: 5.5 KiB by default, for
  * the larger of the two. Evaluations until it ends, 13 parameters of a Girona500, box
  * [-1000, 1000], float32, 1000 simulated records,
- * all within 1 % of the least-squares parameters: median 2016, p95 2585;
- * with line_search.literal 4872 (tests/unit/test_optimizer_figures.c, tests/bench).
+ * all within 1 % of the least-squares parameters: median 466, p95 493;
+ * with line_search.literal 5640 (tests/unit/test_optimizer_figures.c, tests/bench).
  *
  * Scale the cost so that J(0) ~ 1, and leave out what does not depend on the parameters: epsilon of
  * the global phase is absolute, and in float32 a constant swamps the differences.
  *
  * Sources: Section III-C of Karras et al., IROS 2013; Leonetti et al. 2012 for the composition.
  * Deviations: those of crs.h and line_search.h. The local phase begins at the best point also when
- * the global one was capped.
+ * the global one was capped. Where crs.omega is 0 the global phase is a short one, omega = 2 and
+ * crs.reduction >= 0.05, unless line_search.literal: it has to find the region, no more.
  */
 #ifndef AUVID_OPTIMIZER_H
 #define AUVID_OPTIMIZER_H
@@ -51,7 +52,8 @@ typedef enum {
 
 /** Configuration; copied at init. */
 typedef struct {
-    auvid_crs_config_t crs; /**< global phase, and with n, lower, upper the problem */
+    auvid_crs_config_t crs; /**< global phase, and with n, lower, upper the problem; omega 0: see
+                                 above */
     auvid_line_search_config_t line_search;   /**< local phase; its n, lower, upper, scale and start
                                                  are not read */
     auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the local steps [parameter's unit], > 0;
