@@ -171,15 +171,15 @@ static uint8_t next_state(const auvid_crs_t *crs)
 /* (5) The best is kept up to date as costs come; the worst needs a scan when it is replaced. */
 static void find_worst(auvid_crs_t *crs)
 {
-    uint16_t worst = 0;
-    auvid_real_t high = crs->cost[0];
-    for (uint16_t k = 1; k < crs->config.population; ++k) {
-        if (crs->cost[k] > high) {
-            high = crs->cost[k];
-            worst = k;
+    const auvid_real_t *worst = crs->cost, *end = worst + crs->config.population;
+    auvid_real_t high = *worst;
+    for (const auvid_real_t *cost = worst + 1; cost < end; ++cost) {
+        if (*cost > high) {
+            high = *cost;
+            worst = cost;
         }
     }
-    crs->worst = worst;
+    crs->worst = (uint16_t)(worst - crs->cost);
 }
 
 /* All of S has its cost: take D0 over the points that did not fail. */

@@ -128,6 +128,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
     ls->direction = direction;
     ls->move = MOVE_POLL;
     memcpy(ls->base, ls->theta, sizeof ls->base);
+    memcpy(ls->trial, ls->theta, sizeof ls->trial); /* a line moves but some parameters */
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);

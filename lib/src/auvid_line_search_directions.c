@@ -37,10 +37,10 @@ static auvid_real_t component(const auvid_line_search_t *ls, size_t i, size_t k)
 /* trial = base + axis_step e_i + t d_probe, or with -t. False if neither is in the box. */
 static bool place_probe(auvid_line_search_t *ls)
 {
+    const size_t i = line_search_parameter(ls);
     for (int side = 0; side < 2; ++side) {
-        const size_t i = line_search_parameter(ls);
-        memcpy(ls->trial, ls->base, sizeof ls->trial);
-        ls->trial[i] += ls->axis_step * ls->config.scale[i];
+        memcpy(ls->trial, ls->base, i * sizeof *ls->trial);
+        ls->trial[i] = ls->base[i] + ls->axis_step * ls->config.scale[i];
         for (size_t k = 0; k <= ls->probe; ++k) {
             ls->trial[k] += ls->t * component(ls, ls->probe, k);
         }
@@ -52,51 +52,52 @@ static bool place_probe(auvid_line_search_t *ls)
     return false;
 }
 
-/* trial = base + t d_i; t becomes the step that the box leaves. */
-static void place_along(auvid_line_search_t *ls)
+/* trial = base + t d_i; t becomes the step that the box leaves. False if the iterate is there. */
+static bool place_along(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
     const size_t i = line_search_parameter(ls), first = c->literal ? i : 0;
+    const auvid_real_t sign = line_search_sign(ls);
+    auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
     size_t bound = AUVID_MAX_PARAMETERS;
-    auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0);
-    memcpy(ls->trial, ls->base, sizeof ls->trial);
+    bool moved = false;
     for (size_t k = first; k <= i; ++k) {
-        d = line_search_sign(ls) * component(ls, i, k);
-        const auvid_real_t x = ls->base[k] + ls->t * d;
+        d = sign * component(ls, i, k);
+        const auvid_real_t x = ls->base[k] + t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             bound = k;
             to = auvid_clamp(x, c->lower[k], c->upper[k]);
-            ls->t = (to - ls->base[k]) / d;
+            t = (to - ls->base[k]) / d;
         }
     }
     for (size_t k = first; k <= i; ++k) {
-        const auvid_real_t x = ls->base[k] + ls->t * (line_search_sign(ls) * component(ls, i, k));
+        const auvid_real_t x = ls->base[k] + t * (sign * component(ls, i, k));
         ls->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
     }
-    if (c->literal) {
-        ls->t = (ls->trial[i] - ls->base[i]) / d;
+    ls->t = c->literal ? (ls->trial[i] - ls->base[i]) / d : t;
+    return moved;
+}
+
+/* The same, d the displacement of the sweep. */
+static bool place_pattern(auvid_line_search_t *ls)
+{
+    const auvid_line_search_config_t *c = &ls->config;
+    bool moved = false;
+    for (size_t k = 0; k < c->n; ++k) {
+        const auvid_real_t x = ls->base[k] + ls->t * (ls->base[k] - ls->previous[k]);
+        ls->trial[k] = auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
     }
+    return moved;
 }
 
 bool auvid_line_search_place(auvid_line_search_t *ls)
 {
-    const auvid_line_search_config_t *c = &ls->config;
-    bool moved = false;
     if (ls->move == MOVE_PROBE) {
         return place_probe(ls);
     }
-    if (line_search_is_pattern(ls)) {
-        for (size_t i = 0; i < c->n; ++i) {
-            auvid_real_t x = ls->base[i] + ls->t * (ls->base[i] - ls->previous[i]);
-            ls->trial[i] = auvid_clamp(x, c->lower[i], c->upper[i]);
-        }
-    } else {
-        place_along(ls);
-    }
-    for (size_t i = 0; i < c->n; ++i) {
-        moved = moved || ls->trial[i] < ls->theta[i] || ls->trial[i] > ls->theta[i];
-    }
-    return moved;
+    return line_search_is_pattern(ls) ? place_pattern(ls) : place_along(ls);
 }
 
 void auvid_line_search_release(auvid_line_search_t *ls)

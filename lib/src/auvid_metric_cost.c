@@ -16,14 +16,17 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 
 void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
-    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
-    for (int i = 0; i < m->cfg.vehicle->parameters && !auvid_metric_has_regressor(m); ++i) {
-        m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+    if (!auvid_metric_has_regressor(m)) {
+        auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
+        for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+            m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const uint8_t *index = m->index + m->channel_at[j];
-        for (int k = 0; k < m->count[j]; ++k) {
-            m->candidate[m->channel_at[j] + k] = pi[index[k]];
+        auvid_real_t *candidate = m->candidate + m->channel_at[j];
+        for (int k = 0, count = m->count[j]; k < count; ++k) {
+            candidate[k] = pi[index[k]];
         }
     }
     m->at_set = m->at_dof = 0;
@@ -54,10 +57,10 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
         int to = *budget < (uint32_t)left ? i + (int)*budget : count;
         auvid_real_t squares = m->squares;
         *budget -= (uint32_t)(to - i);
-        for (; i < to; r += n - i, ++i) {
+        for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
             auvid_real_t e = -z[i];
-            for (int k = i; k < count; ++k) {
-                e += r[k - i] * x[k];
+            for (const auvid_real_t *xk = x + i; xk != x + count; ++xk, ++r) {
+                e += *r * *xk;
             }
             squares += e * e;
         }
