@@ -97,7 +97,7 @@ static void test_interleaved_identifiers_do_not_interact(void)
 
 static void test_a_copy_of_an_identifier_goes_on_identically(void)
 {
-    config.budget = 100;
+    config.budget = 20;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 40.0); /* searching, exciting, recording */
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
