@@ -24,17 +24,17 @@ typedef struct {
 } row_t;
 
 static const row_t rows[] = {
-    {"m 4n,  omega n", 52, 0, false, false, 0},
-    {"m 4n,  omega n,     columns", 52, 0, true, false, 0},
+    {"m 4n,  omega 2", 52, 0, false, false, 0},
+    {"m 4n,  omega 2,     columns", 52, 0, true, false, 0},
     {"m 4n,  omega n,              literal", 52, 0, false, true, 0},
     {"m 4n,  omega n,     columns, literal", 52, 0, true, true, 0},
-    {"m 10n, omega n", 130, 0, false, false, 0},
+    {"m 10n, omega 2", 130, 0, false, false, 0},
     {"m 10n, omega n,              literal", 130, 0, false, true, 0},
     {"m 4n,  omega 1e6 n", 52, AUVID_C(13e6), false, false, 0},
     {"m 10n, omega 1e6 n", 130, AUVID_C(13e6), false, false, 0},
     {"m 10n, omega 1e6 n,          literal", 130, AUVID_C(13e6), false, true, 0},
-    {"m 4n,  omega n,     good point", 52, 0, false, false, 1},
-    {"m 4n,  omega n,     bad point", 52, 0, false, false, -1},
+    {"m 4n,  omega 2,     good point", 52, 0, false, false, 1},
+    {"m 4n,  omega 2,     bad point", 52, 0, false, false, -1},
     {"m 4n,  omega n,     good,    literal", 52, 0, false, true, 1},
     {"m 4n,  omega n,     bad,     literal", 52, 0, false, true, -1},
 };

@@ -14,8 +14,8 @@
  * the width of the box is a scale; the inverse norm of the parameter's column in a least-squares
  * problem is another. Scale the cost so that J(0) ~ 1: gamma is what counts as a gain.
  *
- * Cost: one ask makes at most one trial. For n = 13 about 500 instructions on a Cortex-M4F (at most
- * 1000), tell 250 (700). Memory: 1.4 KiB by default.
+ * Cost: one ask makes at most one trial. For n = 13 about 490 instructions on a Cortex-M4F (at most
+ * 900), tell 390 (1400). Memory: 1.4 KiB by default.
  *
  * Sources: Algorithm 2 of Karras et al., IROS 2013 ("the paper"); Lucidi, Sciandrone, Computational
  * Optimization and Applications 21 (2002): steps are cut at the box, and any better point may
@@ -35,7 +35,7 @@
  *   curvature that an earlier search along d_i found) is tried. Pattern step and parabola are taken
  *   only when better than the iterate, and shorten no step, so the polling that the convergence
  *   proof rests on remains as it is. Together they bring a recorded 13-parameter identification
- *   from 4300 evaluations in this phase to 290;
+ *   from 4550 evaluations in this phase to 290;
  * - restarts: float32 may end falsely early, so the search begins again with a tenth of alpha0;
  * - a cap on evaluations; a cost that is not finite or above AUVID_LINE_SEARCH_COST_FAILED counts
  *   as that (the model failed there).
