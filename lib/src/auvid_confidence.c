@@ -178,22 +178,19 @@ static void take_row(job_t *c, const auvid_set_t *set, int j, int band, int i)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
-    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
-    auvid_real_t w[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    auvid_real_t w[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_real_t own = AUVID_C(0.0), joint = AUVID_C(0.0), weight = m->band_weight[band][j];
+    auvid_metric_unpack_row(m, set, band, j, i, w);
     for (int k = i; k < n; ++k) {
-        own += r[k - i] * c->own[at + k];
-        joint += r[k - i] * (k < count ? c->pi[m->index[at + k]] : c->own[at + k]);
+        own += w[k] * c->own[at + k];
+        joint += w[k] * (k < count ? c->pi[m->index[at + k]] : c->own[at + k]);
     }
     for (int k = i; k < count; ++k) {
         int place = c->place[m->index[at + k]];
-        c->score[k] += weight * own * r[k - i];
+        c->score[k] += weight * own * w[k];
         if (place != NOWHERE) {
-            c->influence[place] += m->weight[j] * weight * joint * r[k - i];
+            c->influence[place] += m->weight[j] * weight * joint * w[k];
         }
-    }
-    for (int k = i; k < count; ++k) {
-        w[k] = r[k - i];
     }
     auvid_triangle_solve_left(merged(c, j), n, count, w);
     for (int a = 0; a < count; ++a) {

@@ -44,18 +44,18 @@ static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
 }
 
 /* a: derivatives of DoF j's row by its acceleration. */
-static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_real_t a[AUVID_MAX_PARAMETERS])
+static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                     auvid_real_t a[AUVID_MAX_PARAMETERS])
 {
-    auvid_regressor_t y;
     auvid_sample_t sample;
     memset(&sample, 0, sizeof sample);
     memset(a, 0, AUVID_MAX_PARAMETERS * sizeof *a);
     for (int moved = 0; moved <= 1; ++moved) {
-        memset(&y, 0, sizeof y);
+        memset(y, 0, sizeof *y);
         sample.nu_dot[j] = (auvid_real_t)moved;
-        vehicle->regressor(vehicle->context, &sample, &y);
+        vehicle->regressor(vehicle->context, &sample, y);
         for (int i = 0; i < vehicle->parameters; ++i) {
-            a[i] = y.row[j][i] - a[i];
+            a[i] = y->row[j][i] - a[i];
         }
     }
 }
@@ -69,7 +69,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     if (auvid_metric_smooths_motion(m)) {
         return;
     }
-    mass_row(m->cfg.vehicle, j, a);
+    mass_row(m->cfg.vehicle, j, &c->regressor, a);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         mass += a[i] * c->pi[i];
     }

@@ -99,10 +99,10 @@ static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identi
 
 static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier_config_t *cfg)
 {
-    auvid_metric_config_t metric_cfg = cfg->metric;
-    metric_cfg.vehicle = cfg->vehicle;
-    metric_cfg.cell_us = cfg->recorder.cell_us;
-    return auvid_metric_init(metric, &metric_cfg);
+    metric->cfg = cfg->metric;
+    metric->cfg.vehicle = cfg->vehicle;
+    metric->cfg.cell_us = cfg->recorder.cell_us;
+    return auvid_metric_init(metric, &metric->cfg);
 }
 
 static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)

@@ -135,11 +135,15 @@ static void publish(const auvid_identifier_t *id, auvid_output_t *out)
 
 void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
 {
-    auvid_guard_input_t seen;
+    bool may;
     take_altitude(id, in);
-    look(id, in->saturated, &seen);
-    id->saturated = false;
-    if (watch(id, id->t_us, &seen, &id->events)) {
+    { /* its own block: what the guard sees need not stay on the stack while exciting */
+        auvid_guard_input_t seen;
+        look(id, in->saturated, &seen);
+        id->saturated = false;
+        may = watch(id, id->t_us, &seen, &id->events);
+    }
+    if (may) {
         excite(id, out);
     }
     publish(id, out);

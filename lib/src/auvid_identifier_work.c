@@ -11,6 +11,7 @@
 
 #include "auvid_identifier.h"
 #include "auvid_math.h"
+#include "auvid_optimizer.h"
 
 /* Units that it costs to draw a population. */
 enum { BEGIN_PRICE = 100 };
@@ -21,11 +22,12 @@ static bool searches_delay(const auvid_identifier_t *id)
     return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
 }
 
-/* A point for the optimizer: the active parameters of pi, clipped to the box. */
-static void add_point(auvid_identifier_t *id, const auvid_optimizer_config_t *cfg,
-                      const auvid_real_t *pi, auvid_real_t delay_s)
+/* A point for the optimizer: the active parameters of pi, clipped to the box. It is made in the
+ * place of the scale, which the optimizer has taken. */
+static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, const auvid_real_t *pi,
+                      auvid_real_t delay_s)
 {
-    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    auvid_real_t *theta = cfg->scale;
     int n = cfg->crs.n - (searches_delay(id) ? 1 : 0);
     for (int i = 0; i < n; ++i) {
         theta[i] = auvid_clamp(pi[id->place[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
@@ -40,7 +42,8 @@ static void add_point(auvid_identifier_t *id, const auvid_optimizer_config_t *cf
 static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
 {
     const auvid_search_config_t *cfg = &id->search;
-    auvid_real_t scale[AUVID_MAX_PARAMETERS];
+    auvid_real_t *scale =
+        search->scale; /* in place: the i-th parameter is the i-th or a later one */
     uint8_t n = 0;
     id->active = auvid_metric_searched(&id->metric);
     for (uint8_t i = 0; i < identifier_vehicle(id)->parameters; ++i) {
@@ -55,8 +58,9 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
         auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
         search->crs.lower[i] = cfg->lower[p];
         search->crs.upper[i] = cfg->upper[p];
-        search->scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
+        scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
     }
+    memset(scale + n, 0, (size_t)(AUVID_MAX_PARAMETERS - n) * sizeof *scale);
     if (searches_delay(id)) {
         search->crs.upper[n] = auvid_metric_longest_delay(&id->metric);
     }
@@ -74,7 +78,7 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
 {
     auvid_optimizer_config_t search;
     pose_search(id, &search);
-    auvid_status_t status = auvid_optimizer_init(&id->optimizer, &search);
+    auvid_status_t status = auvid_optimizer_begin(&id->optimizer, &search);
     if (status < 0) {
         return status;
     }
@@ -114,7 +118,7 @@ static auvid_status_t after_merge(auvid_identifier_t *id)
     return begin_search(id);
 }
 
-static void ask(auvid_identifier_t *id)
+static AUVID_APART void ask(auvid_identifier_t *id)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);

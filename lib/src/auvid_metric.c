@@ -105,27 +105,20 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     return cfg->vehicle->regressor != NULL || stored ? AUVID_OK : AUVID_ERR_MODEL;
 }
 
-/* Savitzky-Golay coefficients of one pass, in the middle of a window of 2 half_width + 1 cells. */
-static auvid_status_t coefficients(const auvid_metric_config_t *cfg, uint8_t half_width,
-                                   uint8_t derivative, auvid_real_t c[AUVID_MAX_TAPS])
+/* One pass of Savitzky-Golay in the middle of `taps`. @return its first coefficient */
+static auvid_real_t *make_pass(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
+                               uint8_t derivative)
 {
-    auvid_real_t dt_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
-    return auvid_smoother_coefficients(half_width, cfg->order, derivative, dt_s, 0, c);
+    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
+    (void)auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0,
+                                      first); /* they exist: filter_fits */
+    return first;
 }
 
-/* kernel = one pass, or the convolution of two (a derivative is taken once), in the middle of
- * `taps`. */
-static void make_kernel(auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
-                        uint8_t derivative)
+/* A pass of n coefficients at `first`, and after it one at c, which may be the same. */
+static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
 {
-    auvid_real_t c[AUVID_MAX_TAPS];
-    int n = 2 * half_width + 1;
-    auvid_real_t *first = kernel + (m->taps - (m->cfg.passes * (n - 1) + 1)) / 2;
-    (void)coefficients(&m->cfg, half_width, derivative, first); /* they exist: filter_fits */
-    if (m->cfg.passes == 1) {
-        return;
-    }
-    (void)coefficients(&m->cfg, half_width, 0, c);
     for (int t = 2 * n - 2; t >= 0; --t) { /* in place: what is still needed stands before t */
         auvid_real_t sum = AUVID_C(0.0);
         for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
@@ -176,21 +169,24 @@ static uint32_t overlap_of(const auvid_metric_config_t *cfg)
     return (taps_of(cfg) + cfg->row_cells - 1) / cfg->row_cells;
 }
 
-/* Does the filter exist, and is there room for it? */
+/* Does the filter exist (smoother.h), and is there room for it? */
 static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
 {
-    auvid_real_t c[AUVID_MAX_TAPS];
+    int least = cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
     if (taps_of(cfg) > AUVID_MAX_TAPS || overlap_of(cfg) > AUVID_MAX_OVERLAP) {
         return AUVID_ERR_SIZE;
     }
     if (averages(cfg)) {
         return AUVID_OK;
     }
-    auvid_status_t status = coefficients(cfg, cfg->half_width[0], 0, c);
-    if (status == AUVID_OK && auvid_metric_is_literal(cfg)) {
-        status = coefficients(cfg, cfg->half_width[0], 1, c);
+    if (widest(cfg) > AUVID_MAX_HALF_WIDTH) {
+        return AUVID_ERR_SIZE;
     }
-    return status == AUVID_OK ? coefficients(cfg, cfg->half_width[1], 0, c) : status;
+    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER ||
+        (auvid_metric_is_literal(cfg) && cfg->order < 1)) { /* no derivative */
+        return AUVID_ERR_RANGE;
+    }
+    return cfg->order > 2 * least ? AUVID_ERR_SINGULAR : AUVID_OK;
 }
 
 /* Is there room for all channels and triangles? */
@@ -226,8 +222,13 @@ static void make_filter(auvid_metric_t *m)
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
     m->spread = literal ? AUVID_C(0.0) : spread;
-    make_kernel(m, m->kernel[0], cfg->half_width[0], 0);
-    make_kernel(m, m->kernel[1], cfg->half_width[literal ? 0 : 1], literal);
+    uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
+    auvid_real_t *smooth = make_pass(m, m->kernel[0], half, 0);
+    auvid_real_t *second = make_pass(m, m->kernel[1], other, literal);
+    if (cfg->passes == 2) { /* a derivative is taken once */
+        convolve(second, literal ? smooth : second, 2 * other + 1);
+        convolve(smooth, smooth, 2 * half + 1);
+    }
 }
 
 /* Give each modelled DoF its channels and its triangle. In the residual path they serve the model
@@ -267,11 +268,11 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     if (status < 0) {
         return status;
     }
-    memset(metric, 0, sizeof *metric);
     metric->cfg = *cfg;
+    memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
     make_filter(metric);
     lay_out(metric);
-    memcpy(metric->delay_s, cfg->delay_s, sizeof metric->delay_s);
-    metric->lagged = cfg->lagged;
+    memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
+    metric->lagged = metric->cfg.lagged;
     return AUVID_OK;
 }

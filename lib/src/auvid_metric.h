@@ -13,9 +13,7 @@ enum {
     MOTION_NU_DOT = MOTION_NU + AUVID_DOF_COUNT,
     MOTION_TAU = MOTION_NU_DOT + AUVID_DOF_COUNT,
     MOTION_COMMAND = MOTION_TAU + AUVID_DOF_COUNT,
-    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS, /* wrench and commands again, delayed */
-    AUVID_METRIC_MOTION_CHANNELS =
-        MOTION_LATE + (AUVID_METRIC_DELAYS - 1) * (AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
+    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS /* wrench and commands again, delayed */
 };
 
 /** Regressor path? Else the residual path. */
@@ -41,12 +39,33 @@ static inline bool auvid_metric_smooths_motion(const auvid_metric_t *m)
     return !auvid_metric_is_linear(&m->cfg) || auvid_metric_is_literal(&m->cfg);
 }
 
-/** Where the set completed `age` sets ago stands, age < cfg.sets. */
+/** Where the set completed `age` sets ago stands, age < cfg.sets; age -1: where the next will. */
 static inline int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
-    int slots = m->cfg.sets + 1;
-    return (m->current + 2 * slots - 1 - age) % slots;
+    uint32_t sets = m->cfg.sets;
+    return (int)((m->turns + 2u * sets - 1u - (uint32_t)age) % sets);
 }
+
+/** Residual path: its rows; age -1: those of the set being recorded. */
+static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
+{
+    uint32_t blocks = m->cfg.sets + 1u;
+    uint32_t block = (m->turns + 2u * blocks - (uint32_t)(age + 1)) % blocks;
+    return m->cfg.rows + block * m->cfg.set_rows;
+}
+
+/** Binary digits of a stored triangle's entries, sign apart. */
+enum { AUVID_METRIC_DIGITS = 8 * (int)sizeof(auvid_share_t) - 1 };
+
+/** Keep m->factor in *set. */
+void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set);
+
+/** The set being recorded is complete: into the ring, in the place of the oldest. */
+void auvid_metric_keep(auvid_metric_t *m, uint8_t driven);
+
+/** row[i..n-1]: row i of DoF j's triangle, of order n. */
+void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j,
+                             int i, auvid_real_t *row);
 
 /** Order of DoF j's triangle: its parameters and the wrench at each delay; 0: not modelled. */
 static inline int auvid_metric_order(const auvid_metric_t *m, int j)

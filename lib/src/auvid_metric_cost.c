@@ -117,14 +117,14 @@ static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
 static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_set < m->cfg.sets; ++m->at_set, m->at_row = 0) {
-        int slot = auvid_metric_slot(m, m->cfg.sets - 1 - m->at_set);
-        const auvid_set_t *set = &m->set[slot];
+        int age = m->cfg.sets - 1 - m->at_set;
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row, --*budget) {
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
-            if (!push_residual(m, &m->cfg.rows[(uint32_t)slot * m->cfg.set_rows + m->at_row])) {
+            if (!push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -277,8 +277,8 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     }
     /* one triangle for all DoF: active parameters in order, then the wrench */
     auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
-    auvid_real_t x[AUVID_MAX_PARAMETERS];
-    int place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
+    int8_t place[AUVID_MAX_PARAMETERS], n = 0;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
         place[i] = free && (active >> i & 1u) ? n++ : -1;
@@ -288,17 +288,17 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         auvid_real_t scale = auvid_sqrt(m->weight[j]);
         for (int i = 0; i < m->count[j] && order > 0 && (m->driven >> j & 1); ++i) {
             const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
-            auvid_real_t row[AUVID_MAX_PARAMETERS + 1] = {AUVID_C(0.0)};
-            row[n] = scale * m->z[at + i];
+            memset(x, 0, sizeof x);
+            x[n] = scale * m->z[at + i];
             for (int k = i; k < m->count[j]; ++k) {
                 int p = m->index[at + k];
                 if (place[p] >= 0) {
-                    row[place[p]] = scale * r[k - i];
+                    x[place[p]] = scale * r[k - i];
                 } else {
-                    row[n] -= scale * r[k - i] * pi[p];
+                    x[n] -= scale * r[k - i] * pi[p];
                 }
             }
-            auvid_triangle_add(joint, n + 1, 0, row);
+            auvid_triangle_add(joint, n + 1, 0, x);
         }
     }
     for (int i = 0; i < n; ++i) {

@@ -49,7 +49,7 @@ static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, in
         back -= r + 1;
         r = m->set[auvid_metric_slot(m, ++age)].rows - 1;
     }
-    return back > r ? NULL : &m->cfg.rows[auvid_metric_slot(m, age) * m->cfg.set_rows + r - back];
+    return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
 }
 
 /* Do the rows that end with row r make a whole window? */
@@ -112,9 +112,21 @@ static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real
 }
 
 /* The derivatives are complete: into the triangles. */
-static void finish_window(auvid_metric_t *m, auvid_set_t *set)
+static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set)
 {
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
+    for (int j = 0; j < AUVID_DOF_COUNT;
+         ++j) { /* from here on in the place of e: sum e_i pi_i - e */
+        auvid_real_t *z = m->z + m->channel_at[j];
+        int count = m->count[j];
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        z[count] = -z[count];
+        for (int k = 0; k < count; ++k) {
+            z[count] += z[k] * m->pi[m->index[m->channel_at[j] + k]];
+        }
+    }
     if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK) {
         return;
     }
@@ -126,15 +138,11 @@ static void finish_window(auvid_metric_t *m, auvid_set_t *set)
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        auvid_real_t known = -z[count];
-        for (int k = 0; k < count; ++k) {
-            row[k] = z[k];
-            known += z[k] * m->pi[m->index[m->channel_at[j] + k]];
-        }
+        memcpy(row, z, (size_t)count * sizeof *row);
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[count + d] = known - ((auvid_real_t)d - s) * node * z[count + 1];
+            row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
         }
-        auvid_triangle_add(set->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
+        auvid_triangle_add(m->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
     }
 }
 
@@ -185,12 +193,13 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
     for (; m->pass == PASS_LINEAR && m->at_set < m->to_set; ++m->at_set, m->at_row = 0) {
         auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
         if (m->at_row == 0 && m->at_part == 0) {
-            memset(set->factor, 0, sizeof set->factor);
+            memset(m->factor, 0, sizeof m->factor);
             set->windows = 0;
         }
         if (!linearise_set(m, set, budget)) {
             return AUVID_PENDING;
         }
+        auvid_metric_pack(m, set);
     }
     if (m->pass == PASS_LINEAR) {
         if (m->to_set < m->cfg.sets) {

@@ -25,6 +25,9 @@
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
 
+/* A pivot up to this part of its column is rounding, of stored triangles above all. */
+#define ROUNDED (AUVID_C(4.0) / (auvid_real_t)(1u << AUVID_METRIC_DIGITS))
+
 /* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command. */
 enum { DELAY_STEPS = 20 };
 #define DELAY_STEP AUVID_C(0.1)
@@ -106,7 +109,7 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
     for (int i = 0; i < m->count[j]; ++i) {
         auvid_real_t *r = triangle + auvid_triangle_row(n, i);
         auvid_real_t norm = auvid_triangle_norm(triangle, n, i);
-        if (auvid_abs(r[0]) > AUVID_C(100.0) * AUVID_EPSILON * norm) {
+        if (auvid_abs(r[0]) > ROUNDED * norm) {
             continue;
         }
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
@@ -152,11 +155,11 @@ static void settle_dof(auvid_metric_t *m, int j)
 void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
     auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
-    for (int k = 0; k < n - i; ++k) {
-        row[i + k] = scale * r[k];
+    auvid_metric_unpack_row(m, set, band, j, i, row);
+    for (int k = i; k < n; ++k) {
+        row[k] *= scale;
     }
     auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
 }
@@ -170,12 +173,12 @@ static bool rotates(const auvid_metric_t *m)
 static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_real_t *r = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i);
     if (!rotates(m)) {
-        const auvid_real_t *x = m->candidate + m->channel_at[j] + i;
-        auvid_real_t e = AUVID_C(0.0);
-        for (int k = 0; k < n - i; ++k) {
-            e += r[k] * x[k];
+        const auvid_real_t *x = m->candidate + m->channel_at[j];
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
+        auvid_metric_unpack_row(m, set, band, j, i, row);
+        for (int k = i; k < n; ++k) {
+            e += row[k] * x[k];
         }
         m->band_sse[band][j] += e * e;
         return;

@@ -15,28 +15,24 @@
  * single precision. */
 #define LARGEST_ENTRY AUVID_C(1e15)
 
+/* Cells of which the inputs are kept. */
+enum { PAST = AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1 };
+/* Wrench and commands. */
+enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
+
+/* Where the regressor is evaluated: in memory that the residual path alone needs, or else on the
+ * stack. */
+#if AUVID_REGRESSOR_ONLY
+#define REGRESSOR(metric) (&(auvid_regressor_t){{{AUVID_C(0.0)}}})
+#else
+#define REGRESSOR(metric) (&(metric)->regressor)
+#endif
+
 /* Wrench and commands at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
 static const auvid_real_t *delayed(const auvid_metric_t *m, int delay)
 {
-    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
     uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->cells % PAST;
     return m->past_tau[now >= ago ? now - ago : now + PAST - ago];
-}
-
-/* Channels of the path that smooths motion: attitude, nu, nu_dot, wrench and commands at all
- * delays. The literal reading makes its accelerations of nu. */
-static void motion_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel)
-{
-    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
-    bool literal = auvid_metric_is_literal(&m->cfg);
-    channel[0] = s->phi;
-    channel[1] = s->theta;
-    channel[2] = s->psi;
-    memcpy(channel + MOTION_NU, s->nu, sizeof s->nu);
-    memcpy(channel + MOTION_NU_DOT, literal ? s->nu : s->nu_dot, sizeof s->nu_dot);
-    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        memcpy(channel + MOTION_TAU + d * INPUTS, delayed(m, d), INPUTS * sizeof channel[0]);
-    }
 }
 
 /* Channels of the regressor path stand in sections of one weight each: of the forces what their
@@ -62,53 +58,39 @@ static auvid_real_t explained(const auvid_metric_t *m, int j, const auvid_real_t
     return sum;
 }
 
-/* Fill the sections. @return do fixed parameters explain anything? */
-static bool row_channels(const auvid_metric_t *m, const auvid_sample_t *s, auvid_real_t *channel,
+static void evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_clear(y->row[0], sizeof *y / sizeof y->row[0][0]);
+    m->cfg.vehicle->regressor(m->cfg.vehicle->context, s, y);
+}
+
+/* Fill the sections; late: inputs at each node. @return do fixed parameters explain anything? */
+static bool row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
+                         const auvid_real_t *const late[AUVID_METRIC_DELAYS], auvid_real_t *channel,
                          auvid_real_t known[AUVID_DOF_COUNT])
 {
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    const auvid_real_t *late[AUVID_METRIC_DELAYS];
     auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
     bool any = false;
-    auvid_regressor_t y;
-    auvid_clear(y.row[0], sizeof y / sizeof y.row[0][0]);
-    vehicle->regressor(vehicle->context, s, &y);
-    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        late[d] = delayed(m, d);
-    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (j == AUVID_ROLL) {
             motion = channel + section(m, 2);
             wrench = channel + section(m, 3);
         }
         known[j] = AUVID_C(0.0);
-        if (vehicle->columns[j] == 0) {
+        if (m->cfg.vehicle->columns[j] == 0) {
             continue;
         }
-        known[j] = explained(m, j, y.row[j]);
+        known[j] = explained(m, j, y->row[j]);
         any = any || auvid_abs(known[j]) > AUVID_C(0.0);
         const uint8_t *index = m->index + m->channel_at[j];
         for (int k = m->count[j]; k > 0; --k) {
-            *motion++ = y.row[j][*index++];
+            *motion++ = y->row[j][*index++];
         }
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             *wrench++ = late[d][j];
         }
     }
     return any;
-}
-
-/* What is left to explain of the wrench. */
-static void part_known(const auvid_metric_t *m, auvid_real_t *channel,
-                       const auvid_real_t known[AUVID_DOF_COUNT])
-{
-    auvid_real_t *wrench = channel + section(m, 1);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
-        for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
-            *wrench++ -= known[j];
-        }
-    }
 }
 
 /* Weight of the wrench of forces besides kernel[age], which motion has too: see auvid_metric.c. */
@@ -152,31 +134,38 @@ static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
     }
 }
 
-/* The same for channels of motion. */
+/* The same for motion: attitude, nu, nu_dot, inputs at all delays. The literal reading makes its
+ * accelerations of nu. */
 static void accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
-                              const auvid_real_t *channel)
+                              const auvid_sample_t *s)
 {
     auvid_real_t *row = m->accumulator[slot];
     bool literal = auvid_metric_is_literal(&m->cfg);
     auvid_real_t smooth = m->kernel[0][age];
     auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
     auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
-    for (int i = 0; i < AUVID_METRIC_MOTION_CHANNELS; ++i) {
-        row[i] += (i < MOTION_NU_DOT ? smooth : (i < MOTION_TAU ? derivative : raw)) * channel[i];
+    row[0] += smooth * s->phi;
+    row[1] += smooth * s->theta;
+    row[2] += smooth * s->psi;
+    add_scaled(row + MOTION_NU, smooth, s->nu, AUVID_DOF_COUNT);
+    add_scaled(row + MOTION_NU_DOT, derivative, literal ? s->nu : s->nu_dot, AUVID_DOF_COUNT);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        add_scaled(row + MOTION_TAU + d * INPUTS, raw, delayed(m, d), INPUTS);
     }
 }
 
 /* Mean and sum of squares about it, one value at a time (Welford). */
-static void watch_wrench(auvid_set_t *set, int j, auvid_real_t tau)
+static void watch_wrench(auvid_metric_t *m, int j, auvid_real_t tau)
 {
-    auvid_real_t off = tau - set->tau_mean[j];
-    set->tau_mean[j] += off / (auvid_real_t)set->rows;
-    set->tau_m2[j] += off * (tau - set->tau_mean[j]);
+    auvid_real_t off = tau - m->tau_mean[j];
+    m->tau_mean[j] += off / (auvid_real_t)m->rows;
+    m->tau_m2[j] += off * (tau - m->tau_mean[j]);
 }
 
-static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
+static void sample_from_channels(const auvid_real_t *channel, uint64_t t_us, auvid_sample_t *s)
 {
     memset(s, 0, sizeof *s);
+    s->t_us = t_us;
     s->phi = channel[0];
     s->theta = channel[1];
     s->psi = channel[2];
@@ -186,164 +175,175 @@ static void sample_from_channels(const auvid_real_t *channel, auvid_sample_t *s)
     memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
 }
 
-/* Rows of the literal reading: of the smoothed sample, with the raw wrench in the middle of the
- * window instead of the newest. */
-static void literal_channels(const auvid_metric_t *m, const auvid_sample_t *s,
-                             const auvid_real_t *motion, auvid_real_t *channel)
-{
-    enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
-    auvid_real_t known[AUVID_DOF_COUNT];
-    (void)row_channels(m, s, channel, known);
-    auvid_real_t *wrench = channel + section(m, 1);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
-        for (int d = 0; d < AUVID_METRIC_DELAYS && m->cfg.vehicle->columns[j] != 0; ++d) {
-            *wrench++ = motion[MOTION_TAU + d * INPUTS + j];
-        }
-    }
-    part_known(m, channel, known);
-}
-
-/* row = a / 2 + half b */
-static inline void half_sum(auvid_real_t *row, const auvid_real_t *a, auvid_real_t half,
-                            const auvid_real_t *b, int n)
-{
-    for (int i = 0; i < n; ++i) {
-        row[i] = AUVID_C(0.5) * a[i] + half * b[i];
-    }
-}
-
-/* Sums and differences of this row and the last go into the triangles. The factor 1/2 makes the two
- * bands together weigh as much as the rows themselves:
+/* Sums and differences of this row and an earlier one go into DoF j's triangles. The factor 1/2
+ * makes the two bands together weigh as much as the rows themselves:
  *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
-static void rotate_row(auvid_metric_t *m, const auvid_real_t *channel)
+static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
-    auvid_set_t *set = &m->set[m->current];
-    int wrench = section(m, 1), motion = 0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench = j == AUVID_ROLL ? section(m, 3) : wrench;
-        motion = j == AUVID_ROLL ? section(m, 2) : motion;
-        int count = m->count[j], n = auvid_metric_order(m, j);
-        uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
-        const auvid_real_t *previous =
-            m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS];
-        for (int band = 0; band < AUVID_METRIC_BANDS && n > 0 && m->since_gap >= lag; ++band) {
-            auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-            auvid_real_t half = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
-            half_sum(row, channel + motion, half, previous + motion, count);
-            half_sum(row + count, channel + wrench, half, previous + wrench, n - count);
-            auvid_triangle_add(set->factor[band] + m->factor_at[j], n, 0, row);
+    int at = m->channel_at[j], n = auvid_metric_order(m, j);
+    uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
+    const auvid_real_t *previous =
+        m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+    for (int band = 0; band < AUVID_METRIC_BANDS && m->since_gap >= lag; ++band) {
+        auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
+        for (int i = 0; i < n; ++i) {
+            sum[i] = AUVID_C(0.5) * row[i] + other * previous[i];
         }
-        motion += count;
-        wrench += n - count;
+        auvid_triangle_add(m->factor[band] + m->factor_at[j], n, 0, sum);
     }
-    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS], channel,
-           m->channel_at[AUVID_DOF_COUNT] * sizeof channel[0]);
-    ++m->since_gap;
+    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
 }
 
-static void store_row(auvid_metric_t *m, const auvid_sample_t *sample, const auvid_real_t *channel)
+/* A row of the regressor path: into the triangles. One in which the regressor failed does not
+ * count: its wrench would pass for explained. */
+static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid_real_t *known)
 {
-    uint32_t rows = m->set[m->current].rows;
-    auvid_row_t *store = &m->cfg.rows[(uint32_t)m->current * m->cfg.set_rows + rows - 1u];
-    store->sample = *sample;
-    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
-}
-
-/* A row is complete: into the triangles, or into the store. One in which the regressor failed does
- * not count: its wrench would pass for explained. */
-static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
-{
-    auvid_real_t *channel = m->accumulator[slot], *equations = channel;
-    auvid_real_t literal[AUVID_MAX_COLUMNS];
-    auvid_set_t *set = &m->set[m->current];
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    bool motion = auvid_metric_smooths_motion(m);
-    auvid_sample_t sample;
-    if (!motion) {
-        part_known(m, channel, m->known[slot]);
-    } else {
-        sample_from_channels(channel, &sample);
-        sample.t_us = t_us;
-        if (auvid_metric_has_regressor(m)) {
-            literal_channels(m, &sample, channel, literal);
-            equations = literal;
-        }
-    }
-    size_t n = !auvid_metric_has_regressor(m) ? 0u : m->channel_at[AUVID_DOF_COUNT];
-    if (auvid_all_within(equations, n, LARGEST_ENTRY) != AUVID_OK) {
+    const auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
+    if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK ||
+        auvid_all_within(known, AUVID_DOF_COUNT, LARGEST_ENTRY) != AUVID_OK) {
         m->since_gap = 0;
         return;
     }
-    ++set->rows;
-    const auvid_real_t *wrench = channel + section(m, 1);
+    ++m->rows;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench = j == AUVID_ROLL ? channel + section(m, 3) : wrench;
-        if (vehicle->columns[j] != 0) {
-            watch_wrench(set, j, motion ? channel[MOTION_TAU + j] : wrench[0] + m->known[slot][j]);
-            wrench += AUVID_METRIC_DELAYS;
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        int count = m->count[j];
+        if (j == AUVID_ROLL) {
+            motion = channel + section(m, 2);
+            wrench = channel + section(m, 3);
         }
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        watch_wrench(m, j, *wrench);
+        memcpy(row, motion, (size_t)count * sizeof *row);
+        motion += count;
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            row[count + d] = *wrench++ - known[j];
+        }
+        rotate_row(m, j, row);
     }
+    ++m->since_gap;
+}
+
+/* The literal reading's row in the place of its motion: at the smoothed sample, with the raw wrench
+ * in the middle of the window. */
+static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+{
+    auvid_real_t *channel = m->accumulator[slot], tau[AUVID_METRIC_DELAYS][AUVID_DOF_COUNT];
+    const auvid_real_t *late[AUVID_METRIC_DELAYS];
+    auvid_regressor_t *y = REGRESSOR(m);
+    auvid_sample_t sample;
+    sample_from_channels(channel, t_us, &sample);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        memcpy(tau[d], channel + MOTION_TAU + d * INPUTS, sizeof tau[d]);
+        late[d] = tau[d];
+    }
+    evaluate(m, &sample, y);
+    (void)row_channels(m, y, late, channel, m->known[slot]);
+}
+
+/* A row of the residual path: into the store. */
+static void store_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *channel)
+{
+    auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
+    sample_from_channels(channel, t_us, &store->sample);
+    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+    ++m->rows;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        watch_wrench(m, j, channel[MOTION_TAU + j]);
+    }
+}
+
+/* A row is complete. */
+static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+{
     if (!auvid_metric_has_regressor(m)) {
-        store_row(m, &sample, channel);
-    } else {
-        rotate_row(m, equations);
+        store_row(m, t_us, m->accumulator[slot]);
+        return;
     }
+    if (auvid_metric_is_literal(&m->cfg)) {
+        form_row(m, t_us, slot);
+    }
+    take_row(m, m->accumulator[slot], m->known[slot]);
 }
 
 auvid_status_t auvid_metric_close(auvid_metric_t *metric)
 {
-    if (metric == NULL) {
+    auvid_metric_t *m = metric;
+    if (m == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_set_t *set = &metric->set[metric->current];
-    if (set->rows == 0) {
+    if (m->rows == 0) {
         return AUVID_ERR_NO_DATA;
     }
+    uint8_t driven = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t least = metric->cfg.driven * metric->cfg.tau_max[j];
-        bool driven = metric->cfg.vehicle->columns[j] != 0 &&
-                      set->tau_m2[j] > least * least * (auvid_real_t)set->rows;
-        set->driven = (uint8_t)(set->driven | (unsigned)driven << j);
+        auvid_real_t least = m->cfg.driven * m->cfg.tau_max[j];
+        bool is_driven =
+            m->cfg.vehicle->columns[j] != 0 && m->tau_m2[j] > least * least * (auvid_real_t)m->rows;
+        driven = (uint8_t)(driven | (unsigned)is_driven << j);
     }
-    bool kept = auvid_metric_free_of(metric, set->driven) != 0;
-    ++metric->sets_recorded;
-    metric->current = (uint8_t)((metric->current + kept) % (metric->cfg.sets + 1));
-    memset(&metric->set[metric->current], 0, sizeof metric->set[0]);
+    bool kept = auvid_metric_free_of(m, driven) != 0;
+    if (kept) {
+        auvid_metric_keep(m, driven);
+    }
+    ++m->sets_recorded;
+    m->rows = 0;
+    memset(m->factor, 0, sizeof m->factor);
+    memset(m->tau_mean, 0, sizeof m->tau_mean);
+    memset(m->tau_m2, 0, sizeof m->tau_m2);
     return kept ? AUVID_SET_COMPLETE : AUVID_SET_IDLE;
 }
 
-/* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
-static AUVID_APART int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
+/* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
+ * at `slot`. */
+static void add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n, uint32_t slot)
 {
-    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
+    uint32_t step = m->cfg.row_cells;
+    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+        accumulate_motion(m, slot, age, sample);
+        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+    }
+}
+
+static AUVID_APART void add_equations(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
+                                      uint32_t slot)
+{
+    auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
+    const auvid_real_t *late[AUVID_METRIC_DELAYS];
+    auvid_regressor_t *y = REGRESSOR(m);
+    uint32_t step = m->cfg.row_cells;
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        late[d] = delayed(m, d);
+    }
+    evaluate(m, sample, y);
+    bool any = row_channels(m, y, late, channel, known);
+    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+        accumulate_rows(m, slot, age, channel, any ? known : NULL);
+        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+    }
+}
+
+/* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
+static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
+{
     if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */
         return -1;
     }
-    auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
-    uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells;
-    bool motion = auvid_metric_smooths_motion(m), any = false;
-    if (motion) {
-        motion_channels(m, sample, channel);
-    } else {
-        any = row_channels(m, sample, channel, known);
-    }
-    uint32_t age = n % step, slot = n / step % m->overlap;
-    if (age == 0) {
+    uint32_t n = m->cells + 1 - PAST, step = m->cfg.row_cells, last = m->taps - 1u;
+    uint32_t slot = n / step % m->overlap;
+    if (n % step == 0) {
         auvid_clear(m->accumulator[slot], AUVID_MAX_COLUMNS);
         auvid_clear(m->known[slot], AUVID_DOF_COUNT);
     }
-    int complete = -1;
-    for (; age < m->taps && age <= n; age += step) {
-        if (motion) {
-            accumulate_motion(m, slot, age, channel);
-        } else {
-            accumulate_rows(m, slot, age, channel, any ? known : NULL);
-        }
-        complete = age + 1u == m->taps ? (int)slot : -1;
-        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+    if (auvid_metric_smooths_motion(m)) {
+        add_motion(m, sample, n, slot);
+    } else {
+        add_equations(m, sample, n, slot);
     }
-    return complete;
+    return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
 }
 
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
@@ -359,7 +359,6 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    enum { PAST = sizeof m->past_tau / sizeof m->past_tau[0] };
     memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
     memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
     auvid_status_t status = AUVID_OK;
@@ -367,7 +366,7 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     if (slot >= 0) {
         uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
         finish_row(m, middle, (uint32_t)slot);
-        if (m->set[m->current].rows >= m->cfg.set_rows) {
+        if (m->rows >= m->cfg.set_rows) {
             status = auvid_metric_close(m);
         }
     }

@@ -83,12 +83,13 @@ static void date_samples(auvid_node_t *node, uint64_t tick_us)
     date_imu(node);
 }
 
-/* The thrust fed back acted from the tick before on. */
-static void record_thrust(auvid_node_t *node)
+/* The thrust fed back acted from the tick before on. It is made up in the input, not on the stack
+ * of so deep a call; there it is not present, so that the step leaves it alone. */
+static AUVID_APART void record_thrust(auvid_node_t *node)
 {
     const auvid_allocation_config_t *cfg = &node->id.allocation.config;
-    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)}, wrench[AUVID_DOF_COUNT];
-    auvid_real_t command[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)};
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
+    auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
     bool since_known = node->feedback && node->counters.ticks > 0; /* when the tick before was */
     node->feedback = false;
     if (!since_known) {
@@ -99,8 +100,8 @@ static void record_thrust(auvid_node_t *node)
         const auvid_thruster_t *t = &cfg->thruster[i];
         force_N[i] = part > AUVID_C(0.0) ? part * t->max_N : -part * t->min_N;
         if (i < AUVID_MAX_COMMANDS) {
-        command[i] = part;
-    }
+            command[i] = part;
+        }
     }
     (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
     if (auvid_identifier_applied(&node->id, node->t_us, wrench, command) < 0) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "auvid_math.h"
+#include "auvid_optimizer.h"
 
 /* The global phase has to find the region, no more: a small phi makes it quick. 45 % of the
  * evaluations that omega = n takes to a spread of 1e-2; of functions with many minima it finds the
@@ -30,21 +31,27 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
     if (optimizer == NULL || config == NULL) {
         return AUVID_ERR_NULL;
     }
+    auvid_optimizer_config_t copy = *config;
+    return auvid_optimizer_begin(optimizer, &copy);
+}
+
+auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimizer_config_t *config)
+{
     auvid_status_t status = auvid_crs_check(&config->crs);
     if (status != AUVID_OK) {
         return status;
     }
-    auvid_line_search_config_t local = config->line_search;
-    local.n = config->crs.n;
-    memcpy(local.lower, config->crs.lower, sizeof local.lower);
-    memcpy(local.upper, config->crs.upper, sizeof local.upper);
-    memcpy(local.scale, config->scale, sizeof local.scale);
-    memcpy(local.start, config->crs.lower, sizeof local.start); /* until there is a better one */
-    status = auvid_line_search_init(&optimizer->line_search, &local); /* refuses what is wrong */
+    auvid_line_search_config_t *local = &config->line_search;
+    local->n = config->crs.n;
+    memcpy(local->lower, config->crs.lower, sizeof local->lower);
+    memcpy(local->upper, config->crs.upper, sizeof local->upper);
+    memcpy(local->scale, config->scale, sizeof local->scale);
+    memcpy(local->start, config->crs.lower, sizeof local->start); /* until there is a better one */
+    status = auvid_line_search_init(&optimizer->line_search, local); /* refuses what is wrong */
     if (status != AUVID_OK) {
         return status;
     }
-    optimizer->local = local;
+    optimizer->local = *local;
     optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
     status = auvid_crs_init(&optimizer->crs, &config->crs);
     if (!local.literal && !(config->crs.omega > AUVID_C(0.0))) {

@@ -31,7 +31,7 @@ def figures(name):
     def together(per, *functions):
         return sum(total[f"auvid_{f}"] for f in functions) / per
 
-    searches = calls["auvid_optimizer_init"]
+    searches = calls["auvid_optimizer_begin"]
     search = "optimizer_ask", "optimizer_tell", "metric_cost_begin", "metric_cost"
     own = rows["auvid_metric_cost"][1] - rows["residual"][1]
     table = {

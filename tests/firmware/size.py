@@ -10,7 +10,8 @@ POINTERS), or the RAM that is left for it is less.
   flash   of each module as linked: what the example uses. A module is its public header and the
           objects named after it; `library` is all of lib/, `library whole` its objects unlinked
   sizeof  public structs, and parts of the identifier (regressors: without what models that are not
-          linear need, and with a population for 13 parameters)
+          linear need, and with a population for 13 parameters; thirteen: all sizes for the 13
+          of Girona500)
   stack   the deepest chain of calls below each public function, the functions of the user's model
           not counted; on the line of `all`, the worst of every core. `main` and `interrupt` are
           the example's, with Girona500's model: their sum is what the image needs
@@ -236,7 +237,10 @@ def main():
             raise NoBound(f"{board}: stack {needed}, but {room(prefix, folder)} bytes are left")
     for config, board, more in (
         ("default", "m4f", ()), ("m3_20k", "m3_20k", ()),
-        ("regressors", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52"))
+        ("regressors", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52")),
+        ("thirteen", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52",
+                             "-DAUVID_MAX_PARAMETERS=13", "-DAUVID_MAX_FACTOR=171",
+                             "-DAUVID_MAX_COLUMNS=35"))
     ):
         for name, size in structs(board, more).items():
             figures[f"sizeof/{config}/{name}"] = size

@@ -62,16 +62,16 @@ static Dof read(int j)
     d.slope = delay_weights(s, lag, true);
     d.delayed = m.cfg.estimate_delay && m.delay_s[j] > 0;
     d.columns.assign(m.index + m.channel_at[j], m.index + m.channel_at[j] + m.count[j]);
-    int n = m.count[j] + DELAYS, slots = m.cfg.sets + 1;
+    int n = m.count[j] + DELAYS, sets = m.cfg.sets;
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         d.band[band] = double(m.band_weight[band][j]);
         for (int age = 0; age < SETS; ++age) {
-            const auvid_set_t &set = m.set[(m.current + 2 * slots - 1 - age) % slots];
-            const auvid_real_t *r = set.factor[band] + m.factor_at[j];
+            const auvid_set_t &set = m.set[(int(m.turns) + 2 * sets - 1 - age) % sets];
+            const auvid_share_t *r = set.factor[band] + m.factor_at[j];
             MatrixXd triangle = MatrixXd::Zero(n, n);
             for (int i = 0; i < n; ++i) {
                 for (int k = i; k < n; ++k) {
-                    triangle(i, k) = double(*r++);
+                    triangle(i, k) = std::ldexp(double(*r++), set.exponent[m.channel_at[j] + k]);
                 }
             }
             d.rows[band].push_back(triangle);

@@ -146,15 +146,16 @@ static bool is_identifiable(int i)
 
 /* ---- standard errors ---- */
 
-/* What is predicted of the bias grows with the square of the noise: little of it here. */
+/* What is predicted of the bias grows with the square of the noise, and stored sets are rounded as
+ * if by a noise of 0.02 N: little of both here. */
 static void test_standard_errors_are_proportional_to_the_noise(void)
 {
     auvid_real_t sigma[COUNT];
-    observe(&(world_t){ALL, SETS, 0.1, 0.0});
+    observe(&(world_t){ALL, SETS, 0.4, 0.0});
     memcpy(sigma, verdict->sigma, sizeof sigma);
-    observe(&(world_t){ALL, SETS, 0.3, 0.0});
+    observe(&(world_t){ALL, SETS, 0.8, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(0.03, 3.0, (double)verdict->sigma[i] / (double)sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, 2.0, (double)verdict->sigma[i] / (double)sigma[i]);
     }
 }
 
@@ -183,15 +184,17 @@ static void test_one_set_is_enough_for_standard_errors(void)
     }
 }
 
-/* The numbers are those of the build in double; in float they were within 4e-5 of them. */
+/* The numbers are those of the build in double. In float, with sets kept in 16 bits, they were
+ * within 4e-3 of them; with sets in float, within 4e-5. */
 static void test_float_and_double_come_to_the_same_standard_errors(void)
 {
     static const double expected[COUNT] = {0.16674,  0.170391, 0.205302, 0.0743761, 0.0231826,
                                            0.282209, 1.01882,  0.321731, 1.04528,   0.312877,
                                            1.11128,  0.165562, 0.513716};
+    double tolerance = sizeof(auvid_real_t) == sizeof(double) ? 1e-5 : 5e-3;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * expected[i], expected[i], (double)verdict->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance * expected[i], expected[i], (double)verdict->sigma[i]);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "auvid/metric.h"
+#include "auvid_metric.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -446,7 +447,7 @@ static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
     start();
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 12));
-    for (int s = 0; s < AUVID_MAX_SETS + 1; ++s) { /* a single row has no variance: not driven */
+    for (int s = 0; s < AUVID_MAX_SETS; ++s) { /* a single row has no variance: not driven */
         TEST_ASSERT_EQUAL_HEX8(0, metric.set[s].driven);
     }
     uint32_t budget = UINT32_MAX;
@@ -636,6 +637,62 @@ static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
     uint32_t all = AUVID_G500_FREE; /* and they are not solved for */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, all, pi));
     TEST_ASSERT_EQUAL_DOUBLE(-1000, (double)pi[AUVID_G500_M_U]);
+}
+
+/* ---- stored sets ---- */
+
+/* Pseudo-random in +-1. */
+static auvid_real_t noise(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return (auvid_real_t)((double)*state / 2147483648.0 - 1.0);
+}
+
+static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size(void)
+{
+    static const double size[] = {1e17, 3e-30, 1, 0, 1e-20, 7e3, 250, 1e-38, 1.0 / 3};
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], most[AUVID_MAX_COLUMNS] = {0};
+    uint32_t state = 1;
+    start();
+    int n = auvid_metric_order(&metric, 0), entries = n * (n + 1) / 2;
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        for (int i = 0, at = 0; i < n; ++i) {
+            for (int k = i; k < n; ++k, ++at) {
+                auvid_real_t value = noise(&state) * (auvid_real_t)size[k % 9];
+                metric.factor[band][at] = value;
+                most[k] = (auvid_real_t)fmax((double)most[k], fabs((double)value));
+            }
+        }
+    }
+    auvid_metric_pack(&metric, &metric.set[0]);
+    for (int band = 0, at = 0; band < AUVID_METRIC_BANDS; ++band, at -= entries) {
+        for (int i = 0; i < n; ++i) {
+            auvid_metric_unpack_row(&metric, &metric.set[0], band, 0, i, row);
+            for (int k = i; k < n; ++k, ++at) {
+                double off = fabs((double)row[k] - (double)metric.factor[band][at]);
+                double unit = fmax(ldexp(1.001 * (double)most[k], -15), ldexp(1, -127));
+                TEST_ASSERT_TRUE(off <= unit);
+            }
+        }
+    }
+}
+
+/* In yaw m_u and m_v stand as -u v and u v: one pivot has to be none, or rounding would count as
+ * knowledge. */
+static void test_a_column_that_depends_on_others_is_none_after_rounding(void)
+{
+    for (int begin = 0; begin < 60; ++begin) {
+        start();
+        world_t w = world_of(&cfg);
+        feed(&metric, &w, 17.3 * begin, cells_of(&cfg, 2 * cfg.set_rows));
+        merge_all(&metric);
+        int n = auvid_metric_order(&metric, AUVID_YAW), pivots = 0;
+        for (int i = 0; i < metric.count[AUVID_YAW]; ++i) {
+            int at = metric.factor_at[AUVID_YAW] + i * n - i * (i - 1) / 2;
+            pivots += metric.merged[at] != AUVID_C(0.0);
+        }
+        TEST_ASSERT_EQUAL(metric.count[AUVID_YAW] - 1, pivots);
+    }
 }
 
 static void test_every_parameter_is_free_where_the_mask_is_zero(void)
@@ -1229,6 +1286,8 @@ int main(void)
     RUN_TEST(test_no_dof_driven_is_no_data);
     RUN_TEST(test_what_fixed_parameters_explain_does_not_drive_a_dof);
     RUN_TEST(test_the_share_of_fixed_parameters_is_taken_from_the_wrench);
+    RUN_TEST(test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size);
+    RUN_TEST(test_a_column_that_depends_on_others_is_none_after_rounding);
     RUN_TEST(test_every_parameter_is_free_where_the_mask_is_zero);
     RUN_TEST(test_least_squares_name_what_the_data_do_not_determine);
     RUN_TEST(test_delay_of_the_wrench_is_found_within_5_ms);

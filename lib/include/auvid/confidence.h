@@ -80,8 +80,11 @@ typedef struct {
     auvid_real_t own[AUVID_MAX_COLUMNS];   /* each DoF's own optimum, then minus the weights of its
                                                delay */
     auvid_real_t joint[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2]; /* J'J = sum w H */
-    /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
-    auvid_real_t part[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2];
+    union {
+        /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
+        auvid_real_t part[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2];
+        auvid_regressor_t regressor; /* between the last set and the verdict */
+    };
     auvid_real_t score[AUVID_MAX_PARAMETERS];     /* of one DoF of one set, at its own optimum */
     auvid_real_t influence[AUVID_MAX_PARAMETERS]; /* of one set on the estimate */
     auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of influences */

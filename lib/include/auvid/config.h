@@ -79,7 +79,11 @@
  * regressor takes 33 and three for each command: the least without AUVID_REGRESSOR_ONLY.
  * 33 + 3 AUVID_MAX_COMMANDS (10)..512. */
 #ifndef AUVID_MAX_COLUMNS
+#if AUVID_REGRESSOR_ONLY
+#define AUVID_MAX_COLUMNS 39
+#else
 #define AUVID_MAX_COLUMNS 57
+#endif
 #endif
 
 /** Taps of the filter through which rows and wrench pass, in cells of the recorder. 3..255. */

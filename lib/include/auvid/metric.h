@@ -35,8 +35,9 @@
  *
  * Called by the identifier: `add` and `gap` from the control tick, the rest from work().
  * Cost: add, Girona500: 0.4k multiplications a cell, and four rows of Givens rotations every
- * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), 21 KiB
- * with default sizes, of which each set takes 1.7 KiB.
+ * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), 15 KiB
+ * with default sizes, of which each completed set, kept in 16 bits a number, takes 0.9 KiB; to
+ * complete one costs 11k instructions of a Cortex-M4F.
  */
 #ifndef AUVID_METRIC_H
 #define AUVID_METRIC_H
@@ -111,14 +112,21 @@ typedef struct {
                             caller, must outlive the metric; null otherwise */
 } auvid_metric_config_t;
 
-/** One data set. Private but for `rows` and `driven`. */
+/** An entry of a stored triangle, in units of 2^exponent of its column. */
+#ifdef AUVID_REAL_DOUBLE
+typedef int32_t auvid_share_t;
+#else
+typedef int16_t auvid_share_t;
+#endif
+
+/** One completed data set. Private but for `rows` and `driven`. */
 typedef struct {
-    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
-    auvid_real_t tau_mean[AUVID_DOF_COUNT];                    /* of the rows' wrench */
-    auvid_real_t tau_m2[AUVID_DOF_COUNT];                      /* sum of squares about that mean */
-    uint16_t rows;                                             /**< rows so far */
+    auvid_real_t tau_m2[AUVID_DOF_COUNT]; /* sum of squares of the rows' wrench about its mean */
+    uint16_t rows;                        /**< in it; 0: there is no such set */
     uint16_t windows; /* residual path: rows of its triangles; see auvid_metric_linearise */
-    uint8_t driven; /**< bit j: DoF j is driven; set at completion */
+    auvid_share_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
+    int8_t exponent[AUVID_MAX_COLUMNS];                         /* by channel */
+    uint8_t driven; /**< bit j: DoF j is driven */
 } auvid_set_t;
 
 /** The metric. Fields are private but for those under "results". */
@@ -136,15 +144,20 @@ typedef struct {
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
     auvid_real_t known[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* of their wrench, by fixed pi */
-    auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1]
+    auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1] /* inputs */
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
     uint32_t cells;                                              /* since the record began */
     uint32_t since_gap;                                          /* rows since then */
-    auvid_set_t set[AUVID_MAX_SETS + 1];
-    uint8_t current; /* the set being recorded */
+    /* the set being recorded */
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; for
+                                                                  auvid_metric_linearise, too */
+    auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
+    uint16_t rows; /**< so far */
 
     /* evaluation */
+    auvid_set_t set[AUVID_MAX_SETS];       /* the ring */
+    uint32_t turns;                        /* sets that it has taken in */
     auvid_real_t merged[AUVID_MAX_FACTOR]; /* the ring's [R_j | Z_j], bands weighted */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
@@ -154,8 +167,13 @@ typedef struct {
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t weight[AUVID_DOF_COUNT];           /* 1 / (tau_max^2 rows) */
     auvid_real_t sum, compensation, squares;
-    auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
-    auvid_real_t share[AUVID_METRIC_WINDOW];                   /* and their weights */
+    union {
+        auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
+#if !AUVID_REGRESSOR_ONLY
+        auvid_regressor_t regressor; /* not in the residual path: of a cell */
+#endif
+    };
+    auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
     uint8_t window_length;
     uint64_t window_us;   /* time of the last */
     uint32_t window_rows; /* since a gap */
@@ -197,6 +215,7 @@ void auvid_metric_literal(auvid_metric_config_t *cfg);
 
 #define auvid_metric_init AUVID_SIZED(auvid_metric_init)
 /** Start empty.
+ * @param cfg copied; may be metric->cfg
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field out of
  * its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (nothing free); AUVID_ERR_SIZE (columns,
  * factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2 half_width);

@@ -81,7 +81,7 @@ void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
  * @param optimizer  state to start; need not be zeroed.
  * @param config     copied.
  * @return AUVID_OK, or an error of auvid_crs_init or auvid_line_search_init, in that order; then
- *         *optimizer is untouched. Cost: that of auvid_crs_init. Stack: ~0.5 KiB.
+ *         *optimizer is untouched. Cost: that of auvid_crs_init. Stack: 0.9 KiB.
  */
 #define auvid_optimizer_init                                                                       \
     AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
