@@ -132,8 +132,8 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS) \
-	    $(VALIDATION_SHORT)
+	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
+	    $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
