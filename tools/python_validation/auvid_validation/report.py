@@ -147,7 +147,7 @@ def rounded(p):
     if not half:
         return number(p["estimate"])
     digits = max(0, 1 - int(np.floor(np.log10(half))))
-    return f"{p['estimate']:.{digits}f} ± {half:.{digits}f}"
+    return f"{p['estimate']:.{digits}f}\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}{half:.{digits}f}"
 
 
 def meaning(name):
@@ -220,15 +220,15 @@ def explained(one, symbol):
     fitted = one["fit"]["r2_validation"][symbol]
     if own is None or fitted is None:
         return "-"
-    return "{:.3f} [{:.3f}, {:.3f}]".format(fitted, *one["fit"]["r2_interval"][symbol])
+    return "{:.3f} [{:.3f},\N{NO-BREAK SPACE}{:.3f}]".format(fitted, *one["fit"]["r2_interval"][symbol])
 
 
 def in_short(found):
     """What a reader in a hurry wants: how well the motion is foretold, how much is known."""
-    rows = [(one["log"], one["validate"] or "itself", *(explained(one, s) for s in NAMES),
+    shown = [s for s in NAMES if any(s in one["judged"]["r2"] for one in found)]
+    rows = [(one["log"], one["validate"] or "itself", *(explained(one, s) for s in shown),
              sure(one)) for one in found]
-    return table(("from", "tried on", *(f"R² {name}" for name in NAMES.values()),
-                  "identifiable"), rows)
+    return table(("from", "tried on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"), rows)
 
 
 def agreement(found):
@@ -300,15 +300,15 @@ h2 {{ margin-top: 2.5rem; border-bottom: 2px solid #1f5f99; }} img {{ max-width:
 table {{ border-collapse: collapse; font-size: 14px; margin: 1rem 0; }}
 th, td {{ padding: .15rem .8rem; text-align: left; border-bottom: 1px solid #e3e6ea; }}
 th {{ border-bottom: 2px solid #b8bec6; }}
-.n {{ text-align: right; white-space: nowrap; }}
+td {{ white-space: nowrap; }} td.n, td:last-child {{ white-space: normal; }}
+.n {{ text-align: right; }}
 </style></head><body><h1>{title}</h1>
 {short}
 <p>R² is the part of a measured velocity's variance that a simulation with the estimate explains: 1
-is all of it, 0 no more than the mean does. Intervals are 95 %; those of R²
-from blocks of 10 s, drawn again. Masses include the water that moves along. A
-parameter is identifiable when its degree of freedom was driven and its 95 % half-width is at most
-20 % of it; of those that are not, use the motion that they foretell together, not the values. By
-auvid {version}.</p>
+is all of it, 0 no more than the mean does. Intervals are 95 %; those of R² are from blocks of 10 s,
+drawn again. A parameter is identifiable when its degree of freedom was driven and its 95 %
+half-width is at most 20 % of it; of those that are not, use the motion that they foretell together,
+not the values. Masses include the water that moves along. By auvid {version}.</p>
 {agreement}
 {sections}
 <script type="application/json" id="numbers">{numbers}</script>
@@ -339,7 +339,7 @@ def print_summary(one):
     print(f"{one['log']}: {one['fit']['model']}; identifiable {sure(one)}")
     for symbol, value in one["judged"]["r2"].items():
         kind = "held-out R2" if one["validate"] else "R2 on the log itself"
-        print(f"  {NAMES[symbol]:<6} {kind} {explained(one, symbol)}"
+        print(f"  {NAMES[symbol]:<6} {kind} " + explained(one, symbol).replace("\xa0", " ")
               + (f", simulated apart {number(value, 3)}" if one["validate"] else ""))
 
 
