@@ -147,7 +147,7 @@ def rounded(p):
     if not half:
         return number(p["estimate"])
     digits = max(0, 1 - int(np.floor(np.log10(half))))
-    return f"{p['estimate']:.{digits}f}\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}{half:.{digits}f}"
+    return f"{p['estimate']:.{digits}f} ± {half:.{digits}f}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def meaning(name):
@@ -220,7 +220,8 @@ def explained(one, symbol):
     fitted = one["fit"]["r2_validation"][symbol]
     if own is None or fitted is None:
         return "-"
-    return "{:.3f} [{:.3f},\N{NO-BREAK SPACE}{:.3f}]".format(fitted, *one["fit"]["r2_interval"][symbol])
+    low, high = one["fit"]["r2_interval"][symbol]
+    return f"{fitted:.3f} [{low:.3f},\N{NO-BREAK SPACE}{high:.3f}]"
 
 
 def in_short(found):
