@@ -239,9 +239,10 @@ def agreement(found):
         if half_width(a) and half_width(b):
             near = abs(a["estimate"] - b["estimate"]) <= np.hypot(half_width(a), half_width(b))
             rows.append((a["name"], rounded(a), rounded(b), "yes" if near else "no"))
-    return ("<h2>Do the two logs agree?</h2><p>Yes: the two estimates differ by no more than their "
-            "half-widths allow. No: what the half-widths do not cover is at work, such as a model "
-            "that lacks something, a disturbance that lasts, or a vehicle that was changed.</p>"
+    return ("<h2>Do the two logs agree?</h2><p>No: the two estimates differ by more than their "
+            "half-widths allow; by chance, one in twenty does. More than that: something is at "
+            "work that they do not cover, such as a model that lacks something, a disturbance that "
+            "lasts, or a vehicle that was changed.</p>"
             + table(("parameter", *(f"{one['log']} ± 95 %" for one in found), "agree"), rows))
 
 
@@ -328,12 +329,12 @@ def direction(log, test, names, options):
         raise Complaint(words)
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
-    if test and not any(None not in both for both in zip(
-            numbers["r2"].values(), (found["r2_validation"][s] for s in numbers["r2"]))):
+    one = {"log": names[0], "validate": names[1], "rows": len(read.t),
+           "seconds": float(read.t[-1]), "fit": found, "judged": numbers}
+    if test and all(explained(one, symbol) == "-" for symbol in NAMES):
         raise Complaint(f"{names[1]}: nothing to validate on: it is too short, or nothing in it "
                         "moves")
-    return {"log": names[0], "validate": names[1], "rows": len(read.t),
-            "seconds": float(read.t[-1]), "fit": found, "judged": numbers}, drawn
+    return one, drawn
 
 
 def print_summary(one):
