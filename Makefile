@@ -44,8 +44,9 @@ export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh \
     tests/can/test_*.sh))
-# Python and its packages are fetched for the long form alone, and for `make validate`.
+# The tests of the Python package itself are left to the long form.
 VALIDATION_SCRIPTS := $(wildcard tests/validation/test_*.sh)
+VALIDATION_SHORT := $(filter-out %/test_package.sh,$(VALIDATION_SCRIPTS))
 # Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
@@ -131,13 +132,14 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(TEST_PROGRAMS) $(SCRIPTS)
+	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
+	    $(SCRIPTS)
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
 	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS)
 
-test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
+test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
@@ -179,7 +181,7 @@ fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
 setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
-	@tests/support/setup.sh test can firmware $(if $(filter test-long,$(MAKECMDGOALS)),validate)
+	@tests/support/setup.sh test can firmware validate
 	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
 
 firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU
@@ -326,7 +328,7 @@ build/validation/%.so: $(VALIDATION) Makefile \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
 	    -o $@ $(VALIDATION) -lm
 
-.IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS)
+.IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\

@@ -30,9 +30,11 @@ def auvid(*arguments):
 def as_candump(path, to):
     """A .asc or .blf, as candump -L writes it."""
     import can
+    frames = 0
     try:
         with can.LogReader(str(path)) as log, to.open("w") as file:
             for frame in log:
+                frames += 1
                 if frame.is_error_frame or frame.is_remote_frame:
                     continue
                 digits = 8 if frame.is_extended_id else 3
@@ -41,6 +43,8 @@ def as_candump(path, to):
             cut_off = getattr(log, "file_size", 0) > path.stat().st_size  # of a .blf: as its header
     except Exception as error:  # whatever a parser of others raises on a damaged file
         raise Complaint(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
+    if frames == 0:
+        raise Complaint(f"{path}: no frame in it; is it {path.suffix}?")
     if path.suffix == ".asc":
         text = path.read_text().lower()
         cut_off = "begin triggerblock" in text and "end triggerblock" not in text
@@ -71,8 +75,13 @@ def fit(train, test, arguments):
     more = ["--validate", test] if test else []
     found = json.loads(auvid("fit", train, "--json", *more, *arguments))
     if found["status"] == "not_driven":
-        raise Complaint(f"{train}: nothing to identify: no degree of freedom was moved by an input "
-                        "that varies")
+        raise Complaint(f"{train}: nothing to identify: the log is too short, or no degree of "
+                        "freedom was moved by an input that varies")
+    velocity = Log(train).velocity
+    for i, axis in enumerate("XYZN"):
+        if found["r2_force"][axis] is not None and np.ptp(velocity[:, i]) == 0:
+            raise Complaint(f"{train}: {VELOCITIES[i]} never changes although its input does: look "
+                            "at the sensor, or leave the column out")
     return found
 
 
@@ -81,7 +90,7 @@ class Log:
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
-        with self.path.open() as file:
+        with self.path.open(encoding="utf-8-sig") as file:  # as auvid fit: a mark may come first
             names = [name.strip() for name in file.readline().split(",")]
             data = np.loadtxt(file, delimiter=",", ndmin=2, comments=None)
         column = dict(zip(names, data.T))

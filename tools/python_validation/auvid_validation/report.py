@@ -86,7 +86,7 @@ def velocity_figure(numbers, drawn):
             axis.plot(log.t[piece], predicted[piece, i], color=style.BLACK, linewidth=1,
                       label=None if k else "simulated with the estimate")
         axis.set_ylabel(f"{symbol} [{UNITS[symbol]}]")
-        axis.set_title(f"{NAMES[symbol].capitalize()}: R² {number(numbers['r2'][symbol])}")
+        axis.set_title(f"{NAMES[symbol].capitalize()}: R² {number(numbers['r2'][symbol], 3)}")
     axes[-1, 0].set_xlabel("time [s]")
     fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return fig
@@ -114,13 +114,13 @@ def residual_figure(numbers, drawn):
         right.set_ylim(-1, 1)
         right.set_title(f"autocorrelation, p {found['p']:.2g}")
     axes[-1, 0].set_xlabel("time [s]")
-    axes[-1, 1].set_xlabel("lag [s]; grey: white, 95 %")
+    axes[-1, 1].set_xlabel("lag [s]; grey: 95 % of noise")
     return fig
 
 
 def parameter_figure(found):
     known = [p for p in found["parameters"] if p["estimate"] and p["sigma"] is not None]
-    half = [min(2.1 * p["sigma"] / abs(p["estimate"]) * 100, 100) for p in known]
+    half = [min(half_width(p) / abs(p["estimate"]) * 100, 100) for p in known]
     fig, axes = style.figure(1, 1, width=8, height=2.6)
     bars = axes[0, 0].bar([p["name"] for p in known], half, width=0.6, edgecolor=style.BLUE,
                           color=[style.BLUE if p["identifiable"] else "white" for p in known])
@@ -137,20 +137,50 @@ def number(x, digits=4):
     return "-" if x is None else f"{x:.{digits}g}"
 
 
+def half_width(p):
+    return None if p["sigma"] is None or p["estimate"] is None else 2.1 * p["sigma"]
+
+
+def rounded(p):
+    """Estimate and half-width, to the half-width's second digit."""
+    half = half_width(p)
+    if not half:
+        return number(p["estimate"])
+    digits = max(0, 1 - int(np.floor(np.log10(half))))
+    return f"{p['estimate']:.{digits}f} ± {half:.{digits}f}".replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def meaning(name):
+    """Of a parameter, in plain words."""
+    if name == "W-B":
+        return "weight less buoyancy"
+    kind, of = name.split("_")
+    dof = NAMES[of[0]] if kind == "m" else NAMES["uvwr"["XYZN".index(kind)]]
+    if kind == "m":
+        return f"{dof}: {'moment of inertia' if dof == 'yaw' else 'mass'}"
+    if of == "0":
+        return f"{dof}: constant {'moment' if dof == 'yaw' else 'force'}"
+    return f"{dof}: {'quadratic' if len(of) == 2 else 'linear'} drag"
+
+
 def table(head, rows):
+    figures = [all(c[:1] in "-[0123456789" for c in column) for column in zip(*rows)]
+
     def row(cells, tag):
-        return "<tr>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>"
+        return "<tr>" + "".join(
+            f"<{tag}{' class=n' if right else ''}>{html.escape(c)}</{tag}>"
+            for c, right in zip(cells, figures)) + "</tr>"
     return "<table>" + row(head, "th") + "".join(row(r, "td") for r in rows) + "</table>"
 
 
 def parameters_html(found):
     rows = []
     for p in found["parameters"]:
-        half = None if p["sigma"] is None else 2.1 * p["sigma"]
-        verdict = "yes" if p["identifiable"] else "no"
-        rows.append((p["name"], p["unit"], number(p["estimate"], 6), number(half, 3), verdict,
+        rows.append((p["name"], meaning(p["name"]), rounded(p),
+                     p["unit"].replace("s2", "s²").replace("m2", "m²"),
+                     "yes" if p["identifiable"] else "no",
                      p["note"] + (" (at its bound)" if p.get("at_bound") else "")))
-    return table(("parameter", "unit", "estimate", "± 95 %", "identifiable", "note"), rows)
+    return table(("parameter", "of", "estimate ± 95 %", "unit", "identifiable", "note"), rows)
 
 
 def white_words(numbers):
@@ -159,51 +189,107 @@ def white_words(numbers):
         if not found:
             out.append(f"{NAMES[symbol]}: too short to tell")
         elif found["p"] >= 0.05:
-            out.append(f"{NAMES[symbol]}: nothing speaks against white (p {found['p']:.2g})")
+            out.append(f"{NAMES[symbol]}: no pattern found (p {found['p']:.2g})")
         else:
             first = found["autocorrelation"][1]
-            cause = ("neighbours alike: a force that lasts and is not in the model, or a wrong "
-                     "term" if first > found["band"] else
-                     "neighbours opposite: noise of the measured velocity"
+            cause = ("one error is like the next: a force that lasts and is not in the model, or "
+                     "a wrong term" if first > found["band"] else
+                     "one error is opposite to the next: noise of the measured velocity"
                      if first < -found["band"] else "at longer lags")
-            out.append(f"{NAMES[symbol]}: not white (p {found['p']:.2g}; {cause})")
-    return "<ul>" + "".join(f"<li>{html.escape(words)}</li>" for words in out) + "</ul>"
+            out.append(f"{NAMES[symbol]}: there is a pattern (p {found['p']:.2g}); {cause}")
+    return bullets(out)
 
 
-def r2_html(one):
-    found, rows = one["fit"], []
-    for symbol, value in one["judged"]["r2"].items():
-        fitted, interval = "-", "-"
-        if one["validate"]:
-            fitted = number(found["r2_validation"][symbol])
-            interval = "[{:.3f}, {:.3f}]".format(*found["r2_interval"][symbol])
-        rows.append((NAMES[symbol], fitted, interval, number(value)))
-    return table(("", "R² (auvid fit)", "95 %", "R² (this page's own simulation)"), rows)
+def bullets(sentences):
+    return "<ul>" + "".join(f"<li>{html.escape(words)}</li>" for words in sentences) + "</ul>"
 
 
-def section(one, drawn):
+def sure(one):
+    parameters = one["fit"]["parameters"]
+    driven = sum(p["estimate"] is not None for p in parameters)
+    still = len(parameters) - driven
+    return (f"{sum(p['identifiable'] for p in parameters)} of {driven}"
+            + (f", {still} not driven" if still else ""))
+
+
+def explained(one, symbol):
+    """R2 with its interval, where there is a held-out log and it moves."""
+    own = one["judged"]["r2"].get(symbol)
+    if not one["validate"]:
+        return number(own, 3)
+    fitted = one["fit"]["r2_validation"][symbol]
+    if own is None or fitted is None:
+        return "-"
+    low, high = one["fit"]["r2_interval"][symbol]
+    return f"{fitted:.3f} [{low:.3f},\N{NO-BREAK SPACE}{high:.3f}]"
+
+
+def in_short(found):
+    """What a reader in a hurry wants: how well the motion is foretold, how much is known."""
+    shown = [s for s in NAMES if any(s in one["judged"]["r2"] for one in found)]
+    rows = [(one["log"], one["validate"] or "itself", *(explained(one, s) for s in shown),
+             sure(one)) for one in found]
+    return table(("from", "tried on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"), rows)
+
+
+def agreement(found):
+    """Two logs of one vehicle should give the same parameters."""
+    rows = []
+    for a, b in zip(*(one["fit"]["parameters"] for one in found)):
+        if half_width(a) and half_width(b):
+            near = abs(a["estimate"] - b["estimate"]) <= np.hypot(half_width(a), half_width(b))
+            rows.append((a["name"], rounded(a), rounded(b), "yes" if near else "no"))
+    return ("<h2>Do the two logs agree?</h2><p>No: the two estimates differ by more than their "
+            "half-widths allow; by chance, one in twenty does. More than that: something is at "
+            "work that they do not cover, such as a model that lacks something, a disturbance that "
+            "lasts, or a vehicle that was changed.</p>"
+            + table(("parameter", *(f"{one['log']} ± 95 %" for one in found), "agree"), rows))
+
+
+def delays(found):
+    known = {axis: d for axis, d in found["delay_s"].items() if d is not None}
+    if not any(known.values()):
+        return "no delay from the input to the motion"
+    return "delay from the input to the motion " + ", ".join(
+        f"{axis} {number(d, 3)} s" for axis, d in known.items())
+
+
+UNITS_OF_COMMAND = (
+    "<p>The input of this log is commands, not forces. So are the units: one cmd is the force that "
+    "a command of 1 makes. Times the newtons that it makes (yaw: newton metres) the parameters are "
+    "in SI units.</p>")
+
+
+def section(one, drawn, chosen):
     found, numbers = one["fit"], one["judged"]
     what = f"held-out log {one['validate']}" if one["validate"] else \
         f"log {one['log']} itself: no held-out log was given"
-    missing = found["missing"] or ["nothing: every parameter is identifiable"]
     residuals = residual_figure(numbers, drawn)
-    delays = ", ".join(f"{axis} {number(d, 3)} s" for axis, d in found["delay_s"].items()
-                       if d is not None)
+    terms = ("each degree of freedom by itself" if "decoupled" in found["model"] else
+             "with the terms between degrees of freedom (Eq. 12-15)")
+    if chosen:
+        terms += ", which foretold parts of this log that it was not fitted to better"
+    commands = any("cmd" in p["unit"] for p in found["parameters"])
     return "\n".join([
         f"<h2>Identified from {html.escape(one['log'])}</h2>",
-        f"<p>Model {html.escape(found['model'])}; {one['rows']} rows, {one['seconds']:.0f} s; "
-        f"delay of the input {delays}; {found['evaluations']['crs']} + "
-        f"{found['evaluations']['line_search']} evaluations; {html.escape(found['status'])}.</p>",
+        f"<p>{one['rows']} rows, {one['seconds']:.0f} s. Model: {terms}. Found: "
+        f"{html.escape(delays(found))}. The search took {found['evaluations']['crs']} + "
+        f"{found['evaluations']['line_search']} evaluations (status "
+        f"{html.escape(found['status'])}).</p>",
+        UNITS_OF_COMMAND if commands else "",
         parameters_html(found), style.inline(parameter_figure(found), "half-widths"),
-        "<h3>What the excitation lacks</h3><ul>",
-        *(f"<li>{html.escape(words)}</li>" for words in missing), "</ul>",
+        "<h3>What the excitation lacks</h3>",
+        bullets(found["missing"] or ["nothing: every parameter is identifiable"]),
         f"<h3>Simulated velocity, {html.escape(what)}</h3>",
-        "<p>The equations of motion under the recorded input, begun once at the measured velocity; "
-        "attitude, p and q as recorded.</p>",
-        r2_html(one), style.inline(velocity_figure(numbers, drawn), "velocities"),
-        "<h3>Residuals: are they white?</h3>",
+        "<p>The equations of motion under the recorded input, begun at the measured velocity, and "
+        "anew only after a gap of the log; attitude, p and q as recorded. R² here is of this "
+        "simulation, apart from that of auvid fit above.</p>",
+        style.inline(velocity_figure(numbers, drawn), "velocities"),
+        "<h3>What is left: is there a pattern?</h3>",
         "<p>What was measured, less what was foretold one second before from the velocity measured "
-        "then. The test is Ljung's and Box's.</p>",
+        "then. Of a model that lacks nothing these errors are noise without a pattern: points "
+        "around zero, and in the right column nothing beyond the grey band. p is the probability "
+        "of as much pattern by chance (Ljung and Box's test).</p>",
         white_words(numbers),
         style.inline(residuals, "residuals") if residuals else ""])
 
@@ -214,13 +300,18 @@ body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 54rem; margin: 2rem aut
        color: #1a1a1a; }}
 h2 {{ margin-top: 2.5rem; border-bottom: 2px solid #1f5f99; }} img {{ max-width: 100%; }}
 table {{ border-collapse: collapse; font-size: 14px; margin: 1rem 0; }}
-th, td {{ padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #e3e6ea; }}
+th, td {{ padding: .15rem .8rem; text-align: left; border-bottom: 1px solid #e3e6ea; }}
 th {{ border-bottom: 2px solid #b8bec6; }}
-td, th {{ white-space: nowrap; }}
-td:first-child, th:first-child, td:last-child {{ text-align: left; }}
+td {{ white-space: nowrap; }} td.n, td:last-child {{ white-space: normal; }}
+.n {{ text-align: right; }}
 </style></head><body><h1>{title}</h1>
-<p>By auvid {version}. A parameter is identifiable when its degree of freedom was driven and its
-95 % half-width is at most 20 % of it. Intervals of R² are from blocks of 10 s, drawn again.</p>
+{short}
+<p>R² is the part of a measured velocity's variance that a simulation with the estimate explains: 1
+is all of it, 0 no more than the mean does. Intervals are 95 %; those of R² are from blocks of 10 s,
+drawn again. A parameter is identifiable when its degree of freedom was driven and its 95 %
+half-width is at most 20 % of it; of those that are not, use the motion that they foretell together,
+not the values. Masses include the water that moves along. By auvid {version}.</p>
+{agreement}
 {sections}
 <script type="application/json" id="numbers">{numbers}</script>
 </body></html>
@@ -236,26 +327,22 @@ def direction(log, test, names, options):
         for path, name in zip((log, test), names):
             words = words.replace(str(path), str(name)) if path else words
         raise Complaint(words)
-    if test and all(value is None for value in found["r2_validation"].values()):
-        raise Complaint(f"{names[1]}: too short to validate on")
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
-    return {"log": names[0], "validate": names[1], "rows": len(read.t),
-            "seconds": float(read.t[-1]), "fit": found, "judged": numbers}, drawn
+    one = {"log": names[0], "validate": names[1], "rows": len(read.t),
+           "seconds": float(read.t[-1]), "fit": found, "judged": numbers}
+    if test and all(explained(one, symbol) == "-" for symbol in NAMES):
+        raise Complaint(f"{names[1]}: nothing to validate on: it is too short, or nothing in it "
+                        "moves")
+    return one, drawn
 
 
 def print_summary(one):
-    sure = sum(p["identifiable"] for p in one["fit"]["parameters"])
-    print(f"{one['log']}: {one['fit']['model']}, {sure} of {len(one['fit']['parameters'])} "
-          "parameters identifiable")
+    print(f"{one['log']}: {one['fit']['model']}; identifiable {sure(one)}")
     for symbol, value in one["judged"]["r2"].items():
-        if one["validate"]:
-            fitted = one["fit"]["r2_validation"][symbol]
-            low, high = one["fit"]["r2_interval"][symbol]
-            print(f"  {NAMES[symbol]:<6} held-out R2 {fitted:.3f} [{low:.3f}, {high:.3f}], "
-                  f"simulated apart {number(value)}")
-        else:
-            print(f"  {NAMES[symbol]:<6} R2 on the log itself {number(value)}")
+        kind = "held-out R2" if one["validate"] else "R2 on the log itself"
+        print(f"  {NAMES[symbol]:<6} {kind} " + explained(one, symbol).replace("\xa0", " ")
+              + (f", simulated apart {number(value, 3)}" if one["validate"] else ""))
 
 
 def run(options):
@@ -273,9 +360,13 @@ def run(options):
         found = [direction(a[0], b[0], (a[1], b[1]), options) for a, b in pairs]
     numbers = [one for one, _ in found]
     (options.out / "report.json").write_text(json.dumps(numbers, indent=1) + "\n")
-    page = PAGE.format(title=html.escape(f"Identification from {options.log.name}"),
+    page = PAGE.format(title="Identification from " + html.escape(
+                           " and ".join(one["log"] for one in numbers)),
                        version=numbers[0]["fit"]["version"],
-                       sections="\n".join(section(*each) for each in found),
+                       short=in_short(numbers),
+                       agreement=agreement(numbers) if options.both else "",
+                       sections="\n".join(section(*each, options.coupling in (None, "auto"))
+                                          for each in found),
                        numbers=json.dumps(numbers).replace("<", "\\u003c"))
     (options.out / "report.html").write_text(page)
     for one in numbers:

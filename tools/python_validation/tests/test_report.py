@@ -80,10 +80,15 @@ BAD = {
     "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
         for line in b.splitlines())),
+    "w_mps never changes": ("x.csv", "train.csv", lambda b: b"\n".join(
+        line if line.startswith(b"t_s") else b",".join(
+            b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
+        for line in b.splitlines())),
     "the row ends": ("x.csv", "train.csv", lambda b: b[:50000]),
     "cut off": ("x.log", "bus.log", lambda b: b[:100000]),
     "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
     "x.blf: is cut off": ("x.blf", "bus.blf", lambda b: b[:-2000]),
+    "no frame in it": ("x.asc", "bus.asc", lambda b: b"no log\n"),
     "cannot be read as blf": ("x.blf", "bus.log", lambda b: b),
     "no frame of auvid": ("x.log", "bus.log", lambda b: b"(1.000000) can0 123#11223344\n"),
 }
@@ -98,10 +103,15 @@ def test_a_bad_log_is_told_of_in_one_line_with_exit_status_2(words, logs, tmp_pa
     assert status == 2 and error.count("\n") == 1 and words in error and name in error
 
 
+def test_a_log_that_begins_with_a_byte_order_mark_is_read(logs, tmp_path):
+    marked = change(logs / "train.csv", tmp_path / "x.csv", lambda b: b"\xef\xbb\xbf" + b)
+    assert not report(tmp_path / "out", marked)[0]
+
+
 def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
     short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"\n".join(b.splitlines()[:6]))
     status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
-    assert status == 2 and "s.csv: too short" in capsys.readouterr().err
+    assert status == 2 and "s.csv: nothing to validate on" in capsys.readouterr().err
 
 
 def test_both_needs_two_logs(logs, tmp_path, capsys):
