@@ -124,7 +124,7 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
 enum { AUVID_METRIC_ROTATION = 4 };
 
 /** What a walk through the rows of all sets is for. */
-enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_MEMORY, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 /** Pay one of the units of a step that costs so many. @return it is paid in full: take it */
 static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint8_t price)
@@ -139,6 +139,13 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 
 /** Rotate row i of one band of a set's triangle, weighted, into DoF j's merged one. */
 void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
+
+/** Rotate in what is remembered, or forget it. @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY
+ * (forgotten: the last pass begins anew) */
+auvid_status_t auvid_metric_recall(auvid_metric_t *m, uint32_t *budget);
+
+/** After a pass: delay, z and candidate of DoF j's own least squares; adds to `constant`. */
+void auvid_metric_settle(auvid_metric_t *m, int j);
 
 /** Rotate all sets' rows together, passes on from the present one, one unit a row. @return done */
 bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget);

@@ -119,8 +119,8 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
     }
 }
 
-/* After a merge pass: delay, z, and candidate = [pi_j, -l] of the DoF's own least squares. */
-static void settle_dof(auvid_metric_t *m, int j)
+/* candidate = [pi_j, -l]. */
+void auvid_metric_settle(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     const auvid_real_t *triangle = m->merged + m->factor_at[j];
@@ -255,7 +255,7 @@ static bool settle(auvid_metric_t *m, uint32_t *budget)
             if (m->pass == PASS_RESIDUAL) {
                 weigh_bands(m, j);
             } else {
-                settle_dof(m, j);
+                auvid_metric_settle(m, j);
             }
         }
         m->at_row = 0;
@@ -266,13 +266,17 @@ static bool settle(auvid_metric_t *m, uint32_t *budget)
 
 bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
 {
-    while (auvid_metric_visit_rows(m, budget) && settle(m, budget)) {
-        if (m->pass == PASS_LAST) {
-            return true;
+    auvid_status_t status = AUVID_EMPTY;
+    while (status == AUVID_EMPTY) {
+        if (m->pass == PASS_MEMORY) {
+            status = auvid_metric_recall(m, budget);
+        } else if (auvid_metric_visit_rows(m, budget) && settle(m, budget)) {
+            auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
+        } else {
+            status = AUVID_PENDING;
         }
-        auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
     }
-    return false;
+    return status == AUVID_OK;
 }
 
 void auvid_metric_merge_begin(auvid_metric_t *metric)

@@ -44,6 +44,7 @@ USES = {
 }
 USES["identifier"] = " ".join(USES)
 USES["can"] = BASE  # beside the identifier: neither knows the other
+USES["warm"] = " ".join(USES)
 USES["node"] = " ".join(USES)
 USES["auvid"] = " ".join(USES)
 

@@ -23,6 +23,7 @@
 #include "auvid/optimizer.h"
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
+#include "auvid/warm.h"
 #include "auvid/node.h"
 
 #include "auvid/can.h"

@@ -129,9 +129,19 @@ typedef struct {
     uint8_t driven; /**< bit j: DoF j is driven */
 } auvid_set_t;
 
+/** What was known before the first set. */
+typedef struct {
+    uint32_t known;                           /**< bit i: parameter i; 0: nothing */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< in the parameters' units */
+    auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
+    auvid_real_t colour[AUVID_DOF_COUNT];     /**< mean square of the noise that counts over that of
+                                                   the residual (confidence.h), > 0 */
+} auvid_memory_t;
+
 /** The metric. Fields are private but for those under "results". */
 typedef struct {
     auvid_metric_config_t cfg;
+    auvid_memory_t memory;
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint8_t count[AUVID_DOF_COUNT];           /* how many */
     uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
@@ -241,6 +251,13 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the
  * ring, or forgotten before). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
+
+/** Go on from what is known: rows that say pi = its value within its standard error are merged with
+ * those of the sets, weighted with the residual of these. Where the sets contradict them
+ * (Chow's F of a DoF above 6), they are forgotten: memory.known is 0 then. Regressor path only.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_NOT_FINITE;
+ * AUVID_ERR_RANGE (a standard error or colour not > 0). */
+auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory);
 
 /** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
 void auvid_metric_merge_begin(auvid_metric_t *metric);

@@ -1,0 +1,50 @@
+/**
+ * @file warm.h
+ * What is known of the vehicle, in 236 bytes: saved at the end of a dive, the next one starts with
+ * it.
+ *
+ * The record holds the parameters, their standard errors and the noise of the forces. Started warm,
+ * the identifier has them as its first estimate (not identifiable yet: the vehicle may have been
+ * changed ashore), and as one data set that was recorded before. The first set that is recorded is
+ * held against it: when the two do not belong to the same vehicle, the record is dropped, and all
+ * is as after a cold start.
+ *
+ * Called from the control task, never during work. Cost: a checksum over 236 bytes; start: a tenth
+ * of a tick's budget at most. Memory: the record, the caller's. The bytes are the same on every
+ * machine: little-endian, IEEE 754.
+ */
+#ifndef AUVID_WARM_H
+#define AUVID_WARM_H
+
+#include "auvid/identifier.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Bytes of a record. */
+enum { AUVID_WARM_BYTES = 236 };
+
+/**
+ * Write the last estimate.
+ * @param record [AUVID_WARM_BYTES] written when AUVID_OK
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (there is
+ * no estimate yet).
+ */
+auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
+
+/**
+ * Begin with a record instead of nothing: after init, before the first set is complete.
+ * @param record [bytes]
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
+ * AUVID_ERR_SIZE (not AUVID_WARM_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
+ * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values). Refused
+ * ones change nothing.
+ */
+auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

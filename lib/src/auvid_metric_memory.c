@@ -1,0 +1,106 @@
+/*
+ * Metric, memory: what was known of the parameters before the first set.
+ *
+ * With s_j^2 the noise that counts in DoF j's rows, pi_i = p_i +- sigma_i is one more row of its
+ * equation, s_j / sigma_i (pi_i - p_i) = 0. What rows of a DoF leave unexplained rises by T when
+ * these come in: T / s_j^2 is a chi-square of as many degrees of freedom as there are rows, if they
+ * are of the same vehicle (Chow 1960; auvid_metric_judge.c).
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid_linalg.h"
+#include "auvid_metric.h"
+
+/* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
+#define LIMIT AUVID_C(6.0)
+
+auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+{
+    if (metric == NULL || memory == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_metric_has_regressor(metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        int j = (int)metric->cfg.vehicle->parameter[i].dof;
+        if ((memory->known >> i & 1u) &&
+            !(memory->sigma[i] > AUVID_C(0.0) && memory->colour[j] > AUVID_C(0.0))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    metric->memory = *memory;
+    return AUVID_OK;
+}
+
+/* Parameters of DoF j's own that are remembered: bit k, by column. */
+static uint32_t columns_known(const auvid_metric_t *m, int j)
+{
+    uint32_t known = 0;
+    for (int k = 0; k < m->count[j]; ++k) {
+        int i = m->index[m->channel_at[j] + k];
+        bool own = (int)m->cfg.vehicle->parameter[i].dof == j;
+        known |= (uint32_t)(own && (m->memory.known >> i & 1u)) << k;
+    }
+    return known;
+}
+
+static void rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+{
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
+    row[k] = noise / m->memory.sigma[i];
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        row[m->count[j] + d] = row[k] * m->memory.pi[i];
+    }
+    auvid_triangle_add(m->merged + m->factor_at[j], n, k, row);
+}
+
+/* @return are these sets and the memory of the same vehicle? */
+static bool recall_dof(auvid_metric_t *m, int j)
+{
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
+    bool lag = (m->lagged >> j & 1) != 0;
+    auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
+    auvid_real_t square = m->memory.colour[j] * before / rows, freedom = AUVID_C(0.0);
+    uint32_t known = columns_known(m, j);
+    for (int k = 0; k < m->count[j]; ++k) {
+        if (known >> k & 1u) {
+            rotate(m, j, k, auvid_sqrt(square));
+            freedom += AUVID_C(1.0);
+        }
+    }
+    auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
+    m->constant -= m->weight[j] * before;
+    auvid_metric_settle(m, j);
+    return more <= LIMIT * freedom * square;
+}
+
+auvid_status_t auvid_metric_recall(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
+        int j = m->at_dof;
+        if (m->memory.known == 0 || (m->driven >> j & 1) == 0) {
+            continue;
+        }
+        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->count[j] + 2));
+        do {
+            if (*budget == 0) {
+                return AUVID_PENDING;
+            }
+        } while (!auvid_metric_pay(m, budget, price));
+        if (!recall_dof(m, j)) {
+            m->memory.known = 0;
+            auvid_metric_rewind(m, PASS_LAST);
+            return AUVID_EMPTY;
+        }
+    }
+    return AUVID_OK;
+}
