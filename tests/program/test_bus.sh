@@ -90,6 +90,36 @@ AUVID=./as_nobody check "a log in a directory of another's" \
 check "a log that is full" refuses '/dev/full' node --bus memory --sets 1 --log /dev/full
 check "no log" refuses 'replay: no FILE.log given' replay
 check "a log that is not there" refuses 'none.log: No such file' replay none.log
+
+# What is known at the end of one dive, the next one begins with.
+dives() {
+    "$AUVID" node --bus memory --excite --sets 2 --seed 1 --save first.avw &&
+        "$AUVID" node --bus memory --excite --sets 2 --seed 2 --warm first.avw --log warm.log \
+            --save second.avw &&
+        [ "$(wc -c <first.avw)" = 236 ] && [ "$(wc -c <second.avw)" = 236 ] &&
+        ! cmp -s first.avw second.avw && [ ! -e first.avw.new ]
+} >dives.out 2>&1
+
+# A record that is of no use: told in a line, and the dive is made.
+cold() {
+    "$AUVID" node --bus memory --excite --sets 1 --seed 1 --warm "$2" >cold.out 2>cold.err || true
+    [ "$(wc -l <cold.err)" = 1 ] && grep -q "$1: starts cold" cold.err && grep -q ' m_u ' cold.out
+}
+
+check "a dive is begun with what the one before has left" dives
+check "its log, replayed with the record, gives the same estimates" \
+    exits 0 replay warm.log --seed 2 --sets 2 --warm first.avw
+check "without the record it does not" exits 1 replay warm.log --seed 2 --sets 2
+check "replay without its record is refused" refuses 'none.avw: No such file' \
+    replay warm.log --seed 2 --sets 2 --warm none.avw
+head -c 235 first.avw >short.avw
+head -c 235 first.avw | tr '\0' '\1' >torn.avw
+echo >>torn.avw
+check "no record yet" cold 'No such file or directory' none.avw
+check "a record that was cut off" cold 'no warm record' short.avw
+check "a damaged record" cold 'a damaged record' torn.avw
+check "a record that cannot be written" exits 2 \
+    node --bus memory --excite --sets 1 --save none/x.avw
 head -c 100000 run.log >cut.log
 check "a log that was cut off" refuses 'cut.log:[0-9]+: is cut off' replay cut.log
 printf 't_s,u\n0,1\n' >other.log

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "complain.h"
 #include "report.h"
+#include "warm_file.h"
 #include "world.h"
 
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
@@ -43,6 +44,9 @@ static int begin(run_t *run)
     auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
     if (status < 0) {
         return complain("node: the identifier refused its configuration");
+    }
+    if (o->warm != NULL) {
+        (void)warm_file_read(&run->node.id, o->warm);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);
@@ -209,6 +213,10 @@ int bus_node(const options_t *options)
             (void)link_send(&run->link, frame, count);
         }
         int report = status == 0 ? finish(run) : 0;
+        if (status == 0 && options->save != NULL &&
+            !warm_file_write(&run->node.id, options->save)) {
+            report = EXIT_REFUSED;
+        }
         int closed = link_close(&run->link);
         status = status == 0 ? closed : status;
         status = status == 0 ? report : status;

@@ -11,6 +11,7 @@
 #include "complain.h"
 #include "csv.h"
 #include "report.h"
+#include "warm_file.h"
 #include "world.h"
 
 /* Frames that the node has sent and the log has not shown yet. */
@@ -137,6 +138,9 @@ static int begin(run_t *run)
     cfg.excite = true; /* obey what the log's operator ordered; nobody hears the commands */
     if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
         return complain("replay: the identifier refused its configuration");
+    }
+    if (run->options->warm != NULL && !warm_file_read(&run->node.id, run->options->warm)) {
+        return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
         return complain("replay: %s", run->log.bus.text);

@@ -247,6 +247,12 @@ static int node_option(reader_t *r, options_t *options)
     if (is(r, "--log")) {
         return take_value(r, &options->log);
     }
+    if (is(r, "--warm")) {
+        return take_value(r, &options->warm);
+    }
+    if (is(r, "--save")) {
+        return take_value(r, &options->save);
+    }
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
@@ -276,6 +282,9 @@ static int vehicle_option(reader_t *r, options_t *options)
 
 static int replay_option(reader_t *r, options_t *options)
 {
+    if (is(r, "--warm")) {
+        return take_value(r, &options->warm);
+    }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
     }
