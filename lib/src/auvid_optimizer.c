@@ -54,7 +54,7 @@ auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimiz
     optimizer->local = *local;
     optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
     status = auvid_crs_init(&optimizer->crs, &config->crs);
-    if (!local.literal && !(config->crs.omega > AUVID_C(0.0))) {
+    if (!local->literal && !(config->crs.omega > AUVID_C(0.0))) {
         optimizer->crs.config.omega = OMEGA;
         optimizer->crs.config.reduction = auvid_max(config->crs.reduction, REDUCTION);
     }
