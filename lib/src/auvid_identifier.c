@@ -56,6 +56,9 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             search.upper[n++] = cfg->search.upper[i];
         }
     }
+    if (AUVID_REGRESSOR_ONLY && cfg->search.literal_search) {
+        return AUVID_ERR_MODEL;
+    }
     if (delay && n < AUVID_MAX_PARAMETERS) {
         search.upper[n] = AUVID_C(1.0);
     }

@@ -58,7 +58,8 @@ static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
                                              {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
     const auvid_real_t given[3] = {c->alpha0, c->sigma, c->epsilon};
     for (size_t i = 0; i < 3; ++i) {
-        step[i] = auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[c->literal][i];
+        step[i] =
+            auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[line_search_is_literal(c)][i];
     }
 }
 
@@ -67,6 +68,9 @@ static auvid_status_t check(const auvid_line_search_config_t *c, const auvid_rea
     const auvid_real_t reals[] = {c->alpha0, c->sigma, c->delta, c->gamma, c->epsilon};
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
+    }
+    if (AUVID_REGRESSOR_ONLY && c->literal) {
+        return AUVID_ERR_MODEL;
     }
     if (!auvid_all_finite(reals, 5) || !auvid_all_finite(c->lower, c->n) ||
         !auvid_all_finite(c->upper, c->n) || !auvid_all_finite(c->scale, c->n) ||
@@ -132,7 +136,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
-    if (line_search_is_pattern(ls) || ls->config.literal) {
+    if (line_search_is_pattern(ls) || line_search_is_literal(&ls->config)) {
         return;
     }
     if (line_search_parameter(ls) == ls->built) {
@@ -146,8 +150,8 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
 /* (3-6) At the end of a sweep, and before the first. */
 static void begin_sweep(auvid_line_search_t *ls)
 {
-    const bool first = !ls->config.literal && ls->restarts_left == ls->config.restarts &&
-                       ls->state == STATE_SEARCH;
+    const bool first = !line_search_is_literal(&ls->config) &&
+                       ls->restarts_left == ls->config.restarts && ls->state == STATE_SEARCH;
     auvid_real_t longest = AUVID_C(0.0), last = ls->config.epsilon;
     for (size_t i = 0; i < 2u * ls->config.n; ++i) {
         longest = auvid_max(longest, ls->alpha[i]);
@@ -170,7 +174,7 @@ static void begin_sweep(auvid_line_search_t *ls)
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
     }
-    ls->plain = ls->built == ls->config.n && !ls->config.literal;
+    ls->plain = ls->built == ls->config.n && !line_search_is_literal(&ls->config);
     ls->state = STATE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
@@ -182,7 +186,7 @@ static void begin_sweep(auvid_line_search_t *ls)
 static void next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
-    const bool fast = !ls->config.literal;
+    const bool fast = !line_search_is_literal(&ls->config);
     uint8_t next = (uint8_t)(ls->direction + 1u);
     auvid_real_t t_far = AUVID_C(0.0);
     if (fast && !line_search_is_pattern(ls)) {
@@ -298,7 +302,7 @@ static void settle(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
         ls->alpha[ls->direction] *= ls->config.sigma;
     }
-    if (!ls->config.literal && aim(ls)) {
+    if (!line_search_is_literal(&ls->config) && aim(ls)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
@@ -370,7 +374,7 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
     ls->asked = false;
     set_steps(ls, RESTART_STEP * ls->config.alpha0);
     ls->plain = false;
-    if (!ls->config.literal) {
+    if (!line_search_is_literal(&ls->config)) {
         ls->restarts_left = ls->config.restarts;
     }
     ls->state = STATE_EVALUATE;

@@ -140,10 +140,6 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 /** Rotate row i of one band of a set's triangle, weighted, into DoF j's merged one. */
 void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
 
-/** Rotate in what is remembered, or forget it. @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY
- * (forgotten: the last pass begins anew) */
-auvid_status_t auvid_metric_recall(auvid_metric_t *m, uint32_t *budget);
-
 /** After a pass: delay, z and candidate of DoF j's own least squares; adds to `constant`. */
 void auvid_metric_settle(auvid_metric_t *m, int j);
 

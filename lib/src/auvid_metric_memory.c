@@ -16,30 +16,6 @@
 /* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
 #define LIMIT AUVID_C(6.0)
 
-auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
-{
-    if (metric == NULL || memory == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (!auvid_metric_has_regressor(metric)) {
-        return AUVID_ERR_MODEL;
-    }
-    if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
-        !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
-        !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
-        int j = (int)metric->cfg.vehicle->parameter[i].dof;
-        if ((memory->known >> i & 1u) &&
-            !(memory->sigma[i] > AUVID_C(0.0) && memory->colour[j] > AUVID_C(0.0))) {
-            return AUVID_ERR_RANGE;
-        }
-    }
-    metric->memory = *memory;
-    return AUVID_OK;
-}
-
 /* Parameters of DoF j's own that are remembered: bit k, by column. */
 static uint32_t columns_known(const auvid_metric_t *m, int j)
 {
@@ -83,11 +59,12 @@ static bool recall_dof(auvid_metric_t *m, int j)
     return more <= LIMIT * freedom * square;
 }
 
-auvid_status_t auvid_metric_recall(auvid_metric_t *m, uint32_t *budget)
+/* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (forgotten: the last pass begins anew) */
+static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
         int j = m->at_dof;
-        if (m->memory.known == 0 || (m->driven >> j & 1) == 0) {
+        if ((m->driven >> j & 1) == 0) {
             continue;
         }
         uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->count[j] + 2));
@@ -98,9 +75,35 @@ auvid_status_t auvid_metric_recall(auvid_metric_t *m, uint32_t *budget)
         } while (!auvid_metric_pay(m, budget, price));
         if (!recall_dof(m, j)) {
             m->memory.known = 0;
+            m->recall = NULL;
             auvid_metric_rewind(m, PASS_LAST);
             return AUVID_EMPTY;
         }
     }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+{
+    if (metric == NULL || memory == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_metric_has_regressor(metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        int j = (int)metric->cfg.vehicle->parameter[i].dof;
+        if ((memory->known >> i & 1u) &&
+            !(memory->sigma[i] > AUVID_C(0.0) && memory->colour[j] > AUVID_C(0.0))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    metric->memory = *memory;
+    metric->recall = memory->known == 0 ? NULL : recall;
     return AUVID_OK;
 }

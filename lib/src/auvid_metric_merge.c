@@ -269,7 +269,7 @@ bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
         if (m->pass == PASS_MEMORY) {
-            status = auvid_metric_recall(m, budget);
+            status = m->recall == NULL ? AUVID_OK : m->recall(m, budget);
         } else if (auvid_metric_visit_rows(m, budget) && settle(m, budget)) {
             auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
         } else {

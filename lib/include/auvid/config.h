@@ -52,7 +52,7 @@
 #endif
 
 /** 1 leaves out what smooths motion instead of rows, with its code and its memory: models without
- * regressor, and our literal reading of the paper. 0 or 1. */
+ * regressor, and our literal reading of the paper, of Algorithm 2 too. 0 or 1. */
 #ifndef AUVID_REGRESSOR_ONLY
 #define AUVID_REGRESSOR_ONLY 0
 #endif

@@ -115,7 +115,8 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
  * @param config  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
  *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
- *         outside the box). On an error *ls is untouched.
+ *         outside the box); AUVID_ERR_MODEL (literal, with AUVID_REGRESSOR_ONLY). On an error *ls
+ *         is untouched.
  * Cost: O(n).
  */
 #define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)

@@ -139,9 +139,11 @@ typedef struct {
 } auvid_memory_t;
 
 /** The metric. Fields are private but for those under "results". */
-typedef struct {
+typedef struct auvid_metric {
     auvid_metric_config_t cfg;
     auvid_memory_t memory;
+    auvid_status_t (*recall)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
+                                                       that its code is linked only where used */
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint8_t count[AUVID_DOF_COUNT];           /* how many */
     uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
