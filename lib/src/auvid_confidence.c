@@ -275,6 +275,10 @@ static void judge(job_t *c, int i)
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
     auvid_real_t sets = (auvid_real_t)c->sets, largest = AUVID_C(0.0);
     int partner = i;
+    if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
+        auvid_confidence_note_idle(c, c->index[i]);
+        return;
+    }
     x[i] = AUVID_C(1.0);
     auvid_triangle_solve_left(c->joint, c->n, c->n, x);
     (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);

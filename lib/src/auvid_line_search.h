@@ -35,7 +35,8 @@ static inline size_t line_search_parameter(const auvid_line_search_t *ls)
 
 static inline auvid_real_t line_search_sign(const auvid_line_search_t *ls)
 {
-    const bool minus = line_search_is_literal(&ls->config) ? ls->direction >= ls->config.n : ls->direction % 2u != 0;
+    const bool minus = line_search_is_literal(&ls->config) ? ls->direction >= ls->config.n
+                                                           : ls->direction % 2u != 0;
     return minus ? AUVID_C(-1.0) : AUVID_C(1.0);
 }
 

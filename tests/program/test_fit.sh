@@ -104,6 +104,12 @@ for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")), n
     assert n in ("m_v", "Y_v", "Y_vv") or error(n) < (0.02 if n[0] == "m" else 0.1), (n, error(n))
 assert min(d["r2_validation"][k] for k in "uwr") > 0.98, d["r2_validation"]'
+change 'for y in r: y[C["u_mps"]] = y[C["v_mps"]] = y[C["w_mps"]] = 0' <train.csv >stuck.csv
+check "a velocity that stands at zero while thrust acts" exits 0 fit stuck.csv --json
+check "  makes nothing known but yaw and the buoyancy" is out '
+for n in TRUTH:
+    known = n in ("m_r", "N_r", "N_rr", "W-B")
+    assert (P[n]["sigma"] is None) != known and (known or not P[n]["identifiable"]), n'
 change 'for y in r: y[C["Y_N"]] = 5' <train.csv >constant.csv
 check "nor is one identified whose input is constant" exits 0 fit constant.csv --json
 check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'

@@ -2,8 +2,7 @@
 // auvid_confidence.c and the sets' triangles (that those are right is shown in test_metric.cpp).
 //
 // The library is in float32: over the runs below the largest difference is 1e-5 of a standard
-// error, 2e-4 in one run, in which of two columns that depend on each other but for the rounding of
-// stored sets the library leaves one out; twice that fails.
+// error, but in one 2e-4, since sets are rounded when they are stored; twice that fails.
 #include <Eigen/Dense>
 
 #include <cmath>

@@ -635,6 +635,22 @@ static void test_drive_without_a_free_parameter_is_not_searched(void)
     check_idle_set();
 }
 
+static void stand_still(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    memset(in->dvl.sample.velocity, 0, sizeof in->dvl.sample.velocity);
+}
+
+static void test_a_velocity_that_stands_at_zero_identifies_nothing(void)
+{
+    const uint32_t yaw = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R | 1u << AUVID_G500_N_RR;
+    config.before = stand_still;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    finish(&chain);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable & ~yaw);
+}
+
 /* ---- configurations that are refused ---- */
 
 static void check_init(auvid_status_t status)
@@ -1018,6 +1034,7 @@ int main(void)
     RUN_TEST(test_a_set_may_be_closed_early);
     RUN_TEST(test_sets_in_which_nothing_is_driven_are_not_searched);
     RUN_TEST(test_an_idle_vehicle_keeps_what_it_has_learnt);
+    RUN_TEST(test_a_velocity_that_stands_at_zero_identifies_nothing);
     RUN_TEST(test_drive_without_a_free_parameter_is_not_searched);
     RUN_TEST(test_bounds_reversed_or_equal_are_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
