@@ -31,11 +31,12 @@ MODULES = {path.stem for path in HEADERS} | {
     path.stem.removeprefix("auvid_") for path in pathlib.Path("lib/src").glob("*.h")
 }
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
-# of auvid_girona500, and the driver's interrupt.
+# of auvid_girona500, the metric's memory, and the driver's interrupt.
 POINTERS = {
     r"vehicle->(regressor|residual)\(": r":g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
+    r"m->recall\(": r"auvid_metric_memory\.c:recall$",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }
 START = r"machine_\w+\.c:start$"
