@@ -163,7 +163,7 @@ static int32_t phase_sine(uint32_t phase)
  *   peak <= max over points + n error of a sine + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n. */
 static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t duration_s)
 {
-    uint32_t phase[AUVID_MAX_SINES], turn[AUVID_MAX_SINES];
+    uint32_t phase[AUVID_MAX_SINES] = {0}, turn[AUVID_MAX_SINES] = {0};
     auvid_real_t highest = AUVID_C(0.0);
     auvid_real_t curvature = AUVID_C(0.0);
     auvid_real_t n = (auvid_real_t)sines;

@@ -104,7 +104,7 @@ void auvid_line_search_release(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
     const size_t i = line_search_parameter(ls);
-    for (size_t k = 0; k < i; ++k) {
+    for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
         const auvid_real_t d = line_search_sign(ls) * component(ls, i, k);
         const auvid_real_t x = ls->base[k] + c->sigma * ls->t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {

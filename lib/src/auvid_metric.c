@@ -276,3 +276,9 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     metric->lagged = metric->cfg.lagged;
     return AUVID_OK;
 }
+
+int auvid_metric_slot(const auvid_metric_t *m, int age)
+{
+    uint32_t sets = m->cfg.sets;
+    return (int)((m->turns + 2u * sets - 1u - (uint32_t)age) % sets);
+}

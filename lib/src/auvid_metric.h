@@ -40,11 +40,7 @@ static inline bool auvid_metric_smooths_motion(const auvid_metric_t *m)
 }
 
 /** Where the set completed `age` sets ago stands, age < cfg.sets; age -1: where the next will. */
-static inline int auvid_metric_slot(const auvid_metric_t *m, int age)
-{
-    uint32_t sets = m->cfg.sets;
-    return (int)((m->turns + 2u * sets - 1u - (uint32_t)age) % sets);
-}
+int auvid_metric_slot(const auvid_metric_t *m, int age);
 
 /** Residual path: its rows; age -1: those of the set being recorded. */
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)

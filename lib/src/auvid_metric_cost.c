@@ -278,7 +278,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     /* one triangle for all DoF: active parameters in order, then the wrench */
     auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
     auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
-    int8_t place[AUVID_MAX_PARAMETERS], n = 0;
+    int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
         place[i] = free && (active >> i & 1u) ? n++ : -1;
@@ -301,7 +301,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
             auvid_triangle_add(joint, n + 1, 0, x);
         }
     }
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) {
         x[i] = joint[auvid_triangle_row(n + 1, i) + n - i];
     }
     int lost = auvid_triangle_solve(joint, n + 1, n, AUVID_C(1e-6), x);

@@ -136,7 +136,7 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_real_t sigma = e->confidence.sigma[i];
         bool has = (e->identified >> i & 1u) && sigma > AUVID_C(0.0) && sigma < MOST_SIGMA &&
-                   colour(&e->confidence, vehicle->parameter[i].dof) > AUVID_C(0.0);
+                   colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (bits_of(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;
         put_word(record + VALUE + 4 * i, bits_of(e->pi[i]));

@@ -141,17 +141,18 @@ typedef struct {
 /** The metric. Fields are private but for those under "results". */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    auvid_memory_t memory;
     auvid_status_t (*recall)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
                                                        that its code is linked only where used */
+    uint64_t window_us; /* time of the window's last row */
+    auvid_memory_t memory;
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint8_t count[AUVID_DOF_COUNT];           /* how many */
+    uint8_t taps, overlap;                    /* of the kernel */
     uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
     uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's triangle starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
     auvid_real_t kernel[2][AUVID_MAX_TAPS]; /* ends in zeros, see spread */
     auvid_real_t spread; /* of forces, to what interpolated velocity is spread */
-    uint8_t taps, overlap;
 
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
@@ -186,9 +187,8 @@ typedef struct auvid_metric {
 #endif
     };
     auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
-    uint8_t window_length;
-    uint64_t window_us;   /* time of the last */
     uint32_t window_rows; /* since a gap */
+    uint8_t window_length;
     uint16_t at_row;      /* progress */
     uint16_t at_part;
     uint8_t at_set, to_set, at_band, at_dof, pass, paid;
