@@ -50,8 +50,8 @@ static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
     return m->cfg.rows + block * m->cfg.set_rows;
 }
 
-/** Binary digits of a stored triangle's entries, sign apart. */
-enum { AUVID_METRIC_DIGITS = 8 * (int)sizeof(auvid_share_t) - 1 };
+/** Binary digits of a stored triangle's entries, sign apart; in double as many as it has itself. */
+enum { AUVID_METRIC_DIGITS = sizeof(auvid_share_t) == sizeof(int16_t) ? 15 : 52 };
 
 /** Keep m->factor in *set. */
 void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set);

@@ -26,7 +26,8 @@
 #define DELAY_SIGMAS AUVID_C(4.0)
 
 /* A pivot up to this part of its column is rounding, of stored triangles above all. */
-#define ROUNDED (AUVID_C(4.0) / (auvid_real_t)(1u << AUVID_METRIC_DIGITS))
+#define ROUNDED                                                                                    \
+    (AUVID_METRIC_DIGITS == 15 ? AUVID_C(4.0) / AUVID_C(32768.0) : AUVID_C(100.0) * AUVID_EPSILON)
 
 /* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command. */
 enum { DELAY_STEPS = 20 };

@@ -99,7 +99,7 @@ def library_frames(board, folder):
             if pushed := re.match(r"(push|stmdb\s+sp!,)\s*(?:\.w)?\s*\{(.*)\}", words):
                 frame += 4 * len(pushed[2].split(","))
             elif moved := re.match(r"(?:sub(?:\.w|w)?\s+sp,(?: sp,)? #(\d+)"
-                                   r"|str\S*\s.*\[sp, #-(\d+)\]!|addi\s+sp,sp,-(\d+))", words):
+                                   r"|str\S*\s.*\[sp, #-(\d+)\]!|addi?\s+sp,sp,-(\d+))", words):
                 frame += int(next(filter(None, moved.groups())))
             elif re.match(r"(sub|add)\S*\s+sp, (sp, )?r\d|vpush|blx\s+r|jalr\s", words):
                 frame = None

@@ -114,7 +114,7 @@ typedef struct {
 
 /** An entry of a stored triangle, in units of 2^exponent of its column. */
 #ifdef AUVID_REAL_DOUBLE
-typedef int32_t auvid_share_t;
+typedef int64_t auvid_share_t;
 #else
 typedef int16_t auvid_share_t;
 #endif

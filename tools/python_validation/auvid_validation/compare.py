@@ -3,6 +3,8 @@ import dataclasses
 
 import numpy as np
 
+EPSILON = float(np.finfo(np.float32).eps)
+
 #: What the double build may differ by, relative to the largest value compared.
 DOUBLE = 1e-9
 
@@ -21,12 +23,13 @@ class Row:
         return bool(self.difference <= self.bound)  # NaN does not pass
 
 
-def close(lib, quantity, reference, pairs, unit, roundings, why):
+def close(lib, quantity, reference, pairs, unit, roundings, why, rounding=EPSILON):
     """A row for pairs of arrays (ours, theirs). The bound in single precision is `roundings` times
-    epsilon times the largest |theirs| of the pair (a third of a triple: what stands in its place),
-    in double precision 1e-9 times that. Differences and bound are in `unit`; they are relative to
-    that largest value when it differs from pair to pair and unit says so ("relative ...")."""
-    share = roundings * np.finfo(np.float32).eps
+    epsilon (or another `rounding`) times the largest |theirs| of the pair (a third of a triple:
+    what stands in its place), in double precision 1e-9 times that. Differences and bound are in
+    `unit`; they are relative to that largest value when it differs from pair to pair and unit says
+    so ("relative ...")."""
+    share = roundings * rounding
     if lib.real == np.float64:
         share, why = DOUBLE, f"{DOUBLE:.0e} of it"
     worst = (-1.0, 0.0, 0.0)
