@@ -47,8 +47,8 @@ extern "C" {
  * cells, or the record breaks again and again. */
 #define AUVID_CELLS_PER_STEP 2
 
-/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a search in seven seconds with eight
- * sets, up to four times that on a single one, whose data determine less (Girona500). */
+/** A budget of work that suits a Cortex-M4 at a 50 Hz tick: a result three seconds after a set
+ * (Girona500, one set or eight). */
 #define AUVID_DEFAULT_BUDGET 150u
 
 /** Which DVL lock the dynamics are taken from. They need velocity through the water. */
