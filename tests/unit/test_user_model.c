@@ -13,9 +13,11 @@
 enum { GAIN_FORWARD, GAIN_BACKWARD, DEAD_BAND, X_U, X_UU, PARAMETERS };
 
 static const auvid_parameter_t parameter[PARAMETERS] = {
-    {"gain_forward", "N", AUVID_SURGE}, {"gain_backward", "N", AUVID_SURGE},
-    {"dead_band", "1", AUVID_SURGE},    {"X_u", "N s/m", AUVID_SURGE},
-    {"X_uu", "N s2/m2", AUVID_SURGE},
+    {"gain_forward", "N", AUVID_SURGE, AUVID_PARAMETER_OTHER},
+    {"gain_backward", "N", AUVID_SURGE, AUVID_PARAMETER_OTHER},
+    {"dead_band", "1", AUVID_SURGE, AUVID_PARAMETER_OTHER},
+    {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
+    {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_QUADRATIC_DRAG},
 };
 static const double truth[PARAMETERS] = {70.0, 55.0, 0.12, -42.4181, -125.3578};
 static const auvid_real_t mass = AUVID_C(249.5384), weight_minus_buoyancy = AUVID_C(-37.3058);

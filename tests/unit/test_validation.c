@@ -392,7 +392,8 @@ static void nothing(const void *context, const auvid_sample_t *s, const auvid_re
 
 static void test_commands_act_in_their_own_half_of_the_step(void)
 {
-    static const auvid_parameter_t parameter[1] = {{"gain", "1", AUVID_SURGE}};
+    static const auvid_parameter_t parameter[1] = {
+        {"gain", "1", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
     const auvid_vehicle_t model = {.name = "integrator",
                                    .parameters = 1,
                                    .parameter = parameter,

@@ -298,7 +298,7 @@ static void test_check_accepts_a_model_of_the_most_parameters(void)
 {
     static auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        parameter[i] = (auvid_parameter_t){"p", "1", AUVID_PITCH};
+        parameter[i] = (auvid_parameter_t){"p", "1", AUVID_PITCH, AUVID_PARAMETER_OTHER};
     }
     memset(model.columns, 0, sizeof model.columns);
     model.parameter = parameter;
