@@ -77,8 +77,8 @@ static uint32_t crc_word(uint32_t c, uint32_t word)
 
 static uint32_t crc_name(uint32_t c, const char *name)
 {
-    while (*name != '\0') {
-        c = crc(c, (uint8_t)*name++);
+    for (; name != NULL && *name != '\0'; ++name) { /* a model may have none */
+        c = crc(c, (uint8_t)*name);
     }
     return crc(c, 0);
 }
@@ -123,7 +123,7 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     }
     const auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
-    if (e->number == 0) {
+    if (e->sets == 0) {
         return AUVID_ERR_NO_DATA;
     }
     uint32_t known = 0;

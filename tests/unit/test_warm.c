@@ -69,6 +69,17 @@ static void test_saved_again_it_says_the_same(void)
     TEST_ASSERT_EQUAL_MEMORY(record, again, sizeof again);
 }
 
+/* A dive without a set leaves nothing better than the record that it began with. */
+static void test_what_was_only_remembered_is_not_saved_again(void)
+{
+    uint8_t again[AUVID_WARM_BYTES] = {0}, zeros[AUVID_WARM_BYTES] = {0};
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_warm_save(&chain.id, again));
+    TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
+}
+
 static void test_every_damaged_byte_is_noticed(void)
 {
     dive();
@@ -97,6 +108,17 @@ static void test_a_record_of_another_model_is_refused(void)
     config.id.metric.fixed[AUVID_G500_M_R] = 80;
     dive(); /* a record with yaw's inertia given */
     config.id.metric.fixed[AUVID_G500_M_R] = 81;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    check_refused(AUVID_ERR_MODEL, record, sizeof record);
+}
+
+static void test_a_model_without_a_name_is_another_model(void)
+{
+    static auvid_vehicle_t nameless;
+    dive();
+    nameless = auvid_girona500;
+    nameless.name = NULL;
+    config.id.vehicle = &nameless;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
 }
@@ -215,8 +237,10 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
     RUN_TEST(test_saved_again_it_says_the_same);
+    RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_noticed);
     RUN_TEST(test_a_record_of_another_model_is_refused);
+    RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_memory_that_makes_no_sense_is_refused);
     RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);

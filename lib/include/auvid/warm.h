@@ -9,9 +9,11 @@
  * held against it: when the two do not belong to the same vehicle, the record is dropped, and all
  * is as after a cold start.
  *
- * Called from the control task, never during work. Cost: a checksum over 236 bytes; start: a tenth
- * of a tick's budget at most. Memory: the record, the caller's. The bytes are the same on every
- * machine: little-endian, IEEE 754.
+ * A model without regressor takes the record's parameters as a point to search from, no more.
+ *
+ * Called from the control task, between ticks. Cost: checksums over the record and the names of the
+ * model. Memory: the record, the caller's. The bytes are the same on every machine: little-endian,
+ * IEEE 754, single precision in double too.
  */
 #ifndef AUVID_WARM_H
 #define AUVID_WARM_H
@@ -29,7 +31,7 @@ enum { AUVID_WARM_BYTES = 236 };
  * Write the last estimate.
  * @param record [AUVID_WARM_BYTES] written when AUVID_OK
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (there is
- * no estimate yet).
+ * no estimate yet, or only that of the record which was begun with: keep that record).
  */
 auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
 
