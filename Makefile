@@ -35,6 +35,8 @@ WORLD := tools/auvid/world.c tools/auvid/frames.c $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
+VEHICLES := $(wildcard tests/vehicles/test_*.c)
+VEHICLES_REFERENCE := $(wildcard tests/vehicles/test_*.cpp)
 PORT_TESTS := $(wildcard tests/port/test_*.c)
 # System calls that tests/port imitates: each __wrap_x() there takes the place of x().
 WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
@@ -69,7 +71,14 @@ WAY_double := -O2 -DAUVID_REAL_DOUBLE
 WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
     -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
-WAYS := release double sanitized bench
+# The program's sizes, and those of the tests of models that the default sizes have no room for:
+# everything of the 6-DoF model free.
+WIDE := -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_POPULATION=128 -DAUVID_MAX_FACTOR=1024 \
+    -DAUVID_MAX_COLUMNS=160
+WAY_wide := $(WAY_release) $(WIDE)
+WAY_wide_double := $(WAY_double) $(WIDE)
+WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)
+WAYS := release double sanitized bench wide wide_double wide_sanitized
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
@@ -85,6 +94,8 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%) \
+    $(foreach way,wide wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
+    $(foreach way,wide wide_double,$(VEHICLES_REFERENCE:%.cpp=build/$(way)/%)) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%))
 # The CAN codec alone, for the comparison with cantools.
 CAN_CODEC := $(wildcard lib/src/auvid_can*.c)
@@ -205,7 +216,7 @@ clean: ## Remove build/ (third_party/ stays)
 .PHONY: can can-check can-setup fuzz test-vcan
 .PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
-build/auvid: $(call objects,release,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
+build/auvid: $(call objects,wide,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
 	@echo "  $@"
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ -lm
 
@@ -237,6 +248,16 @@ build/$(1)/tests/unit/%: tests/unit/%.c $(call TESTED,$(1))
 	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
 	    -o $$@ $$< $(call TESTED,$(1)) -lm
 
+build/$(1)/tests/vehicles/%: tests/vehicles/%.c $(call TESTED,$(1))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
+	    -o $$@ $$< $(call TESTED,$(1)) -lm
+
+build/$(1)/tests/%: tests/%.cpp $(call TESTED,$(1))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CXX) -std=c++17 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) -isystem $$(EIGEN_DIR) \
+	    $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
+
 build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,$(1),$(PORT))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) -Wall -Wextra -Iport/linux_socketcan $$(CFLAGS) \
@@ -244,11 +265,6 @@ build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,
 	    $$(WRAPPED) -lcmocka
 endef
 $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
-
-build/release/tests/reference/%: tests/reference/%.cpp $(call TESTED,release)
-	@mkdir -p $(@D); rm -f $@; echo "  $@"
-	$(Q)$(CXX) -std=c++17 -O2 $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) $(CXXFLAGS) \
-	    -MF $@.d -MT $@ -o $@ $< $(call TESTED,release) -lm
 
 build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"
