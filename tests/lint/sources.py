@@ -34,6 +34,7 @@ USES = {
     "allocation": BASE,
     "smoother": BASE,
     "vehicle": BASE,
+    "fossen": BASE + " vehicle",
     "recorder": BASE,
     "crs": BASE,
     "line_search": BASE,

@@ -1,0 +1,95 @@
+/**
+ * @file fossen.h
+ * The vehicle model in six degrees of freedom (Fossen 2011), linear in its parameters:
+ *
+ *     M nu' + C(nu) nu + D(nu) nu + g(eta) = tau
+ *
+ * M = M_RB + M_A of a vehicle that is symmetric to port and starboard, C(nu) of that M (Fossen
+ * 2011, Eq. 3.46), D linear and quadratic in each degree of freedom's own velocity, g of weight and
+ * buoyancy. Data of motion and wrench resolve only certain sums of the textbook's coefficients.
+ * These sums are the parameters, and their names say what they are the sums of: a mass is
+ * m - X_udot, never m and X_udot each; what W and z_G do is in W-B and z_G W - z_B B.
+ *
+ * Any of them may be free; the others are fixed where the configuration says (metric.h: `free`,
+ * `fixed`). By default free: masses, inertias, W-B, z_G W - z_B B and all drags, 20 of them; the
+ * vehicle is trimmed and its other couplings are zero.
+ *
+ * It is there where AUVID_MAX_PARAMETERS is at least 22; from 26 on with the couplings within M,
+ * from 32 on with a constant force or moment in each degree of freedom. With the parameters that
+ * are free by default, AUVID_MAX_FACTOR must be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS
+ * AUVID_FOSSEN_COLUMNS at least. Where the model is not used it is not linked.
+ *
+ * Signs are the paper's (types.h): a drag that dissipates is negative. Much of the literature
+ * prints the same numbers positive.
+ */
+#ifndef AUVID_FOSSEN_H
+#define AUVID_FOSSEN_H
+
+#include "auvid/types.h"
+#include "auvid/vehicle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if AUVID_MAX_PARAMETERS >= 22
+
+/** Parameters, in this order. */
+typedef enum {
+    AUVID_FOSSEN_M_U, /**< m - X_udot [kg] */
+    AUVID_FOSSEN_M_V, /**< m - Y_vdot */
+    AUVID_FOSSEN_M_W, /**< m - Z_wdot */
+    AUVID_FOSSEN_M_P, /**< I_x - K_pdot [kg m2] */
+    AUVID_FOSSEN_M_Q, /**< I_y - M_qdot */
+    AUVID_FOSSEN_M_R, /**< I_z - N_rdot */
+    AUVID_FOSSEN_W_B, /**< W - B [N] */
+    AUVID_FOSSEN_X_G, /**< x_G W - x_B B [Nm] */
+    AUVID_FOSSEN_Y_G, /**< y_G W - y_B B [Nm] */
+    AUVID_FOSSEN_Z_G, /**< z_G W - z_B B [Nm]; > 0 rights the vehicle */
+    AUVID_FOSSEN_X_U, /**< linear drag of the six degrees of freedom [N s/m], [Nm s] */
+    AUVID_FOSSEN_Y_V,
+    AUVID_FOSSEN_Z_W,
+    AUVID_FOSSEN_K_P,
+    AUVID_FOSSEN_M_Q_DRAG, /**< M_q */
+    AUVID_FOSSEN_N_R,
+    AUVID_FOSSEN_X_UU, /**< quadratic drag [N s2/m2], [Nm s2] */
+    AUVID_FOSSEN_Y_VV,
+    AUVID_FOSSEN_Z_WW,
+    AUVID_FOSSEN_K_PP,
+    AUVID_FOSSEN_M_QQ,
+    AUVID_FOSSEN_N_RR,
+#if AUVID_MAX_PARAMETERS >= 26
+    AUVID_FOSSEN_M_UQ, /**< m z_G - X_qdot [kg m]: surge and pitch */
+    AUVID_FOSSEN_M_VP, /**< -m z_G - Y_pdot: sway and roll */
+    AUVID_FOSSEN_M_VR, /**< m x_G - Y_rdot: sway and yaw */
+    AUVID_FOSSEN_M_WQ, /**< -m x_G - Z_qdot: heave and pitch */
+#endif
+#if AUVID_MAX_PARAMETERS >= 32
+    AUVID_FOSSEN_X_0, /**< constant forces [N] and moments [Nm] on the hull. Z_0 can hardly be told
+                           from W-B, K_0 from y_G W - y_B B, M_0 from x_G W - x_B B: free one of
+                           each */
+    AUVID_FOSSEN_Y_0,
+    AUVID_FOSSEN_Z_0,
+    AUVID_FOSSEN_K_0,
+    AUVID_FOSSEN_M_0,
+    AUVID_FOSSEN_N_0,
+#endif
+    AUVID_FOSSEN_COUNT
+} auvid_fossen_parameter_t;
+
+/** The model. */
+extern const auvid_vehicle_t auvid_fossen;
+
+/** BlueROV2 Heavy: the same model under its name, and its parameters as von Benzon et al. 2022
+ * ("An open-source benchmark simulator: control of a BlueROV2 underwater robot", J. Mar. Sci. Eng.
+ * 10) have them, in fresh water. */
+extern const auvid_vehicle_t auvid_bluerov2_heavy;
+extern const auvid_real_t auvid_bluerov2_heavy_benzon[AUVID_FOSSEN_COUNT];
+
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
