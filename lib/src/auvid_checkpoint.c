@@ -36,36 +36,47 @@ typedef struct {
     uint32_t of[TABLE_COUNT];
 } sizes_t;
 
-static bool is_there(const row_t *row, uint32_t parts)
-{
-    return row->parts == 0 || (row->parts & parts) != 0;
-}
-
 static uint32_t element_bytes(const sizes_t *sizes, const row_t *row)
 {
     return row->width != 0 ? row->width : sizes->of[row->table];
 }
 
-/* @return checksum of the tables, of all parts */
-static uint32_t measure(sizes_t *sizes, uint32_t parts)
+static uint32_t row_bytes(const sizes_t *sizes, const row_t *row)
 {
-    uint32_t c = auvid_checksum_word(
-        UINT32_MAX, AUVID_VERSION_MAJOR << 16 | AUVID_VERSION_MINOR << 8 | AUVID_VERSION_PATCH);
+    bool there = row->parts == 0 || (row->parts & sizes->parts) != 0;
+    return there ? row->count * element_bytes(sizes, row) : 0u;
+}
+
+static void measure(sizes_t *sizes, uint32_t parts)
+{
     sizes->parts = parts;
     for (int t = 0; t < TABLE_COUNT; ++t) {
         const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
-        sizes->of[t] = 0;
+        uint32_t bytes = 0;
+        for (uint32_t i = 0; i < table->rows; ++i) {
+            bytes += row_bytes(sizes, &table->row[i]);
+        }
+        sizes->of[t] = bytes;
+    }
+}
+
+/* ---- the header ---- */
+
+/* Of the tables but for offsets, which a compiler chooses, and of the library's version. */
+static uint32_t checksum_of_layout(void)
+{
+    uint32_t c = auvid_checksum_word(
+        UINT32_MAX, AUVID_VERSION_MAJOR << 16 | AUVID_VERSION_MINOR << 8 | AUVID_VERSION_PATCH);
+    for (int t = 0; t < TABLE_COUNT; ++t) {
+        const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
         for (uint32_t i = 0; i < table->rows; ++i) {
             const row_t *row = &table->row[i];
             const uint8_t kind[] = {row->width, row->table, row->parts};
             c = auvid_checksum_word(auvid_checksum(c, kind, sizeof kind), row->count);
-            sizes->of[t] += is_there(row, parts) ? row->count * element_bytes(sizes, row) : 0u;
         }
     }
     return c;
 }
-
-/* ---- the header ---- */
 
 static uint32_t parts_of(const auvid_identifier_t *id)
 {
@@ -99,8 +110,9 @@ static uint32_t checksum_of_model(const auvid_identifier_t *id)
 static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes, uint8_t *head)
 {
     uint32_t rows = rows_of(id);
+    measure(sizes, parts);
     auvid_put_word(head, MAGIC);
-    auvid_put_word(head + LAYOUT, measure(sizes, parts));
+    auvid_put_word(head + LAYOUT, checksum_of_layout());
     auvid_put_word(head + MODEL, checksum_of_model(id));
     auvid_put_word(head + PARTS, parts);
     auvid_put_word(head + ROWS, rows);
@@ -134,8 +146,7 @@ static run_t locate(const sizes_t *sizes, uint32_t at)
     do {
         const row_t *row = auvid_checkpoint_table[table].row;
         for (;; ++row) {
-            uint32_t bytes =
-                is_there(row, sizes->parts) ? row->count * element_bytes(sizes, row) : 0u;
+            uint32_t bytes = row_bytes(sizes, row);
             if (at < bytes) {
                 break;
             }
@@ -219,7 +230,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         return AUVID_ERR_STATE;
     }
     sizes_t sizes;
-    (void)measure(&sizes, cursor->head[PARTS]);
+    measure(&sizes, cursor->head[PARTS]);
     while (*bytes < room && cursor->at < cursor->bytes) {
         uint8_t *to = chunk + *bytes;
         uint32_t at = cursor->at, done = 1;
