@@ -57,6 +57,15 @@ static void telemetry(const auvid_estimate_t *estimate)
     last = *estimate;
 }
 
+static uint8_t flash[1 << 15];
+static uint32_t flashed;
+
+static void flash_write(const uint8_t *page, uint32_t bytes)
+{
+    memcpy(flash + flashed, page, bytes);
+    flashed += bytes;
+}
+
 void control_init(void);
 void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
