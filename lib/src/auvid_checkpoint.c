@@ -172,7 +172,7 @@ static uint8_t *byte_of(uint8_t *scalar, uint32_t stride, uint32_t k)
     return scalar + (lowest == 1 ? k : stride - 1u - k);
 }
 
-/* Up to `most` bytes of the body from `at` on, into `to` or (then that is null) out of `from`.
+/* Up to `most` bytes of the body from `at` on, into `to` or, where that is null, out of `from`.
  * @return how many, >= 1 */
 static uint32_t copy(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
                      uint8_t *to, const uint8_t *from)
@@ -241,7 +241,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         } else {
             uint32_t left = end - at, most = room - *bytes;
             done = copy(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD, most < left ? most : left,
-                        to, NULL);
+                        to, to);
         }
         cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
         cursor->at += done;

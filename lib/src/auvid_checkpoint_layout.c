@@ -6,8 +6,8 @@
 #include "auvid_checkpoint.h"
 #include "auvid_math.h"
 
-/* In `first` .. `last`, neighbours, all is of type `unit`; else there is a rest, or padding, and
- * mostly an array of negative size. */
+/* `first` .. `last` are neighbours, all of type `unit`. Something else among them mostly leaves a
+ * rest, and the array of negative size does not compile. */
 #define SIZE(type, member) sizeof(((type *)0)->member)
 #define BYTES(type, first, last) (offsetof(type, last) + SIZE(type, last) - offsetof(type, first))
 #define WHOLE(bytes, unit) ((bytes) / sizeof(char[(bytes) % sizeof(unit) == 0 ? 1 : -1]))
@@ -25,13 +25,17 @@
     {                                                                                              \
         offsetof(type, member), 1, (uint32_t)SIZE(type, member), 1, 0, 0                           \
     }
-/* A struct, or an array of them. */
-#define STRUCT_OF(type, member, inner, table, parts)                                               \
+#define STRUCT_OF(type, member, table, parts)                                                      \
     {                                                                                              \
-        offsetof(type, member), (uint32_t)(SIZE(type, member) / sizeof(inner)),                    \
-            (uint32_t)sizeof(inner), 0, table, parts                                               \
+        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 0, table, parts                   \
     }
-#define STRUCT(type, member, inner, table) STRUCT_OF(type, member, inner, table, 0)
+#define STRUCT(type, member, table) STRUCT_OF(type, member, table, 0)
+/* An array of structs. */
+#define STRUCTS(type, member, table)                                                               \
+    {                                                                                              \
+        offsetof(type, member), (uint32_t)(SIZE(type, member) / SIZE(type, member[0])),            \
+            (uint32_t)SIZE(type, member[0]), 0, table, 0                                           \
+    }
 
 typedef auvid_checkpoint_row_t row_t;
 
@@ -59,9 +63,9 @@ static const row_t diagnostics[] = {
 };
 
 static const row_t nav[] = {
-    STRUCT(auvid_nav_t, ground, auvid_nav_knot_t, TABLE_KNOT),
-    STRUCT(auvid_nav_t, water, auvid_nav_knot_t, TABLE_KNOT),
-    STRUCT(auvid_nav_t, diagnostics, auvid_nav_diagnostics_t, TABLE_DIAGNOSTICS),
+    STRUCT(auvid_nav_t, ground, TABLE_KNOT),
+    STRUCT(auvid_nav_t, water, TABLE_KNOT),
+    STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
     SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
     BYTE(auvid_nav_t, gps_start, gps_count),
     SPAN(auvid_nav_t, uint16_t, flags, flags),
@@ -83,7 +87,7 @@ static const row_t stream[] = {
 static const row_t recorder[] = {
     SPAN(auvid_recorder_t, uint32_t, cfg.cell_us, cfg.gap_us),
     ENUM(auvid_recorder_t, cfg.input),
-    STRUCT(auvid_recorder_t, stream, auvid_recorder_stream_t, TABLE_STREAM),
+    STRUCTS(auvid_recorder_t, stream, TABLE_STREAM),
     REALS(auvid_recorder_t, last, mean),
     SPAN(auvid_recorder_t, uint64_t, origin_us, origin_us),
     SPAN(auvid_recorder_t, uint32_t, opened, next),
@@ -117,7 +121,7 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint32_t, cells, since_gap),
     REALS(auvid_metric_t, factor, tau_m2),
     SPAN(auvid_metric_t, uint16_t, rows, rows),
-    STRUCT(auvid_metric_t, set, auvid_set_t, TABLE_SET),
+    STRUCTS(auvid_metric_t, set, TABLE_SET),
     SPAN(auvid_metric_t, uint32_t, turns, turns),
     REALS(auvid_metric_t, merged, squares),
     SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL),
@@ -144,7 +148,7 @@ static const row_t thruster[] = {
 };
 
 static const row_t allocation[] = {
-    STRUCT(auvid_allocation_t, config.thruster, auvid_thruster_t, TABLE_THRUSTER),
+    STRUCTS(auvid_allocation_t, config.thruster, TABLE_THRUSTER),
     BYTE(auvid_allocation_t, config.thrusters, config.priority),
     REALS(auvid_allocation_t, inverse, inverse),
     BYTE(auvid_allocation_t, actuated, rank),
@@ -164,12 +168,12 @@ static const row_t channel[] = {
 };
 
 static const row_t excitation[] = {
-    STRUCT(auvid_excitation_t, config.segment, auvid_segment_t, TABLE_SEGMENT),
+    STRUCTS(auvid_excitation_t, config.segment, TABLE_SEGMENT),
     BYTE(auvid_excitation_t, config.segments, config.segments),
     REALS(auvid_excitation_t, config.duration_s, config.fade_s),
     SPAN(auvid_excitation_t, uint64_t, config.seed, config.seed),
     REALS(auvid_excitation_t, config.leash, config.leash),
-    STRUCT(auvid_excitation_t, channel, auvid_excitation_channel_t, TABLE_CHANNEL),
+    STRUCTS(auvid_excitation_t, channel, TABLE_CHANNEL),
     SPAN(auvid_excitation_t, uint32_t, duration_us, pause_us),
     REALS(auvid_excitation_t, displacement, displacement),
     SPAN(auvid_excitation_t, uint32_t, fade_us, repetition),
@@ -185,8 +189,8 @@ static const row_t trip[] = {
 
 static const row_t guard[] = {
     ENUM(auvid_guard_t, state),
-    STRUCT(auvid_guard_t, trip, auvid_guard_trip_t, TABLE_TRIP),
-    STRUCT(auvid_guard_t, refused, auvid_guard_trip_t, TABLE_TRIP),
+    STRUCT(auvid_guard_t, trip, TABLE_TRIP),
+    STRUCT(auvid_guard_t, refused, TABLE_TRIP),
     REALS(auvid_guard_t, cfg.depth_min_m, cfg.distance_max_m),
     SPAN(auvid_guard_t, uint32_t, cfg.run_max_s, cfg.alive_us),
     REALS(auvid_guard_t, cfg.calm_speed, cfg.calm_rate),
@@ -214,7 +218,7 @@ static const row_t estimate[] = {
     REALS(auvid_estimate_t, r2_force, r2_force),
     SPAN(auvid_estimate_t, uint32_t, evaluations_crs, evaluations_line),
     BYTE(auvid_estimate_t, capped, accepted),
-    STRUCT(auvid_estimate_t, confidence, auvid_confidence_t, TABLE_CONFIDENCE),
+    STRUCT(auvid_estimate_t, confidence, TABLE_CONFIDENCE),
 };
 
 static const row_t judgement[] = {
@@ -234,7 +238,7 @@ static const row_t validation[] = {
     SPAN(auvid_validation_t, uint32_t, lagged, lagged),
     REALS(auvid_validation_t, cell_s, cell_s),
     SPAN(auvid_validation_t, uint32_t, dofs, dofs),
-    STRUCT(auvid_validation_t, last, auvid_sample_t, TABLE_SAMPLE),
+    STRUCT(auvid_validation_t, last, TABLE_SAMPLE),
     REALS(auvid_validation_t, past, past),
     SPAN(auvid_validation_t, uint32_t, since_gap, since_gap),
     REALS(auvid_validation_t, mean, sse),
@@ -265,23 +269,23 @@ static const row_t line_config[] = {
 };
 
 static const row_t line_search[] = {
-    STRUCT(auvid_line_search_t, config, auvid_line_search_config_t, TABLE_LINE_CONFIG),
+    STRUCT(auvid_line_search_t, config, TABLE_LINE_CONFIG),
     REALS(auvid_line_search_t, theta, cost_far),
     SPAN(auvid_line_search_t, uint32_t, evaluations, attempts),
     BYTE(auvid_line_search_t, direction, asked),
 };
 
 static const row_t optimizer[] = {
-    STRUCT_OF(auvid_optimizer_t, crs, auvid_crs_t, TABLE_CRS, PART_GLOBAL),
-    STRUCT_OF(auvid_optimizer_t, line_search, auvid_line_search_t, TABLE_LINE_SEARCH, PART_LOCAL),
-    STRUCT(auvid_optimizer_t, local, auvid_line_search_config_t, TABLE_LINE_CONFIG),
+    STRUCT_OF(auvid_optimizer_t, crs, TABLE_CRS, PART_GLOBAL),
+    STRUCT_OF(auvid_optimizer_t, line_search, TABLE_LINE_SEARCH, PART_LOCAL),
+    STRUCT(auvid_optimizer_t, local, TABLE_LINE_CONFIG),
     SOME(auvid_optimizer_t, auvid_real_t, cost, cost, PART_LOCAL),
     SOME(auvid_optimizer_t, uint32_t, evaluations, attempts, PART_LOCAL),
     BYTE(auvid_optimizer_t, phase, phase),
 };
 
 static const row_t job[] = {
-    STRUCT(auvid_confidence_job_t, result, auvid_confidence_t, TABLE_CONFIDENCE),
+    STRUCT(auvid_confidence_job_t, result, TABLE_CONFIDENCE),
     REALS(auvid_confidence_job_t, dry_mass_kg, joint),
     REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
     REALS(auvid_confidence_job_t, score, rows),
@@ -294,20 +298,20 @@ static const row_t seen[] = {
 };
 
 static const row_t identifier[] = {
-    STRUCT(auvid_identifier_t, search, auvid_search_config_t, TABLE_SEARCH),
+    STRUCT(auvid_identifier_t, search, TABLE_SEARCH),
     ENUM(auvid_identifier_t, velocity),
     BYTE(auvid_identifier_t, velocity_every_tick, velocity_every_tick),
     REALS(auvid_identifier_t, dry_mass_kg, dry_mass_kg),
-    STRUCT(auvid_identifier_t, nav, auvid_nav_t, TABLE_NAV),
-    STRUCT(auvid_identifier_t, recorder, auvid_recorder_t, TABLE_RECORDER),
-    STRUCT(auvid_identifier_t, metric, auvid_metric_t, TABLE_METRIC),
-    STRUCT(auvid_identifier_t, allocation, auvid_allocation_t, TABLE_ALLOCATION),
-    STRUCT(auvid_identifier_t, excitation, auvid_excitation_t, TABLE_EXCITATION),
-    STRUCT(auvid_identifier_t, guard, auvid_guard_t, TABLE_GUARD),
-    STRUCT(auvid_identifier_t, estimate, auvid_estimate_t, TABLE_ESTIMATE),
-    STRUCT(auvid_identifier_t, trusted, auvid_estimate_t, TABLE_ESTIMATE),
-    STRUCT(auvid_identifier_t, judgement, auvid_judgement_t, TABLE_JUDGEMENT),
-    STRUCT_OF(auvid_identifier_t, prediction, auvid_validation_t, TABLE_VALIDATION, PART_SIMULATED),
+    STRUCT(auvid_identifier_t, nav, TABLE_NAV),
+    STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),
+    STRUCT(auvid_identifier_t, metric, TABLE_METRIC),
+    STRUCT(auvid_identifier_t, allocation, TABLE_ALLOCATION),
+    STRUCT(auvid_identifier_t, excitation, TABLE_EXCITATION),
+    STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
+    STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
+    STRUCT(auvid_identifier_t, trusted, TABLE_ESTIMATE),
+    STRUCT(auvid_identifier_t, judgement, TABLE_JUDGEMENT),
+    STRUCT_OF(auvid_identifier_t, prediction, TABLE_VALIDATION, PART_SIMULATED),
     REALS(auvid_identifier_t, predicted, predicted),
     SPAN(auvid_identifier_t, uint64_t, t_us, t_us),
     SPAN(auvid_identifier_t, uint32_t, knot, work_most),
@@ -315,19 +319,18 @@ static const row_t identifier[] = {
     SPAN(auvid_identifier_t, uint32_t, active, active),
     REALS(auvid_identifier_t, candidate, delay_s),
     BYTE(auvid_identifier_t, started, saturated),
-    STRUCT(auvid_identifier_t, altitude, auvid_guard_seen_t, TABLE_SEEN),
-    STRUCT(auvid_identifier_t, applied, auvid_guard_seen_t, TABLE_SEEN),
+    STRUCT(auvid_identifier_t, altitude, TABLE_SEEN),
+    STRUCT(auvid_identifier_t, applied, TABLE_SEEN),
     REALS(auvid_identifier_t, altitude_m, home),
     SPAN(auvid_identifier_t, uint32_t, searched, searched),
     REALS(auvid_identifier_t, cost, cost),
     BYTE(auvid_identifier_t, paid, anew),
-    STRUCT_OF(auvid_identifier_t, optimizer, auvid_optimizer_t, TABLE_OPTIMIZER,
-              PART_GLOBAL | PART_LOCAL),
-    STRUCT_OF(auvid_identifier_t, confidence, auvid_confidence_job_t, TABLE_JOB, PART_CONFIDENCE),
+    STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
+    STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
 };
 
 static const row_t row[] = {
-    STRUCT(auvid_row_t, sample, auvid_sample_t, TABLE_SAMPLE),
+    STRUCT(auvid_row_t, sample, TABLE_SAMPLE),
     REALS(auvid_row_t, late, late),
 };
 

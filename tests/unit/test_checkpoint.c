@@ -173,7 +173,8 @@ static void test_what_is_attached_stays(void)
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.prediction.vehicle);
 }
 
-/* All positions (of eleven one in double, but in the long form); in the head and the tail all other values, else one of them. */
+/* All positions (of eleven one in double, but in the long form); in the head and the tail all other
+ * values, else one of them. */
 static void test_every_damaged_byte_is_noticed(void)
 {
 #ifdef __linux__
