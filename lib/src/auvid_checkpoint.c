@@ -296,7 +296,8 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
     uint32_t body = bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
     memset(&id->prediction, 0, sizeof id->prediction); /* what may be dead is zero */
     memset(m->window, 0, sizeof m->window);
-    memset(&id->config, 0, sizeof *id - offsetof(auvid_identifier_t, config));
+    const size_t in_turn = offsetof(auvid_identifier_t, config); /* the union at the end */
+    memset((uint8_t *)id + in_turn, 0, sizeof *id - in_turn);
     for (uint32_t at = 0; at < body;) {
         at += copy(id, &sizes, at, body - at, NULL, checkpoint + AUVID_CHECKPOINT_HEAD + at);
     }
