@@ -188,7 +188,7 @@ static void test_it_rests_upright_and_sinks_by_what_it_weighs_more(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0, sim.truth.euler[0]); /* quadratic drag alone dies slowly */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sim.truth.euler[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, sim.truth.nu[2]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.981, -hover[Z]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.982, -hover[Z]);
 }
 
 static void test_a_pitch_moment_is_met_by_the_righting_moment(void)
@@ -240,8 +240,8 @@ static void test_parameters_are_the_sums_that_motion_tells(void)
     sim_fossen_parameters(&cfg.fossen, p);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 13.5 + 6.36, p[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.26 + 0.189, p[3]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.981, p[6]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.02 * 13.5 * 9.81 + 0.01 * 13.4 * 9.81, p[9]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.982, p[6]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.02 * 13.5 * 9.82 + 0.01 * 13.4 * 9.82, p[9]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -13.7, p[10]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -1.5, p[21]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 13.5 * 0.02 + 0.3, p[22]);

@@ -1,6 +1,6 @@
 /*
  * A vehicle in six degrees of freedom, as Fossen (2011) writes it:
- *   M nu' + C(nu) nu + D(nu) nu + g(eta) = tau,                       (6.1, without the sea's waves)
+ *   M nu' + C(nu) nu + D(nu) nu + g(eta) = tau,                          (6.1)
  *   M = M_RB + M_A,  M_RB = [ m E, -m S(r_g); m S(r_g), I ]           (3.44)
  *   C(nu) = [ 0, -S(a); -S(a), -S(b) ],  [a; b] = M nu                (3.46, of M as a whole)
  *   D(nu) = diag(d_i + dd_i |nu_i|)
@@ -140,8 +140,8 @@ void sim_bluerov2(sim_config_t *config)
 {
     static const sim_fossen_t heavy = {.mass_kg = 13.5,
                                        .inertia = {0.26, 0.23, 0.37},
-                                       .weight_N = 13.5 * 9.81,
-                                       .buoyancy_N = 0.0134 * 1000.0 * 9.81,
+                                       .weight_N = 13.5 * 9.82,
+                                       .buoyancy_N = 0.0134 * 1000.0 * 9.82,
                                        .r_b = {0.0, 0.0, -0.01},
                                        .added = {{6.36},
                                                  {0.0, 7.12},

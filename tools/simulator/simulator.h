@@ -208,8 +208,8 @@ bool sim_init(sim_t *sim, const sim_config_t *config);
 
 /**
  * Advance by one tick.
- * @param thruster_N commanded force of each of `thrusters`, clipped to what it can do (not finite: 0);
- *                   null: none.
+ * @param thruster_N [thrusters] force commanded, clipped to what it can do (not finite: 0); null:
+ *                   none.
  * @param wrench     body wrench commanded directly [N, Nm], without limits; null: none. Neutral
  *                   trim takes Z = -(W-B).
  * @param out        written.
