@@ -97,8 +97,8 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
     sim_fossen_matrix(v, m);
     for (int i = 0; i < 6; ++i) {
         all[i] = m[i][i];
-        all[10 + i] = -v->linear[i];
-        all[16 + i] = -v->quadratic[i];
+        all[10 + i] = 0.0 - v->linear[i]; /* no negative zero */
+        all[16 + i] = 0.0 - v->quadratic[i];
     }
     all[6] = v->weight_N - v->buoyancy_N;
     for (int i = 0; i < 3; ++i) {

@@ -1,0 +1,79 @@
+#include "vehicles.h"
+
+#include <string.h>
+
+#include "auvid/fossen.h"
+
+#if AUVID_MAX_PARAMETERS >= 22 && AUVID_MAX_THRUSTERS >= 8
+#define HAS_BLUEROV2
+#endif
+
+const vehicle_t vehicle_girona500 = {.word = "girona500",
+                                     .title = "Girona500",
+                                     .model = &auvid_girona500,
+                                     .allocation = &auvid_allocation_girona500,
+                                     .simulate = sim_defaults,
+                                     .amplitude = {100, 100, 100, 0, 0, 40},
+                                     .amplitudes = "100 N on X, Y, Z, 40 Nm on N",
+                                     .linger_ticks = 130};
+
+#ifdef HAS_BLUEROV2
+const char vehicle_words[] = "girona500, bluerov2";
+const char vehicle_model_words[] = "girona500, fossen, bluerov2";
+
+/* Roll and pitch are held against the excitation's moments, which would else turn it over. */
+static const vehicle_t bluerov2 = {.word = "bluerov2",
+                                   .title = "BlueROV2 Heavy",
+                                   .model = &auvid_bluerov2_heavy,
+                                   .allocation = &auvid_allocation_bluerov2_heavy,
+                                   .simulate = sim_bluerov2,
+                                   .amplitude = {30, 30, 30, 2, 2, 3},
+                                   .amplitudes = "30 N on X, Y, Z, 2 Nm on K, M, 3 Nm on N",
+                                   .yaw_rate_max = 2,
+                                   .linger_ticks = 320};
+#else
+const char vehicle_words[] = "girona500";
+const char vehicle_model_words[] = "girona500";
+#endif
+
+const vehicle_t *vehicle_named(const char *word)
+{
+#ifdef HAS_BLUEROV2
+    if (strcmp(word, bluerov2.word) == 0) {
+        return &bluerov2;
+    }
+#endif
+    return strcmp(word, vehicle_girona500.word) == 0 ? &vehicle_girona500 : NULL;
+}
+
+const auvid_vehicle_t *vehicle_model(const char *word)
+{
+    const vehicle_t *vehicle = vehicle_named(word);
+#ifdef HAS_BLUEROV2
+    if (strcmp(word, "fossen") == 0) {
+        return &auvid_fossen;
+    }
+#endif
+    return vehicle != NULL ? vehicle->model : NULL;
+}
+
+void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config)
+{
+    craft_defaults(config);
+    vehicle->simulate(&config->sim);
+    config->allocation = vehicle->allocation;
+}
+
+void vehicle_identifier(const vehicle_t *vehicle, auvid_identifier_config_t *cfg)
+{
+    auvid_identifier_defaults(cfg, vehicle->model);
+    cfg->allocation = *vehicle->allocation;
+    if (vehicle->yaw_rate_max > 0) {
+        cfg->guard.yaw_rate_max = vehicle->yaw_rate_max;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (vehicle->amplitude[j] > 0) {
+            cfg->metric.tau_max[j] = vehicle->amplitude[j];
+        }
+    }
+}
