@@ -252,14 +252,13 @@ static void test_parameters_are_the_sums_that_motion_tells(void)
 
 static void test_thrusters_push_as_the_vehicles_makers_say(void)
 {
-    /* X Y Z K M N of one newton, von Benzon et al. 2022, rounded to a millimetre; all vertical ones
-     * up. */
+    /* X Y Z K M N of one newton, von Benzon et al. 2022, rounded to a millimetre. */
     static const double published[6][8] = {
         {0.707, 0.707, -0.707, -0.707, 0, 0, 0, 0},
         {-0.707, 0.707, -0.707, 0.707, 0, 0, 0, 0},
-        {0, 0, 0, 0, -1, -1, -1, -1},
-        {0.060, -0.060, 0.060, -0.060, -0.218, 0.218, -0.218, 0.218},
-        {0.060, 0.060, -0.060, -0.060, 0.120, 0.120, -0.120, -0.120},
+        {0, 0, 0, 0, -1, 1, 1, -1},
+        {0.060, -0.060, 0.060, -0.060, -0.218, -0.218, 0.218, 0.218},
+        {0.060, 0.060, -0.060, -0.060, 0.120, -0.120, 0.120, -0.120},
         {-0.189, 0.189, 0.189, -0.189, 0, 0, 0, 0}};
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 8; ++j) {

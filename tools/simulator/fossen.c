@@ -112,8 +112,7 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
 }
 
 /* Eight T200s at 16 V: where, and which way they push forwards. The first four lie in a plane below
- * the origin, 45 degrees to x, and push inwards; the others push up. In both groups: front starboard,
- * front port, rear starboard, rear port. */
+ * the origin and point 45 degrees outwards, the others point up and down in turn. */
 static void bluerov2_thrusters(sim_config_t *config)
 {
     static const double at[8][3] = {{0.156, 0.111, 0.085},  {0.156, -0.111, 0.085},
@@ -121,9 +120,9 @@ static void bluerov2_thrusters(sim_config_t *config)
                                     {0.120, 0.218, 0.0},    {0.120, -0.218, 0.0},
                                     {-0.120, 0.218, 0.0},   {-0.120, -0.218, 0.0}};
     const double h = sqrt(0.5);
-    const double along[8][3] = {{h, -h, 0.0},     {h, h, 0.0},      {-h, -h, 0.0},
-                                {-h, h, 0.0},     {0.0, 0.0, -1.0}, {0.0, 0.0, -1.0},
-                                {0.0, 0.0, -1.0}, {0.0, 0.0, -1.0}};
+    const double along[8][3] = {{h, -h, 0.0},    {h, h, 0.0},      {-h, -h, 0.0},
+                                {-h, h, 0.0},    {0.0, 0.0, -1.0}, {0.0, 0.0, 1.0},
+                                {0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}};
     config->thrusters = 8;
     config->thruster_max_N = 51.5;
     config->thruster_back_N = 40.2;
