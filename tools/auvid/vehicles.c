@@ -13,7 +13,7 @@ const vehicle_t vehicle_girona500 = {.word = "girona500",
                                      .model = &auvid_girona500,
                                      .allocation = &auvid_allocation_girona500,
                                      .simulate = sim_defaults,
-                                     .amplitude = {100, 100, 100, 0, 0, 40},
+                                     .amplitude = {30, 30, 30, 4, 4, 3},
                                      .amplitudes = "100 N on X, Y, Z, 40 Nm on N",
                                      .linger_ticks = 130};
 
@@ -27,8 +27,9 @@ static const vehicle_t bluerov2 = {.word = "bluerov2",
                                    .model = &auvid_bluerov2_heavy,
                                    .allocation = &auvid_allocation_bluerov2_heavy,
                                    .simulate = sim_bluerov2,
-                                   .amplitude = {30, 30, 30, 2, 2, 3},
+                                   .amplitude = {30, 30, 30, 4, 4, 3},
                                    .amplitudes = "30 N on X, Y, Z, 2 Nm on K, M, 3 Nm on N",
+                                   .tilt_max_rad = 0.9f,
                                    .yaw_rate_max = 2,
                                    .linger_ticks = 320};
 #else
@@ -70,6 +71,9 @@ void vehicle_identifier(const vehicle_t *vehicle, auvid_identifier_config_t *cfg
     cfg->allocation = *vehicle->allocation;
     if (vehicle->yaw_rate_max > 0) {
         cfg->guard.yaw_rate_max = vehicle->yaw_rate_max;
+    }
+    if (vehicle->tilt_max_rad > 0) {
+        cfg->guard.roll_max_rad = cfg->guard.pitch_max_rad = vehicle->tilt_max_rad;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->amplitude[j] > 0) {

@@ -154,8 +154,8 @@ void sim_bluerov2(sim_config_t *config)
     sim_defaults(config);
     config->model = SIM_FOSSEN;
     config->fossen = heavy;
-    config->hold_Nm_rad = 8.0;
-    config->hold_Nms_rad = 2.0;
+    config->hold_Nm_rad = 8;
+    config->hold_Nms_rad = 2;
     memset(config->thruster_matrix, 0, sizeof config->thruster_matrix);
     bluerov2_thrusters(config);
 }
