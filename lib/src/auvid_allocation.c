@@ -54,13 +54,14 @@ const auvid_allocation_config_t auvid_allocation_girona500 = {
 #define TURN AUVID_C(0.18879751)  /* 0.156 + 0.111 of it */
 #define AHEAD AUVID_C(0.120)
 #define ASIDE AUVID_C(0.218)
-#define UP AUVID_C(-1.0)
 const auvid_allocation_config_t auvid_allocation_bluerov2_heavy = {
     .thruster = {T200(HALF, -HALF, 0, TILT, TILT, -TURN), T200(HALF, HALF, 0, -TILT, TILT, TURN),
                  T200(-HALF, -HALF, 0, TILT, -TILT, TURN),
-                 T200(-HALF, HALF, 0, -TILT, -TILT, -TURN), T200(0, 0, UP, -ASIDE, AHEAD, 0),
-                 T200(0, 0, UP, ASIDE, AHEAD, 0), T200(0, 0, UP, -ASIDE, -AHEAD, 0),
-                 T200(0, 0, UP, ASIDE, -AHEAD, 0)},
+                 T200(-HALF, HALF, 0, -TILT, -TILT, -TURN),
+                 T200(0, 0, AUVID_C(-1.0), -ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), -ASIDE, -AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(-1.0), ASIDE, -AHEAD, 0)},
     .thrusters = 8,
     .dofs = 0,
     .priority = 1u << AUVID_YAW};

@@ -14,17 +14,16 @@
  * `fixed`). By default free: masses, inertias, W-B, z_G W - z_B B and all drags, 20 of them; the
  * vehicle is trimmed and its other couplings are zero.
  *
- * It is there where AUVID_MAX_PARAMETERS is at least 22; from 26 on with the couplings of forces and
- * moments within M, from 32 on with a constant force or moment in each degree of freedom. (Products
- * of inertia it does not have.) With the parameters that are free by default, AUVID_MAX_FACTOR must
- * be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS AUVID_FOSSEN_COLUMNS at least. Where the model is not
- * used it is not linked.
+ * It is there where AUVID_MAX_PARAMETERS is at least 22; from 26 on with the couplings of forces
+ * and moments within M, from 32 on with a constant force or moment in each degree of freedom.
+ * Products of inertia it does not have. With the parameters that are free by default,
+ * AUVID_MAX_FACTOR must be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS AUVID_FOSSEN_COLUMNS at least.
+ * Where the model is not used it is not linked.
  *
  * With p = q = 0 the equations of u, v, w and r are Girona500's (vehicle.h).
  *
- * The regressor costs two sincos and 80 multiplications; the acceleration exists while
- * the masses, and M as a whole, are positive, and is not finite in those degrees of freedom in which
- * they are not.
+ * The regressor costs two sincos and 80 multiplications. The acceleration is not finite in a degree
+ * of freedom without positive mass, nor in two that M couples so strongly that it is not positive.
  *
  * Signs are the paper's (types.h): a drag that dissipates is negative. Much of the literature
  * prints the same numbers positive.
