@@ -227,6 +227,26 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
     return path == NULL ? 0 : csv_commit(&writer);
 }
 
+/* "100 N on X, Y, Z, 40 Nm on N". */
+static void print_amplitudes(const vehicle_t *vehicle)
+{
+    const char *separator = "";
+    double shown = 0.0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double amplitude = (double)vehicle->amplitude[j];
+        bool moment = j >= AUVID_ROLL;
+        if (amplitude > 0.0 && (amplitude != shown || j == AUVID_ROLL)) {
+            printf("%s%g %s on ", separator, amplitude, moment ? "Nm" : "N");
+            shown = amplitude;
+            separator = "";
+        }
+        if (amplitude > 0.0) {
+            printf("%s%c", separator, "XYZKMN"[j]);
+            separator = ", ";
+        }
+    }
+}
+
 static void print_heading(const options_t *options)
 {
     printf("auvid %s demo: a simulated %s, seed %llu", AUVID_VERSION_STRING,
@@ -234,11 +254,12 @@ static void print_heading(const options_t *options)
     if (options->runs > 1) {
         printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
     }
-    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: %s\n",
-           (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S,
-           options->vehicle->amplitudes);
-    printf("  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
-           options->disturbance_N, options->lag_s);
+    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: ", (unsigned)options->sets,
+           options->sets == 1 ? "" : "s", WORLD_SET_S);
+    print_amplitudes(options->vehicle);
+    printf(
+        "\n  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
+        options->disturbance_N, options->lag_s);
     printf("  metric       %s\n", options->literal ? "our reading of the paper: smoothed states, "
                                                      "raw wrench"
                                                    : "rows and wrench smoothed alike");

@@ -14,7 +14,6 @@ const vehicle_t vehicle_girona500 = {.word = "girona500",
                                      .allocation = &auvid_allocation_girona500,
                                      .simulate = sim_defaults,
                                      .amplitude = {30, 30, 30, 4, 4, 3},
-                                     .amplitudes = "100 N on X, Y, Z, 40 Nm on N",
                                      .linger_ticks = 130};
 
 #ifdef HAS_BLUEROV2
@@ -28,7 +27,6 @@ static const vehicle_t bluerov2 = {.word = "bluerov2",
                                    .allocation = &auvid_allocation_bluerov2_heavy,
                                    .simulate = sim_bluerov2,
                                    .amplitude = {30, 30, 30, 4, 4, 3},
-                                   .amplitudes = "30 N on X, Y, Z, 2 Nm on K, M, 3 Nm on N",
                                    .tilt_max_rad = 0.9f,
                                    .yaw_rate_max = 2,
                                    .linger_ticks = 320};

@@ -19,7 +19,6 @@ typedef struct {
     const auvid_allocation_config_t *allocation;
     void (*simulate)(sim_config_t *config);  /**< the simulator's settings */
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
-    const char *amplitudes;                  /**< the same for people */
     auvid_real_t tilt_max_rad, yaw_rate_max; /**< the guard's limits [rad, rad/s]; 0: default */
     /** Ticks in which a node tells all that it knows twice: estimates take turns, one in five. */
     uint32_t linger_ticks;
