@@ -45,6 +45,17 @@ static char mark(const result_t *result, int i)
     return (c->implausible >> i & 1u) || report_is_at_bound(result, i) ? '!' : ' ';
 }
 
+/* Relative error of an estimate that is known; of a truth of 0 there is none. */
+static void print_error(const result_t *result, int i, int width, bool known)
+{
+    if (result->truth[i] == 0.0) {
+        printf("  %*s", width + 2, "-");
+    } else {
+        print_number(width, 2, known ? error_percent(result, i) : NAN);
+        printf(known ? " %%" : "  ");
+    }
+}
+
 /* Estimate, half-width, truth, error, note. */
 static void parameter_row(const result_t *result, int i)
 {
@@ -56,12 +67,7 @@ static void parameter_row(const result_t *result, int i)
     print_number(8, digits, HALF_WIDTH * report_sigma(result, i));
     if (result->has_truth) {
         print_number(9, 3, result->truth[i]);
-        if (result->truth[i] == 0.0) {
-            printf("  %8s", "-");
-        } else {
-            print_number(6, 2, known ? error_percent(result, i) : NAN);
-            printf(known ? " %%" : "  ");
-        }
+        print_error(result, i, 6, known);
     }
     if (note[0] != '\0' || mark(result, i) != ' ') {
         printf("  %c %s", mark(result, i), note);
@@ -71,9 +77,10 @@ static void parameter_row(const result_t *result, int i)
 /* Estimate and error, of all sets and of the last one. */
 static void literal_row(const result_t *result, const result_t *last, int i)
 {
-    printf("  %10.3f  %10.3f  %8.2f %%    %10.3f  %8.2f %%", (double)result->estimate.pi[i],
-           result->truth[i], error_percent(result, i), (double)last->estimate.pi[i],
-           error_percent(last, i));
+    printf("  %10.3f  %10.3f", (double)result->estimate.pi[i], result->truth[i]);
+    print_error(result, i, 8, true);
+    printf("    %10.3f", (double)last->estimate.pi[i]);
+    print_error(last, i, 8, true);
 }
 
 static void heading(const result_t *result, const result_t *last, int width)
@@ -94,14 +101,18 @@ static void heading(const result_t *result, const result_t *last, int width)
 
 static void rms_row(const result_t *result, const result_t *last, int width)
 {
-    int names = name_width(result);
+    int names = name_width(result), zeros = 0;
     double rms = report_rms_percent(&result->estimate, result->truth);
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        zeros += (result->free >> i & 1u) && result->truth[i] == 0.0;
+    }
+    const char *note = zeros > 0 ? "  but for those that are 0" : "";
     if (last != NULL) {
-        printf("  %-*s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%\n", names, "rms", width, "",
-               "", "", rms, "", report_rms_percent(&last->estimate, last->truth));
+        printf("  %-*s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%%s\n", names, "rms", width, "",
+               "", "", rms, "", report_rms_percent(&last->estimate, last->truth), note);
     } else if (result->estimate.identified != 0) {
-        printf("  %-*s  %-*s  %10s  %8s  %9s  %6.2f %%\n", names, "rms", width, "", "", "", "",
-               rms);
+        printf("  %-*s  %-*s  %10s  %8s  %9s  %6.2f %%%s\n", names, "rms", width, "", "", "", "",
+               rms, note);
     }
 }
 

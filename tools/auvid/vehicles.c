@@ -13,7 +13,7 @@ const vehicle_t vehicle_girona500 = {.word = "girona500",
                                      .model = &auvid_girona500,
                                      .allocation = &auvid_allocation_girona500,
                                      .simulate = sim_defaults,
-                                     .amplitude = {30, 30, 30, 4, 4, 3},
+                                     .amplitude = {100, 100, 100, 0, 0, 40},
                                      .linger_ticks = 130};
 
 #ifdef HAS_BLUEROV2
@@ -27,7 +27,7 @@ static const vehicle_t bluerov2 = {.word = "bluerov2",
                                    .allocation = &auvid_allocation_bluerov2_heavy,
                                    .simulate = sim_bluerov2,
                                    .amplitude = {30, 30, 30, 4, 4, 3},
-                                   .tilt_max_rad = 0.9f,
+                                   .tilt_max_rad = AUVID_C(0.9),
                                    .yaw_rate_max = 2,
                                    .linger_ticks = 320};
 #else
