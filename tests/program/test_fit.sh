@@ -161,7 +161,8 @@ check "--coupling off: the model says so" exits 0 fit train.csv --json --couplin
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
 check "--coupling auto takes what predicts better" is fit.json \
     'assert d["model"] == "Girona500, Eq. 12-15"'
-check "--fix: a parameter that is known" exits 0 fit train.csv --json --fix W-B=-37.3058 --fix=X_u=-42
+check "--fix: a parameter that is known" exits 0 fit train.csv --json --fix W-B=-37.3058 \
+    --fix=X_u=-42
 check "  is not identified, the others are" is out '
 assert [n for n in TRUTH if n not in P] == ["W-B", "X_u"]
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in P)'

@@ -27,7 +27,8 @@ typedef struct {
 bool tally_begin(tally_t *tally, uint32_t runs);
 /** Add a run. */
 void tally_add(tally_t *tally, const result_t *result);
-/** Compute tally->sum; first: of any run, for its truth; intervals by bootstrap over the runs, seeded. */
+/** Compute tally->sum; intervals by bootstrap over the runs, seeded. first: any run, whose truth is
+ * that of all. */
 void tally_finish(tally_t *tally, const result_t *first, uint64_t seed);
 void tally_free(tally_t *tally);
 

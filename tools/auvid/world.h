@@ -2,9 +2,10 @@
  * @file world.h
  * A simulated vehicle and the node aboard it, over the bus in memory, one control tick at a time.
  *
- * The vehicle is the simulator's (craft.h), by default the Girona500. All that passes between it and the node are
- * frames: sensors, feedback of the thrusters, the operator's orders and the tick one way, thruster
- * commands and estimates the other. In lock step: the node does a tick, then comes the next.
+ * The vehicle is the simulator's (craft.h), by default the Girona500. All that passes between it
+ * and the node are frames: sensors, feedback of the thrusters, the operator's orders and the tick
+ * one way, thruster commands and estimates the other. In lock step: the node does a tick, then
+ * comes the next.
  */
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H

@@ -112,8 +112,8 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
 }
 
 /* Eight T200s at 16 V: where, and which way they push forwards. The first four lie in a plane below
- * the origin and push inwards, the front ones ahead and the rear ones astern; the others push up and
- * down in turn. In both groups: front starboard, front port, rear starboard, rear port. */
+ * the origin and push inwards, the front ones ahead and the rear ones astern; the others push up
+ * and down in turn. In both groups: front starboard, front port, rear starboard, rear port. */
 static void bluerov2_thrusters(sim_config_t *config)
 {
     static const double at[8][3] = {{0.156, 0.111, 0.085},  {0.156, -0.111, 0.085},
