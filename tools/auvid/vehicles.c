@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "auvid/averaged.h"
 #include "auvid/fossen.h"
 
 #if AUVID_MAX_PARAMETERS >= 22 && AUVID_MAX_THRUSTERS >= 8
@@ -24,6 +25,7 @@ const char vehicle_model_words[] = "girona500, fossen, bluerov2";
 static const vehicle_t bluerov2 = {.word = "bluerov2",
                                    .title = "BlueROV2 Heavy",
                                    .model = &auvid_bluerov2_heavy,
+                                   .quick = true,
                                    .allocation = &auvid_allocation_bluerov2_heavy,
                                    .simulate = sim_bluerov2,
                                    .amplitude = {30, 30, 30, 4, 4, 3},
@@ -65,7 +67,12 @@ void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config)
 
 void vehicle_identifier(const vehicle_t *vehicle, auvid_identifier_config_t *cfg)
 {
+    static auvid_averaged_t averaged; /* the same whenever it is written: of one vehicle */
     auvid_identifier_defaults(cfg, vehicle->model);
+    if (vehicle->quick && auvid_averaged_init(&averaged, vehicle->model, cfg->recorder.cell_us,
+                                              cfg->metric.velocity_us) == AUVID_OK) {
+        cfg->vehicle = cfg->metric.vehicle = &averaged.vehicle;
+    }
     cfg->allocation = *vehicle->allocation;
     if (vehicle->yaw_rate_max > 0) {
         cfg->guard.yaw_rate_max = vehicle->yaw_rate_max;

@@ -16,6 +16,7 @@ typedef struct {
     const char *word;  /**< on the command line */
     const char *title; /**< for people */
     const auvid_vehicle_t *model;
+    bool quick; /**< quicker than its DVL: identified with the model's averaged rows (averaged.h) */
     const auvid_allocation_config_t *allocation;
     void (*simulate)(sim_config_t *config);  /**< the simulator's settings */
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
