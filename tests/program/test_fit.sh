@@ -184,10 +184,13 @@ assert all(off[n] < 0.03 * T[n] for n in list(T)[:6]), off'
 check "  another log is predicted" is out \
     'assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
 cp out bluerov2.json
-exits 0 fit rov.csv --json --model fossen --validate rov2.csv
-check "  fossen is the same model" cmp <(sed 's/Fossen, 6 DoF/BlueROV2 Heavy/' out) bluerov2.json
-check "true zeros may be fixed" exits 0 fit rov.csv --json --model fossen --fix K_p=0 --fix N_r=0 \
-    --fix Y_v=0
+check "fossen is the same model without the quick vehicle's settings" exits 0 fit rov.csv --json \
+    --model fossen
+check "  masses within 4 %" is out "$ROV"'
+assert d["model"] == "Fossen, 6 DoF" and list(P) == list(T)
+assert all(off[n] < 0.04 * T[n] for n in list(T)[:6]), off'
+check "true zeros may be fixed" exits 0 fit rov.csv --json --model bluerov2 --fix K_p=0 \
+    --fix N_r=0 --fix Y_v=0
 check "  which makes the drags beside them better known" is out '
 before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
 assert len(P) == 17

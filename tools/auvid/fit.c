@@ -226,6 +226,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 {
     const options_t *options = job->options;
     auvid_identifier_defaults(cfg, vehicle);
+    vehicle_quicken(cfg);
     cfg->search.seed = options->seed;
     cfg->recorder.gap_us = GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;

@@ -50,7 +50,7 @@ static const char help[] =
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
     "  --bounds=LO,HI        of every parameter; default -1000,1000\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
-    "                        same)\n"
+    "                        same, for a vehicle that is quicker than its DVL of 5 Hz)\n"
     "  --fix NAME=VALUE      this parameter is known; as often as needed\n"
     "  --free NAME,NAME,..   these are identified too\n"
     "  --bias                also a constant force on X and Y and a moment on N (six degrees of\n"

@@ -16,7 +16,7 @@ typedef struct {
     const char *word;  /**< on the command line */
     const char *title; /**< for people */
     const auvid_vehicle_t *model;
-    bool quick; /**< quicker than its DVL: identified with the model's averaged rows (averaged.h) */
+    bool quick; /**< quicker than its DVL, and in roll, pitch and yaw above all */
     const auvid_allocation_config_t *allocation;
     void (*simulate)(sim_config_t *config);  /**< the simulator's settings */
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
@@ -40,10 +40,17 @@ const auvid_vehicle_t *vehicle_model(const char *word);
 /** Words of all models. */
 extern const char vehicle_model_words[];
 
+/** Where the model is that of a quick vehicle: identify with averaged rows, for a DVL at 5 Hz, and
+ * with shorter filters of the moments. */
+void vehicle_quicken(auvid_identifier_config_t *cfg);
+
 /** Configure its simulation: craft_defaults of this vehicle. */
 void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config);
 
-/** Configure its identification: auvid_identifier_defaults of this vehicle, no excitation yet. */
-void vehicle_identifier(const vehicle_t *vehicle, auvid_identifier_config_t *cfg);
+/** Configure its identification: auvid_identifier_defaults of this vehicle.
+ * @param sets of excitation, of set_s seconds each
+ * @param idle bit j: DoF j is not excited */
+void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
+                        uint8_t idle, auvid_identifier_config_t *cfg);
 
 #endif

@@ -12,16 +12,9 @@ static const vehicle_t *vehicle_of(const world_config_t *config)
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
 {
-    const vehicle_t *vehicle = vehicle_of(config);
-    auvid_real_t amplitude[AUVID_DOF_COUNT];
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        amplitude[j] = (config->idle >> j & 1u) ? AUVID_C(0.0) : vehicle->amplitude[j];
-    }
-    vehicle_identifier(vehicle, cfg);
-    cfg->search.seed = config->seed;
+    vehicle_identifier(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
+                       cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
-    (void)auvid_excitation_plan(&cfg->excitation, amplitude, WORLD_SET_S, config->sets,
-                                config->seed);
     if (config->literal) {
         cfg->recorder.cell_us = SIM_TICK_US;
         auvid_identifier_literal(cfg);
