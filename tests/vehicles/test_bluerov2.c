@@ -6,7 +6,8 @@
  * Right is an error of at most 5 % of the truth, or one that makes 1 % of the degree of freedom's
  * rms wrench (that over the rms of what the parameter multiplies), whichever is more. Three of the
  * 20 parameters are truly zero, the linear drags of sway, roll and yaw: nobody is to call these
- * identifiable, and they must come out as small. Not one of all may be wrong in any run; the long form (AUVID_TEST_LONG) has 50.
+ * identifiable, and they must come out as small. Not one may be wrong in any run; the long form
+ * (AUVID_TEST_LONG) has 50.
  *
  * The vehicle holds roll and pitch by itself, 8 Nm/rad against 1.3 Nm/rad of its own, so that some
  * newton-metres do not turn it over; what its thrusters do for it is in the wrench applied.
