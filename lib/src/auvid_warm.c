@@ -16,11 +16,15 @@
 
 #include "auvid_identifier.h"
 #include "auvid_math.h"
+#include "auvid_metric.h"
 
 #define MAGIC 0x31777661u
 
 /* What a dive ago was known within sigma is known within this times sigma: half of its weight. */
 #define AGED AUVID_C(1.4142136)
+
+/* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
+#define COMMON_COLOUR AUVID_C(2.0)
 
 /* Standard errors beyond it are not known. */
 #define MOST_SIGMA AUVID_C(1e30)
@@ -179,12 +183,28 @@ static void publish(auvid_identifier_t *id, const auvid_memory_t *memory)
     id->events |= AUVID_EVENT_ESTIMATE;
 }
 
+/* Is it before the first set? */
+static bool is_fresh(const auvid_identifier_t *id)
+{
+    return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
+}
+
+static auvid_status_t begin(auvid_identifier_t *id, const auvid_memory_t *memory)
+{
+    auvid_status_t status = auvid_metric_remember(&id->metric, memory);
+    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
+        publish(id, memory);
+        status = AUVID_OK;
+    }
+    return status;
+}
+
 auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes)
 {
     if (id == NULL || record == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!identifier_is_ready(id) || id->metric.sets_recorded > 0 || id->estimate.number > 0) {
+    if (!is_fresh(id)) {
         return AUVID_ERR_STATE;
     }
     if (bytes != AUVID_WARM_BYTES) {
@@ -198,10 +218,35 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     }
     auvid_memory_t memory;
     read_memory(record, identifier_vehicle(id)->parameters, &memory);
-    auvid_status_t status = auvid_metric_remember(&id->metric, &memory);
-    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
-        publish(id, &memory);
-        status = AUVID_OK;
+    return begin(id, &memory);
+}
+
+auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
+                                const auvid_real_t *sigma)
+{
+    if (id == NULL || pi == NULL || sigma == NULL) {
+        return AUVID_ERR_NULL;
     }
-    return status;
+    if (!is_fresh(id)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_memory_t memory;
+    memset(&memory, 0, sizeof memory);
+    memory.known = auvid_metric_free_of(&id->metric, UINT8_MAX);
+    memcpy(memory.pi, id->metric.cfg.fixed, sizeof memory.pi);
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        if ((memory.known >> i & 1u) == 0) {
+            continue;
+        }
+        if (!auvid_is_finite(pi[i]) || !auvid_is_finite(sigma[i])) {
+            return AUVID_ERR_NOT_FINITE;
+        }
+        if (!(sigma[i] > AUVID_C(0.0) && sigma[i] < MOST_SIGMA)) {
+            return AUVID_ERR_RANGE;
+        }
+        memory.pi[i] = pi[i];
+        memory.sigma[i] = sigma[i];
+        memory.colour[identifier_vehicle(id)->parameter[i].dof] = COMMON_COLOUR;
+    }
+    return begin(id, &memory);
 }

@@ -59,21 +59,39 @@ static void telemetry(const auvid_estimate_t *estimate)
 
 void control_init(void);
 void control_tick(uint64_t now_us);
+void my_configure(auvid_identifier_config_t *cfg);
 void plan(auvid_identifier_config_t *cfg);
 bool begin(void);
 #include "example.c"
 
-/* Within 20 %? */
+/* Is parameter i within 20 % of Girona500's g? */
+static bool is_close(const auvid_vehicle_t *vehicle, int i, int g)
+{
+    double error = (double)(last.pi[i] / auvid_girona500_paper[g]) - 1.0;
+    printf("%s %g %%\n", vehicle->parameter[i].name, 100.0 * error);
+    return error < 0.2 && error > -0.2;
+}
+
 static int judge(void)
 {
+    bool good = true;
     for (int i = 0; i < 13; ++i) {
-        double error = (double)(last.pi[i] / auvid_girona500_paper[i]) - 1.0;
-        printf("%s %g %%\n", auvid_girona500.parameter[i].name, 100.0 * error);
-        if (!(error < 0.2 && error > -0.2)) {
-            return 1;
-        }
+        good = is_close(&auvid_girona500, i, i) && good;
     }
-    return 0;
+    return good ? 0 : 1;
+}
+
+static int judge_own(void)
+{
+    static const int same[MINE] = {
+        [M_U] = AUVID_G500_M_U, [M_V] = AUVID_G500_M_V, [M_R] = AUVID_G500_M_R,
+        [X_U] = AUVID_G500_X_U, [X_UU] = AUVID_G500_X_UU, [Y_V] = AUVID_G500_Y_V,
+        [Y_VV] = AUVID_G500_Y_VV, [N_R] = AUVID_G500_N_R, [N_RR] = AUVID_G500_N_RR};
+    bool good = true;
+    for (int i = 0; i < MINE; ++i) {
+        good = is_close(&my_vehicle, i, same[i]) && good;
+    }
+    return good ? 0 : 1;
 }
 
 static sim_config_t world;
@@ -88,24 +106,41 @@ static void tick(void)
     sim_step(&sim, NULL, wrench, &sensed);
 }
 
-static int passive(void)
+/* A pilot drives for four sets. */
+static bool pilot(const auvid_real_t *amplitude)
 {
     auvid_excitation_config_t sequence;
-    auvid_excitation_t pilot;
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    auvid_excitation_t stick;
     sim_init(&sim, &world);
     auvid_excitation_defaults(&sequence);
     auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
-    auvid_excitation_init(&pilot, &sequence);
-    auvid_excitation_start(&pilot, 0);
-    control_init();
+    auvid_excitation_init(&stick, &sequence);
+    auvid_excitation_start(&stick, 0);
     for (int k = 0; k < 150 * 50; ++k) {
         tick();
-        auvid_excitation_step(&pilot, sensed.t_us, driven);
+        auvid_excitation_step(&stick, sensed.t_us, driven);
         driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         control_tick(sensed.t_us);
     }
-    return last.sets == 4 ? judge() : 1;
+    return last.sets == 4;
+}
+
+static int passive(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    control_init();
+    return pilot(amplitude) ? judge() : 1;
+}
+
+static int own_vehicle(void)
+{
+    static auvid_identifier_config_t cfg;
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    my_configure(&cfg);
+    if (auvid_identifier_init(&id, &cfg) < 0) {
+        return 1;
+    }
+    return pilot(amplitude) ? judge_own() : 1;
 }
 
 static int exciting(void)
@@ -132,9 +167,11 @@ static int exciting(void)
 
 int main(int count, char **argument)
 {
-    (void)argument;
     sim_defaults(&world);
-    return count > 1 ? exciting() : passive();
+    if (count < 2) {
+        return passive();
+    }
+    return strcmp(argument[1], "exciting") == 0 ? exciting() : own_vehicle();
 }
 END
 check "README's example compiles without a warning" \
@@ -142,6 +179,7 @@ check "README's example compiles without a warning" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives" ./example
+check "README's own vehicle is identified" ./example own-vehicle
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 
 # Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.

@@ -1,4 +1,4 @@
-/* The warm record: from one dive to the next. */
+/* The warm record, from one dive to the next, and parameters that are known from elsewhere. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -140,6 +140,58 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(&chain.id, NULL));
 }
 
+/* The paper's vehicle, as a towing tank might have told of it. */
+static void tank(auvid_real_t *pi, auvid_real_t *sigma)
+{
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        pi[i] = i < N ? auvid_girona500_paper[i] : (auvid_real_t)NAN; /* fixed ones: not read */
+        sigma[i] = i < N ? (auvid_real_t)(0.05 * fabs((double)pi[i])) : 0;
+    }
+}
+
+static void check_unknown(auvid_status_t status, const auvid_real_t *pi, const auvid_real_t *sigma)
+{
+    static auvid_identifier_t before;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+}
+
+static void test_known_parameters_are_the_first_estimate(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL_MEMORY(pi, chain.id.estimate.pi, N * sizeof pi[0]);
+    TEST_ASSERT_EQUAL_MEMORY(sigma, chain.id.estimate.confidence.sigma, N * sizeof sigma[0]);
+    check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
+static void test_parameters_known_without_sense_are_refused(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_known(NULL, pi, sigma));
+    check_unknown(AUVID_ERR_NULL, NULL, sigma);
+    check_unknown(AUVID_ERR_NULL, pi, NULL);
+    tank(pi, sigma);
+    pi[3] = (auvid_real_t)NAN;
+    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
+    tank(pi, sigma);
+    sigma[3] = (auvid_real_t)INFINITY;
+    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
+    sigma[3] = 0;
+    check_unknown(AUVID_ERR_RANGE, pi, sigma);
+    sigma[3] = (auvid_real_t)1e31;
+    check_unknown(AUVID_ERR_RANGE, pi, sigma);
+    memset(&chain.id, 0, sizeof chain.id);
+    check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
 static void test_memory_that_makes_no_sense_is_refused(void)
 {
     auvid_memory_t memory = {.known = 1};
@@ -167,18 +219,25 @@ typedef struct {
     uint32_t kept;  /* dives in which the record was kept */
 } worth_t;
 
-/* A dive of four sets, warm or cold, in which the vehicle is `heavier` times the one before. */
-static void dive_again(uint32_t seed, bool warm, double heavier, worth_t *worth)
+/* What a dive begins with. */
+typedef enum { COLD, RECORD, TANK } start_t;
+
+/* A dive of four sets, in which the vehicle is `heavier` times the one that is known. */
+static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *worth)
 {
-    uint32_t seen = warm ? 1 : 0;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    uint32_t seen = start == COLD ? 0 : 1;
     bool all = false;
     chain_defaults(&config, 1000 + seed, LATER, 1.0);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         config.sim.parameter[i] *= i == SIM_WB ? 1.0 : heavier;
     }
+    tank(pi, sigma);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    if (warm) {
+    if (start == RECORD) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    } else if (start == TANK) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
     while (chain.id.metric.sets_recorded < LATER || chain.work == AUVID_PENDING) {
@@ -194,30 +253,42 @@ static void dive_again(uint32_t seed, bool warm, double heavier, worth_t *worth)
 }
 
 /* @return how many dives */
-static uint32_t compare(double heavier, worth_t *cold, worth_t *warm)
+static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
 {
     uint32_t dives = campaign_is_long() ? 100 : 8;
     memset(cold, 0, sizeof *cold);
     memset(warm, 0, sizeof *warm);
     for (uint32_t seed = 1; seed <= dives; ++seed) {
-        chain_defaults(&config, seed, SETS, 1.0);
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
-        dive_again(seed, false, heavier, cold);
-        dive_again(seed, true, heavier, warm);
+        if (start == RECORD) {
+            chain_defaults(&config, seed, SETS, 1.0);
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+        }
+        dive_again(seed, COLD, heavier, cold);
+        dive_again(seed, start, heavier, warm);
     }
-    printf("%u dives, the vehicle %g times as heavy as before: first set cold %.2f %%, warm %.2f "
-           "%%; all identifiable after %.1f s, %.1f s; record kept in %u\n",
-           (unsigned)dives, heavier, 100 * sqrt(cold->square / N / dives),
-           100 * sqrt(warm->square / N / dives), cold->seconds / dives, warm->seconds / dives,
-           (unsigned)warm->kept);
+    printf("%u dives, %s, the vehicle %g times as heavy as known: first set cold %.2f %%, warm "
+           "%.2f %%; all identifiable after %.1f s, %.1f s; kept in %u\n",
+           (unsigned)dives, start == RECORD ? "a record" : "known parameters", heavier,
+           100 * sqrt(cold->square / N / dives), 100 * sqrt(warm->square / N / dives),
+           cold->seconds / dives, warm->seconds / dives, (unsigned)warm->kept);
     return dives;
 }
 
 static void test_the_same_vehicle_is_known_in_half_the_time(void)
 {
     worth_t cold, warm;
-    uint32_t dives = compare(1.0, &cold, &warm);
+    uint32_t dives = compare(RECORD, 1.0, &cold, &warm);
+    TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
+    TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
+    TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
+}
+
+/* What was known exactly, to the tank's 5 %, helps likewise. */
+static void test_known_parameters_help(void)
+{
+    worth_t cold, warm;
+    uint32_t dives = compare(TANK, 1.0, &cold, &warm);
     TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
     TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
     TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
@@ -225,11 +296,22 @@ static void test_the_same_vehicle_is_known_in_half_the_time(void)
 
 static void test_a_record_of_another_vehicle_does_no_harm(void)
 {
+    static const double heavier[] = {1.03, 1.1}; /* near enough to be confounded, and not */
+    for (size_t k = 0; k < sizeof heavier / sizeof heavier[0]; ++k) {
+        worth_t cold, warm;
+        uint32_t dives = compare(RECORD, heavier[k], &cold, &warm);
+        TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
+        TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
+        TEST_ASSERT_TRUE(warm.kept <= dives / 4);
+    }
+}
+
+static void test_parameters_known_wrongly_do_no_harm(void)
+{
     worth_t cold, warm;
-    (void)compare(1.1, &cold, &warm);
+    (void)compare(TANK, 1.3, &cold, &warm);
     TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
     TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
-    TEST_ASSERT_EQUAL_UINT32(0, warm.kept);
 }
 
 int main(void)
@@ -242,8 +324,12 @@ int main(void)
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_known_parameters_are_the_first_estimate);
+    RUN_TEST(test_parameters_known_without_sense_are_refused);
     RUN_TEST(test_memory_that_makes_no_sense_is_refused);
     RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
+    RUN_TEST(test_known_parameters_help);
     RUN_TEST(test_a_record_of_another_vehicle_does_no_harm);
+    RUN_TEST(test_parameters_known_wrongly_do_no_harm);
     return UNITY_END();
 }

@@ -1,0 +1,155 @@
+/*
+ * The same inputs give the same bits, however they are brought, and identifiers do not interact.
+ */
+#include <string.h>
+
+#include "chain.h"
+#include "unity.h"
+
+enum { SETS = 2 };
+
+static chain_t chain, other;
+static chain_config_t config;
+
+void setUp(void)
+{
+    chain_defaults(&config, 11, SETS, 1.0);
+    config.budget = 0;
+}
+
+void tearDown(void)
+{
+}
+
+static void finish(chain_t *c)
+{
+    TEST_ASSERT_TRUE(chain_finish(c, 1000, 1000) <= 1000);
+}
+
+static void run(chain_t *c)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(c, &config, SETS));
+    finish(c);
+    TEST_ASSERT_EQUAL_UINT32(SETS, c->id.estimate.sets);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, c->id.estimate.identified);
+}
+
+static void check_same_estimate(void)
+{
+    TEST_ASSERT_EQUAL_MEMORY(&other.id.estimate, &chain.id.estimate, sizeof chain.id.estimate);
+}
+
+static void test_same_inputs_give_the_same_bits(void)
+{
+    config.budget = 50;
+    run(&chain);
+    run(&other);
+    check_same_estimate();
+}
+
+static void test_interleaved_identifiers_do_not_interact(void)
+{
+    static chain_t alone[2];
+    chain_config_t second;
+    chain_defaults(&second, 12, SETS, 0.0);
+    config.budget = 500;
+    second.budget = 1000;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[0], &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[1], &second, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &second));
+    while (chain.tick < alone[0].tick) {
+        chain_tick(&chain);
+        chain_tick(&other);
+    }
+    TEST_ASSERT_TRUE(alone[0].id.estimate.number > 0 && alone[1].id.estimate.number > 0);
+    TEST_ASSERT_EQUAL_MEMORY(&alone[0].id, &chain.id, sizeof chain.id);
+    TEST_ASSERT_EQUAL_MEMORY(&alone[1].id, &other.id, sizeof other.id);
+}
+
+static void test_a_copy_of_an_identifier_goes_on_identically(void)
+{
+    config.budget = 20;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 40.0); /* searching, exciting, recording */
+    TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
+    memcpy(&other, &chain, sizeof other);
+    chain_run(&chain, 30.0);
+    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* nothing points there */
+    chain_run(&other, 30.0);
+    TEST_ASSERT_EQUAL_MEMORY(&chain.id, &other.id, sizeof chain.id);
+    TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
+}
+
+static void give_applied_apart(chain_t *c, auvid_input_t *in)
+{
+    in->applied.present = false;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&c->id, in->t_us, in->applied.wrench,
+                                                         in->applied.command));
+}
+
+static void test_the_applied_wrench_may_come_with_the_step_or_apart(void)
+{
+    chain_set_driver(&config);
+    run(&other);
+    config.before = give_applied_apart;
+    run(&chain);
+    check_same_estimate();
+}
+
+/* A navigation of one's own, its state recorded in every tick. */
+static auvid_nav_t own_nav;
+
+static void navigate_apart(chain_t *c, auvid_input_t *in)
+{
+    auvid_nav_state_t state;
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_nav_imu(&own_nav, in->imu.t_us, in->imu.attitude, in->imu.rates));
+    if (in->dvl.present) {
+        (void)auvid_nav_dvl(&own_nav, &in->dvl.sample);
+    }
+    if (in->depth.present) {
+        (void)auvid_nav_depth(&own_nav, in->depth.t_us, in->depth.depth_m);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&own_nav, &state));
+    if (state.flags & AUVID_NAV_FRESH_BOTTOM) {
+        auvid_real_t nu[AUVID_DOF_COUNT];
+        memcpy(nu, state.velocity, sizeof state.velocity);
+        memcpy(nu + AUVID_ROLL, state.rates, sizeof state.rates);
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_identifier_motion(&c->id, state.t_us, state.attitude, nu));
+    }
+    in->imu.present = in->dvl.present = in->depth.present = false;
+}
+
+static void test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from(void)
+{
+    chain_set_driver(&config);
+    config.id.velocity_every_tick = true;
+    run(&other);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &config.id.nav));
+    config.before = navigate_apart;
+    run(&chain);
+    check_same_estimate();
+}
+
+static void test_the_clock_may_begin_anywhere(void)
+{
+    run(&other);
+    config.epoch_us = UINT64_C(1) << 60;
+    run(&chain);
+    TEST_ASSERT_EQUAL_MEMORY(other.id.estimate.pi, chain.id.estimate.pi,
+                             sizeof chain.id.estimate.pi);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_same_inputs_give_the_same_bits);
+    RUN_TEST(test_interleaved_identifiers_do_not_interact);
+    RUN_TEST(test_a_copy_of_an_identifier_goes_on_identically);
+    RUN_TEST(test_the_applied_wrench_may_come_with_the_step_or_apart);
+    RUN_TEST(test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from);
+    RUN_TEST(test_the_clock_may_begin_anywhere);
+    return UNITY_END();
+}

@@ -1,0 +1,226 @@
+/*
+ * What the identifier refuses to begin with.
+ */
+#include <fenv.h>
+#include <math.h>
+#include <string.h>
+
+#include "chain.h"
+#include "unity.h"
+
+enum { SETS = 2 };
+
+static chain_t chain, other;
+static chain_config_t config;
+
+void setUp(void)
+{
+    chain_defaults(&config, 11, SETS, 1.0);
+    config.budget = 0;
+}
+
+void tearDown(void)
+{
+}
+
+static bool is_zero(const auvid_output_t *out)
+{
+    auvid_real_t sum = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        sum += out->excitation[j] < 0 ? -out->excitation[j] : out->excitation[j];
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        sum += out->thruster_N[i] < 0 ? -out->thruster_N[i] : out->thruster_N[i];
+    }
+    return sum == 0;
+}
+
+static void check_init(auvid_status_t status)
+{
+    TEST_ASSERT_EQUAL(status, auvid_identifier_init(&chain.id, &config.id));
+    chain_defaults(&config, 11, SETS, 0.0);
+}
+
+static void test_bounds_reversed_or_equal_are_refused(void)
+{
+    config.id.search.lower[3] = 10;
+    config.id.search.upper[3] = -10;
+    check_init(AUVID_ERR_BOUNDS);
+    config.id.search.lower[3] = config.id.search.upper[3];
+    check_init(AUVID_ERR_BOUNDS);
+    config.id.search.lower[3] = (auvid_real_t)NAN;
+    check_init(AUVID_ERR_NOT_FINITE);
+    config.id.search.upper[3] = (auvid_real_t)INFINITY;
+    check_init(AUVID_ERR_NOT_FINITE);
+    config.id.search.upper[3] = AUVID_C(1e30);
+    check_init(AUVID_ERR_RANGE);
+    config.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not looked at */
+    config.id.search.upper[AUVID_G500_X_0] = -10;
+    check_init(AUVID_OK);
+}
+
+static void test_a_population_too_small_or_too_large_is_refused(void)
+{
+    config.id.search.population = 13; /* 13 parameters want 14 */
+    check_init(AUVID_ERR_POPULATION);
+    config.id.search.population = AUVID_MAX_POPULATION + 1;
+    check_init(AUVID_ERR_POPULATION);
+    config.id.search.population = 14;
+    check_init(AUVID_OK);
+    config.id.search.population = AUVID_MAX_POPULATION;
+    check_init(AUVID_OK);
+}
+
+static void test_an_omega_or_a_good_point_that_cannot_be_is_refused(void)
+{
+    config.id.search.omega = (auvid_real_t)NAN;
+    check_init(AUVID_ERR_NOT_FINITE);
+    config.id.search.omega = AUVID_C(1e12);
+    check_init(AUVID_ERR_RANGE);
+    config.id.search.omega = -1;
+    check_init(AUVID_ERR_RANGE);
+    config.id.search.has_good = true;
+    config.id.search.good[12] = (auvid_real_t)NAN;
+    check_init(AUVID_ERR_NOT_FINITE);
+    config.id.search.good[12] = (auvid_real_t)NAN; /* not used */
+    check_init(AUVID_OK);
+}
+
+static void no_residual(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                        auvid_real_t *e)
+{
+    (void)context;
+    (void)sample;
+    (void)pi;
+    (void)e;
+}
+
+static void test_too_many_parameters_or_none_are_refused(void)
+{
+    static auvid_row_t row[2 * 60];
+    static auvid_parameter_t parameter[AUVID_MAX_PARAMETERS + 1];
+    auvid_vehicle_t vehicle = {.name = "large",
+                               .parameters = AUVID_MAX_PARAMETERS + 1,
+                               .parameter = parameter,
+                               .columns = {[AUVID_SURGE] = (1u << AUVID_MAX_PARAMETERS) - 1},
+                               .residual = no_residual};
+    auvid_identifier_defaults(&config.id, &vehicle);
+    check_init(AUVID_ERR_PARAMETERS);
+    for (int delay = 0; delay < 2; ++delay) { /* the delay is one more */
+        vehicle.parameters = AUVID_MAX_PARAMETERS;
+        auvid_identifier_defaults(&config.id, &vehicle);
+        config.id.metric.sets = 1;
+        config.id.metric.rows = row;
+        config.id.metric.estimate_delay = delay;
+        check_init(delay ? AUVID_ERR_PARAMETERS : AUVID_OK);
+    }
+    config.id.metric.free = 1u << 31;
+    check_init(AUVID_ERR_PARAMETERS);
+    config.id.vehicle = NULL;
+    check_init(AUVID_ERR_NULL);
+}
+
+static void test_an_excitation_above_the_thrusters_limit_is_refused(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {400, 0, 0, 0, 0, 0};
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
+    chain_config_t wanted = config;
+    check_init(AUVID_ERR_LIMIT);
+    config = wanted;
+    config.id.allocation.thrusters = 0; /* no thrusters known: no limit */
+    check_init(AUVID_OK);
+}
+
+static void test_what_the_modules_refuse_is_refused(void)
+{
+    config.id.nav.sigma_dvl = 0;
+    check_init(AUVID_ERR_RANGE);
+    config.id.recorder.cell_us = 10;
+    check_init(AUVID_ERR_RANGE);
+    config.id.metric.passes = 0;
+    check_init(AUVID_ERR_RANGE);
+    config.id.excitation.segments = AUVID_MAX_SEGMENTS + 1;
+    check_init(AUVID_ERR_SIZE);
+    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1;
+    check_init(AUVID_ERR_SIZE);
+}
+
+static void test_another_arithmetic_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(0, fesetround(FE_UPWARD));
+    auvid_status_t status = auvid_identifier_init(&chain.id, &config.id);
+    TEST_ASSERT_EQUAL_INT(0, fesetround(FE_TONEAREST));
+    TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
+}
+
+static void test_a_velocity_source_that_cannot_be_is_refused(void)
+{
+    config.id.velocity = (auvid_velocity_source_t)2;
+    check_init(AUVID_ERR_RANGE);
+    config.id.velocity = AUVID_VELOCITY_WATER;
+    config.id.velocity_every_tick = true;
+    check_init(AUVID_ERR_RANGE);
+}
+
+static void check_refuses_all(void)
+{
+    auvid_real_t x[AUVID_DOF_COUNT] = {0};
+    auvid_input_t in;
+    auvid_output_t out;
+    memset(&in, 0, sizeof in);
+    in.t_us = 1;
+    in.applied.present = true;
+    other = chain;
+    memset(&out, 0xFF, sizeof out);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL_HEX32(0, out.events);
+    TEST_ASSERT_TRUE(is_zero(&out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_abort(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_disarm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_motion(&chain.id, 1, x, x));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_applied(&chain.id, 1, x, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_close(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_work(&chain.id, 1));
+    TEST_ASSERT_EQUAL_MEMORY(&other.id, &chain.id, sizeof chain.id);
+}
+
+static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
+{
+    memset(&chain.id, 0, sizeof chain.id);
+    check_refuses_all();
+    memset(&chain.id, 0xFF, sizeof chain.id);
+    config.id.search.omega = -1; /* refused first of all */
+    check_init(AUVID_ERR_RANGE);
+    check_refuses_all();
+    memset(&chain.id, 0xFF, sizeof chain.id);
+    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* refused last */
+    check_init(AUVID_ERR_SIZE);
+    check_refuses_all();
+}
+
+static void test_the_metric_has_the_recorders_cell(void)
+{
+    config.id.recorder.cell_us = 50000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL_UINT32(50000, chain.id.metric.cfg.cell_us);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_bounds_reversed_or_equal_are_refused);
+    RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
+    RUN_TEST(test_an_omega_or_a_good_point_that_cannot_be_is_refused);
+    RUN_TEST(test_too_many_parameters_or_none_are_refused);
+    RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
+    RUN_TEST(test_what_the_modules_refuse_is_refused);
+    RUN_TEST(test_another_arithmetic_is_refused);
+    RUN_TEST(test_a_velocity_source_that_cannot_be_is_refused);
+    RUN_TEST(test_an_identifier_that_is_not_initialised_refuses_everything);
+    RUN_TEST(test_the_metric_has_the_recorders_cell);
+    return UNITY_END();
+}
