@@ -11,23 +11,22 @@
  */
 #include "auvid/averaged.h"
 
-#include <string.h>
-
 #include "auvid_math.h"
 
 static void regressor(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
 {
     const auvid_averaged_t *a = context;
-    auvid_sample_t before = *sample, after = *sample;
+    auvid_sample_t moved = *sample;
     auvid_regressor_t later;
-    memset(&later, 0, sizeof later);
+    auvid_clear(&later.row[0][0], sizeof later / sizeof later.row[0][0]);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t change = a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
-        before.nu[j] -= change;
-        after.nu[j] += change;
+        moved.nu[j] = sample->nu[j] - a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
     }
-    a->other->regressor(a->other->context, &before, y);
-    a->other->regressor(a->other->context, &after, &later);
+    a->other->regressor(a->other->context, &moved, y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        moved.nu[j] = sample->nu[j] + a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
+    }
+    a->other->regressor(a->other->context, &moved, &later);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < a->vehicle.parameters; ++i) {
             y->row[j][i] = AUVID_C(0.5) * (y->row[j][i] + later.row[j][i]);
