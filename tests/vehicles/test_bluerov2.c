@@ -186,7 +186,7 @@ static void print(const score_t *score, int i, int runs)
 
 static void test_what_is_called_identifiable_is_right(void)
 {
-    int runs = getenv("AUVID_TEST_LONG") != NULL ? 200 : 8, identifiable = 0, wrong = 0;
+    int runs = getenv("AUVID_TEST_LONG") != NULL ? 200 : 6, identifiable = 0, wrong = 0;
     score_t score[N];
     memset(score, 0, sizeof score);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_averaged_init(&model, &auvid_bluerov2_heavy, 100000, 200000));
@@ -217,7 +217,7 @@ static void test_what_is_called_identifiable_is_right(void)
 /* Same seeds, same motion: the difference is the model's alone. X_u is too large by 0.3 without. */
 static void test_averages_take_away_the_bias_of_linear_drag(void)
 {
-    enum { RUNS = 3 };
+    enum { RUNS = 2 };
     double plain = 0, averaged = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_averaged_init(&model, &auvid_bluerov2_heavy, 100000, 200000));
     for (uint64_t seed = 101; seed <= 100 + RUNS; ++seed) {
