@@ -22,13 +22,14 @@ void craft_defaults(craft_config_t *config)
     config->allocation = &auvid_allocation_girona500;
 }
 
-static void init_truth(craft_t *craft)
+void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS])
 {
     const sim_config_t *c = &craft->sim.config;
+    memset(truth, 0, CRAFT_PARAMETERS * sizeof truth[0]);
     if (c->model == SIM_FOSSEN) {
-        sim_fossen_parameters(&c->fossen, craft->truth);
+        sim_fossen_parameters(&c->fossen, truth);
     } else {
-        memcpy(craft->truth, c->parameter, sizeof c->parameter);
+        memcpy(truth, c->parameter, sizeof c->parameter);
     }
 }
 
@@ -56,11 +57,7 @@ bool craft_init(craft_t *craft, const craft_config_t *config)
     memset(craft, 0, sizeof *craft);
     craft->no_arm = config->no_arm;
     craft->arm_again = config->arm_again;
-    if (!sim_init(&craft->sim, &config->sim)) {
-        return false;
-    }
-    init_truth(craft);
-    return init_hover(craft, config->allocation) &&
+    return sim_init(&craft->sim, &config->sim) && init_hover(craft, config->allocation) &&
            auvid_can_sender_init(&craft->sender, NULL) >= 0 &&
            auvid_can_command_init(&craft->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
 }
@@ -103,16 +100,17 @@ void craft_take(craft_t *craft, const auvid_can_frame_t *frame)
 
 double craft_rms_percent(const craft_t *craft)
 {
-    double sum = 0.0;
+    double truth[CRAFT_PARAMETERS], sum = 0.0;
     int count = 0;
+    craft_truth(craft, truth);
     for (int i = 0; i < CRAFT_PARAMETERS; ++i) {
-        if (craft->truth[i] == 0.0) {
+        if (truth[i] == 0.0) {
             continue;
         }
         if (!(craft->estimated >> i & 1u)) {
             return -1.0;
         }
-        double e = craft->estimate[i] / craft->truth[i] - 1.0;
+        double e = craft->estimate[i] / truth[i] - 1.0;
         sum += e * e;
         ++count;
     }
@@ -243,19 +241,28 @@ static void send_orders(sending_t *s)
     craft->order_arm = craft->order_abort = false;
 }
 
-static void drive(craft_t *craft)
+bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS])
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    auvid_status_t status = auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
+    for (int i = 0; i < craft->sim.config.thrusters; ++i) {
+        double part = (double)thrust[i];
+        force_N[i] = part * most_N(craft, part);
+    }
+    return status == AUVID_OK;
+}
+
+static void drive(craft_t *craft)
+{
+    double asked[SIM_THRUSTERS];
     bool before = craft->commanded;
-    craft->commanded =
-        auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust) == AUVID_OK;
+    craft->commanded = craft_commanded(craft, asked);
     if (before && !craft->commanded) {
         ++craft->cuts;
         craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
     }
     for (int i = 0; i < craft->sim.config.thrusters; ++i) {
-        double part = (double)thrust[i];
-        craft->force_N[i] = craft->hover_N[i] + part * most_N(craft, part);
+        craft->force_N[i] = craft->hover_N[i] + asked[i];
     }
 }
 

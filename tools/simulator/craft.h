@@ -49,7 +49,6 @@ typedef struct {
     uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
                                           thrust was zero */
     uint32_t cuts;                   /**< times that commands ended */
-    double truth[CRAFT_PARAMETERS];  /**< of the model's parameters; beyond the last: 0 */
     double estimate[CRAFT_PARAMETERS]; /**< told by the node last */
     double sigma[CRAFT_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;              /**< bit i: it has told parameter i */
@@ -68,9 +67,16 @@ bool craft_init(craft_t *craft, const craft_config_t *config);
 /** Take a frame off the bus; its time of arrival is the last tick's. */
 void craft_take(craft_t *craft, const auvid_can_frame_t *frame);
 
+/** The true values of the model's parameters as the vehicle is now; beyond the last: 0. */
+void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS]);
+
 /** Root mean square relative error of the estimates told, but of those whose truth is 0 [%];
  * negative: not all are there. */
 double craft_rms_percent(const craft_t *craft);
+
+/** Thrust that the node's commands ask for now. @param force_N [SIM_THRUSTERS] written.
+ * @return whether there are good commands */
+bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS]);
 
 /** Simulate a tick of 20 ms. @param frame [CRAFT_FRAMES] written: to be sent in this order.
  * @return how many */

@@ -97,8 +97,8 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
     sim_fossen_matrix(v, m);
     for (int i = 0; i < 6; ++i) {
         all[i] = m[i][i];
-        all[10 + i] = -v->linear[i];
-        all[16 + i] = -v->quadratic[i];
+        all[10 + i] = 0.0 - v->linear[i]; /* no negative zero */
+        all[16 + i] = 0.0 - v->quadratic[i];
     }
     all[6] = v->weight_N - v->buoyancy_N;
     for (int i = 0; i < 3; ++i) {
@@ -112,7 +112,8 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
 }
 
 /* Eight T200s at 16 V: where, and which way they push forwards. The first four lie in a plane below
- * the origin and point 45 degrees outwards, the others point up and down in turn. */
+ * the origin and push inwards, the front ones ahead and the rear ones astern; the others push up
+ * and down in turn. In both groups: front starboard, front port, rear starboard, rear port. */
 static void bluerov2_thrusters(sim_config_t *config)
 {
     static const double at[8][3] = {{0.156, 0.111, 0.085},  {0.156, -0.111, 0.085},
@@ -154,8 +155,8 @@ void sim_bluerov2(sim_config_t *config)
     sim_defaults(config);
     config->model = SIM_FOSSEN;
     config->fossen = heavy;
-    config->hold_Nm_rad = 8.0;
-    config->hold_Nms_rad = 2.0;
+    config->hold_Nm_rad = 8;
+    config->hold_Nms_rad = 2;
     memset(config->thruster_matrix, 0, sizeof config->thruster_matrix);
     bluerov2_thrusters(config);
 }

@@ -294,7 +294,7 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
 {
     const sim_config_t *c = &sim->config;
     sim_truth_t *t = &sim->truth;
-    double state[STATES], total[6], mean[SIM_THRUSTERS];
+    double state[STATES], total[6], mean[SIM_THRUSTERS] = {0};
     double keep = exp(-h / c->disturbance_s), renew = sqrt(-expm1(-2.0 * h / c->disturbance_s));
 
     for (int j = 0; j < c->thrusters; ++j) {
