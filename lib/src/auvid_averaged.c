@@ -11,23 +11,23 @@
  */
 #include "auvid/averaged.h"
 
-#include <string.h>
-
 #include "auvid_math.h"
 
 static void regressor(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
 {
     const auvid_averaged_t *a = context;
-    auvid_sample_t before = *sample, after = *sample;
+    const auvid_vehicle_t *vehicle = a->other;
+    auvid_sample_t moved = *sample;
     auvid_regressor_t later;
-    memset(&later, 0, sizeof later);
+    auvid_clear(&later.row[0][0], sizeof later / sizeof later.row[0][0]);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t change = a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
-        before.nu[j] -= change;
-        after.nu[j] += change;
+        moved.nu[j] = sample->nu[j] - a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
     }
-    a->other->regressor(a->other->context, &before, y);
-    a->other->regressor(a->other->context, &after, &later);
+    vehicle->regressor(vehicle->context, &moved, y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        moved.nu[j] = sample->nu[j] + a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
+    }
+    vehicle->regressor(vehicle->context, &moved, &later);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < a->vehicle.parameters; ++i) {
             y->row[j][i] = AUVID_C(0.5) * (y->row[j][i] + later.row[j][i]);
@@ -38,8 +38,8 @@ static void regressor(const void *context, const auvid_sample_t *sample, auvid_r
 static bool acceleration(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                          auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
-    const auvid_averaged_t *a = context;
-    return a->other->acceleration(a->other->context, sample, pi, nu_dot);
+    const auvid_vehicle_t *vehicle = ((const auvid_averaged_t *)context)->other;
+    return vehicle->acceleration(vehicle->context, sample, pi, nu_dot);
 }
 
 auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *vehicle,

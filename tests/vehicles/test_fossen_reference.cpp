@@ -268,7 +268,8 @@ struct Motion {
     double work; // done by thrust and drag
 };
 
-static Motion rate_of(const Motion &x, const Textbook &t, const auvid_real_t *pi, const Vector6 &tau)
+static Motion rate_of(const Motion &x, const Textbook &t, const auvid_real_t *pi,
+                      const Vector6 &tau)
 {
     auvid_sample_t s = auvid_sample_t();
     auvid_real_t nu_dot[6], eta_dot[6];

@@ -90,8 +90,9 @@ extern const auvid_allocation_config_t auvid_allocation_girona500;
 /** BlueROV2 Heavy's eight T200, as von Benzon et al. 2022 (fossen.h) have them: four at
  * (+-0.156, +-0.111, 0.085) m and 45 degrees to x, of which the front ones push ahead and inwards,
  * the rear ones astern and inwards; four at (+-0.120, +-0.218, 0) m, which push up, down, down, up.
- * In both groups: front starboard, front port, rear starboard, rear port. At 16 V 51.5 n |n| forward
- * and 40.2 n |n| backward [N] (5.25 and 4.1 kgf), n = -1..1. All six DoF; yaw before the rest. */
+ * In both groups: front starboard, front port, rear starboard, rear port. At 16 V 51.5 n |n|
+ * forward and 40.2 n |n| backward [N] (5.25 and 4.1 kgf), n = -1..1. All six DoF; yaw before the
+ * rest. */
 extern const auvid_allocation_config_t auvid_allocation_bluerov2_heavy;
 #endif
 
