@@ -42,6 +42,31 @@ const auvid_allocation_config_t auvid_allocation_girona500 = {
     .priority = 1u << AUVID_YAW};
 #endif
 
+#if AUVID_MAX_THRUSTERS >= 8
+#define T200(...)                                                                                  \
+    {                                                                                              \
+        .wrench = {__VA_ARGS__}, .min_N = AUVID_C(-40.2), .max_N = AUVID_C(51.5),                  \
+        .law = AUVID_THRUST_SQUARE, .gain_forward = AUVID_C(51.5), .gain_backward = AUVID_C(40.2)  \
+    }
+/* r x e of a direction e at the position r: (y e_z - z e_y, z e_x - x e_z, x e_y - y e_x). */
+#define HALF AUVID_C(0.70710678)  /* cos 45 degrees */
+#define TILT AUVID_C(0.060104076) /* 0.085 of it */
+#define TURN AUVID_C(0.18879751)  /* 0.156 + 0.111 of it */
+#define AHEAD AUVID_C(0.120)
+#define ASIDE AUVID_C(0.218)
+const auvid_allocation_config_t auvid_allocation_bluerov2_heavy = {
+    .thruster = {T200(HALF, -HALF, 0, TILT, TILT, -TURN), T200(HALF, HALF, 0, -TILT, TILT, TURN),
+                 T200(-HALF, -HALF, 0, TILT, -TILT, TURN),
+                 T200(-HALF, HALF, 0, -TILT, -TILT, -TURN),
+                 T200(0, 0, AUVID_C(-1.0), -ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), -ASIDE, -AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(-1.0), ASIDE, -AHEAD, 0)},
+    .thrusters = 8,
+    .dofs = 0,
+    .priority = 1u << AUVID_YAW};
+#endif
+
 /* ---- pseudo-inverse ---- */
 
 typedef struct {

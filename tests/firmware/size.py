@@ -191,10 +191,12 @@ def room(prefix, folder):
 
 
 def structs(board, more):
-    """{type: sizeof} of all public structs, without those of single messages."""
-    messages = (HEADERS[0].parent / "can_messages.h").read_text()
-    of, single = (set(re.findall(r"^\} (auvid_\w+_t);", text, re.M)) for text in (API, messages))
-    names = sorted(of - single)
+    """{type: sizeof} of all public structs, without those of single messages; fossen.h has none at
+    the sizes of the boards."""
+    folder = HEADERS[0].parent
+    others = (folder / "can_messages.h").read_text() + (folder / "fossen.h").read_text()
+    of, left_out = (set(re.findall(r"^\} (auvid_\w+_t);", text, re.M)) for text in (API, others))
+    names = sorted(of - left_out)
     source = '#include "auvid/auvid.h"\n#include "auvid/node.h"\n#include "auvid/can_fifo.h"\n'
     source += "".join(f"char size_of_{name}[sizeof({name})];\n" for name in names)
     with tempfile.NamedTemporaryFile(suffix=".o") as made:

@@ -106,6 +106,44 @@ check "--csv over a directory is refused" refuses 'taken.csv: cannot be written'
 check "  and leaves nothing" test ! -e taken.csv.part
 check "a full disk is refused" refuses 'cannot be written' demo --json --csv /dev/full
 
+# ---- six degrees of freedom ----
+rov="demo --vehicle bluerov2 --disturbance 0.2"
+# shellcheck disable=SC2086
+check "a BlueROV2 is identified" exits 0 $rov --json --csv rov.csv
+cp out rov.json
+check "  in six degrees of freedom, 20 parameters" is rov.json '
+assert d["model"] == "BlueROV2 Heavy" and len(P) == 20 and d["not_modelled"] == []
+assert list(d["delay_s"]) == list("XYZKMN") and list(d["r2_validation"]) == list("uvwpqr")
+assert d["guard"] == {"state": "done", "cause": None}, d["guard"]'
+check "  the true zeros are no identifiable parameters" is rov.json '
+zeros = [p["name"] for p in d["parameters"] if p["truth"] == 0]
+assert zeros == ["Y_v", "K_p", "N_r"] and not any(P[n]["identifiable"] for n in zeros)'
+check "  the other 17 are, within 10 % and four standard errors" is rov.json '
+sure = [p for p in d["parameters"] if p["identifiable"]]
+assert len(sure) == 17
+for p in sure:
+    off = abs(p["estimate"] - p["truth"])
+    assert off < 0.1 * abs(p["truth"]) and off < 4 * p["sigma"], p'
+check "  masses and inertias within 2 %" is rov.json '
+assert all(abs(p["estimate"] / p["truth"] - 1) < 0.02 for p in d["parameters"][:6])'
+check "  held-out velocity is predicted" is rov.json '
+assert min(d["r2_validation"].values()) > 0.95, d["r2_validation"]
+assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
+check "  fit reads its log" exits 0 fit rov.csv --json --model bluerov2
+check "  and gives its parameters back, within two standard errors" is out '
+demo = {p["name"]: p for p in json.load(open("rov.json"))["parameters"]}
+assert all(abs(P[n]["estimate"] - demo[n]["estimate"]) < 2 * demo[n]["sigma"] for n in demo)'
+# shellcheck disable=SC2086
+check "runs of it" exits 0 $rov --json --runs 5
+check "  statistics but for the zeros" is out '
+assert d["failed"] == 0 and d["identifiable_wrong"] == 0 and d["known"] == 100
+assert 0.5 < d["rms_percent"] < 2.5 and d["worst_percent"] < 15 and d["identifiable"] == 85'
+# shellcheck disable=SC2086
+check "its tables" exits 0 $rov
+check "  show no error of a truth of zero" grep -Eq '^  K_p .* 0\.000 +-( |$)' out
+check "  and say what the rms leaves out" grep -Eq '^  rms .* but for those that are 0$' out
+check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
+
 # ---- for people ----
 check "tables" exits 0 demo --literal
 check "  every parameter has a row" python3 -c '

@@ -37,6 +37,20 @@ done
 check "--bounds reversed" refuses 'lower bound is not below' fit x.csv --bounds=1,-1
 check "--bounds of no width" refuses 'lower bound is not below' fit x.csv --bounds=1,1
 check "--input of another kind" refuses "'cubic' is not one of hold, linear" fit x.csv --input cubic
+check "an unknown vehicle" refuses "'rov' is not one of girona500, bluerov2" demo --vehicle rov
+check "--scenario with another vehicle" refuses -- '--scenario and --vehicle do not go together' \
+    demo --vehicle bluerov2 --scenario payload
+check "an unknown model" refuses "'x' is not one of girona500, fossen" fit x.csv --model x
+check "--coupling off of another model" refuses 'for the model girona500' \
+    fit x.csv --model fossen --coupling off
+check "--fix without a value" refuses "'K_p' is not NAME=VALUE" fit x.csv --fix K_p
+check "--free with a value" refuses "'K_p=1' is not NAME,NAME" fit x.csv --free K_p=1
+for bad in X_u= X_u=x X_u=nan X_u=1e9 X_u=1x; do
+    check "--fix $bad" refuses 'is not a number within' fit x.csv "--fix=$bad"
+done
+check "--fix of what is not in the model" refuses "'K_p' is no parameter of the model Girona500" \
+    fit x.csv --fix K_p=0
+check "--free of what is not in the model" refuses "'' is no parameter" fit x.csv --free X_0,,Y_0
 check "--coupling of another kind" refuses "'no' is not one of auto, on, off" \
     fit x.csv --coupling no
 

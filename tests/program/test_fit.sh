@@ -161,6 +161,51 @@ check "--coupling off: the model says so" exits 0 fit train.csv --json --couplin
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
 check "--coupling auto takes what predicts better" is fit.json \
     'assert d["model"] == "Girona500, Eq. 12-15"'
+check "--fix: a parameter that is known" exits 0 fit train.csv --json --fix W-B=-37.3058 \
+    --fix=X_u=-42
+check "  is not identified, the others are" is out '
+assert [n for n in TRUTH if n not in P] == ["W-B", "X_u"]
+assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in P)'
+check "--free: others are, too" exits 0 fit biased.csv --json --free X_0,Y_0
+check "  a force of 12 N is found" is out '
+assert list(P) == list(TRUTH) + ["X_0", "Y_0"] and abs(P["X_0"]["estimate"] - 12) < 1.5'
+
+# ---- six degrees of freedom ----
+"$AUVID" demo --vehicle bluerov2 --disturbance 0.2 --json --csv rov.csv >rov.json
+"$AUVID" demo --vehicle bluerov2 --disturbance 0.2 --json --seed 2 --csv rov2.csv >/dev/null
+ROV='T = {p["name"]: p["truth"] for p in json.load(open("rov.json"))["parameters"]}
+off = {n: abs(P[n]["estimate"] - T[n]) for n in P if n in T}'
+check "six degrees of freedom are identified" exits 0 fit rov.csv --json --model bluerov2 \
+    --validate rov2.csv
+check "  identifiable parameters within four standard errors, masses within 3 %" is out "$ROV"'
+assert list(P) == list(T) and sum(p["identifiable"] for p in d["parameters"]) >= 15
+assert all(off[n] < 4 * P[n]["sigma"] for n in P if P[n]["identifiable"]), off
+assert all(off[n] < 0.03 * T[n] for n in list(T)[:6]), off'
+check "  another log is predicted" is out \
+    'assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
+cp out bluerov2.json
+check "fossen is the same model without the quick vehicle's settings" exits 0 fit rov.csv --json \
+    --model fossen
+check "  masses within 4 %" is out "$ROV"'
+assert d["model"] == "Fossen, 6 DoF" and list(P) == list(T)
+assert all(off[n] < 0.04 * T[n] for n in list(T)[:6]), off'
+check "true zeros may be fixed" exits 0 fit rov.csv --json --model bluerov2 --fix K_p=0 \
+    --fix N_r=0 --fix Y_v=0
+check "  which makes the drags beside them better known" is out '
+before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
+assert len(P) == 17
+assert all(P[n]["sigma"] < 0.6 * before[n]["sigma"] for n in ("K_pp", "N_rr", "Y_vv"))'
+change 'drop("K_Nm")' <rov.csv >no_roll.csv
+check "without its moment roll is left out" exits 0 fit no_roll.csv --json --model bluerov2
+check "  which is said" is out '
+assert P["K_pp"]["note"] == "no input column" and P["K_pp"]["estimate"] is None
+assert P["M_qq"]["estimate"] is not None and d["delay_s"]["K"] is None'
+check "--bias: constant forces and moments but in heave" exits 0 fit rov.csv --json \
+    --model bluerov2 --bias
+check "  near zero" is out '
+names = ["X_0", "Y_0", "K_0", "M_0", "N_0"]
+assert list(P)[20:] == names and all(abs(P[n]["estimate"]) < 0.3 for n in names)'
+
 check "--literal works" exits 0 fit train.csv --json --literal
 check "  and is worse" is out '
 rms = lambda e: sum((e[n] / TRUTH[n] - 1) ** 2 for n in TRUTH)

@@ -4,7 +4,11 @@
 # README_BLOCKS=write tests/program/test_readme.sh puts it into README.
 . "$(dirname "$0")/common.sh"
 
-awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$ROOT/README.md" >example.c
+blocks() {
+    awk -v six="$1" '/^## / { here = /^## Six degrees/ }
+        /^```c$/ { on = here == six; next } /^```$/ { on = 0 } on' "$ROOT/README.md"
+}
+blocks 0 >example.c
 cat >main.c <<'END'
 /* What the example leaves to the integrator: a simulated vehicle, driven by somebody else. */
 #include <stdio.h>
@@ -219,6 +223,32 @@ check "README's example compiles without a warning" \
 check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
+
+# The section on six degrees of freedom has sizes of its own.
+cat >six.c <<'END'
+#include <string.h>
+
+#include "auvid/auvid.h"
+
+auvid_status_t configure_bluerov2(auvid_identifier_config_t *cfg);
+#include "blocks.c"
+
+static auvid_identifier_t id;
+
+int main(void)
+{
+    return configure_bluerov2(&id.config) == AUVID_OK &&
+                   auvid_identifier_init(&id, &id.config) == AUVID_OK
+               ? 0
+               : 1;
+}
+END
+blocks 1 >blocks.c
+sizes=$(grep -o '`AUVID_MAX_[A-Z]*=[0-9]*`' "$ROOT/README.md" | tr -d '`' | sed 's/^/-D/')
+check "README's vehicle in six degrees of freedom compiles at the sizes it names" \
+    gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror $sizes -I"$ROOT/lib/include" \
+    -I. -o six six.c "$ROOT"/lib/src/*.c
+check "README's vehicle in six degrees of freedom is accepted" ./six
 
 # Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
 cat >blocks.py <<'END'

@@ -74,6 +74,50 @@ static void test_girona500_is_actuated_in_all_but_roll(void)
     TEST_ASSERT_EQUAL_INT(0x3f & ~AUVID_DOF_BIT(AUVID_ROLL), a.actuated);
 }
 
+/* A force e at r turns with r x e; e from where each thruster is and which way it pushes. */
+static void test_bluerov2_columns_are_forces_and_their_moments(void)
+{
+    for (int i = 0; i < 8; ++i) {
+        bool flat = i < 4, rear = i % 4 >= 2, port = i % 2 == 1;
+        double across = sqrt(0.5), x = flat ? 0.156 : 0.120, y = flat ? 0.111 : 0.218;
+        double r[3] = {rear ? -x : x, port ? -y : y, flat ? 0.085 : 0};
+        double e[3] = {rear ? -across : across, port ? across : -across, 0};
+        if (!flat) {
+            e[0] = e[1] = 0;
+            e[2] = rear == port ? -1 : 1;
+        }
+        double column[6] = {e[0],
+                            e[1],
+                            e[2],
+                            r[1] * e[2] - r[2] * e[1],
+                            r[2] * e[0] - r[0] * e[2],
+                            r[0] * e[1] - r[1] * e[0]};
+        for (int j = 0; j < 6; ++j) {
+            TEST_ASSERT_DOUBLE_WITHIN(
+                1e-7, column[j], (double)auvid_allocation_bluerov2_heavy.thruster[i].wrench[j]);
+        }
+    }
+}
+
+/* Whichever way it goes, half of its thrusters run backward, at 40.2 N. */
+static void test_bluerov2_is_actuated_in_all_with_the_thrust_of_t200s(void)
+{
+    const double backward = 4 * 40.2, across = sqrt(0.5);
+    const double most[6] = {backward * across, backward * across, backward,
+                            backward * 0.218,  backward * 0.120,  backward * across * 0.267};
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &auvid_allocation_bluerov2_heavy));
+    TEST_ASSERT_EQUAL_INT(0x3f, a.actuated);
+    for (int j = 0; j < 6; ++j) {
+        auvid_real_t negative, positive;
+        TEST_ASSERT_EQUAL_INT(AUVID_OK,
+                              auvid_allocation_capacity(&a, (auvid_dof_t)j, &negative, &positive));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * most[j], most[j], (double)positive);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * most[j], -most[j], (double)negative);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(30, -20, 10, 1, -2, 5));
+    assert_wrench(30, -20, 10, 1, -2, 5);
+}
+
 static void test_a_wrench_in_a_dof_without_thruster_is_dropped_and_named(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(60, 0, 0, 5, 0, 0));
@@ -374,6 +418,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_girona500_wrench_is_shared_as_by_hand);
     RUN_TEST(test_girona500_is_actuated_in_all_but_roll);
+    RUN_TEST(test_bluerov2_columns_are_forces_and_their_moments);
+    RUN_TEST(test_bluerov2_is_actuated_in_all_with_the_thrust_of_t200s);
     RUN_TEST(test_a_wrench_in_a_dof_without_thruster_is_dropped_and_named);
     RUN_TEST(test_saturation_keeps_the_direction);
     RUN_TEST(test_yaw_is_kept_and_surge_given_up);

@@ -34,7 +34,7 @@ typedef struct {
 static int begin(run_t *run)
 {
     const options_t *o = run->options;
-    const world_config_t world = {.seed = o->seed, .sets = o->sets};
+    const world_config_t world = {.vehicle = o->vehicle, .seed = o->seed, .sets = o->sets};
     auvid_identifier_config_t identifier;
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);
@@ -52,7 +52,7 @@ static int begin(run_t *run)
         return link_open(&run->link, "node", o);
     }
     craft_config_t craft;
-    craft_defaults(&craft);
+    vehicle_craft(o->vehicle, &craft);
     craft.sim.seed = o->seed;
     craft.no_arm = !o->excite;
     if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK || !craft_init(&run->craft, &craft)) {
@@ -122,7 +122,8 @@ static int loop(run_t *run)
     int status = 0, events = 0;
     bool own = run->options->clock_own;
     run->heard_us = tick_now_us();
-    while (status == 0 && (events & TICK_STOP) == 0 && run->linger < WORLD_LINGER_TICKS) {
+    while (status == 0 && (events & TICK_STOP) == 0 &&
+           run->linger < run->options->vehicle->linger_ticks) {
         events = wait(run);
         status = events < 0 ? EXIT_REFUSED : receive(run);
         if (status == 0 && own && (events & TICK_DUE) != 0) {

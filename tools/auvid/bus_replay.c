@@ -130,7 +130,8 @@ static int read_all(run_t *run)
 
 static int begin(run_t *run)
 {
-    const world_config_t world = {.seed = run->options->seed, .sets = run->options->sets};
+    const options_t *o = run->options;
+    const world_config_t world = {.vehicle = o->vehicle, .seed = o->seed, .sets = o->sets};
     auvid_identifier_config_t identifier;
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);

@@ -7,8 +7,8 @@
 #include "bus_link.h"
 #include "commands.h"
 #include "complain.h"
-#include "craft.h"
 #include "report.h"
+#include "vehicles.h"
 
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
 #define MOST_FRAMES 512
@@ -98,7 +98,7 @@ int bus_vehicle(const options_t *options)
         return complain("vehicle: not enough memory");
     }
     craft_config_t cfg;
-    craft_defaults(&cfg);
+    vehicle_craft(options->vehicle, &cfg);
     cfg.sim.seed = options->seed;
     cfg.sim.disturbance_N = options->disturbance_N;
     cfg.sim.disturbance_Nm = 0.4 * options->disturbance_N;

@@ -1,5 +1,5 @@
 /*
- * auvid demo: excite a simulated Girona500, identify it on line, and check the estimate on an
+ * auvid demo: excite a simulated vehicle, identify it on line, and check the estimate on an
  * excitation that it has not seen.
  */
 #include <stdio.h>
@@ -94,7 +94,9 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
                           uint32_t *told)
 {
     const auvid_estimate_t *e = &run->world.node[0].id.estimate;
-    double rms = report_rms_percent(e, run->world.craft.sim.config.parameter);
+    double truth[CRAFT_PARAMETERS];
+    craft_truth(&run->world.craft, truth);
+    double rms = report_rms_percent(e, truth);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
     if (e->number == 0) {
@@ -114,7 +116,8 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
     world_t *world = &run->world;
-    const world_config_t config = {.seed = seed,
+    const world_config_t config = {.vehicle = options->vehicle,
+                                   .seed = seed,
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
                                    .sets = options->sets,
@@ -132,7 +135,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     }
     uint32_t told = 0, linger = 0;
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
-    while (linger < WORLD_LINGER_TICKS && world_time_s(world) < end_s) {
+    while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
         world_tick(world);
         log_tick(&run->logger, world);
         bool busy = world_work(world, AUVID_DEFAULT_BUDGET);
@@ -160,17 +163,22 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
 {
     world_t *world = &run->world;
     result_t *result = &run->result[0];
-    const world_config_t config = {.seed = ~seed,
+    const world_config_t config = {.vehicle = options->vehicle,
+                                   .seed = ~seed,
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
                                    .sets = HELD_OUT_SETS};
-    const auvid_real_t *pi[WORLD_NODES] = {result->estimate.pi, auvid_girona500_paper};
+    auvid_real_t truth[AUVID_MAX_PARAMETERS];
+    const auvid_real_t *pi[WORLD_NODES] = {result->estimate.pi, truth};
     double *r2[WORLD_NODES] = {result->r2, result->r2_truth};
     bool valid[WORLD_NODES] = {false};
     auvid_identifier_config_t cfg;
     world_identifier(&cfg, &config);
     if (!world_begin(world, &config) || !world_listen(world, &cfg)) {
         return false;
+    }
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        truth[i] = (auvid_real_t)result->truth[i];
     }
     for (int i = 0; i < WORLD_NODES; ++i) {
         valid[i] = auvid_validation_init(&run->validation[i], result->vehicle, pi[i], 0,
@@ -219,19 +227,39 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
     return path == NULL ? 0 : csv_commit(&writer);
 }
 
+/* "100 N on X, Y, Z, 40 Nm on N". */
+static void print_amplitudes(const vehicle_t *vehicle)
+{
+    const char *separator = "";
+    double shown = 0.0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double amplitude = (double)vehicle->amplitude[j];
+        bool moment = j >= AUVID_ROLL;
+        if (amplitude > 0.0 && (amplitude != shown || j == AUVID_ROLL)) {
+            printf("%s%g %s on ", separator, amplitude, moment ? "Nm" : "N");
+            shown = amplitude;
+            separator = "";
+        }
+        if (amplitude > 0.0) {
+            printf("%s%c", separator, "XYZKMN"[j]);
+            separator = ", ";
+        }
+    }
+}
+
 static void print_heading(const options_t *options)
 {
-    printf("auvid %s demo: a simulated Girona500, seed %llu", AUVID_VERSION_STRING,
-           (unsigned long long)options->seed);
+    printf("auvid %s demo: a simulated %s, seed %llu", AUVID_VERSION_STRING,
+           options->vehicle->title, (unsigned long long)options->seed);
     if (options->runs > 1) {
         printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
     }
+    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: ", (unsigned)options->sets,
+           options->sets == 1 ? "" : "s", WORLD_SET_S);
+    print_amplitudes(options->vehicle);
     printf(
-        "\n  excitation   %u set%s of %d s, steps and sines in turn: %d N on X, Y, Z, %d Nm on N\n",
-        (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S, WORLD_FORCE_N,
-        WORLD_MOMENT_NM);
-    printf("  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
-           options->disturbance_N, options->lag_s);
+        "\n  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
+        options->disturbance_N, options->lag_s);
     printf("  metric       %s\n", options->literal ? "our reading of the paper: smoothed states, "
                                                      "raw wrench"
                                                    : "rows and wrench smoothed alike");
@@ -307,7 +335,7 @@ static int many_runs(run_t *run, const options_t *options)
     if (status == 0) {
         const campaign_t *all = &tally[0].sum, *last = options->literal ? &tally[1].sum : NULL;
         for (int i = 0; i < lists; ++i) {
-            tally_finish(&tally[i], options->seed);
+            tally_finish(&tally[i], &first[i], options->seed);
         }
         const beside_t beside = {"last_set", &first[1], last};
         if (options->json) {

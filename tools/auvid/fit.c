@@ -34,29 +34,95 @@ typedef struct {
     size_t gaps; /* in the training log */
     replay_t replay;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
-    const char *why[AUVID_DOF_COUNT];        /* why a DoF cannot be identified; null: it may be */
-    auvid_identifier_t *coupled, *decoupled; /* whichever are wanted */
-    double error[2];                         /* cross-validation of the two; < 0: none */
+    uint32_t free;                            /* bit i: parameter i is identified */
+    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /* values of the others */
+    const char *why[AUVID_DOF_COUNT];         /* why a DoF cannot be identified; null: it may be */
+    auvid_identifier_t *coupled, *decoupled;  /* whichever are wanted */
+    double error[2];                          /* cross-validation of the two; < 0: none */
 } job_t;
+
+/* ---- what is to be identified ---- */
+
+/* Parameter of a name that ends at `end`; -1 after a complaint. */
+static int parameter_named(const auvid_vehicle_t *model, const char *name, const char *end)
+{
+    size_t length = (size_t)(end - name);
+    for (int i = 0; i < model->parameters; ++i) {
+        const char *known = model->parameter[i].name;
+        if (strlen(known) == length && strncmp(known, name, length) == 0) {
+            return i;
+        }
+    }
+    complain_line("fit: '%.*s' is no parameter of the model %s", (int)length, name, model->name);
+    return -1;
+}
+
+/* A constant force or moment in each DoF but heave, whose constant is W-B. */
+static uint32_t bias_of(const auvid_vehicle_t *model)
+{
+    uint32_t mask = 0;
+    for (int i = 0; i < model->parameters; ++i) {
+        const char *name = model->parameter[i].name;
+        mask |= (uint32_t)(strcmp(name + 1, "_0") == 0 && name[0] != 'Z') << i;
+    }
+    return mask;
+}
+
+/* One --fix or --free. */
+static int take_choice(job_t *job, const char *text)
+{
+    const char *value = strchr(text, '='), *end = NULL;
+    for (const char *name = text; *name != '\0'; name = *end == ',' ? end + 1 : end) {
+        end = value != NULL ? value : name + strcspn(name, ",");
+        int i = parameter_named(job->options->model, name, end);
+        if (i < 0) {
+            return EXIT_REFUSED;
+        }
+        job->free |= 1u << i;
+        if (value != NULL) {
+            char *rest = NULL;
+            double x = strtod(value + 1, &rest);
+            if (rest == value + 1 || *rest != '\0' || !(fabs(x) <= 1e6)) {
+                return complain("fit: --fix: '%s' is not a number within +-1e6", value + 1);
+            }
+            job->free &= ~(1u << i);
+            job->fixed[i] = (auvid_real_t)x;
+            return 0;
+        }
+    }
+    return 0;
+}
+
+static int choose_free(job_t *job)
+{
+    const options_t *options = job->options;
+    int status = 0;
+    job->free = options->model->free | (options->bias ? bias_of(options->model) : 0u);
+    for (int k = 0; k < options->choices && status == 0; ++k) {
+        status = take_choice(job, options->choice[k]);
+    }
+    return status == 0 && job->free == 0 ? complain("fit: nothing is left to be identified")
+                                         : status;
+}
 
 /* ---- what the log holds ---- */
 
-static bool has_inputs(const csv_log_t *log, input_kind_t kind)
+static bool has_inputs(const csv_log_t *log, const auvid_vehicle_t *model, input_kind_t kind)
 {
     bool any = false;
-    for (int k = 0; k < MODELLED; ++k) {
-        any = any || log->has[replay_inputs(kind) + (int)report_dof[k]];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        any = any || (model->columns[j] != 0 && log->has[replay_inputs(kind) + j]);
     }
     return any;
 }
 
-/* A force needs its velocity in the log; a missing yaw rate counts as zero, so yaw is left out. */
+/* A force needs its velocity in the log; a missing rate counts as zero, so its moment is left out.
+ */
 static int check_columns(const csv_log_t *log, const replay_t *replay)
 {
-    for (int k = 0; k < MODELLED; ++k) {
-        auvid_dof_t j = report_dof[k];
-        int input = replay_inputs(replay->kind) + (int)j, velocity = CSV_NU + (int)j;
-        if (j != AUVID_YAW && log->has[input] && !log->has[velocity]) {
+    for (int j = 0; j <= AUVID_HEAVE; ++j) {
+        int input = replay_inputs(replay->kind) + j, velocity = CSV_NU + j;
+        if (log->has[input] && !log->has[velocity]) {
             return complain("%s:1:1: no column %s in the header, but %s", log->path,
                             csv_name[velocity], csv_name[input]);
         }
@@ -67,8 +133,9 @@ static int check_columns(const csv_log_t *log, const replay_t *replay)
 static int find_inputs(job_t *job)
 {
     const csv_log_t *log = &job->train;
-    bool wrench = has_inputs(log, INPUT_WRENCH);
-    if (!wrench && !has_inputs(log, INPUT_COMMAND)) {
+    const auvid_vehicle_t *model = job->options->model;
+    bool wrench = has_inputs(log, model, INPUT_WRENCH);
+    if (!wrench && !has_inputs(log, model, INPUT_COMMAND)) {
         return complain("%s:1:1: no input column (X_N Y_N Z_N N_Nm, or cmd_surge cmd_sway "
                         "cmd_heave cmd_yaw) in the header",
                         log->path);
@@ -92,11 +159,13 @@ static void find_driven(job_t *job)
     for (size_t i = 1; i < log->rows; ++i) {
         job->gaps += replay_time_us(log, i) - replay_time_us(log, i - 1) > GAP_US;
     }
-    for (int k = 0; k < MODELLED; ++k) {
-        auvid_dof_t j = report_dof[k];
-        if (!log->has[replay_inputs(job->replay.kind) + (int)j]) {
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (job->options->model->columns[j] == 0) {
+            continue;
+        }
+        if (!log->has[replay_inputs(job->replay.kind) + j]) {
             job->why[j] = "no input column";
-        } else if (!log->has[CSV_NU + (int)j]) {
+        } else if (!log->has[CSV_NU + j]) {
             job->why[j] = "no velocity column";
         } else if (!(largest[j] > NEGLIGIBLE * most)) {
             job->why[j] = "input is always zero";
@@ -117,7 +186,7 @@ static int read_logs(job_t *job)
     status = status != 0 ? status : find_inputs(job);
     if (status == 0 && options->validate != NULL) {
         status = csv_read(&job->test, options->validate);
-        if (status == 0 && !has_inputs(&job->test, job->replay.kind)) {
+        if (status == 0 && !has_inputs(&job->test, options->model, job->replay.kind)) {
             status = complain("%s:1:1: no input column of the kind that %s has (%s)",
                               options->validate, options->train,
                               job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
@@ -157,11 +226,13 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 {
     const options_t *options = job->options;
     auvid_identifier_defaults(cfg, vehicle);
+    vehicle_quicken(cfg);
     cfg->search.seed = options->seed;
     cfg->recorder.gap_us = GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
-    cfg->metric.free = options->bias ? AUVID_G500_FREE_BIAS : AUVID_G500_FREE;
+    cfg->metric.free = job->free;
+    memcpy(cfg->metric.fixed, job->fixed, sizeof job->fixed);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         cfg->search.lower[i] = (auvid_real_t)options->lower;
         cfg->search.upper[i] = (auvid_real_t)options->upper;
@@ -202,9 +273,10 @@ static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *veh
 static auvid_identifier_t *choose(job_t *job)
 {
     coupling_t coupling = job->options->coupling;
+    bool alternative = job->options->model == &auvid_girona500 && coupling != COUPLING_ON;
     if (coupling != COUPLING_OFF) {
-        job->coupled = identify(job, &auvid_girona500);
-        if (job->coupled == NULL || coupling == COUPLING_ON) {
+        job->coupled = identify(job, job->options->model);
+        if (job->coupled == NULL || !alternative) {
             return job->coupled;
         }
     }
@@ -260,8 +332,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     result->lower = job->options->lower;
     result->upper = job->options->upper;
     result->in_commands = job->replay.kind == INPUT_COMMAND;
-    for (int k = 0; k < MODELLED; ++k) {
-        auvid_dof_t j = report_dof[k];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool driven = (id->estimate.driven >> j & 1u) != 0;
         result->why[j] = job->why[j];
         if (!driven && job->why[j] == NULL) {
@@ -275,7 +346,8 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
 static int run(job_t *job)
 {
     result_t result;
-    int status = read_logs(job);
+    int status = choose_free(job);
+    status = status != 0 ? status : read_logs(job);
     if (status != 0) {
         return status;
     }

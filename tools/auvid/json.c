@@ -58,13 +58,15 @@ static void json_parameters(const result_t *result)
 }
 
 /* An object with a value, or [low, high], for each modelled degree of freedom. */
-static void json_dofs(const char *key, const char *const *names, const double *low,
-                      const double *high, uint32_t mask)
+static void json_dofs(const result_t *result, const char *key, const char *const *names,
+                      const double *low, const double *high, uint32_t mask)
 {
+    auvid_dof_t dof[AUVID_DOF_COUNT];
+    int dofs = report_dofs(result->vehicle, dof);
     printf(",\n  \"%s\": {", key);
-    for (int k = 0; k < MODELLED; ++k) {
-        auvid_dof_t j = report_dof[k];
-        printf("%s\"%s\": ", k == 0 ? "" : ", ", names[k]);
+    for (int k = 0; k < dofs; ++k) {
+        auvid_dof_t j = dof[k];
+        printf("%s\"%s\": ", k == 0 ? "" : ", ", names[j]);
         if (!(mask >> j & 1u)) {
             printf("null");
         } else if (high == NULL) {
@@ -80,29 +82,30 @@ static void json_dofs(const char *key, const char *const *names, const double *l
     printf("}");
 }
 
-static const char *const force[MODELLED] = {"X", "Y", "Z", "N"};
-static const char *const velocity[MODELLED] = {"u", "v", "w", "r"};
+static const char *const force[AUVID_DOF_COUNT] = {"X", "Y", "Z", "K", "M", "N"};
+static const char *const velocity[AUVID_DOF_COUNT] = {"u", "v", "w", "p", "q", "r"};
 
 /* The same from the library's numbers. */
-static void json_reals(const char *key, const char *const *names, const auvid_real_t *value,
-                       uint32_t mask)
+static void json_reals(const result_t *result, const char *key, const char *const *names,
+                       const auvid_real_t *value, uint32_t mask)
 {
     double copy[AUVID_DOF_COUNT];
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         copy[j] = (double)value[j];
     }
-    json_dofs(key, names, copy, NULL, mask);
+    json_dofs(result, key, names, copy, NULL, mask);
 }
 
 static void json_dof_values(const result_t *result)
 {
     uint32_t driven = result->estimate.number > 0 ? result->estimate.driven : 0u;
-    json_reals("delay_s", force, result->estimate.delay_s, driven);
-    json_reals("r2_force", force, result->estimate.r2_force, driven);
-    json_dofs("r2_validation", velocity, result->r2, NULL,
+    json_reals(result, "delay_s", force, result->estimate.delay_s, driven);
+    json_reals(result, "r2_force", force, result->estimate.r2_force, driven);
+    json_dofs(result, "r2_validation", velocity, result->r2, NULL,
               result->has_validation ? result->validated : 0u);
     if (result->has_interval) {
-        json_dofs("r2_interval", velocity, result->r2_low, result->r2_high, result->validated);
+        json_dofs(result, "r2_interval", velocity, result->r2_low, result->r2_high,
+                  result->validated);
     }
 }
 
@@ -135,9 +138,10 @@ static void json_judgement(const result_t *result)
     }
     printf(",\n  \"judgement\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
            (unsigned)judged->estimate);
-    json_reals("variance_ratio", force, judged->variance_ratio, judged->driven);
-    json_reals("change", force, judged->change, judged->driven);
-    json_reals("r2_velocity", velocity, judged->r2_velocity, judged->simulated & judged->driven);
+    json_reals(result, "variance_ratio", force, judged->variance_ratio, judged->driven);
+    json_reals(result, "change", force, judged->change, judged->driven);
+    json_reals(result, "r2_velocity", velocity, judged->r2_velocity,
+               judged->simulated & judged->driven);
     printf(",\n  \"changed\": [");
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (judged->changed >> j & 1u) {

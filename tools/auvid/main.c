@@ -14,11 +14,11 @@
 static const char help[] =
     "auvid " AUVID_VERSION_STRING ": identify the dynamics of an underwater vehicle\n"
     "\n"
-    "usage: auvid demo [options]             identify a simulated Girona500, and check the result\n"
+    "usage: auvid demo [options]             identify a simulated vehicle, and check the result\n"
     "       auvid fit TRAIN.csv [options]    identify a vehicle from a recorded log\n"
 #ifdef __linux__
     "       auvid node --bus IF [options]    identify a vehicle on a CAN bus\n"
-    "       auvid vehicle --bus IF [options] be a simulated Girona500 on a CAN bus\n"
+    "       auvid vehicle --bus IF [options] be a simulated vehicle on a CAN bus\n"
     "       auvid replay FILE.log [options]  identify from a log of the bus (candump -L)\n"
 #endif
     "       auvid --help | --version\n"
@@ -29,8 +29,11 @@ static const char help[] =
     "  --json             print one JSON object instead of tables\n"
     "\n"
     "options of demo\n"
+    "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
+    "                     freedom, which holds roll and pitch\n"
     "  --sets K           sets of 30 s of excitation; default 8\n"
-    "  --disturbance N    rms of an unknown force on X, Y, Z [N], 0.4 of it [Nm] on N; default 0\n"
+    "  --disturbance N    rms of an unknown force on X, Y, Z [N], 0.4 of it [Nm] on N\n"
+    "                     (bluerov2: K, M, N); default 0\n"
     "  --lag S            first-order lag of the thrusters [s], which nobody tells the identifier\n"
     "  --runs R           seeds N .. N+R-1: error statistics over the runs (JSON: the other "
     "values\n"
@@ -46,11 +49,20 @@ static const char help[] =
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
     "  --bounds=LO,HI        of every parameter; default -1000,1000\n"
-    "  --bias                also a constant force on X and Y and a moment on N\n"
+    "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
+    "                        same, for a vehicle that is quicker than its DVL of 5 Hz)\n"
+    "  --fix NAME=VALUE      this parameter is known; as often as needed\n"
+    "  --free NAME,NAME,..   these are identified too\n"
+    "  --bias                also a constant force on X and Y and a moment on N (six degrees of\n"
+    "                        freedom: on K and M too)\n"
     "  --input hold|linear   an input holds until the next row (default), or runs straight to it:\n"
     "                        better where rows sample an input that changes between them\n"
-    "  --coupling auto|on|off  terms between degrees of freedom; auto: by cross-validation\n"
-    "\n"
+    "  --coupling auto|on|off  terms between degrees of freedom; auto: by cross-validation where\n"
+    "                        there is a model without them (girona500)\n"
+    "\n";
+
+/* The rest of it: C99 has no longer strings. */
+static const char more_help[] =
 #ifdef __linux__
     "options of node\n"
     "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
@@ -62,10 +74,10 @@ static const char help[] =
     "  --warm FILE        begin with it; where it cannot be used, a line says so\n"
     "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
     "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
-    "  --seed N, --json   as above\n"
+    "  --seed N, --vehicle NAME, --json   as above\n"
     "\n"
     "options of vehicle\n"
-    "  --bus IF, --seed N, --disturbance N, --realtime   as above\n"
+    "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --realtime   as above\n"
     "  --lock-step        go on when the node has done its tick, not after 20 ms\n"
     "  --no-arm           nobody arms the node; default: a second after it navigates\n"
     "  --arm-again        after an abort it is disarmed, and armed a second later\n"
@@ -73,7 +85,7 @@ static const char help[] =
     "  It ends when the node has been silent for 2 s.\n"
     "\n"
     "options of replay\n"
-    "  --seed N, --sets K, --warm FILE   those of the node that wrote the log\n"
+    "  --seed N, --sets K, --vehicle NAME, --warm FILE   those of the node that wrote the log\n"
     "  --csv FILE         write its motion and thrust as a log that fit reads\n"
     "  --json             as above\n"
     "\n"
@@ -118,6 +130,7 @@ int main(int count, char **argument)
     for (int i = 1; i < count; ++i) {
         if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) {
             fputs(help, stdout);
+            fputs(more_help, stdout);
             return report_finish(0);
         }
     }

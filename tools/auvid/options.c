@@ -164,6 +164,48 @@ static int common_option(reader_t *r, options_t *options)
     return -1;
 }
 
+static int take_vehicle(reader_t *r, options_t *options)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    options->vehicle = vehicle_named(text);
+    return options->vehicle != NULL
+               ? 0
+               : complain("%s: '%s' is not one of %s", r->name, text, vehicle_words);
+}
+
+/* --fix or --free: kept as given, as only the model knows its parameters' names. */
+static int take_choice(reader_t *r, options_t *options)
+{
+    if (options->choices == OPTIONS_CHOICES) {
+        return complain("fit: more than %d of --fix and --free", OPTIONS_CHOICES);
+    }
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    if ((strchr(text, '=') != NULL) != is(r, "--fix")) {
+        return complain("%s: '%s' is not %s", r->name, text,
+                        is(r, "--fix") ? "NAME=VALUE" : "NAME,NAME,..");
+    }
+    options->choice[options->choices++] = text;
+    return 0;
+}
+
+static int take_model(reader_t *r, options_t *options)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    options->model = vehicle_model(text);
+    return options->model != NULL
+               ? 0
+               : complain("%s: '%s' is not one of %s", r->name, text, vehicle_model_words);
+}
+
 static int demo_option(reader_t *r, options_t *options)
 {
     if (is(r, "--disturbance")) {
@@ -180,6 +222,9 @@ static int demo_option(reader_t *r, options_t *options)
     }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
+    }
+    if (is(r, "--vehicle")) {
+        return take_vehicle(r, options);
     }
     if (is(r, "--scenario")) {
         return take_value(r, &options->scenario);
@@ -211,6 +256,12 @@ static int fit_option(reader_t *r, options_t *options)
         options->coupling = (coupling_t)choice;
         return status;
     }
+    if (is(r, "--model")) {
+        return take_model(r, options);
+    }
+    if (is(r, "--fix") || is(r, "--free")) {
+        return take_choice(r, options);
+    }
     return complain("fit: unknown option %s (auvid --help lists them)", r->name);
 }
 
@@ -225,6 +276,9 @@ static int bus_option(reader_t *r, options_t *options)
     }
     if (is(r, "--realtime")) {
         return take_flag(r, &options->realtime);
+    }
+    if (is(r, "--vehicle")) {
+        return take_vehicle(r, options);
     }
     return -1;
 }
@@ -282,6 +336,9 @@ static int vehicle_option(reader_t *r, options_t *options)
 
 static int replay_option(reader_t *r, options_t *options)
 {
+    if (is(r, "--vehicle")) {
+        return take_vehicle(r, options);
+    }
     if (is(r, "--warm")) {
         return take_value(r, &options->warm);
     }
@@ -298,8 +355,13 @@ static int read_all(options_t *options, int count, char **argument, const char *
                     int (*own_option)(reader_t *, options_t *), const char **word)
 {
     reader_t r = {.count = count, .argument = argument};
-    *options = (options_t){
-        .seed = 1, .speed = 1, .disturbance_N = -1.0, .lower = -1000.0, .upper = 1000.0};
+    *options = (options_t){.seed = 1,
+                           .vehicle = &vehicle_girona500,
+                           .model = &auvid_girona500,
+                           .speed = 1,
+                           .disturbance_N = -1.0,
+                           .lower = -1000.0,
+                           .upper = 1000.0};
     while (next(&r)) {
         if (r.name == NULL) {
             if (word == NULL || *word != NULL) {
@@ -322,11 +384,12 @@ static int read_all(options_t *options, int count, char **argument, const char *
 /* A scenario has a plan of its own, and one run. */
 static int check_scenario(const options_t *options)
 {
-    const char *other = options->runs > 0      ? "--runs"
-                        : options->sets > 0    ? "--sets"
-                        : options->csv != NULL ? "--csv"
-                        : options->literal     ? "--literal"
-                                               : NULL;
+    const char *other = options->runs > 0                        ? "--runs"
+                        : options->sets > 0                      ? "--sets"
+                        : options->csv != NULL                   ? "--csv"
+                        : options->literal                       ? "--literal"
+                        : options->vehicle != &vehicle_girona500 ? "--vehicle"
+                                                                 : NULL;
     if (options->scenario != NULL && other != NULL) {
         return complain("demo: --scenario and %s do not go together", other);
     }
@@ -351,6 +414,9 @@ int options_fit(options_t *options, int count, char **argument)
     options->train = train;
     if (status == 0 && train == NULL) {
         return complain("fit: no TRAIN.csv given");
+    }
+    if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
+        return complain("fit: --coupling off is for the model girona500");
     }
     return status;
 }

@@ -8,14 +8,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "vehicles.h"
+
 /** Is the coupling between the degrees of freedom part of the model? */
 typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
+
+/** Most --fix and --free together. */
+enum { OPTIONS_CHOICES = 64 };
 
 /** Everything that can be chosen. */
 typedef struct {
     bool json;
     bool literal;
     uint64_t seed; /**< default 1 */
+    const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
 
     /* demo */
     double disturbance_N; /**< rms of the unmodelled force; default 0, in scenarios 1 */
@@ -32,6 +38,9 @@ typedef struct {
     bool bias;
     bool linear_input;
     coupling_t coupling;
+    const auvid_vehicle_t *model; /**< default Girona500 */
+    const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
+    int choices;
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus; /**< interface */

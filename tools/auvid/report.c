@@ -7,9 +7,19 @@
 
 #include "complain.h"
 
-const auvid_dof_t report_dof[MODELLED] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
 const char *const report_dof_name[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
                                                       "roll",  "pitch", "yaw"};
+
+int report_dofs(const auvid_vehicle_t *model, auvid_dof_t dof[AUVID_DOF_COUNT])
+{
+    int count = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (model->columns[j] != 0) {
+            dof[count++] = (auvid_dof_t)j;
+        }
+    }
+    return count;
+}
 
 const char *report_status(const result_t *result)
 {
@@ -39,9 +49,11 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
 
 void report_heard(result_t *result, const craft_t *craft)
 {
+    double truth[CRAFT_PARAMETERS];
+    craft_truth(craft, truth);
     result->has_truth = true;
-    for (int i = 0; i < PARAMETERS; ++i) {
-        result->truth[i] = craft->sim.config.parameter[i];
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        result->truth[i] = truth[i];
         if (craft->estimated >> i & 1u) {
             result->estimate.pi[i] = (auvid_real_t)craft->estimate[i];
             result->estimate.confidence.sigma[i] =
@@ -54,8 +66,8 @@ double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
 {
     double squares = 0.0;
     int count = 0;
-    for (int i = 0; i < PARAMETERS; ++i) {
-        if (estimate->identified >> i & 1u) {
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        if ((estimate->identified >> i & 1u) && truth[i] != 0.0) {
             double error = (double)estimate->pi[i] / truth[i] - 1.0;
             squares += error * error;
             ++count;
@@ -67,26 +79,34 @@ double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
 int report_identifiable(const auvid_estimate_t *estimate)
 {
     int count = 0;
-    for (int i = 0; i < PARAMETERS && estimate->number > 0; ++i) {
+    for (int i = 0; i < AUVID_MAX_PARAMETERS && estimate->number > 0; ++i) {
         count += (int)(estimate->confidence.identifiable >> i & 1u);
     }
     return count;
 }
 
 /* Where the inputs are commands, a force is measured in commands. */
+static const char *unit_in_commands(const auvid_parameter_t *parameter)
+{
+    bool moment = parameter->dof >= AUVID_ROLL;
+    switch (parameter->kind) {
+    case AUVID_PARAMETER_MASS:
+        return "cmd s2/m";
+    case AUVID_PARAMETER_LINEAR_DRAG:
+        return moment ? "cmd s" : "cmd s/m";
+    case AUVID_PARAMETER_QUADRATIC_DRAG:
+        return moment ? "cmd s2" : "cmd s2/m2";
+    case AUVID_PARAMETER_FORCE:
+        return "cmd";
+    default:
+        return "cmd s2";
+    }
+}
+
 const char *report_unit(const result_t *result, int i)
 {
-    static const char *const commands[AUVID_G500_COUNT] = {
-        [AUVID_G500_M_U] = "cmd s2/m",   [AUVID_G500_M_V] = "cmd s2/m",
-        [AUVID_G500_M_W] = "cmd s2/m",   [AUVID_G500_M_R] = "cmd s2",
-        [AUVID_G500_W_B] = "cmd",        [AUVID_G500_X_U] = "cmd s/m",
-        [AUVID_G500_X_UU] = "cmd s2/m2", [AUVID_G500_Y_V] = "cmd s/m",
-        [AUVID_G500_Y_VV] = "cmd s2/m2", [AUVID_G500_Z_W] = "cmd s/m",
-        [AUVID_G500_Z_WW] = "cmd s2/m2", [AUVID_G500_N_R] = "cmd s",
-        [AUVID_G500_N_RR] = "cmd s2",    [AUVID_G500_X_0] = "cmd",
-        [AUVID_G500_Y_0] = "cmd",        [AUVID_G500_Z_0] = "cmd",
-        [AUVID_G500_N_0] = "cmd"};
-    return result->in_commands ? commands[i] : result->vehicle->parameter[i].unit;
+    const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
+    return result->in_commands ? unit_in_commands(parameter) : parameter->unit;
 }
 
 bool report_is_identified(const result_t *result, int i)
@@ -101,11 +121,7 @@ bool report_is_driven(const result_t *result, auvid_dof_t j)
 
 bool report_is_modelled(const result_t *result, auvid_dof_t j)
 {
-    bool any = false;
-    for (int i = 0; i < result->vehicle->parameters; ++i) {
-        any = any || result->vehicle->parameter[i].dof == j;
-    }
-    return any;
+    return result->vehicle->columns[j] != 0;
 }
 
 /* Within a thousandth of the bounds' distance? */

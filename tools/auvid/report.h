@@ -9,9 +9,6 @@
 #include "craft.h"
 #include "story.h"
 
-/** The 13 parameters of Eq. 12-15. */
-enum { PARAMETERS = AUVID_G500_N_RR + 1 };
-
 /** Standard errors in the 95 % half-width that is shown: sets are few (see confidence.h). */
 #define HALF_WIDTH 2.1
 
@@ -22,7 +19,7 @@ typedef struct {
     uint32_t free;       /**< bit i: parameter i was to be identified */
     uint32_t work_most;  /**< units in any call of work */
     double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
-    double truth[PARAMETERS];
+    double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
     auvid_judgement_t judgement; /**< of the newest set */
@@ -38,23 +35,27 @@ typedef struct {
     bool has_validation, has_interval, has_r2_truth;
 } result_t;
 
-/** Many runs. */
+/** Many runs. Errors are relative to the truth; of a parameter whose truth is 0 they are absolute,
+ * and in no rms over parameters. */
 typedef struct {
     uint32_t runs;
+    int parameters; /**< identified; those of a truth that is not 0 */
+    int relative;
     double rms_percent, interval[2], worst_percent;
     uint32_t failed;
-    double parameter_rms[AUVID_G500_COUNT], parameter_worst[AUVID_G500_COUNT]; /**< [%] */
+    double parameter_rms[AUVID_MAX_PARAMETERS];   /**< [%], or [unit] */
+    double parameter_worst[AUVID_MAX_PARAMETERS]; /**< likewise */
     double evaluations_median, evaluations_p95;
     double r2_median[AUVID_DOF_COUNT], r2_truth_median[AUVID_DOF_COUNT];
     uint32_t known, covered[2]; /**< parameters with a standard error; within one of it, and two */
-    uint32_t identifiable, wrong; /**< flagged; of those, more than 20 % off */
+    /** flagged; of those, more than 20 % off, or four standard errors where the truth is 0 */
+    uint32_t identifiable, wrong;
     uint32_t work_most;
     bool capped; /**< some run did not converge */
 } campaign_t;
 
-/** Four degrees of freedom are modelled. */
-enum { MODELLED = 4 };
-extern const auvid_dof_t report_dof[MODELLED];
+/** The degrees of freedom that a model has. @return how many */
+int report_dofs(const auvid_vehicle_t *model, auvid_dof_t dof[AUVID_DOF_COUNT]);
 
 /** Another result beside or after the first one. */
 typedef struct {
@@ -75,11 +76,11 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
 /** What the simulated vehicle knows: the truth, and the estimate as it came in frames. */
 void report_heard(result_t *result, const craft_t *craft);
 
-/** Root mean square relative error of those of the 13 parameters that are identified [%]; 0 when
- * none is. */
+/** Root mean square relative error of the parameters that are identified and whose truth is not 0
+ * [%]; 0 when none is. */
 double report_rms_percent(const auvid_estimate_t *estimate, const double *truth);
 
-/** How many of the 13 parameters are identifiable. */
+/** How many parameters are identifiable. */
 int report_identifiable(const auvid_estimate_t *estimate);
 
 /** What is to be said about parameter i, in a few words; empty: nothing. */

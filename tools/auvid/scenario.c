@@ -104,11 +104,12 @@ static void tell_change(play_t *play)
 static void tell_estimate(play_t *play)
 {
     const auvid_estimate_t *e = &play->world.node[0].id.estimate;
+    double truth[CRAFT_PARAMETERS];
+    craft_truth(&play->world.craft, truth);
     story_tell(&play->story, world_time_s(&play->world),
                "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
                (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
-               report_rms_percent(e, play->world.craft.sim.config.parameter),
-               report_identifiable(e), PARAMETERS);
+               report_rms_percent(e, truth), report_identifiable(e), SIM_PARAMETERS);
 }
 
 static void tell_events(play_t *play)
@@ -184,7 +185,7 @@ static void run_to_end(play_t *play, uint32_t sets)
            world_time_s(&play->world) < end_s) {
         busy = advance(play);
     }
-    for (uint32_t k = 0; k < WORLD_LINGER_TICKS; ++k) {
+    for (uint32_t k = 0; k < vehicle_girona500.linger_ticks; ++k) {
         (void)advance(play);
     }
     report_gather(&play->result, &play->world.node[0].id, play->options->seed);
@@ -283,7 +284,7 @@ static void tell_worst(play_t *play)
     const result_t *result = &play->result;
     double worst = 0.0;
     int at = 0;
-    for (int i = 0; i < PARAMETERS; ++i) {
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
         double off = fabs((double)result->estimate.pi[i] - result->truth[i]);
         if (off / report_sigma(result, i) > worst) {
             worst = off / report_sigma(result, i);

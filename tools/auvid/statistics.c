@@ -50,7 +50,10 @@ bool tally_begin(tally_t *tally, uint32_t runs)
 /* Is the estimate as sure as it says? */
 static void count_coverage(campaign_t *c, const result_t *result)
 {
-    for (int i = 0; i < PARAMETERS; ++i) {
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        if (!(result->free >> i & 1u)) {
+            continue;
+        }
         double off = fabs((double)result->estimate.pi[i] - result->truth[i]);
         double sigma = report_sigma(result, i);
         bool sure = (result->estimate.confidence.identifiable >> i & 1u) != 0;
@@ -58,7 +61,8 @@ static void count_coverage(campaign_t *c, const result_t *result)
         c->covered[0] += isfinite(sigma) && off <= sigma;
         c->covered[1] += isfinite(sigma) && off <= 2.0 * sigma;
         c->identifiable += sure;
-        c->wrong += sure && !(off <= MISLEADING * fabs(result->truth[i]));
+        double most = result->truth[i] != 0.0 ? MISLEADING * fabs(result->truth[i]) : 4.0 * sigma;
+        c->wrong += sure && !(off <= most);
     }
 }
 
@@ -68,16 +72,26 @@ void tally_add(tally_t *tally, const result_t *result)
     const auvid_estimate_t *e = &result->estimate;
     bool capped = strcmp(report_status(result), "ok") != 0, failed = capped;
     double squares = 0.0;
-    for (int i = 0; i < PARAMETERS; ++i) {
-        double error = fabs((double)e->pi[i] / result->truth[i] - 1.0);
-        squares += error * error;
+    c->parameters = c->relative = 0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (!(result->free >> i & 1u)) {
+            continue;
+        }
+        auvid_parameter_kind_t kind = result->vehicle->parameter[i].kind;
+        bool mass = kind == AUVID_PARAMETER_MASS || kind == AUVID_PARAMETER_INERTIA;
+        bool relative = result->truth[i] != 0.0;
+        double error =
+            relative ? fabs((double)e->pi[i] / result->truth[i] - 1.0) : fabs((double)e->pi[i]);
+        ++c->parameters;
+        c->relative += relative;
+        squares += relative ? error * error : 0.0;
         c->parameter_rms[i] += error * error;
-        c->parameter_worst[i] = fmax(c->parameter_worst[i], 100.0 * error);
-        c->worst_percent = fmax(c->worst_percent, 100.0 * error);
-        failed = failed || (i <= AUVID_G500_M_R && !(error <= MASS_TOLERANCE));
+        c->parameter_worst[i] = fmax(c->parameter_worst[i], relative ? 100.0 * error : error);
+        c->worst_percent = fmax(c->worst_percent, relative ? 100.0 * error : 0.0);
+        failed = failed || (mass && !(error <= MASS_TOLERANCE));
     }
     count_coverage(c, result);
-    tally->square[c->runs] = squares / PARAMETERS;
+    tally->square[c->runs] = squares / c->relative;
     tally->evaluations[c->runs] = (double)e->evaluations_crs + (double)e->evaluations_line;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         tally->r2[j][c->runs] = result->r2[j];
@@ -107,7 +121,7 @@ static void bootstrap(const tally_t *tally, uint64_t seed, double interval[2])
     interval[1] = statistics_quantile(rms, RESAMPLES, 0.975);
 }
 
-void tally_finish(tally_t *tally, uint64_t seed)
+void tally_finish(tally_t *tally, const result_t *first, uint64_t seed)
 {
     campaign_t *c = &tally->sum;
     double sum = 0.0;
@@ -116,8 +130,9 @@ void tally_finish(tally_t *tally, uint64_t seed)
     }
     c->rms_percent = 100.0 * sqrt(sum / c->runs);
     bootstrap(tally, seed, c->interval);
-    for (int i = 0; i < PARAMETERS; ++i) {
-        c->parameter_rms[i] = 100.0 * sqrt(c->parameter_rms[i] / c->runs);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        double unit = first->truth[i] != 0.0 ? 100.0 : 1.0;
+        c->parameter_rms[i] = unit * sqrt(c->parameter_rms[i] / c->runs);
     }
     c->evaluations_median = statistics_quantile(tally->evaluations, c->runs, 0.5);
     c->evaluations_p95 = statistics_quantile(tally->evaluations, c->runs, 0.95);

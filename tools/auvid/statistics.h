@@ -17,7 +17,7 @@ double statistics_quantile(double *value, size_t n, double part);
 typedef struct {
     campaign_t sum; /**< what is reported, complete after tally_finish */
     size_t room;    /* runs */
-    double *square; /* mean squared relative error of the run's 13 parameters */
+    double *square; /* mean squared relative error of the run's parameters */
     double *evaluations;
     double *r2[AUVID_DOF_COUNT], *r2_truth[AUVID_DOF_COUNT];
     double *memory;
@@ -27,8 +27,9 @@ typedef struct {
 bool tally_begin(tally_t *tally, uint32_t runs);
 /** Add a run. */
 void tally_add(tally_t *tally, const result_t *result);
-/** Compute tally->sum; intervals by bootstrap over the runs, seeded. */
-void tally_finish(tally_t *tally, uint64_t seed);
+/** Compute tally->sum; intervals by bootstrap over the runs, seeded. first: any run, whose truth is
+ * that of all. */
+void tally_finish(tally_t *tally, const result_t *first, uint64_t seed);
 void tally_free(tally_t *tally);
 
 #endif

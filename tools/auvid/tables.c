@@ -15,6 +15,17 @@ static double error_percent(const result_t *result, int i)
     return 100.0 * ((double)result->estimate.pi[i] / result->truth[i] - 1.0);
 }
 
+/* Columns that names take. */
+static int name_width(const result_t *result)
+{
+    size_t width = 9;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        size_t length = strlen(result->vehicle->parameter[i].name);
+        width = (result->free >> i & 1u) && length > width ? length : width;
+    }
+    return (int)width;
+}
+
 static void print_number(int width, int digits, double x)
 {
     if (isfinite(x)) {
@@ -34,6 +45,17 @@ static char mark(const result_t *result, int i)
     return (c->implausible >> i & 1u) || report_is_at_bound(result, i) ? '!' : ' ';
 }
 
+/* Relative error of an estimate that is known; of a truth of 0 there is none. */
+static void print_error(const result_t *result, int i, int width, bool known)
+{
+    if (result->truth[i] == 0.0) {
+        printf("  %*s", width + 2, "-");
+    } else {
+        print_number(width, 2, known ? error_percent(result, i) : NAN);
+        printf(known ? " %%" : "  ");
+    }
+}
+
 /* Estimate, half-width, truth, error, note. */
 static void parameter_row(const result_t *result, int i)
 {
@@ -45,8 +67,7 @@ static void parameter_row(const result_t *result, int i)
     print_number(8, digits, HALF_WIDTH * report_sigma(result, i));
     if (result->has_truth) {
         print_number(9, 3, result->truth[i]);
-        print_number(6, 2, known ? error_percent(result, i) : NAN);
-        printf(known ? " %%" : "  ");
+        print_error(result, i, 6, known);
     }
     if (note[0] != '\0' || mark(result, i) != ' ') {
         printf("  %c %s", mark(result, i), note);
@@ -56,20 +77,22 @@ static void parameter_row(const result_t *result, int i)
 /* Estimate and error, of all sets and of the last one. */
 static void literal_row(const result_t *result, const result_t *last, int i)
 {
-    printf("  %10.3f  %10.3f  %8.2f %%    %10.3f  %8.2f %%", (double)result->estimate.pi[i],
-           result->truth[i], error_percent(result, i), (double)last->estimate.pi[i],
-           error_percent(last, i));
+    printf("  %10.3f  %10.3f", (double)result->estimate.pi[i], result->truth[i]);
+    print_error(result, i, 8, true);
+    printf("    %10.3f", (double)last->estimate.pi[i]);
+    print_error(last, i, 8, true);
 }
 
 static void heading(const result_t *result, const result_t *last, int width)
 {
+    int names = name_width(result);
     if (last != NULL) {
-        printf("  %-20s  %-34s    %s\n", "", "all sets", "last set only");
-        printf("  %-9s  %-*s  %10s  %10s  %10s    %10s  %10s\n", "parameter", width, "unit",
+        printf("  %-*s  %-34s    %s\n", names + 11, "", "all sets", "last set only");
+        printf("  %-*s  %-*s  %10s  %10s  %10s    %10s  %10s\n", names, "parameter", width, "unit",
                "estimate", "truth", "error", "estimate", "error");
         return;
     }
-    printf("  %-9s  %-*s  %10s  %8s", "parameter", width, "unit", "estimate", "+- 95 %");
+    printf("  %-*s  %-*s  %10s  %8s", names, "parameter", width, "unit", "estimate", "+- 95 %");
     if (result->has_truth) {
         printf("  %9s  %8s", "truth", "error");
     }
@@ -78,24 +101,32 @@ static void heading(const result_t *result, const result_t *last, int width)
 
 static void rms_row(const result_t *result, const result_t *last, int width)
 {
+    int names = name_width(result), zeros = 0;
     double rms = report_rms_percent(&result->estimate, result->truth);
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        zeros += (result->free >> i & 1u) && result->truth[i] == 0.0;
+    }
+    const char *note = zeros > 0 ? "  but for those that are 0" : "";
     if (last != NULL) {
-        printf("  %-9s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%\n", "rms", width, "", "", "",
-               rms, "", report_rms_percent(&last->estimate, last->truth));
+        printf("  %-*s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%%s\n", names, "rms", width, "",
+               "", "", rms, "", report_rms_percent(&last->estimate, last->truth), note);
     } else if (result->estimate.identified != 0) {
-        printf("  %-9s  %-*s  %10s  %8s  %9s  %6.2f %%\n", "rms", width, "", "", "", "", rms);
+        printf("  %-*s  %-*s  %10s  %8s  %9s  %6.2f %%%s\n", names, "rms", width, "", "", "", "",
+               rms, note);
     }
 }
 
 static void parameter_table(const result_t *result, const result_t *last)
 {
     int width = result->in_commands || last != NULL ? 9 : 7;
+    int names = name_width(result);
     heading(result, last, width);
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         if (!(result->free >> i & 1u)) {
             continue;
         }
-        printf("  %-9s  %-*s", result->vehicle->parameter[i].name, width, report_unit(result, i));
+        printf("  %-*s  %-*s", names, result->vehicle->parameter[i].name, width,
+               report_unit(result, i));
         if (last != NULL) {
             literal_row(result, last, i);
         } else {
@@ -126,15 +157,30 @@ static void missing_list(const result_t *result)
 }
 
 /* One line with a value for each modelled degree of freedom; "-" where mask has no bit. */
-static void dof_line(const char *title, int digits, const double *value, uint32_t mask)
+static void dof_line(const result_t *result, const char *title, int digits, const double *value,
+                     uint32_t mask)
 {
+    auvid_dof_t dof[AUVID_DOF_COUNT];
+    int dofs = report_dofs(result->vehicle, dof);
     printf("  %-34s", title);
-    for (int k = 0; k < MODELLED; ++k) {
-        if (mask >> report_dof[k] & 1u) {
-            printf("  %8.*f", digits, value[report_dof[k]]);
+    for (int k = 0; k < dofs; ++k) {
+        if (mask >> dof[k] & 1u) {
+            printf("  %8.*f", digits, value[dof[k]]);
         } else {
             printf("  %8s", "-");
         }
+    }
+    putchar('\n');
+}
+
+/* The words of the modelled degrees of freedom above such lines. */
+static void dof_heading(const result_t *result, const char *const word[AUVID_DOF_COUNT])
+{
+    auvid_dof_t dof[AUVID_DOF_COUNT];
+    int dofs = report_dofs(result->vehicle, dof);
+    printf("\n  %-34s", "");
+    for (int k = 0; k < dofs; ++k) {
+        printf("  %8s", word[dof[k]]);
     }
     putchar('\n');
 }
@@ -148,30 +194,33 @@ static void to_double(double *to, const auvid_real_t *from)
 
 static void dof_table(const result_t *result)
 {
+    static const char *const words[] = {"X, u", "Y, v", "Z, w", "K, p", "M, q", "N, r"};
     double value[AUVID_DOF_COUNT];
     uint32_t driven = result->estimate.driven;
-    printf("\n  %-34s  %8s  %8s  %8s  %8s\n", "", "X, u", "Y, v", "Z, w", "N, r");
+    dof_heading(result, words);
     to_double(value, result->estimate.delay_s);
-    dof_line("delay from input to response [s]", 3, value, driven);
+    dof_line(result, "delay from input to response [s]", 3, value, driven);
     if (result->estimate.lagged & driven) {
         printf("  %-34s", "  which is that of a");
-        for (int k = 0; k < MODELLED; ++k) {
-            bool lag = (result->estimate.lagged >> report_dof[k] & 1u) != 0;
-            printf("  %8s", driven >> report_dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
+        auvid_dof_t dof[AUVID_DOF_COUNT];
+        int dofs = report_dofs(result->vehicle, dof);
+        for (int k = 0; k < dofs; ++k) {
+            bool lag = (result->estimate.lagged >> dof[k] & 1u) != 0;
+            printf("  %8s", driven >> dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
         }
         putchar('\n');
     }
     to_double(value, result->estimate.r2_force);
-    dof_line("R2 of the force", 4, value, driven);
+    dof_line(result, "R2 of the force", 4, value, driven);
     if (result->has_validation) {
-        dof_line("R2 of held-out velocity", 4, result->r2, result->validated);
+        dof_line(result, "R2 of held-out velocity", 4, result->r2, result->validated);
     }
     if (result->has_interval) {
-        dof_line("  95 % interval from", 4, result->r2_low, result->validated);
-        dof_line("                to", 4, result->r2_high, result->validated);
+        dof_line(result, "  95 % interval from", 4, result->r2_low, result->validated);
+        dof_line(result, "                to", 4, result->r2_high, result->validated);
     }
     if (result->has_r2_truth) {
-        dof_line("  with the true parameters", 4, result->r2_truth, result->validated);
+        dof_line(result, "  with the true parameters", 4, result->r2_truth, result->validated);
     }
 }
 
@@ -186,11 +235,11 @@ static void judgement_lines(const result_t *result)
     printf("  the newest set, foretold before it was used%s\n",
            judged->changed ? ": THE VEHICLE HAS CHANGED" : "");
     to_double(value, judged->variance_ratio);
-    dof_line("  variance ratio of the force", 2, value, judged->driven);
+    dof_line(result, "  variance ratio of the force", 2, value, judged->driven);
     to_double(value, judged->change);
-    dof_line("  evidence of a change (yes: > 1)", 2, value, judged->driven);
+    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, judged->driven);
     to_double(value, judged->r2_velocity);
-    dof_line("  R2 of its velocity", 4, value, judged->simulated & judged->driven);
+    dof_line(result, "  R2 of its velocity", 4, value, judged->simulated & judged->driven);
 }
 
 static void guard_line(const result_t *result)
@@ -242,7 +291,7 @@ static void campaign_summary(const campaign_t *c, const char *title)
     printf("  coverage     %8.1f %%   within one standard error, %.1f %% within two\n",
            part(c->covered[0], c->known), part(c->covered[1], c->known));
     printf("  identifiable %8.1f %%   of all parameters; %u of %u more than 20 %% off\n",
-           part(c->identifiable, c->runs * PARAMETERS), (unsigned)c->wrong,
+           part(c->identifiable, c->runs * (uint32_t)c->parameters), (unsigned)c->wrong,
            (unsigned)c->identifiable);
     printf("  evaluations  %8.0f     median of the last search; 95 %% need at most %.0f\n",
            c->evaluations_median, c->evaluations_p95);
@@ -250,28 +299,54 @@ static void campaign_summary(const campaign_t *c, const char *title)
            AUVID_DEFAULT_BUDGET);
 }
 
+/* Of one parameter: relative, but absolute where the truth is 0. */
+static void campaign_errors(const result_t *first, const campaign_t *campaign, int i)
+{
+    if (first->truth[i] != 0.0) {
+        printf("  %8.2f %%  %8.2f %%", campaign->parameter_rms[i], campaign->parameter_worst[i]);
+    } else {
+        printf("  %8.3f    %8.3f  ", campaign->parameter_rms[i], campaign->parameter_worst[i]);
+    }
+}
+
 void report_campaign(const result_t *first, const campaign_t *campaign, const campaign_t *last)
 {
-    printf("  %-9s  %-9s  %10s  %10s  %10s", "parameter", "unit", "truth", "rms error", "worst");
+    static const char *const words[] = {"u", "v", "w", "p", "q", "r"};
+    char title[WORDS] = "  all sets";
+    int names = name_width(first);
+    printf("  %-*s  %-9s  %10s  %10s  %10s", names, "parameter", "unit", "truth", "rms error",
+           "worst");
     if (last != NULL) {
         printf("    %10s  %10s", "last set", "worst");
     }
     putchar('\n');
-    for (int i = 0; i < PARAMETERS; ++i) {
-        const auvid_parameter_t *p = &auvid_girona500.parameter[i];
-        printf("  %-9s  %-9s  %10.3f  %8.2f %%  %8.2f %%", p->name, p->unit, first->truth[i],
-               campaign->parameter_rms[i], campaign->parameter_worst[i]);
+    for (int i = 0; i < first->vehicle->parameters; ++i) {
+        const auvid_parameter_t *p = &first->vehicle->parameter[i];
+        if (!(first->free >> i & 1u)) {
+            continue;
+        }
+        printf("  %-*s  %-9s  %10.3f", names, p->name, p->unit, first->truth[i]);
+        campaign_errors(first, campaign, i);
         if (last != NULL) {
-            printf("    %8.2f %%  %8.2f %%", last->parameter_rms[i], last->parameter_worst[i]);
+            printf("  ");
+            campaign_errors(first, last, i);
         }
         putchar('\n');
     }
     putchar('\n');
-    campaign_summary(campaign, last == NULL ? "  13 parameters, all runs" : "  all sets");
+    if (last == NULL) {
+        int length =
+            snprintf(title, sizeof title, "  %d parameters, all runs", campaign->parameters);
+        if (campaign->relative < campaign->parameters) {
+            (void)snprintf(title + length, sizeof title - (size_t)length,
+                           "; errors of the %d that are not 0", campaign->relative);
+        }
+    }
+    campaign_summary(campaign, title);
     if (last != NULL) {
         campaign_summary(last, "\n  last set only");
     }
-    printf("\n  %-34s  %8s  %8s  %8s  %8s\n", "", "u", "v", "w", "r");
-    dof_line("R2 of held-out velocity, median", 4, campaign->r2_median, UINT32_MAX);
-    dof_line("  with the true parameters", 4, campaign->r2_truth_median, UINT32_MAX);
+    dof_heading(first, words);
+    dof_line(first, "R2 of held-out velocity, median", 4, campaign->r2_median, UINT32_MAX);
+    dof_line(first, "  with the true parameters", 4, campaign->r2_truth_median, UINT32_MAX);
 }

@@ -5,19 +5,16 @@
 /* Moment of the disturbance for its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
+static const vehicle_t *vehicle_of(const world_config_t *config)
+{
+    return config->vehicle == NULL ? &vehicle_girona500 : config->vehicle;
+}
+
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
 {
-    auvid_real_t amplitude[AUVID_DOF_COUNT] = {WORLD_FORCE_N,  WORLD_FORCE_N, WORLD_FORCE_N, 0, 0,
-                                               WORLD_MOMENT_NM};
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        amplitude[j] = (config->idle >> j & 1u) ? AUVID_C(0.0) : amplitude[j];
-    }
-    auvid_identifier_defaults(cfg, &auvid_girona500);
-    cfg->search.seed = config->seed;
-    cfg->allocation = auvid_allocation_girona500;
+    vehicle_identifier(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
+                       cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
-    (void)auvid_excitation_plan(&cfg->excitation, amplitude, WORLD_SET_S, config->sets,
-                                config->seed);
     if (config->literal) {
         cfg->recorder.cell_us = SIM_TICK_US;
         auvid_identifier_literal(cfg);
@@ -32,7 +29,7 @@ bool world_begin(world_t *world, const world_config_t *config)
     auvid_node_config_t node;
     auvid_identifier_config_t cfg;
     memset(world, 0, sizeof *world);
-    craft_defaults(&craft);
+    vehicle_craft(vehicle_of(config), &craft);
     craft.no_arm = config->no_arm;
     craft.sim.seed = config->seed;
     craft.sim.disturbance_N = config->disturbance_N;
@@ -76,13 +73,12 @@ static void note_excitation(world_t *world)
 {
     craft_t *craft = &world->craft;
     const sim_config_t *c = &craft->sim.config;
-    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
-    (void)auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
+    double force_N[SIM_THRUSTERS];
+    craft_commanded(craft, force_N);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         world->excitation[j] = 0.0;
-        for (int i = 0; i < SIM_THRUSTERS; ++i) {
-            world->excitation[j] +=
-                c->thruster_matrix[j][i] * (double)thrust[i] * c->thruster_max_N;
+        for (int i = 0; i < c->thrusters; ++i) {
+            world->excitation[j] += c->thruster_matrix[j][i] * force_N[i];
         }
     }
 }

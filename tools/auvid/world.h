@@ -2,29 +2,25 @@
  * @file world.h
  * A simulated vehicle and the node aboard it, over the bus in memory, one control tick at a time.
  *
- * The vehicle is the simulator's Girona500 (craft.h). All that passes between it and the node are
- * frames: sensors, feedback of the thrusters, the operator's orders and the tick one way, thruster
- * commands and estimates the other. In lock step: the node does a tick, then comes the next.
+ * The vehicle is the simulator's (craft.h), by default the Girona500. All that passes between it
+ * and the node are frames: sensors, feedback of the thrusters, the operator's orders and the tick
+ * one way, thruster commands and estimates the other. In lock step: the node does a tick, then
+ * comes the next.
  */
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H
 
 #include "auvid/node.h"
 #include "frames.h"
+#include "vehicles.h"
 
 /** Length of a set [s]. */
 #define WORLD_SET_S 30
 
-/** Amplitudes of the excitation [N, Nm]. */
-#define WORLD_FORCE_N 100
-#define WORLD_MOMENT_NM 40
-
-/** Ticks in which a node tells all that it knows twice: estimates take turns, one in five. */
-#define WORLD_LINGER_TICKS 130u
-
 typedef struct {
+    const vehicle_t *vehicle; /**< null: Girona500 */
     uint64_t seed;        /**< of sensors, disturbance, excitation and search */
-    double disturbance_N; /**< rms on X, Y, Z; 0.4 of it in Nm on N */
+    double disturbance_N; /**< rms on X, Y, Z; 0.4 of it in Nm on N (six DoF: on K, M, N) */
     double lag_s;         /**< of the thrusters */
     uint32_t sets;        /**< sets of excitation */
     bool literal;         /**< our reading of the paper's metric */

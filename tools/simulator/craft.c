@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/allocation.h"
 #include "auvid/guard.h"
 
 /* Ticks in a second. */
@@ -20,19 +19,34 @@ void craft_defaults(craft_config_t *config)
 {
     memset(config, 0, sizeof *config);
     sim_defaults(&config->sim);
+    config->allocation = &auvid_allocation_girona500;
 }
 
-static bool init_hover(craft_t *craft)
+void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS])
 {
+    const sim_config_t *c = &craft->sim.config;
+    memset(truth, 0, CRAFT_PARAMETERS * sizeof truth[0]);
+    if (c->model == SIM_FOSSEN) {
+        sim_fossen_parameters(&c->fossen, truth);
+    } else {
+        memcpy(truth, c->parameter, sizeof c->parameter);
+    }
+}
+
+static bool init_hover(craft_t *craft, const auvid_allocation_config_t *config)
+{
+    const sim_config_t *c = &craft->sim.config;
     auvid_allocation_t allocation;
     auvid_allocation_result_t result;
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
-    wrench[AUVID_HEAVE] = (auvid_real_t)-craft->sim.config.parameter[SIM_WB];
-    if (auvid_allocation_init(&allocation, &auvid_allocation_girona500) < 0 ||
+    wrench[AUVID_HEAVE] =
+        (auvid_real_t)(c->model == SIM_FOSSEN ? c->fossen.buoyancy_N - c->fossen.weight_N
+                                              : -c->parameter[SIM_WB]);
+    if (auvid_allocation_init(&allocation, config) < 0 ||
         auvid_allocation_solve(&allocation, wrench, &result) < 0) {
         return false;
     }
-    for (int i = 0; i < SIM_THRUSTERS; ++i) {
+    for (int i = 0; i < c->thrusters; ++i) {
         craft->hover_N[i] = (double)result.force_N[i];
     }
     return true;
@@ -43,9 +57,9 @@ bool craft_init(craft_t *craft, const craft_config_t *config)
     memset(craft, 0, sizeof *craft);
     craft->no_arm = config->no_arm;
     craft->arm_again = config->arm_again;
-    return sim_init(&craft->sim, &config->sim) && init_hover(craft) &&
+    return sim_init(&craft->sim, &config->sim) && init_hover(craft, config->allocation) &&
            auvid_can_sender_init(&craft->sender, NULL) >= 0 &&
-           auvid_can_command_init(&craft->command, SIM_THRUSTERS, NULL) >= 0;
+           auvid_can_command_init(&craft->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
 }
 
 static void hear(craft_t *craft, const auvid_can_message_t *m)
@@ -55,10 +69,11 @@ static void hear(craft_t *craft, const auvid_can_message_t *m)
     } else if (m->kind == AUVID_CAN_NAV_POSITION) {
         craft->navigates = true;
     } else if (m->kind == AUVID_CAN_ESTIMATE && m->absent == 0 &&
-               m->as.estimate.index < SIM_PARAMETERS) {
+               m->as.estimate.index < CRAFT_PARAMETERS) {
         craft->estimate[m->as.estimate.index] = (double)m->as.estimate.value;
         craft->estimated |= 1u << m->as.estimate.index;
-    } else if (m->kind == AUVID_CAN_ESTIMATE_SIGMA && m->as.estimate_sigma.index < SIM_PARAMETERS) {
+    } else if (m->kind == AUVID_CAN_ESTIMATE_SIGMA &&
+               m->as.estimate_sigma.index < CRAFT_PARAMETERS) {
         craft->sigma[m->as.estimate_sigma.index] =
             m->absent == 0 ? (double)m->as.estimate_sigma.sigma : HUGE_VAL;
     } else if (m->kind == AUVID_CAN_PROGRESS) {
@@ -85,15 +100,28 @@ void craft_take(craft_t *craft, const auvid_can_frame_t *frame)
 
 double craft_rms_percent(const craft_t *craft)
 {
-    double sum = 0.0;
-    if (craft->estimated != (1u << SIM_PARAMETERS) - 1u) {
-        return -1.0;
-    }
-    for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double e = craft->estimate[i] / craft->sim.config.parameter[i] - 1.0;
+    double truth[CRAFT_PARAMETERS], sum = 0.0;
+    int count = 0;
+    craft_truth(craft, truth);
+    for (int i = 0; i < CRAFT_PARAMETERS; ++i) {
+        if (truth[i] == 0.0) {
+            continue;
+        }
+        if (!(craft->estimated >> i & 1u)) {
+            return -1.0;
+        }
+        double e = craft->estimate[i] / truth[i] - 1.0;
         sum += e * e;
+        ++count;
     }
-    return 100.0 * sqrt(sum / SIM_PARAMETERS);
+    return 100.0 * sqrt(sum / count);
+}
+
+/* What a thruster does at most in a force's direction. */
+static double most_N(const craft_t *craft, double force)
+{
+    const sim_config_t *c = &craft->sim.config;
+    return force < 0.0 && c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
 }
 
 static void send(sending_t *s, const auvid_can_message_t *message)
@@ -182,8 +210,9 @@ static void send_feedback(sending_t *s)
     auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
     auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_B};
     double part[AUVID_CAN_THRUSTERS] = {0};
-    for (int i = 0; i < SIM_THRUSTERS; ++i) {
-        part[i] = s->craft->seen.thruster_N[i] / s->craft->sim.config.thruster_max_N;
+    for (int i = 0; i < s->craft->sim.config.thrusters; ++i) {
+        double force = s->craft->seen.thruster_N[i];
+        part[i] = force / most_N(s->craft, force);
     }
     copy(a.as.thruster_feedback_a.thrust, part, 4);
     copy(b.as.thruster_feedback_b.thrust, part + 4, 4);
@@ -212,19 +241,28 @@ static void send_orders(sending_t *s)
     craft->order_arm = craft->order_abort = false;
 }
 
-static void drive(craft_t *craft)
+bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS])
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    auvid_status_t status = auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
+    for (int i = 0; i < craft->sim.config.thrusters; ++i) {
+        double part = (double)thrust[i];
+        force_N[i] = part * most_N(craft, part);
+    }
+    return status == AUVID_OK;
+}
+
+static void drive(craft_t *craft)
+{
+    double asked[SIM_THRUSTERS];
     bool before = craft->commanded;
-    craft->commanded =
-        auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust) == AUVID_OK;
+    craft->commanded = craft_commanded(craft, asked);
     if (before && !craft->commanded) {
         ++craft->cuts;
         craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
     }
-    for (int i = 0; i < SIM_THRUSTERS; ++i) {
-        craft->force_N[i] =
-            craft->hover_N[i] + (double)thrust[i] * craft->sim.config.thruster_max_N;
+    for (int i = 0; i < craft->sim.config.thrusters; ++i) {
+        craft->force_N[i] = craft->hover_N[i] + asked[i];
     }
 }
 

@@ -12,6 +12,7 @@
 #ifndef CRAFT_H
 #define CRAFT_H
 
+#include "auvid/allocation.h"
 #include "auvid/can_receiver.h"
 #include "simulator.h"
 
@@ -22,8 +23,12 @@ extern "C" {
 /** Most frames of one tick. */
 enum { CRAFT_FRAMES = 12 };
 
+/** Most parameters that the node may tell. */
+enum { CRAFT_PARAMETERS = SIM_FOSSEN_PARAMETERS };
+
 typedef struct {
     sim_config_t sim;
+    const auvid_allocation_config_t *allocation; /**< default auvid_allocation_girona500 */
     bool no_arm;    /**< nobody arms the node */
     bool arm_again; /**< after an abort the operator disarms, and arms a second later */
 } craft_config_t;
@@ -44,8 +49,8 @@ typedef struct {
     uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
                                           thrust was zero */
     uint32_t cuts;                   /**< times that commands ended */
-    double estimate[SIM_PARAMETERS]; /**< told by the node last */
-    double sigma[SIM_PARAMETERS];    /**< likewise; infinite: not known */
+    double estimate[CRAFT_PARAMETERS]; /**< told by the node last */
+    double sigma[CRAFT_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;              /**< bit i: it has told parameter i */
     bool no_arm, arm_again;          /* of the configuration */
     bool navigates, armed;           /* the guard has left DISARMED */
@@ -62,8 +67,16 @@ bool craft_init(craft_t *craft, const craft_config_t *config);
 /** Take a frame off the bus; its time of arrival is the last tick's. */
 void craft_take(craft_t *craft, const auvid_can_frame_t *frame);
 
-/** Root mean square relative error of the estimates told [%]; negative: not all are there. */
+/** The true values of the model's parameters as the vehicle is now; beyond the last: 0. */
+void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS]);
+
+/** Root mean square relative error of the estimates told, but of those whose truth is 0 [%];
+ * negative: not all are there. */
 double craft_rms_percent(const craft_t *craft);
+
+/** Thrust that the node's commands ask for now. @param force_N [SIM_THRUSTERS] written.
+ * @return whether there are good commands */
+bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS]);
 
 /** Simulate a tick of 20 ms. @param frame [CRAFT_FRAMES] written: to be sent in this order.
  * @return how many */

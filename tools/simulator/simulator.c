@@ -4,7 +4,8 @@
  *   m_v v' = Y + m_w w p - m_u u r + (W-B) cos theta sin phi  + Y_v v + Y_vv |v| v
  *   m_w w' = Z + m_u u q - m_v v p + (W-B) cos theta cos phi  + Z_w w + Z_ww |w| w
  *   m_r r' = N + (m_u - m_v) u v                              + N_r r + N_rr |r| r
- * with roll and pitch as righted, damped pendulums, and Fossen's kinematics.
+ * with roll and pitch as righted, damped pendulums, and Fossen's kinematics. Or the six degrees of
+ * freedom of fossen.c.
  */
 #include "simulator.h"
 
@@ -29,23 +30,13 @@ static double drag(double linear, double quadratic, double x)
     return linear * x + quadratic * fabs(x) * x;
 }
 
-void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
-                    double derivative[12])
+/* nu' of the paper's vehicle. */
+static void girona500(const sim_config_t *config, const double euler[3], const double nu[6],
+                      const double wrench[6], double d[6])
 {
-    const double *m = config->parameter, *nu = state + NU;
-    double sf = sin(state[EULER]), cf = cos(state[EULER]);
-    double st = sin(state[EULER + 1]), ct = cos(state[EULER + 1]);
+    const double *m = config->parameter;
+    double sf = sin(euler[0]), cf = cos(euler[0]), st = sin(euler[1]), ct = cos(euler[1]);
     double wq_or_wp = nu[W] * (config->printed_eq13 ? nu[Q] : nu[P]);
-    double *d = derivative + NU, r[3][3];
-
-    sim_rotation(state + EULER, r);
-    for (int i = 0; i < 3; ++i) {
-        derivative[POSITION + i] =
-            r[i][0] * nu[U] + r[i][1] * nu[V] + r[i][2] * nu[W] + config->current[i];
-    }
-    derivative[EULER] = nu[P] + (sf * nu[Q] + cf * nu[R]) * st / ct;
-    derivative[EULER + 1] = cf * nu[Q] - sf * nu[R];
-    derivative[EULER + 2] = (sf * nu[Q] + cf * nu[R]) / ct;
 
     d[U] = (wrench[U] + m[SIM_M_V] * nu[V] * nu[R] - m[SIM_M_W] * nu[W] * nu[Q] - m[SIM_WB] * st +
             drag(m[SIM_X_U], m[SIM_X_UU], nu[U])) /
@@ -67,6 +58,28 @@ void sim_derivative(const sim_config_t *config, const double state[12], const do
             config->munk * (m[SIM_M_W] - m[SIM_M_U]) * nu[U] * nu[W] -
             drag(config->tilt_linear, config->tilt_quadratic, nu[Q])) /
            config->tilt_inertia;
+}
+
+void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
+                    double derivative[12])
+{
+    const double *nu = state + NU;
+    double sf = sin(state[EULER]), cf = cos(state[EULER]);
+    double st = sin(state[EULER + 1]), ct = cos(state[EULER + 1]), r[3][3];
+
+    sim_rotation(state + EULER, r);
+    for (int i = 0; i < 3; ++i) {
+        derivative[POSITION + i] =
+            r[i][0] * nu[U] + r[i][1] * nu[V] + r[i][2] * nu[W] + config->current[i];
+    }
+    derivative[EULER] = nu[P] + (sf * nu[Q] + cf * nu[R]) * st / ct;
+    derivative[EULER + 1] = cf * nu[Q] - sf * nu[R];
+    derivative[EULER + 2] = (sf * nu[Q] + cf * nu[R]) / ct;
+    if (config->model == SIM_FOSSEN) {
+        sim_fossen_acceleration(&config->fossen, state + EULER, nu, wrench, derivative + NU);
+    } else {
+        girona500(config, state + EULER, nu, wrench, derivative + NU);
+    }
 }
 
 void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h)
@@ -94,7 +107,7 @@ void sim_defaults(sim_config_t *config)
     static const double paper[SIM_PARAMETERS] = {
         249.5384, 367.7126,  659.9799, 74.9024,   -37.3058, -42.4181, -125.3578,
         -75.7673, -447.6195, -44.0561, -325.0138, -20.5833, -60.9373};
-    static const double girona500[6][SIM_THRUSTERS] = {[U] = {-1.0, -1.0},
+    static const double thrusters[6][SIM_THRUSTERS] = {[U] = {-1.0, -1.0},
                                                        [V] = {[4] = 1.0},
                                                        [W] = {[2] = -1.0, [3] = -1.0},
                                                        [Q] = {[2] = -0.35, [3] = 0.35},
@@ -108,6 +121,7 @@ void sim_defaults(sim_config_t *config)
                       .roll_arm_m = 0.05,
                       .pitch_arm_m = -0.08,
                       .position = {0.0, 0.0, 50.0},
+                      .thrusters = 5,
                       .thruster_max_N = 153.8,
                       .disturbance_s = 2.0,
                       .seabed_m = 80.0,
@@ -123,7 +137,7 @@ void sim_defaults(sim_config_t *config)
                       .gps_m = 1.5,
                       .gps_depth_m = 0.5};
     memcpy(c.parameter, paper, sizeof paper);
-    memcpy(c.thruster_matrix, girona500, sizeof girona500);
+    memcpy(c.thruster_matrix, thrusters, sizeof thrusters);
     *config = c;
 }
 
@@ -137,11 +151,67 @@ static bool all_finite(const double *x, size_t n)
     return true;
 }
 
+static bool vehicle_is_good(const sim_config_t *c)
+{
+    const sim_fossen_t *f = &c->fossen;
+    double m[6][6], x[6] = {0};
+    if (c->model != SIM_FOSSEN) {
+        return c->model == SIM_GIRONA500 && all_finite(c->parameter, SIM_PARAMETERS) &&
+               c->parameter[SIM_M_U] > 0.0 && c->parameter[SIM_M_V] > 0.0 &&
+               c->parameter[SIM_M_W] > 0.0 && c->parameter[SIM_M_R] > 0.0;
+    }
+    bool symmetric = true;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < i; ++j) {
+            symmetric = symmetric && f->added[i][j] == f->added[j][i];
+        }
+    }
+    sim_fossen_matrix(f, m);
+    return isfinite(f->weight_N) && isfinite(f->buoyancy_N) && all_finite(f->r_g, 3) &&
+           all_finite(f->r_b, 3) && all_finite(f->linear, 6) && all_finite(f->quadratic, 6) &&
+           all_finite(&m[0][0], 36) && symmetric && sim_solve(m, x);
+}
+
+/* The thrust of least effort that makes a wrench, f = T' (T T')^-1 tau, added to what is there.
+ * False: some wrench is out of reach. */
+static bool add_thrust(const sim_config_t *c, const double wrench[6], double force[SIM_THRUSTERS])
+{
+    const double(*t)[SIM_THRUSTERS] = c->thruster_matrix;
+    double square[6][6] = {{0}}, x[6];
+    memcpy(x, wrench, sizeof x);
+    for (int i = 0; i < 6; ++i) {
+        for (int k = 0; k < 6; ++k) {
+            for (int j = 0; j < c->thrusters; ++j) {
+                square[i][k] += t[i][j] * t[k][j];
+            }
+        }
+    }
+    if (!sim_solve(square, x)) {
+        return false;
+    }
+    for (int j = 0; j < c->thrusters; ++j) {
+        for (int i = 0; i < 6; ++i) {
+            force[j] += t[i][j] * x[i];
+        }
+    }
+    return true;
+}
+
+static bool thrusters_are_good(const sim_config_t *c)
+{
+    double none[6] = {0}, force[SIM_THRUSTERS] = {0};
+    bool hold = c->hold_Nm_rad > 0.0 || c->hold_Nms_rad > 0.0;
+    return c->thrusters >= 0 && c->thrusters <= SIM_THRUSTERS &&
+           all_finite(&c->thruster_matrix[0][0], 6 * SIM_THRUSTERS) &&
+           (!hold || add_thrust(c, none, force));
+}
+
 static bool config_is_good(const sim_config_t *c)
 {
-    const double not_negative[] = {c->thruster_max_N, c->lag_s,         c->disturbance_N,
-                                   c->disturbance_Nm, c->imu_angle_rad, c->imu_rate_rad_s,
-                                   c->dvl_m_s,        c->depth_m,       c->gps_m};
+    const double not_negative[] = {c->thruster_max_N, c->thruster_back_N, c->hold_Nm_rad,
+                                   c->hold_Nms_rad,   c->lag_s,           c->disturbance_N,
+                                   c->disturbance_Nm, c->imu_angle_rad,   c->imu_rate_rad_s,
+                                   c->dvl_m_s,        c->depth_m,         c->gps_m};
     const double finite[] = {c->tilt_linear, c->tilt_quadratic, c->tilt_righting, c->roll_arm_m,
                              c->pitch_arm_m, c->munk,           c->seabed_m,      c->dvl_yaw_rad,
                              c->dvl_range_m, c->gps_depth_m};
@@ -150,20 +220,17 @@ static bool config_is_good(const sim_config_t *c)
             return false;
         }
     }
-    return all_finite(finite, sizeof finite / sizeof finite[0]) &&
-           all_finite(c->parameter, SIM_PARAMETERS) && all_finite(c->position, 3) &&
+    return all_finite(finite, sizeof finite / sizeof finite[0]) && all_finite(c->position, 3) &&
            all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
-           all_finite(&c->thruster_matrix[0][0], 6 * SIM_THRUSTERS) &&
-           all_finite(c->dvl_arm_m, 3) && all_finite(c->depth_arm_m, 3) &&
-           c->parameter[SIM_M_U] > 0.0 && c->parameter[SIM_M_V] > 0.0 &&
-           c->parameter[SIM_M_W] > 0.0 && c->parameter[SIM_M_R] > 0.0 &&
-           isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
-           c->disturbance_s > 0.0;
+           all_finite(c->dvl_arm_m, 3) && all_finite(c->depth_arm_m, 3) && vehicle_is_good(c) &&
+           thrusters_are_good(c) && isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 &&
+           isfinite(c->disturbance_s) && c->disturbance_s > 0.0;
 }
 
 static double disturbance_rms(const sim_config_t *config, int dof)
 {
-    return dof < 3 ? config->disturbance_N : dof == R ? config->disturbance_Nm : 0.0;
+    bool unknown = dof == R || config->model == SIM_FOSSEN;
+    return dof < 3 ? config->disturbance_N : unknown ? config->disturbance_Nm : 0.0;
 }
 
 /* Velocity over ground and acceleration of the truth, from its state and forces. */
@@ -227,16 +294,16 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
 {
     const sim_config_t *c = &sim->config;
     sim_truth_t *t = &sim->truth;
-    double state[STATES], total[6], mean[SIM_THRUSTERS];
+    double state[STATES], total[6], mean[SIM_THRUSTERS] = {0};
     double keep = exp(-h / c->disturbance_s), renew = sqrt(-expm1(-2.0 * h / c->disturbance_s));
 
-    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+    for (int j = 0; j < c->thrusters; ++j) {
         mean[j] = lagged(&t->thruster_N[j], thruster_N[j], c->lag_s, h);
     }
     for (int i = 0; i < 6; ++i) {
         total[i] = lagged(&sim->direct[i], direct[i], c->lag_s, h) + t->disturbance[i];
         t->wrench[i] = sim->direct[i];
-        for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        for (int j = 0; j < c->thrusters; ++j) {
             total[i] += c->thruster_matrix[i][j] * mean[j];
             t->wrench[i] += c->thruster_matrix[i][j] * t->thruster_N[j];
         }
@@ -256,16 +323,32 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
     complete_truth(sim);
 }
 
-void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double wrench[6],
-              sim_output_t *out)
+/* What the thrusters are told: asked for, and what holds roll and pitch, within their limits. */
+static void command(const sim_t *sim, const double *thruster_N, double commanded[SIM_THRUSTERS])
+{
+    const sim_config_t *c = &sim->config;
+    const double *seen = sim->imu.value;
+    double hold[6] = {0}, back = c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
+    for (int j = 0; thruster_N != NULL && j < c->thrusters; ++j) {
+        commanded[j] = isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
+    }
+    if (c->hold_Nm_rad > 0.0 || c->hold_Nms_rad > 0.0) {
+        for (int i = 0; i < 2; ++i) {
+            hold[P + i] = -c->hold_Nm_rad * seen[i] - c->hold_Nms_rad * seen[3 + i];
+        }
+        (void)add_thrust(c, hold, commanded);
+    }
+    for (int j = 0; j < c->thrusters; ++j) {
+        commanded[j] = fmax(-back, fmin(c->thruster_max_N, commanded[j]));
+    }
+}
+
+void sim_step(sim_t *sim, const double *thruster_N, const double wrench[6], sim_output_t *out)
 {
     const sim_config_t *c = &sim->config;
     double commanded[SIM_THRUSTERS] = {0}, direct[6] = {0};
     memset(out, 0, sizeof *out);
-    for (int j = 0; thruster_N != NULL && j < SIM_THRUSTERS; ++j) {
-        double asked = isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
-        commanded[j] = fmax(-c->thruster_max_N, fmin(c->thruster_max_N, asked));
-    }
+    command(sim, thruster_N, commanded);
     if (wrench != NULL) {
         memcpy(direct, wrench, sizeof direct);
     }
@@ -276,14 +359,15 @@ void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double w
         sim_sensors_sample(sim, &before, &sim->truth);
     }
     out->t_us = sim->truth.t_us;
-    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+    for (int j = 0; j < c->thrusters; ++j) {
         out->thruster_N[j] = c->feedback_true ? sim->truth.thruster_N[j] : commanded[j];
     }
     for (int i = 0; i < 6; ++i) {
         out->wrench[i] = c->feedback_true ? sim->direct[i] : direct[i];
-        for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        for (int j = 0; j < c->thrusters; ++j) {
             out->wrench[i] += c->thruster_matrix[i][j] * out->thruster_N[j];
         }
     }
     sim_sensors_deliver(sim, out);
+    sim->imu = out->sensor[SIM_IMU].has ? out->sensor[SIM_IMU] : sim->imu;
 }

@@ -8,6 +8,11 @@
  * thrusters that saturate and may lag, a coloured force disturbance and a constant current.
  * Integrated by RK4 at 5 ms, four steps a tick of 20 ms; forces are constant within a step.
  *
+ * Another vehicle: `model` SIM_FOSSEN, six degrees of freedom with the textbook's matrices
+ * (fossen.c); sim_bluerov2() makes it a BlueROV2 Heavy. It may hold roll and pitch by its own
+ * thrusters as ArduSub does: what they do for it is in the feedback. Euler angles end at a pitch of
+ * 90 degrees, and so does what is simulated.
+ *
  * Current: the state is the velocity through the water, which is what the forces depend on. For a
  * constant irrotational current Eq. 12-15 hold in it unchanged (Fossen 2011, property 8.1);
  * positions move with the velocity over ground, R nu + current.
@@ -32,7 +37,7 @@ extern "C" {
 
 #define SIM_TICK_US 20000u
 #define SIM_SUBSTEPS 4
-#define SIM_THRUSTERS 5
+#define SIM_THRUSTERS 8 /* at most */
 /** Room for samples under way from one sensor: age_s * rate_hz must stay below this less one. */
 #define SIM_QUEUE 32
 
@@ -54,6 +59,21 @@ enum {
     SIM_PARAMETERS
 };
 
+/** The library's parameters of the 6-DoF model, in its order (fossen.h). */
+#define SIM_FOSSEN_PARAMETERS 32
+
+typedef enum { SIM_GIRONA500, SIM_FOSSEN } sim_model_t;
+
+/** The textbook's coefficients of a vehicle in six degrees of freedom (Fossen 2011). */
+typedef struct {
+    double mass_kg;
+    double inertia[3];              /**< I_x I_y I_z about the body's origin [kg m2] */
+    double weight_N, buoyancy_N;    /**< W and B */
+    double r_g[3], r_b[3];          /**< centres of gravity and buoyancy [m] */
+    double added[6][6];             /**< added mass, symmetric: -X_udot .. on its diagonal */
+    double linear[6], quadratic[6]; /**< drag; positive dissipates */
+} sim_fossen_t;
+
 typedef enum { SIM_IMU, SIM_DVL, SIM_DEPTH, SIM_GPS, SIM_SENSORS } sim_sensor_id_t;
 
 /** What the DVL locks on. */
@@ -73,7 +93,9 @@ typedef struct {
 
 typedef struct {
     uint64_t seed;                    /**< default 1 */
-    double parameter[SIM_PARAMETERS]; /**< default: the paper's values */
+    sim_model_t model;                /**< default SIM_GIRONA500 */
+    sim_fossen_t fossen;              /**< of SIM_FOSSEN; default: none */
+    double parameter[SIM_PARAMETERS]; /**< of SIM_GIRONA500; default: the paper's values */
     bool printed_eq13;                /**< m_w w q in Eq. 13, as printed; default false */
     /** Roll and pitch: inertia [kg m2], linear [Nm s] and quadratic [Nm s2] drag (positive
      * dissipates), righting moment at 90 degrees [Nm]. Defaults 80, 60, 40, 150. */
@@ -90,11 +112,17 @@ typedef struct {
     /** Body wrench per newton of each thruster; default Girona500's: X = -(t0 + t1), Y = t4,
      * Z = -(t2 + t3), M = 0.35 (t3 - t2), N = 0.4 (t1 - t0). */
     double thruster_matrix[6][SIM_THRUSTERS];
-    double thruster_max_N; /**< each way; default 153.8 */
+    int thrusters;          /**< how many there are, 0..SIM_THRUSTERS; default 5 */
+    double thruster_max_N;  /**< forwards; default 153.8 */
+    double thruster_back_N; /**< backwards; 0 (default): as forwards */
+    /** Thrusters turn roll and pitch back, with so many newton-metres per radian and per radian a
+     * second of what the IMU told last; default 0: they do not. All six degrees of freedom must be
+     * within the thrusters' reach then. */
+    double hold_Nm_rad, hold_Nms_rad;
     double lag_s;          /**< first-order lag of thrusters and wrench [s]; default 0: none */
     bool feedback_true;    /**< out.thruster_N: what acts; default false: what was commanded */
     double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
-    double disturbance_Nm; /**< rms in N; default 0 */
+    double disturbance_Nm; /**< rms in N; with SIM_FOSSEN in K and M too; default 0 */
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
     double seabed_m;       /**< depth of the bottom [m]; default 80 */
 
@@ -134,7 +162,7 @@ typedef struct {
 typedef struct {
     uint64_t t_us;                         /**< end of the tick */
     sim_measurement_t sensor[SIM_SENSORS]; /**< by sim_sensor_id_t */
-    double thruster_N[SIM_THRUSTERS];      /**< feedback, see feedback_true */
+    double thruster_N[SIM_THRUSTERS];      /**< feedback, see feedback_true; hold included */
     double wrench[6]; /**< wrench of the feedback thrust and of the wrench commanded [N, Nm] */
 } sim_output_t;
 
@@ -165,33 +193,46 @@ typedef struct {
     double direct[6]; /**< lagged wrench command */
     sim_rng_t disturbance;
     sim_sensor_t sensor[SIM_SENSORS];
+    sim_measurement_t imu; /* the last one */
 } sim_t;
 
 /** The defaults named above. */
 void sim_defaults(sim_config_t *config);
+
+/** Those of a BlueROV2 Heavy: coefficients and thrusters' places of von Benzon et al. 2022 in fresh
+ * water, T200s at 16 V, roll and pitch held; sensors as above. */
+void sim_bluerov2(sim_config_t *config);
 
 /** Start at time 0. False, and nothing done, when a field is outside its range or not finite. */
 bool sim_init(sim_t *sim, const sim_config_t *config);
 
 /**
  * Advance by one tick.
- * @param thruster_N commanded force of each thruster, clipped to +-thruster_max_N (not finite: 0);
- *                   null: none.
+ * @param thruster_N [thrusters] force commanded, clipped to what it can do (not finite: 0); null:
+ *                   none.
  * @param wrench     body wrench commanded directly [N, Nm], without limits; null: none. Neutral
  *                   trim takes Z = -(W-B).
  * @param out        written.
  */
-void sim_step(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double wrench[6],
-              sim_output_t *out);
+void sim_step(sim_t *sim, const double *thruster_N, const double wrench[6], sim_output_t *out);
 
 /* The parts, for tests and for other worlds. */
 
-/** Derivatives of [position, euler, nu] under a body wrench (Eq. 12-15, roll, pitch, kinematics).
- */
+/** Derivatives of [position, euler, nu] under a body wrench (the model's, and kinematics). */
 void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
                     double derivative[12]);
 /** One RK4 step of h seconds under a constant wrench. */
 void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h);
+/** M = M_RB + M_A. */
+void sim_fossen_matrix(const sim_fossen_t *vehicle, double m[6][6]);
+/** nu' under a body wrench. */
+void sim_fossen_acceleration(const sim_fossen_t *vehicle, const double euler[3], const double nu[6],
+                             const double wrench[6], double nu_dot[6]);
+/** What the library's model calls its parameters. */
+void sim_fossen_parameters(const sim_fossen_t *vehicle, double p[SIM_FOSSEN_PARAMETERS]);
+/** Solve a x = b; a is overwritten, x is b before. False: the symmetric a is not positive definite.
+ */
+bool sim_solve(double a[6][6], double x[6]);
 /** Body to world. */
 void sim_rotation(const double euler[3], double r[3][3]);
 /** Stream `stream` of a seed; different streams are independent. */

@@ -84,6 +84,18 @@ typedef struct {
 extern const auvid_allocation_config_t auvid_allocation_girona500;
 #endif
 
+#if AUVID_MAX_THRUSTERS >= 8
+#define auvid_allocation_bluerov2_heavy                                                            \
+    AUVID_SIZED1(auvid_allocation_bluerov2_heavy, AUVID_MAX_THRUSTERS)
+/** BlueROV2 Heavy's eight T200, as von Benzon et al. 2022 (fossen.h) have them: four at
+ * (+-0.156, +-0.111, 0.085) m and 45 degrees to x, of which the front ones push ahead and inwards,
+ * the rear ones astern and inwards; four at (+-0.120, +-0.218, 0) m, which push up, down, down, up.
+ * In both groups: front starboard, front port, rear starboard, rear port. At 16 V 51.5 n |n|
+ * forward and 40.2 n |n| backward [N] (5.25 and 4.1 kgf), n = -1..1. All six DoF; yaw before the
+ * rest. */
+extern const auvid_allocation_config_t auvid_allocation_bluerov2_heavy;
+#endif
+
 /** No thruster, all gains 1, linear, yaw first. config: not null, else nothing is done. */
 void auvid_allocation_defaults(auvid_allocation_config_t *config);
 

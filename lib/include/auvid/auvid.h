@@ -11,6 +11,7 @@
 
 #include "auvid/nav.h"
 #include "auvid/excitation.h"
+#include "auvid/averaged.h"
 #include "auvid/fossen.h"
 #include "auvid/guard.h"
 #include "auvid/allocation.h"

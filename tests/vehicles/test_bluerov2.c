@@ -1,0 +1,239 @@
+/*
+ * All of BlueROV2 Heavy at once: six degrees of freedom excited for twelve minutes under an
+ * unmodelled force, through navigation, recorder, metric and search. Is what is called identifiable
+ * right?
+ *
+ * Right is an error of at most 5 % of the truth, or one that makes 1 % of the degree of freedom's
+ * rms wrench (that over the rms of what the parameter multiplies), whichever is more. Three of the
+ * 20 parameters are truly zero, the linear drags of sway, roll and yaw: nobody is to call these
+ * identifiable, and their rms error must be as small. Not one may be wrong in any run; the long
+ * form (AUVID_TEST_LONG) has 200.
+ *
+ * The vehicle holds roll and pitch by itself, 8 Nm/rad against 1.3 Nm/rad of its own, so that some
+ * newton-metres do not turn it over; what its thrusters do for it is in the wrench applied.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/averaged.h"
+#include "auvid/fossen.h"
+#include "chain.h"
+#include "unity.h"
+
+enum { N = AUVID_FOSSEN_COUNT, SETS = 8, SET_S = 90, TICKS_PER_S = 1000000 / SIM_TICK_US };
+
+static sim_t sim;
+static sim_config_t world;
+static auvid_identifier_t id;
+static auvid_identifier_config_t cfg;
+static auvid_averaged_t model;
+static double truth[SIM_FOSSEN_PARAMETERS];
+static double wrench_2[AUVID_DOF_COUNT], column_2[N]; /* sums of squares over a run */
+static double tilt;                                   /* largest |phi|, |theta| of a run [rad] */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* Roll and pitch swing in 2-3 s: their steps and sines are quicker than the plan's, and their
+ * rows pass a shorter filter. */
+static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {40, 40, 35, 5, 6, 6};
+    sim_bluerov2(&world);
+    world.seed = seed;
+    world.disturbance_N = 0.2;
+    world.disturbance_Nm = 0.08;
+    sim_fossen_parameters(&world.fossen, truth);
+    auvid_identifier_defaults(&cfg, vehicle);
+    cfg.allocation = auvid_allocation_bluerov2_heavy;
+    cfg.search.seed = seed;
+    cfg.metric.set_rows = 2 * SET_S;
+    cfg.metric.half_width[1] = 4;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        cfg.metric.tau_max[j] = amplitude[j];
+    }
+    cfg.guard.roll_max_rad = cfg.guard.pitch_max_rad = AUVID_C(1.2);
+    cfg.guard.yaw_rate_max = AUVID_C(3.0);
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&cfg.excitation, amplitude, SET_S, SETS, seed));
+    for (int i = 0; i < cfg.excitation.segments; ++i) {
+        auvid_segment_t *segment = &cfg.excitation.segment[i];
+        if (segment->dof >= AUVID_ROLL) {
+            segment->frequency_hz = AUVID_C(0.1);
+            segment->frequency_high_hz = AUVID_C(0.8);
+            segment->hold_min_s = 1;
+            segment->hold_max_s = 3;
+        }
+    }
+}
+
+/* Keep account of the truth: wrench, what each parameter multiplies in its own equation, tilt. */
+static void look(const double *wrench)
+{
+    auvid_sample_t s;
+    auvid_regressor_t y;
+    memset(&s, 0, sizeof s);
+    memset(&y, 0, sizeof y);
+    s.phi = (auvid_real_t)sim.truth.euler[0];
+    s.theta = (auvid_real_t)sim.truth.euler[1];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        s.nu[j] = (auvid_real_t)sim.truth.nu[j];
+        s.nu_dot[j] = (auvid_real_t)sim.truth.nu_dot[j];
+        wrench_2[j] += wrench[j] * wrench[j];
+    }
+    auvid_fossen.regressor(auvid_fossen.context, &s, &y);
+    for (int i = 0; i < N; ++i) {
+        double entry = (double)y.row[auvid_fossen.parameter[i].dof][i];
+        column_2[i] += entry * entry;
+    }
+    tilt = fmax(tilt, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
+}
+
+/* One tick: the wrench of the tick gone by, feedback of the thrusters, is applied from its
+ * beginning. @return the forces of the next */
+static void tick(const auvid_allocation_result_t *hover, double force[SIM_THRUSTERS])
+{
+    sim_output_t seen;
+    auvid_input_t in;
+    auvid_output_t out;
+    auvid_real_t wrench[AUVID_DOF_COUNT];
+    sim_step(&sim, force, NULL, &seen);
+    look(seen.wrench);
+    chain_sense(&seen, 0, &in);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        wrench[j] = (auvid_real_t)seen.wrench[j];
+    }
+    (void)auvid_identifier_applied(&id, in.t_us - SIM_TICK_US, wrench, NULL);
+    if (id.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+    TEST_ASSERT_EQUAL_STRING("", out.guard == AUVID_GUARD_ABORTED ? auvid_guard_cause_str(out.cause)
+                                                                  : "");
+    (void)auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET);
+    for (int i = 0; i < world.thrusters; ++i) {
+        force[i] = (double)(out.thruster_N[i] + hover->force_N[i]);
+    }
+}
+
+static void identify(uint64_t seed, const auvid_vehicle_t *vehicle)
+{
+    const auvid_real_t weight = auvid_bluerov2_heavy_benzon[AUVID_FOSSEN_W_B];
+    const auvid_real_t lift[AUVID_DOF_COUNT] = {0, 0, -weight, 0, 0, 0};
+    double force[SIM_THRUSTERS] = {0};
+    auvid_allocation_result_t hover;
+    configure(seed, vehicle);
+    TEST_ASSERT_TRUE(sim_init(&sim, &world));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&id.allocation, lift, &hover));
+    memset(wrench_2, 0, sizeof wrench_2);
+    memset(column_2, 0, sizeof column_2);
+    tilt = 0;
+    for (int k = 0; k < (SETS * SET_S + 6) * TICKS_PER_S; ++k) {
+        tick(&hover, force);
+    }
+    while (auvid_identifier_work(&id, 1000) == AUVID_PENDING) {
+    }
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FOSSEN_FREE, id.estimate.identified);
+}
+
+static double error_of(int i)
+{
+    return (double)id.estimate.pi[i] - truth[i];
+}
+
+static double allowed_error(int i)
+{
+    int j = (int)auvid_fossen.parameter[i].dof;
+    return fmax(0.05 * fabs(truth[i]), 0.01 * sqrt(wrench_2[j] / column_2[i]));
+}
+
+/* ---- what is called identifiable is right ---- */
+
+typedef struct {
+    double squares, allowed, worst; /* worst: of error over what is allowed */
+    int identifiable, wrong, small;
+} score_t;
+
+static void note(score_t *score, int i)
+{
+    bool identifiable = (id.estimate.confidence.identifiable >> i & 1u) != 0;
+    double allowed = allowed_error(i), error = fabs(error_of(i));
+    score->squares += error * error;
+    score->allowed += allowed;
+    score->small += id.estimate.confidence.note[i] == AUVID_NOTE_SMALL;
+    score->identifiable += identifiable;
+    score->wrong += identifiable && error > allowed;
+    score->worst = fmax(score->worst, error / allowed);
+}
+
+static void print(const score_t *score, int i, int runs)
+{
+    printf("%-10s %9.3f  %-8s rms error %8.4f, allowed %8.4f, worst %4.2f of it, identifiable in "
+           "%d of %d, small in %d\n",
+           auvid_fossen.parameter[i].name, truth[i] + 0.0, auvid_fossen.parameter[i].unit,
+           sqrt(score->squares / runs), score->allowed / runs, score->worst, score->identifiable,
+           runs, score->small);
+}
+
+static void test_what_is_called_identifiable_is_right(void)
+{
+    int runs = getenv("AUVID_TEST_LONG") != NULL ? 200 : 6, identifiable = 0, wrong = 0;
+    score_t score[N];
+    memset(score, 0, sizeof score);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_averaged_init(&model, &auvid_bluerov2_heavy, 100000, 200000));
+    for (int run = 1; run <= runs; ++run) {
+        identify((uint64_t)run, &model.vehicle);
+        TEST_ASSERT_TRUE(tilt < 1.2);
+        for (int i = 0; i < N; ++i) {
+            if (AUVID_FOSSEN_FREE >> i & 1u) {
+                note(&score[i], i);
+            }
+        }
+    }
+    for (int i = 0; i < N; ++i) {
+        if (AUVID_FOSSEN_FREE >> i & 1u) {
+            print(&score[i], i, runs);
+            identifiable += score[i].identifiable;
+            wrong += score[i].wrong;
+            TEST_ASSERT_EQUAL_INT(truth[i] == 0 ? 0 : runs, score[i].identifiable);
+            TEST_ASSERT_TRUE(score[i].squares / runs <= pow(score[i].allowed / runs, 2));
+        }
+    }
+    printf("%d runs: %d of %d identifiable, %d wrong\n", runs, identifiable, 20 * runs, wrong);
+    TEST_ASSERT_EQUAL_INT(0, wrong);
+}
+
+/* ---- the model of averages ---- */
+
+/* Same seeds, same motion: the difference is the model's alone. X_u is too large by 0.3 without. */
+static void test_averages_take_away_the_bias_of_linear_drag(void)
+{
+    enum { RUNS = 2 };
+    double plain = 0, averaged = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_averaged_init(&model, &auvid_bluerov2_heavy, 100000, 200000));
+    for (uint64_t seed = 101; seed <= 100 + RUNS; ++seed) {
+        identify(seed, &auvid_bluerov2_heavy);
+        plain += error_of(AUVID_FOSSEN_X_U) / RUNS;
+        identify(seed, &model.vehicle);
+        averaged += error_of(AUVID_FOSSEN_X_U) / RUNS;
+    }
+    printf("X_u: mean error %.3f plain, %.3f averaged, %d runs\n", plain, averaged, RUNS);
+    TEST_ASSERT_TRUE(averaged - plain > 0.2 && averaged - plain < 0.5);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_what_is_called_identifiable_is_right);
+    RUN_TEST(test_averages_take_away_the_bias_of_linear_drag);
+    return UNITY_END();
+}
