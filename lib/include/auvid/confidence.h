@@ -44,7 +44,8 @@ typedef enum {
     AUVID_NOTE_NOT_DRIVEN,  /**< its degree of freedom was not driven */
     AUVID_NOTE_COMBINATION, /**< only a combination with parameter `partner` is known */
     AUVID_NOTE_SMALL,       /**< too small to tell from zero, and known to be: with certainty its
-                                 force is below AUVID_CONFIDENCE_SMALL of the DoF's rms force */
+                                 force is below AUVID_CONFIDENCE_SMALL of the rms force, in every
+                                 DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
     AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass or a drag that
