@@ -35,6 +35,7 @@ USES = {
     "smoother": BASE,
     "vehicle": BASE,
     "fossen": BASE + " vehicle",
+    "current": BASE + " vehicle",
     "recorder": BASE,
     "crs": BASE,
     "line_search": BASE,

@@ -1,6 +1,6 @@
 /* Does the search find the optimum of a hull in a current? 15 parameters and the delay, not linear.
- * The oracle: the same cost over the stored rows (metric.h), computed again in double from Eq. 12-15
- * in moving water, and Levenberg-Marquardt from many starts, with the delay as it was found. */
+ * The oracle: the same cost over the stored rows (metric.h), computed again in double from Eq.
+ * 12-15 in moving water, and Levenberg-Marquardt from many starts, with the delay as found. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

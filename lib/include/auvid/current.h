@@ -8,15 +8,24 @@
  *
  *     nu_r = nu - R(eta)' c,    nu_r' = nu' + omega x R(eta)' c        (Fossen 2011, 8.3)
  *
- * and adds the components of c [m/s] to the hull's parameters. It is not linear in them: it takes
- * the metric's residual path, which needs memory for its rows (metric.h: `rows`; with one command,
- * 152 bytes a row).
+ * and adds the components of c [m/s] to the hull's parameters. It is not linear in them, so it
+ * takes the metric's residual path, which needs memory for its rows (metric.h: `rows`): 152 bytes
+ * each with AUVID_MAX_COMMANDS 1, 240 with 8; the nine sets of 60 that are usual, 80 or 127 KiB.
  *
- * Only a vehicle that turns tells a current from a constant force: in its own axes the one turns,
- * the other does not. The constant forces that a model does not have it takes for none, and a
- * vehicle that does not turn then finds c by drag alone; free them where a bias is possible.
+ * What tells a current from a constant force (a biased thruster, a cable): in the vehicle's axes
+ * the current turns when the vehicle does; and quadratic drag has its kink where velocity through
+ * the water is zero. With neither nothing does: a constant force that is free gets the note "only a
+ * combination with c_north" then. One that is not free is taken for what it is fixed at, zero as a
+ * rule. Surge must be driven, or sway where surge is not modelled: else c is not searched.
  *
- * Called before auvid_identifier_init. Cost of an evaluation: that of the hull, and three sincos.
+ * The search: Girona500's 13 parameters, c_north, c_east and the delay take about 1700 evaluations
+ * for the first set and 700 for a further one. Each costs as many units of work as there are rows,
+ * of 2.3k instructions of a Cortex-M4F each. At AUVID_DEFAULT_BUDGET a result over eight sets takes
+ * 50 s, longer than a set: give it 600 (12 s), or have a result every few sets. Whether the vehicle
+ * has changed is judged only where a result is of five sets or more. The delay is one shift, common
+ * to all degrees of freedom.
+ *
+ * Called before auvid_identifier_init. Cost of an evaluation: the hull's and 390 instructions.
  * Memory: sizeof(auvid_current_t). Where it is not used it is not linked.
  */
 #ifndef AUVID_CURRENT_H
@@ -50,9 +59,12 @@ typedef struct {
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down);
 
 /**
- * Bounds of the current for a search; those of the hull stay.
+ * Bounds for a search: of the current, and of the hull what its signs demand. Without these, drags
+ * that drive the vehicle in a current against the true one are a second, worse optimum, from which
+ * the search does not always find out.
  * @param most no component of the current is larger [m/s], > 0; 1, say
- * @param lower, upper [AUVID_MAX_PARAMETERS] written from c_north on
+ * @param lower, upper [AUVID_MAX_PARAMETERS] bounds so far; changed for the current, and
+ * for the hull's masses and inertias (not below zero) and drags (not above; signs as in types.h)
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (most not > 0);
  * AUVID_ERR_STATE (not initialised).
  */
