@@ -56,13 +56,13 @@ static bool acceleration(const void *context, const auvid_sample_t *sample, cons
                          auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     const auvid_current_t *current = context;
-    const auvid_vehicle_t *hull = current->hull;
+    const auvid_vehicle_t *vehicle = current->hull;
     auvid_sample_t water;
     auvid_real_t rate[3];
     through_water(current, sample, pi, &water, rate);
-    bool possible = hull->acceleration(hull->context, &water, pi, nu_dot);
+    bool possible = vehicle->acceleration(vehicle->context, &water, pi, nu_dot);
     for (int i = 0; i < 3; ++i) {
-        nu_dot[i] += hull->columns[i] != 0 ? rate[i] : AUVID_C(0.0);
+        nu_dot[i] += vehicle->columns[i] != 0 ? rate[i] : AUVID_C(0.0);
     }
     return possible;
 }

@@ -26,7 +26,8 @@
  * to all degrees of freedom.
  *
  * Called before auvid_identifier_init. Cost of an evaluation: the hull's and 390 instructions.
- * Memory: sizeof(auvid_current_t). Where it is not used it is not linked.
+ * Memory: sizeof(auvid_current_t). Where it is not used it is not linked. Not with
+ * AUVID_REGRESSOR_ONLY.
  */
 #ifndef AUVID_CURRENT_H
 #define AUVID_CURRENT_H
