@@ -18,7 +18,7 @@
 #ifdef __SANITIZE_ADDRESS__
 enum { SEEDS = 1, SEEDS_LONG = 2 };
 #else
-enum { SEEDS = 5, SEEDS_LONG = 100 };
+enum { SEEDS = 3, SEEDS_LONG = 100 };
 #endif
 enum { N = 13, NORTH = AUVID_G500_COUNT, EAST, SETS = 8, SET_ROWS = 60, RESAMPLES = 2000 };
 #define CURRENT_M_S 0.3
@@ -237,6 +237,7 @@ static void finish(void)
     while (world.node[0].id.metric.sets_recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);
         (void)world_work(&world, AUVID_DEFAULT_BUDGET);
+        TEST_ASSERT_EQUAL_HEX32(0, world.node[1].events & AUVID_EVENT_CHANGED);
     }
     for (int i = 0; i < 2; ++i) {
         while (auvid_identifier_work(&world.node[i].id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
@@ -342,7 +343,7 @@ static void test_in_a_current_the_error_is_within_1_5_times_that_without(void)
             1e3 * rms(all.current[0], n));
         double hull = ratio("the hull's model in still water", all.both[1], all.hull[0], n);
         double same = ratio("the same model in still water", all.both[1], all.both[0], n);
-        TEST_ASSERT_TRUE(n < 5 || (hull < 1.5 && same < 1.5));
+        TEST_ASSERT_TRUE(n < 3 || (hull < 1.5 && same < 1.5));
         TEST_ASSERT_TRUE(rms(all.both[1], n) < 0.1);
         TEST_ASSERT_TRUE(rms(all.current[1], n) < 0.01);
         TEST_ASSERT_TRUE(rms(all.hull[1], n) > 0.3);
@@ -360,6 +361,16 @@ static void test_in_a_current_all_is_identifiable(void)
         double off = (double)estimate->pi[i] - config.current[i - NORTH];
         TEST_ASSERT_TRUE(fabs(off) < 3.0 * (double)estimate->confidence.sigma[i]);
     }
+}
+
+/* The search takes longer than a set, so that sets 4 to 6 are judged by an estimate of the first:
+ * its noise is too uncertain for a verdict (here it would be wrong). */
+static void test_an_estimate_of_few_sets_raises_no_alarm(void)
+{
+    config.seed = 18;
+    begin();
+    finish();
+    TEST_ASSERT_TRUE(sqrt(square_error(1)) < 0.05);
 }
 
 /* Linear drag alone and biases free: X_u (u - c) - X_0. Only turning tells c from X_0. */
@@ -409,6 +420,7 @@ int main(void)
     RUN_TEST(test_the_search_is_bounded_by_the_current_and_by_the_signs_of_the_hull);
     RUN_TEST(test_in_a_current_the_error_is_within_1_5_times_that_without);
     RUN_TEST(test_in_a_current_all_is_identifiable);
+    RUN_TEST(test_an_estimate_of_few_sets_raises_no_alarm);
     RUN_TEST(test_a_vehicle_that_never_turns_cannot_tell_a_current_from_a_constant_force);
     RUN_TEST(test_one_that_turns_tells_it);
     return UNITY_END();
