@@ -206,6 +206,7 @@ static const row_t confidence[] = {
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
     BYTE(auvid_confidence_t, note, partner),
     REALS(auvid_confidence_t, noise, residual),
+    BYTE(auvid_confidence_t, sets, sets),
 };
 
 static const row_t estimate[] = {

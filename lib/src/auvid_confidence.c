@@ -273,7 +273,7 @@ static auvid_real_t pooled_variance(const job_t *c, const auvid_real_t *x)
 static void judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
-    auvid_real_t sets = (auvid_real_t)c->sets, largest = AUVID_C(0.0);
+    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0);
     int partner = i;
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, c->index[i]);
@@ -290,7 +290,7 @@ static void judge(job_t *c, int i)
         largest = auvid_max(largest, correlation);
     }
     auvid_real_t variance = pooled_variance(c, x);
-    if (c->sets > 1) {
+    if (c->result.sets > 1) {
         auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
@@ -417,7 +417,8 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         }
     }
     for (int age = 0; age < metric->cfg.sets; ++age) {
-        c->sets = (uint8_t)(c->sets + (metric->set[auvid_metric_slot(metric, age)].driven != 0));
+        bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
+        c->result.sets = (uint8_t)(c->result.sets + driven);
     }
     /* with delays taken, first what they cost: BOUND comes back here for the plain triangle */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

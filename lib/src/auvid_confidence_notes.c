@@ -96,11 +96,11 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
                                  : AUVID_NOTE_NOT_DRIVEN;
 }
 
-/* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of its DoF's rms wrench. */
-static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+/* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
+static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int j = (int)m->cfg.vehicle->parameter[i].dof, n = auvid_metric_order(m, j);
+    int n = auvid_metric_order(m, j);
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0), column = AUVID_C(0.0);
     for (int age = 0; age < m->cfg.sets; ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
@@ -114,8 +114,18 @@ static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
             column = auvid_triangle_norm(m->merged + m->factor_at[j], n, k);
         }
     }
-    auvid_real_t value = AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) / column;
-    return auvid_is_finite(value) ? value : AUVID_C(0.0);
+    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) / column;
+}
+
+/* The same in whichever driven DoF it matters most. */
+static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+{
+    auvid_real_t least = AUVID_LARGEST;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t value = small_in(c, i, j);
+        least = (c->metric->driven >> j & 1) && value < least ? value : least;
+    }
+    return least < AUVID_LARGEST ? least : AUVID_C(0.0);
 }
 
 static bool is_plausible(const auvid_confidence_job_t *c, int i)

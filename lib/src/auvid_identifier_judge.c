@@ -21,7 +21,8 @@
  * beyond LIMIT_DOF, among ENOUGH sets or more. Few large F make a large sum, so the same limits do
  * for two DoF as for four. Of 17570 unchanged sets at disturbances of 1 and 3 N the largest sum for
  * any of the DoF was 11.2 - 1 (10.7 - 1 for two), the largest F 9.2; the tails have a set in 1e5
- * beyond each limit. With four older sets, one new one came up to 20.8. */
+ * beyond each limit. With four older sets, one new one came up to 20.8; and so it is when the
+ * estimate, whose noise it is, is of four, as where the search takes longer than a set. */
 #define LIMIT_DOF AUVID_C(10.0)
 #define LIMIT_ONE AUVID_C(12.0)
 #define LIMIT_TWO AUVID_C(11.0)
@@ -126,12 +127,13 @@ static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
                           auvid_real_t share[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
+    bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
     auvid_real_t most = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.noise[j];
         auvid_real_t f =
             m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise);
-        bool known = auvid_metric_driven_sets(m, j, newest) + newest >= ENOUGH &&
+        bool known = enough && auvid_metric_driven_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->judgement.driven >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
         share[j] = excess / (LIMIT_DOF - AUVID_C(1.0));

@@ -21,6 +21,7 @@
 #include "auvid_metric.h"
 
 #define PARAMETER_STEP AUVID_C(0.01) /* relative */
+#define LEAST_STEP AUVID_C(1e-4)     /* smaller ones drown in rounding */
 #define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
 #define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
 #define LARGEST_ENTRY AUVID_C(1e15)  /* as when recording */
@@ -76,7 +77,8 @@ static auvid_real_t evaluate(auvid_metric_t *m, const auvid_row_t *row, int v,
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
     if (v > 0 && i < n) {
         auvid_real_t pi = m->pi[i];
-        step = auvid_abs(pi) > AUVID_C(0.0) ? PARAMETER_STEP * auvid_abs(pi) : ZERO_STEP;
+        step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), LEAST_STEP)
+                                            : ZERO_STEP;
         m->pi[i] = pi + sign * step;
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
         auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);

@@ -36,6 +36,7 @@ USES = {
     "vehicle": BASE,
     "fossen": BASE + " vehicle",
     "averaged": BASE + " vehicle",
+    "current": BASE + " vehicle",
     "recorder": BASE,
     "crs": BASE,
     "line_search": BASE,

@@ -73,6 +73,7 @@ static void flash_write(const uint8_t *page, uint32_t bytes)
 void control_init(void);
 void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
+auvid_status_t configure_in_current(auvid_identifier_config_t *cfg);
 void plan(auvid_identifier_config_t *cfg);
 bool begin(void);
 #include "example.c"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auvid/current.h"
 #include "commands.h"
 #include "complain.h"
 #include "report.h"
@@ -26,6 +27,7 @@ enum { PAYLOAD_SETS = 16 };
 #define DRAG_FACTOR 1.3
 
 #define CURRENT_M_S 0.3
+enum { ROWS = 60 }; /* of a set */
 
 typedef struct {
     const options_t *options;
@@ -41,6 +43,9 @@ typedef struct {
     double after_abort;             /* largest excitation since the guard aborted */
     double farthest_m;              /* in truth, from the start, horizontally */
     bool changed;                   /* a change was found */
+
+    auvid_current_t current; /* of the second node, which searches the current as well */
+    auvid_row_t rows[(AUVID_MAX_SETS + 1) * ROWS];
 } play_t;
 
 /* ---- telling ---- */
@@ -297,15 +302,50 @@ static void tell_worst(play_t *play)
                (double)result->estimate.pi[at] - result->truth[at], worst, play->farthest_m);
 }
 
+/* A second node hears the same frames, and searches the current with the parameters. */
+static bool listen_for_current(play_t *play, world_config_t config)
+{
+    auvid_identifier_config_t cfg;
+    auvid_current_t *to = &play->current;
+    config.seed = play->options->seed;
+    world_identifier(&cfg, &config);
+    if (auvid_current_init(to, &auvid_girona500, false) < 0) {
+        return false;
+    }
+    cfg.vehicle = &to->vehicle;
+    cfg.metric.free = to->vehicle.free;
+    cfg.metric.rows = play->rows;
+    cfg.metric.set_rows = ROWS;
+    return auvid_current_bounds(to, 1, cfg.search.lower, cfg.search.upper) == AUVID_OK &&
+           world_listen(&play->world, &cfg);
+}
+
+static void tell_current(play_t *play)
+{
+    const auvid_estimate_t *e = &play->world.node[1].id.estimate;
+    int north = play->current.hull->parameters;
+    double rms = report_rms_percent(e, play->world.craft.sim.config.parameter);
+    double half[2];
+    for (int i = 0; i < 2; ++i) {
+        half[i] = HALF_WIDTH * (double)e->confidence.sigma[north + i];
+    }
+    story_tell(
+        &play->story, world_time_s(&play->world),
+        "bottom lock, the current searched as well: rms error %.2f %%; c_north %.3f +- %.3f, "
+        "c_east %.3f +- %.3f m/s",
+        rms, (double)e->pi[north], half[0], (double)e->pi[north + 1], half[1]);
+}
+
 static bool current(play_t *play)
 {
     world_config_t config = {.current = {CURRENT_M_S, 0.0, 0.0}};
-    if (!begin(play, config)) {
+    if (!begin(play, config) || !listen_for_current(play, config)) {
         return false;
     }
     story_tell(&play->story, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is taken for motion");
     run_to_end(play, play->options->sets);
     tell_worst(play);
+    tell_current(play);
     bool bottom = play->result.guard != AUVID_GUARD_ABORTED;
     play->other = play->result;
     play->other_key = "bottom_lock";

@@ -9,6 +9,7 @@
 #include "auvid/types.h"
 #include "auvid/selftest.h"
 
+#include "auvid/current.h"
 #include "auvid/nav.h"
 #include "auvid/excitation.h"
 #include "auvid/averaged.h"

@@ -44,7 +44,8 @@ typedef enum {
     AUVID_NOTE_NOT_DRIVEN,  /**< its degree of freedom was not driven */
     AUVID_NOTE_COMBINATION, /**< only a combination with parameter `partner` is known */
     AUVID_NOTE_SMALL,       /**< too small to tell from zero, and known to be: with certainty its
-                                 force is below AUVID_CONFIDENCE_SMALL of the DoF's rms force */
+                                 force is below AUVID_CONFIDENCE_SMALL of the rms force, in every
+                                 DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
     AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass or a drag that
@@ -65,6 +66,7 @@ typedef struct {
                                                    identifiable ones */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< AUVID_NOTE_COMBINATION: the other parameter */
+    uint8_t sets;                             /**< data sets that it is made of */
     auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
                                               make the parameters as uncertain [N, Nm]; 0: DoF not
                                               driven */
@@ -94,7 +96,7 @@ typedef struct {
     auvid_real_t rows[AUVID_DOF_COUNT];
     uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
     uint8_t index[AUVID_MAX_PARAMETERS]; /* and back */
-    uint8_t n, sets, paid, phase, at_set, at_dof, at_row;
+    uint8_t n, paid, phase, at_set, at_dof, at_row;
     bool delayed; /* some delay was estimated: what it costs is being found */
 } auvid_confidence_job_t;
 
