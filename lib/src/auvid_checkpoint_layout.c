@@ -204,9 +204,8 @@ static const row_t guard[] = {
 static const row_t confidence[] = {
     REALS(auvid_confidence_t, sigma, sigma),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
-    BYTE(auvid_confidence_t, note, partner),
+    BYTE(auvid_confidence_t, note, sets),
     REALS(auvid_confidence_t, noise, residual),
-    BYTE(auvid_confidence_t, sets, sets),
 };
 
 static const row_t estimate[] = {
