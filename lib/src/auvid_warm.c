@@ -14,6 +14,7 @@
 
 #include <string.h>
 
+#include "auvid_checksum.h"
 #include "auvid_identifier.h"
 #include "auvid_math.h"
 #include "auvid_metric.h"
@@ -31,37 +32,6 @@
 
 enum { MODEL = 4, KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
 
-/* CRC-32 (ISO-HDLC), a byte more. */
-static uint32_t crc(uint32_t c, uint8_t byte)
-{
-    c ^= byte;
-    for (int k = 0; k < 8; ++k) {
-        c = (c >> 1) ^ (0xEDB88320u & (0u - (c & 1u)));
-    }
-    return c;
-}
-
-static void put_word(uint8_t *record, uint32_t word)
-{
-    for (int k = 0; k < 4; ++k) {
-        record[k] = (uint8_t)(word >> 8 * k);
-    }
-}
-
-static uint32_t get_word(const uint8_t *record)
-{
-    return record[0] | (uint32_t)record[1] << 8 | (uint32_t)record[2] << 16 |
-           (uint32_t)record[3] << 24;
-}
-
-static uint32_t bits_of(auvid_real_t x)
-{
-    float single = (float)x;
-    uint32_t bits;
-    memcpy(&bits, &single, sizeof bits);
-    return bits;
-}
-
 static auvid_real_t real_of(uint32_t bits)
 {
     float single;
@@ -69,44 +39,9 @@ static auvid_real_t real_of(uint32_t bits)
     return (auvid_real_t)single;
 }
 
-static uint32_t crc_word(uint32_t c, uint32_t word)
-{
-    uint8_t bytes[4];
-    put_word(bytes, word);
-    for (int k = 0; k < 4; ++k) {
-        c = crc(c, bytes[k]);
-    }
-    return c;
-}
-
-static uint32_t crc_name(uint32_t c, const char *name)
-{
-    for (; name != NULL && *name != '\0'; ++name) { /* a model may have none */
-        c = crc(c, (uint8_t)*name);
-    }
-    return crc(c, 0);
-}
-
-/* What must be the same for the parameters to mean the same. */
-static uint32_t checksum_of_model(const auvid_metric_config_t *cfg)
-{
-    const auvid_vehicle_t *vehicle = cfg->vehicle;
-    uint32_t all = UINT32_MAX >> (32 - vehicle->parameters);
-    uint32_t free = cfg->free == 0 ? all : cfg->free & all, c = crc_name(UINT32_MAX, vehicle->name);
-    for (int i = 0; i < vehicle->parameters; ++i) {
-        c = crc_name(crc_name(c, vehicle->parameter[i].name), vehicle->parameter[i].unit);
-        c = crc_word(c, free >> i & 1u ? 0u : bits_of(cfg->fixed[i]));
-    }
-    return crc_word(c, free);
-}
-
 static uint32_t checksum_of_record(const uint8_t *record)
 {
-    uint32_t c = UINT32_MAX;
-    for (int k = 0; k < CHECK; ++k) {
-        c = crc(c, record[k]);
-    }
-    return ~c;
+    return ~auvid_checksum(UINT32_MAX, record, CHECK);
 }
 
 /* 0: the DoF is not known. */
@@ -132,36 +67,36 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     }
     uint32_t known = 0;
     memset(record, 0, AUVID_WARM_BYTES);
-    put_word(record, MAGIC);
-    put_word(record + MODEL, checksum_of_model(&id->metric.cfg));
+    auvid_put_word(record, MAGIC);
+    auvid_put_word(record + MODEL, auvid_checksum_of_model(&id->metric.cfg));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        put_word(record + COLOUR + 4 * j, bits_of(colour(&e->confidence, j)));
+        auvid_put_word(record + COLOUR + 4 * j, auvid_single_bits(colour(&e->confidence, j)));
     }
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_real_t sigma = e->confidence.sigma[i];
         bool has = (e->identified >> i & 1u) && sigma > AUVID_C(0.0) && sigma < MOST_SIGMA &&
                    colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
-        uint32_t upper = has ? (bits_of(sigma) + 0xFFFFu) >> 16 : 0u;
+        uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;
-        put_word(record + VALUE + 4 * i, bits_of(e->pi[i]));
+        auvid_put_word(record + VALUE + 4 * i, auvid_single_bits(e->pi[i]));
         record[SIGMA + 2 * i] = (uint8_t)upper;
         record[SIGMA + 2 * i + 1] = (uint8_t)(upper >> 8);
     }
-    put_word(record + KNOWN, known);
-    put_word(record + CHECK, checksum_of_record(record));
+    auvid_put_word(record + KNOWN, known);
+    auvid_put_word(record + CHECK, checksum_of_record(record));
     return AUVID_OK;
 }
 
 static void read_memory(const uint8_t *record, int parameters, auvid_memory_t *memory)
 {
     memset(memory, 0, sizeof *memory);
-    memory->known = get_word(record + KNOWN);
+    memory->known = auvid_get_word(record + KNOWN);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory->colour[j] = real_of(get_word(record + COLOUR + 4 * j));
+        memory->colour[j] = real_of(auvid_get_word(record + COLOUR + 4 * j));
     }
     for (int i = 0; i < parameters; ++i) {
         uint32_t upper = record[SIGMA + 2 * i] | (uint32_t)record[SIGMA + 2 * i + 1] << 8;
-        memory->pi[i] = real_of(get_word(record + VALUE + 4 * i));
+        memory->pi[i] = real_of(auvid_get_word(record + VALUE + 4 * i));
         memory->sigma[i] = AGED * real_of(upper << 16);
     }
 }
@@ -210,10 +145,11 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     if (bytes != AUVID_WARM_BYTES) {
         return AUVID_ERR_SIZE;
     }
-    if (get_word(record) != MAGIC || get_word(record + CHECK) != checksum_of_record(record)) {
+    if (auvid_get_word(record) != MAGIC ||
+        auvid_get_word(record + CHECK) != checksum_of_record(record)) {
         return AUVID_ERR_CHECKSUM;
     }
-    if (get_word(record + MODEL) != checksum_of_model(&id->metric.cfg)) {
+    if (auvid_get_word(record + MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
         return AUVID_ERR_MODEL;
     }
     auvid_memory_t memory;

@@ -46,7 +46,9 @@ USES = {
 }
 USES["identifier"] = " ".join(USES)
 USES["can"] = BASE  # beside the identifier: neither knows the other
+USES["checksum"] = BASE + " metric vehicle"  # of records: the control tick does without
 USES["warm"] = " ".join(USES)
+USES["checkpoint"] = " ".join(USES)
 USES["node"] = " ".join(USES)
 USES["auvid"] = " ".join(USES)
 

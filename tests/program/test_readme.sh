@@ -61,6 +61,15 @@ static void telemetry(const auvid_estimate_t *estimate)
     last = *estimate;
 }
 
+static uint8_t flash[1 << 15];
+static uint32_t flashed;
+
+static void flash_write(const uint8_t *page, uint32_t bytes)
+{
+    memcpy(flash + flashed, page, bytes);
+    flashed += bytes;
+}
+
 void control_init(void);
 void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
@@ -110,12 +119,28 @@ static void tick(void)
     sim_step(&sim, NULL, wrench, &sensed);
 }
 
+/* A checkpoint, and then the power fails. */
+static void restart(void)
+{
+    save();
+    while (!save_on()) {
+    }
+    memset(&id, 0, sizeof id);
+    control_init();
+    if (!go_on(flash, flashed)) {
+        fault("restart");
+    }
+}
+
+static int restart_at = -1;
+
 /* A pilot drives for four sets. */
 static bool pilot(const auvid_real_t *amplitude)
 {
     auvid_excitation_config_t sequence;
     auvid_excitation_t stick;
     sim_init(&sim, &world);
+    memset(driven, 0, sizeof driven);
     auvid_excitation_defaults(&sequence);
     auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
     auvid_excitation_init(&stick, &sequence);
@@ -125,6 +150,9 @@ static bool pilot(const auvid_real_t *amplitude)
         auvid_excitation_step(&stick, sensed.t_us, driven);
         driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         control_tick(sensed.t_us);
+        if (k == restart_at) {
+            restart();
+        }
     }
     return last.sets == 4;
 }
@@ -132,8 +160,18 @@ static bool pilot(const auvid_real_t *amplitude)
 static int passive(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    static auvid_estimate_t first;
     control_init();
-    return pilot(amplitude) ? judge() : 1;
+    if (!pilot(amplitude)) {
+        return 1;
+    }
+    first = last;
+    restart_at = 3100;
+    control_init();
+    if (!pilot(amplitude) || memcmp(first.pi, last.pi, sizeof first.pi) != 0) {
+        fault("another estimate after a restart");
+    }
+    return judge();
 }
 
 static int own_vehicle(void)
@@ -182,7 +220,7 @@ check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
-check "README's example identifies a vehicle that somebody else drives" ./example
+check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 

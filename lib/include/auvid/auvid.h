@@ -26,6 +26,7 @@
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
 #include "auvid/warm.h"
+#include "auvid/checkpoint.h"
 #include "auvid/node.h"
 
 #include "auvid/can.h"

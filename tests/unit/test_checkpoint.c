@@ -1,0 +1,353 @@
+/* The checkpoint: what it takes, what it refuses, and that an identifier goes on from it. That the
+ * same holds in another process, with sensors and excitation: test_checkpoint_process.c. */
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/checkpoint.h"
+#include "auvid/warm.h"
+#include "auvid_math.h"
+#include "binomial.h"
+#include "unity.h"
+
+enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SET_ROWS };
+
+static auvid_identifier_config_t config;
+static auvid_identifier_t id, other;
+static uint8_t saved[AUVID_CHECKPOINT_MOST(ROWS)], again[AUVID_CHECKPOINT_MOST(ROWS)];
+static uint32_t bytes;
+
+void setUp(void)
+{
+    auvid_identifier_defaults(&config, &auvid_girona500);
+    config.metric.set_rows = SET_ROWS;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+}
+
+void tearDown(void)
+{
+}
+
+/* Motion made of sines, and the wrench that it takes; a cell each, then work. */
+static void move(auvid_identifier_t *to, int cell)
+{
+    auvid_sample_t s;
+    auvid_real_t attitude[3] = {0}, tau[AUVID_DOF_COUNT] = {0};
+    memset(&s, 0, sizeof s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t t = (auvid_real_t)cell * AUVID_C(0.1), sine, cosine;
+        for (int k = 1; k <= 2 && j != AUVID_ROLL && j != AUVID_PITCH; ++k) {
+            auvid_real_t w = AUVID_C(0.3) * (auvid_real_t)k + AUVID_C(0.11) * (auvid_real_t)j;
+            auvid_sincos(w * t + (auvid_real_t)(j * k), &sine, &cosine);
+            s.nu[j] += AUVID_C(0.2) * sine;
+            s.nu_dot[j] += AUVID_C(0.2) * w * cosine;
+        }
+    }
+    auvid_vehicle_residual(&auvid_girona500, &s, auvid_girona500_paper, tau);
+    uint64_t t_us = (uint64_t)cell * CELL_US;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(to, t_us, tau, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(to, t_us, attitude, s.nu));
+    (void)auvid_identifier_work(to, BUDGET);
+}
+
+static void move_from_to(auvid_identifier_t *to, int first, int last)
+{
+    for (int cell = first; cell < last; ++cell) {
+        move(to, cell);
+    }
+}
+
+/* In chunks of up to `chunk` bytes. @return bytes of the checkpoint */
+static uint32_t save(const auvid_identifier_t *from, uint8_t *to, uint32_t chunk)
+{
+    auvid_checkpoint_t cursor;
+    auvid_status_t status;
+    uint32_t at = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
+    do {
+        uint32_t part = chunk;
+        status = auvid_checkpoint_next(&cursor, to + at, &part);
+        at += part;
+        TEST_ASSERT_EQUAL(at < cursor.bytes ? AUVID_PENDING : AUVID_OK, status);
+        TEST_ASSERT_TRUE(at == cursor.bytes || part == chunk);
+    } while (status == AUVID_PENDING);
+    return at;
+}
+
+/* One of an identifier that is in the middle of its second search. */
+static void make(void)
+{
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+        move(&id, cell);
+    }
+    TEST_ASSERT_TRUE(id.searching);
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+}
+
+static void check_refused(auvid_status_t status, const uint8_t *checkpoint, uint32_t size)
+{
+    other = id;
+    TEST_ASSERT_EQUAL(status, auvid_checkpoint_restore(&id, checkpoint, size));
+    TEST_ASSERT_EQUAL_MEMORY(&other, &id, sizeof other);
+}
+
+static void test_the_bytes_do_not_depend_on_the_chunks(void)
+{
+    static const uint32_t chunk[] = {1, 3, 17, 256, 4096};
+    make();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    for (size_t i = 0; i < sizeof chunk / sizeof chunk[0]; ++i) {
+        memset(again, 0, sizeof again);
+        TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, chunk[i]));
+        TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    }
+    TEST_ASSERT_TRUE(bytes <= AUVID_CHECKPOINT_MOST(0));
+    uint32_t check = 0;
+    memcpy(&check, saved + bytes - 4, 4);
+    printf("%u bytes, checksum %08lx\n", (unsigned)bytes, (unsigned long)check);
+}
+
+static void test_after_the_last_byte_there_is_none(void)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t part = sizeof again;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(cursor.bytes, part);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(0, part);
+}
+
+/* At many places of a run: restored into another identifier, which was initialised otherwise, both
+ * go on alike, to the same bytes. */
+static void test_an_identifier_goes_on_where_it_was_saved(void)
+{
+    static auvid_identifier_config_t plain;
+    uint32_t phases = 0;
+    for (int cell = 1; cell < CELLS; ++cell) {
+        move(&id, cell);
+        if (cell % 37 == 0 || !(phases >> id.phase & 1u)) {
+            phases |= 1u << id.phase;
+            bytes = save(&id, saved, 333);
+            auvid_identifier_defaults(&plain, &auvid_girona500);
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &plain));
+            move_from_to(&other, 1, 100); /* it may even have something else aboard */
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+            static auvid_identifier_t twin;
+            twin = id;
+            move_from_to(&twin, cell + 1, cell + 60);
+            move_from_to(&other, cell + 1, cell + 60);
+            bytes = save(&twin, saved, sizeof saved);
+            TEST_ASSERT_EQUAL_UINT32(bytes, save(&other, again, sizeof again));
+            TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+        }
+    }
+    TEST_ASSERT_TRUE(id.estimate.number >= 2 && phases != 1u);
+}
+
+static void test_what_was_known_before_the_dive_goes_with_it(void)
+{
+    static uint8_t record[AUVID_WARM_BYTES];
+    move_from_to(&id, 1, 240);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&id, record, sizeof record));
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+    TEST_ASSERT_TRUE(other.metric.recall == id.metric.recall && id.metric.recall != NULL);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and back to none */
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+    TEST_ASSERT_TRUE(other.metric.recall == NULL);
+}
+
+static void test_what_is_attached_stays(void)
+{
+    static auvid_validation_t validation;
+    make();
+    auvid_identifier_attach(&id, &validation);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
+    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
+    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.prediction.vehicle);
+}
+
+/* All positions (of eleven one in double, but in the long form); in the head and the tail all other
+ * values, else one of them. */
+static void test_every_damaged_byte_is_noticed(void)
+{
+#ifdef __linux__
+    const uint32_t stride = campaign_is_long() || sizeof(auvid_real_t) == 4 ? 1 : 11;
+#else
+    const uint32_t stride = 199; /* in an emulator */
+#endif
+    auvid_rng_t rng;
+    auvid_rng_seed(&rng, 1);
+    make();
+    other = id;
+    for (uint32_t k = 0; k < bytes;) {
+        bool edge = k < AUVID_CHECKPOINT_HEAD || k >= bytes - AUVID_CHECKPOINT_TAIL;
+        for (uint32_t i = 1; i < (edge ? 256u : 2u); ++i) {
+            uint8_t change = (uint8_t)(edge ? i : 1u + auvid_rng_below(&rng, 255));
+            saved[k] = (uint8_t)(saved[k] ^ change);
+            TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_checkpoint_restore(&id, saved, bytes));
+            saved[k] = (uint8_t)(saved[k] ^ change);
+        }
+        TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &id, sizeof id));
+        k += k < AUVID_CHECKPOINT_HEAD || k + stride >= bytes - AUVID_CHECKPOINT_TAIL ? 1 : stride;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes)); /* it was not void */
+}
+
+static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
+{
+    make();
+    for (uint32_t size = 0; size < bytes; size += 1 + size / 32) {
+        check_refused(AUVID_ERR_CHECKSUM, saved, size);
+    }
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes - 1);
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes + 1);
+    memset(again, 0, sizeof again); /* erased flash */
+    check_refused(AUVID_ERR_CHECKSUM, again, bytes);
+    memset(again, 0xFF, sizeof again);
+    check_refused(AUVID_ERR_CHECKSUM, again, bytes);
+}
+
+/* What is not damaged, but of others: with a checksum of theirs. */
+static void forge(uint32_t at)
+{
+    saved[at] ^= 1u;
+    uint32_t c = UINT32_MAX;
+    for (uint32_t k = 0; k < bytes - 4; ++k) {
+        c ^= saved[k];
+        for (int bit = 0; bit < 8; ++bit) {
+            c = c >> 1 ^ (0xEDB88320u & (0u - (c & 1u)));
+        }
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+        saved[bytes - 4 + k] = (uint8_t)(~c >> 8 * k);
+    }
+}
+
+static void test_one_of_another_version_or_other_sizes_is_refused(void)
+{
+    make();
+    forge(4); /* the checksum of the layout */
+    check_refused(AUVID_ERR_SIZE, saved, bytes);
+    forge(4);
+    forge(0); /* the format */
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
+    forge(0);
+    forge(20); /* the length */
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
+    forge(20);
+    forge(12); /* parts that this model cannot have */
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
+    forge(12);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_one_of_another_model_is_refused(void)
+{
+    make();
+    config.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+    config.metric.free = 0;
+    auvid_identifier_defaults(&config, &auvid_girona500_decoupled);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+    static auvid_vehicle_t nameless;
+    nameless = auvid_girona500;
+    nameless.name = NULL;
+    auvid_identifier_defaults(&config, &nameless);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+}
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
+{
+    static auvid_row_t store[2][ROWS];
+    static auvid_vehicle_t vehicle;
+    vehicle = auvid_girona500;
+    vehicle.regressor = NULL;
+    vehicle.residual = predict;
+    config.vehicle = &vehicle;
+    config.metric.rows = store[0];
+    config.metric.sets = 8;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    make(); /* and its storage holds what it held */
+    config.metric.rows = store[1];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_PTR(store[1], id.metric.cfg.rows);
+    TEST_ASSERT_EQUAL_UINT64(store[0][SET_ROWS].sample.t_us, store[1][SET_ROWS].sample.t_us);
+    TEST_ASSERT_TRUE(store[1][SET_ROWS].sample.t_us > 0);
+    TEST_ASSERT_EQUAL_MEMORY(store[0][1].late, store[1][1].late, sizeof store[0][1].late);
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, 100));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    config.metric.sets = 7;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_SIZE, saved, bytes);
+    config.vehicle = &auvid_girona500;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+}
+
+static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
+{
+    auvid_checkpoint_t cursor;
+    auvid_input_t in = {.t_us = 20000};
+    auvid_output_t out;
+    uint32_t part = 100;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &id));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(0, part);
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t part = sizeof again;
+    make();
+    memset(&cursor, 0, sizeof cursor);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(NULL, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(&cursor, NULL, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(&cursor, again, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_begin(NULL, &id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_begin(&cursor, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(NULL, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(&id, NULL, bytes));
+    memset(&id, 0, sizeof id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_begin(&cursor, &id));
+    check_refused(AUVID_ERR_STATE, saved, bytes);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_bytes_do_not_depend_on_the_chunks);
+    RUN_TEST(test_after_the_last_byte_there_is_none);
+    RUN_TEST(test_an_identifier_goes_on_where_it_was_saved);
+    RUN_TEST(test_what_was_known_before_the_dive_goes_with_it);
+    RUN_TEST(test_what_is_attached_stays);
+    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
+    RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
+    RUN_TEST(test_one_of_another_model_is_refused);
+    RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
+    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    return UNITY_END();
+}

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Is every member of auvid_identifier_t, and of what it holds, in the checkpoint?
+
+usage: checkpoint.py LIBRARY.so
+Names and places come from the library's debugging information. Each member (of an array the first
+and the last element) is changed in a live identifier: the checkpoint must be another one then, and
+restored into an untouched identifier it must bring the change. Pointers must not be in it.
+Prints a line "not ok" for each that is missing, or one "ok".
+"""
+import ctypes
+import sys
+
+from auvid_validation.dwarf import Binding
+
+# Dead between calls: unions whose other member is saved, and the configuration, which init copies.
+DEAD = ("config", "metric.regressor", "confidence.regressor")
+# What may refuse another identifier: what the model and its storage are.
+MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
+         "metric.columns")
+# Members of unions are live in other phases of work than the rest.
+ASK, CONFIDENCE, GLOBAL, LOCAL = 6, 10, 0, 1
+LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimizer.crs.", ASK, GLOBAL),
+        ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
+# Pointers that saving follows; of the last is saved whether it is there.
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle")
+SET_ROWS = 2
+ROOM = 1 << 18
+
+
+def leaves(kind, path="", at=0):
+    """(path, offset, is it a pointer?) of all scalars, of arrays' first and last elements."""
+    if issubclass(kind, (ctypes.Structure, ctypes.Union)):
+        for name, inner in kind._fields_:
+            more = "" if name in getattr(kind, "_anonymous_", ()) else "." + name
+            yield from leaves(inner, path + more, at + getattr(kind, name).offset)
+    elif issubclass(kind, ctypes.Array):
+        for i in sorted({0, kind._length_ - 1}):
+            size = ctypes.sizeof(kind._type_)
+            yield from leaves(kind._type_, f"{path}[{i}]", at + i * size)
+    else:
+        pointer = issubclass(kind, (ctypes._Pointer, ctypes._CFuncPtr, ctypes.c_void_p,
+                                    ctypes.c_char_p))
+        yield path.lstrip("."), at, pointer
+
+
+class Subject:
+    def __init__(self, path):
+        self.lib = lib = Binding(path)
+        self.vehicle = lib.auvid_vehicle_t()
+        source = lib.auvid_girona500
+        ctypes.memmove(ctypes.byref(self.vehicle), ctypes.byref(source), ctypes.sizeof(source))
+        self.vehicle.residual = type(self.vehicle.residual)(lambda *_: None)
+        self.vehicle.regressor = type(self.vehicle.regressor)()
+        config = lib.auvid_identifier_config_t()
+        lib.auvid_identifier_defaults(config, self.vehicle)
+        used = (config.metric.sets + 1) * SET_ROWS
+        room = (lib.auvid_row_t * (2 * used))()  # some changes make more of it
+        self.rows = (lib.auvid_row_t * used).from_buffer(room)
+        config.metric.set_rows = SET_ROWS
+        config.metric.rows = ctypes.cast(room, type(config.metric.rows))
+        self.id = lib.auvid_identifier_t()
+        assert lib.auvid_identifier_init(self.id, config) == 0
+        self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
+
+    def pose(self, phase, search):
+        self.id.phase, self.id.searching = phase, phase == ASK
+        self.id.optimizer.phase = search
+
+    def save(self):
+        cursor, chunk = self.lib.auvid_checkpoint_t(), (ctypes.c_uint8 * ROOM)()
+        size = ctypes.c_uint32(ROOM)
+        assert self.lib.auvid_checkpoint_begin(cursor, self.id) == 0
+        assert self.lib.auvid_checkpoint_next(cursor, chunk, size) == 0
+        return bytes(chunk[:size.value])
+
+    def restore(self, saved):
+        return self.lib.auvid_checkpoint_restore(
+            self.id, (ctypes.c_uint8 * len(saved)).from_buffer_copy(saved), len(saved))
+
+
+def wrong(subject, whole, path, at, pointer):
+    """What is wrong with the member at this place of `whole`; None: nothing."""
+    before = bytes(whole)
+    memory = (ctypes.c_uint8 * ctypes.sizeof(whole)).from_buffer(whole)
+    plain = subject.save()
+    memory[at] ^= 1
+    changed = memory[at]
+    saved = subject.save()
+    ctypes.memmove(memory, before, len(before))
+    if pointer:
+        return None if saved == plain else "is a pointer, and in the checkpoint"
+    if saved == plain:
+        return "is not in the checkpoint: see lib/src/auvid_checkpoint_layout.c"
+    status = subject.restore(saved)
+    brought = memory[at] == changed
+    ctypes.memmove(memory, before, len(before))
+    refused = status != 0 and path.split("[")[0] in MODEL
+    return None if refused or (status == 0 and brought) else f"is not restored ({status!r})"
+
+
+def main():
+    subject, looked, bad = Subject(sys.argv[1]), 0, []
+    for whole, name in ((subject.id, ""), (subject.rows, "rows")):
+        for path, at, pointer in leaves(type(whole), name):
+            if path.startswith(DEAD) or path in FOLLOWED:
+                continue
+            _, phase, search = next(live for live in LIVE if path.startswith(live[0]))
+            subject.pose(phase, search)
+            looked += 1
+            if what := wrong(subject, whole, path, at, pointer):
+                bad.append(f"not ok - {sys.argv[1]}: {path} {what}")
+    print("\n".join(bad or [f"ok - {sys.argv[1]}: {looked} places looked at"]))
+
+
+main()
