@@ -99,6 +99,12 @@ static auvid_real_t amplitude_of(const auvid_identifier_t *id, int j)
     return peak[j];
 }
 
+/* Time in the run. */
+static uint32_t since_us(const auvid_identifier_t *id)
+{
+    return (uint32_t)(id->t_us - id->adaptive.run_us);
+}
+
 static void next_hold(auvid_identifier_t *id, int j)
 {
     auvid_adaptive_t *a = &id->adaptive;
@@ -117,17 +123,17 @@ static void next_hold(auvid_identifier_t *id, int j)
     a->low_owed[j] += s * (low ? part - AUVID_C(1.0) : part);
     a->before[j] = a->factor[j];
     a->level[j] = (a->driving >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
-    a->from_us[j] = id->t_us;
+    a->from_us[j] = since_us(id);
     a->hold_us[j] = (uint32_t)(s * AUVID_C(1e6));
 }
 
 static auvid_real_t factor(auvid_identifier_t *id, int j)
 {
     auvid_adaptive_t *a = &id->adaptive;
-    if (id->t_us - a->from_us[j] >= a->hold_us[j]) {
+    if (since_us(id) - a->from_us[j] >= a->hold_us[j]) {
         next_hold(id, j);
     }
-    auvid_real_t x = auvid_seconds(a->from_us[j], id->t_us) * (AUVID_C(1.0) / FADE_S);
+    auvid_real_t x = (auvid_real_t)(since_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
     auvid_real_t w = x < AUVID_C(1.0) ? x * x * (AUVID_C(3.0) - AUVID_C(2.0) * x) : AUVID_C(1.0);
     auvid_real_t pull = (a->driving >> j & 1) ? strayed(id, j) : AUVID_C(0.0);
     auvid_real_t to = auvid_clamp(a->level[j] - pull, AUVID_C(-1.0), AUVID_C(1.0));
@@ -187,6 +193,13 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
     }
 }
 
+/* Do the thrusters suffice for these at once? */
+static bool fit(const auvid_identifier_t *id, const auvid_real_t *peak)
+{
+    return id->allocation.config.thrusters == 0 ||
+           auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
+}
+
 /* Who plays: by need, as far as the thrusters suffice. */
 static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
 {
@@ -204,11 +217,10 @@ static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
         }
         asked |= 1u << most;
         peak[most] = amplitude[most];
-        if (id->allocation.config.thrusters > 0 &&
-            auvid_allocation_check(&id->allocation, peak, NULL) < 0) {
-            peak[most] = AUVID_C(0.0);
-        } else {
+        if (fit(id, peak)) {
             driving |= 1u << most;
+        } else {
+            peak[most] = AUVID_C(0.0);
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -258,7 +270,6 @@ static void begin_run(auvid_identifier_t *id)
     a->run_us = run_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         a->low_owed[j] = AUVID_C(-1e-3);
-        a->from_us[j] = run_us;
     }
     consider(id);
 }
@@ -274,7 +285,8 @@ static void adapt(auvid_identifier_t *id, auvid_real_t *wrench)
     }
     if (a->close_rows > 0 && id->metric.rows >= a->close_rows) {
         a->close_rows = 0;
-        (void)auvid_identifier_close(id);
+        id->set_pending = id->set_pending || auvid_metric_close(&id->metric) == AUVID_SET_COMPLETE;
+        id->events |= AUVID_EVENT_SET;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (auvid_abs(wrench[j]) > AUVID_C(0.0)) {
@@ -311,37 +323,50 @@ static auvid_status_t check(const auvid_adaptive_config_t *cfg)
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-/* The amplitudes, each held through the run, of those DoF that can be moved. */
-static auvid_status_t plan(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,
-                           auvid_excitation_config_t *to)
+static bool moves(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg, int j)
 {
-    const auvid_allocation_t *allocation = &id->allocation;
-    bool limited = allocation->config.thrusters > 0;
+    return cfg->amplitude[j] > AUVID_C(0.0) &&
+           (id->allocation.config.thrusters == 0 || (id->allocation.actuated >> j & 1));
+}
+
+/* Is there something to move, and each of it within the thrusters? */
+static auvid_status_t check_thrusters(const auvid_identifier_t *id,
+                                      const auvid_adaptive_config_t *cfg)
+{
+    int count = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+        if (moves(id, cfg, j)) {
+            peak[j] = cfg->amplitude[j];
+            ++count;
+            if (!fit(id, peak)) {
+                return AUVID_ERR_LIMIT;
+            }
+        }
+    }
+    return count == 0 ? AUVID_ERR_RANGE : count > AUVID_MAX_SEGMENTS ? AUVID_ERR_SIZE : AUVID_OK;
+}
+
+/* The amplitudes, each held through the run. Checked: the excitation has no reason to refuse. */
+static void plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
+{
+    auvid_excitation_config_t *to = &id->excitation.config;
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
-        bool moves = !limited || (allocation->actuated >> j & 1);
-        if (!(moves && cfg->amplitude[j] > AUVID_C(0.0)) || to->segments >= AUVID_MAX_SEGMENTS) {
-            continue;
+        if (moves(id, cfg, j)) {
+            auvid_segment_t *s = &to->segment[to->segments++];
+            s->dof = (auvid_dof_t)j;
+            s->kind = AUVID_SEGMENT_STEP;
+            s->duration_s = cfg->most_s;
+            s->amplitude = cfg->amplitude[j];
         }
-        peak[j] = cfg->amplitude[j];
-        auvid_status_t status = limited ? auvid_allocation_check(allocation, peak, NULL) : AUVID_OK;
-        if (status < 0) {
-            return status;
-        }
-        auvid_segment_t *s = &to->segment[to->segments++];
-        s->dof = (auvid_dof_t)j;
-        s->kind = AUVID_SEGMENT_STEP;
-        s->duration_s = cfg->most_s;
-        s->amplitude = cfg->amplitude[j];
     }
-    return to->segments > 0 ? AUVID_OK : AUVID_ERR_RANGE;
+    (void)auvid_excitation_init(&id->excitation, to);
 }
 
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
-    auvid_excitation_config_t envelope;
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -351,12 +376,10 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
     }
     auvid_status_t status = check(cfg);
     if (status == AUVID_OK) {
-        status = plan(id, cfg, &envelope);
+        status = check_thrusters(id, cfg);
     }
     if (status == AUVID_OK) {
-        status = auvid_excitation_init(&id->excitation, &envelope);
-    }
-    if (status == AUVID_OK) {
+        plan(id, cfg);
         memset(&id->adaptive, 0, sizeof id->adaptive);
         memcpy(id->adaptive.leash, cfg->leash, sizeof id->adaptive.leash);
         id->adaptive.run_us = UINT64_MAX;

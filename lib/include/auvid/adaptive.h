@@ -63,7 +63,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or the guard is neither
  * DISARMED nor DONE); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a field out of its range, or no
  * amplitude > 0 that a thruster can make); AUVID_ERR_LIMIT (an amplitude is more than the thrusters
- * give). On < 0 nothing is changed.
+ * give); AUVID_ERR_SIZE (more DoF than AUVID_MAX_SEGMENTS). On < 0 nothing is changed.
  */
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg);
 

@@ -249,7 +249,7 @@ typedef struct {
     uint32_t sets;                          /* recorded by then */
     uint32_t rng[4];                        /* state of the random generator */
     uint64_t run_us;                        /* start of the run that all this belongs to */
-    uint64_t from_us[AUVID_DOF_COUNT];      /* beginning of the hold */
+    uint32_t from_us[AUVID_DOF_COUNT];      /* beginning of the hold, since then */
     uint32_t hold_us[AUVID_DOF_COUNT];      /* its length */
     auvid_real_t before[AUVID_DOF_COUNT];   /* factor of the amplitude from which it fades */
     auvid_real_t level[AUVID_DOF_COUNT];    /* to this one */
