@@ -167,8 +167,8 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);
-    run->missing = world->node[0].id.adaptive.missing &
-                   ~world->node[0].id.estimate.confidence.identifiable;
+    run->missing =
+        world->node[0].id.adaptive.missing & ~world->node[0].id.estimate.confidence.identifiable;
     run->given_up = world->node[0].id.adaptive.given_up;
     return true;
 }
