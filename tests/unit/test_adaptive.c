@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "auvid/adaptive.h"
+#include "auvid/checkpoint.h"
 #include "binomial.h"
 #include "chain.h"
 #include "unity.h"
@@ -237,6 +238,33 @@ static void test_calls_out_of_order_are_refused(void)
     check_refused(AUVID_ERR_STATE);
 }
 
+static void test_a_checkpoint_goes_on_bit_for_bit(void)
+{
+    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+    static chain_t other;
+    auvid_checkpoint_t cursor;
+    uint32_t count = sizeof bytes;
+    begin();
+    chain_run(&chain, 65);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    other = chain;
+    memset(&other.id, 0xA5, sizeof other.id);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
+    for (int k = 0; k < 60 * 50; ++k) {
+        chain_tick(&chain);
+        chain_tick(&other);
+        TEST_ASSERT_EQUAL_MEMORY(chain.out.excitation, other.out.excitation,
+                                 sizeof chain.out.excitation);
+    }
+    TEST_ASSERT_TRUE(chain.id.estimate.number > 2);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, other.out.guard);
+    TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, other.id.estimate.pi,
+                             sizeof chain.id.estimate.pi);
+}
+
 /* ---- what it is worth ---- */
 
 enum { MOST_RUNS = 100, MOST_S = 480, SETS = MOST_S / 30, RESAMPLES = 1000 };
@@ -462,6 +490,7 @@ int main(void)
     RUN_TEST(test_a_limit_of_the_guard_ends_it);
     RUN_TEST(test_what_makes_no_sense_is_refused);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_a_checkpoint_goes_on_bit_for_bit);
     RUN_TEST(test_it_needs_no_more_data_than_the_plan);
     RUN_TEST(test_nor_does_it_for_other_vehicles_and_disturbances);
     return UNITY_END();

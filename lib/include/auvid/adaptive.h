@@ -27,6 +27,9 @@
  * All else is as with a sequence: arm, excite, stop, abort and guard of identifier.h, peak within
  * the thrusters, amplitude never exceeded, leash.
  *
+ * A checkpoint (checkpoint.h) taken during such a run is restored into an identifier for which
+ * auvid_adaptive_begin has been called, too.
+ *
  * Called from the control task. Not linked unless auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in one that follows an estimate 40 for each parameter. Memory:
  * sizeof(auvid_adaptive_t) within auvid_identifier_t.
