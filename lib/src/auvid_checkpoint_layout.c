@@ -187,6 +187,16 @@ static const row_t trip[] = {
     SPAN(auvid_guard_trip_t, uint64_t, t_us, t_us),
 };
 
+static const row_t adaptive[] = {
+    SPAN(auvid_adaptive_t, uint32_t, missing, given_up),
+    BYTE(auvid_adaptive_t, driving, tried),
+    SPAN(auvid_adaptive_t, uint16_t, close_rows, close_rows),
+    SPAN(auvid_adaptive_t, uint32_t, estimate, rng),
+    SPAN(auvid_adaptive_t, uint64_t, run_us, run_us),
+    SPAN(auvid_adaptive_t, uint32_t, from_us, hold_us),
+    REALS(auvid_adaptive_t, before, leash),
+};
+
 static const row_t guard[] = {
     ENUM(auvid_guard_t, state),
     STRUCT(auvid_guard_t, trip, TABLE_TRIP),
@@ -307,6 +317,7 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, metric, TABLE_METRIC),
     STRUCT(auvid_identifier_t, allocation, TABLE_ALLOCATION),
     STRUCT(auvid_identifier_t, excitation, TABLE_EXCITATION),
+    STRUCT(auvid_identifier_t, adaptive, TABLE_ADAPTIVE),
     STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
     STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, trusted, TABLE_ESTIMATE),
@@ -352,6 +363,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SEGMENT] = TABLE(segment),
     [TABLE_CHANNEL] = TABLE(channel),
     [TABLE_EXCITATION] = TABLE(excitation),
+    [TABLE_ADAPTIVE] = TABLE(adaptive),
     [TABLE_TRIP] = TABLE(trip),
     [TABLE_GUARD] = TABLE(guard),
     [TABLE_CONFIDENCE] = TABLE(confidence),

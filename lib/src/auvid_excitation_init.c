@@ -98,8 +98,8 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
     if (2 * auvid_excitation_us(config->fade_s) > run_us) {
         return AUVID_ERR_RANGE;
     }
-    memset(e, 0, sizeof *e);
     e->config = *config;
+    memset(e->channel, 0, sizeof *e - offsetof(auvid_excitation_t, channel));
     e->sequence_us = sequence_us;
     e->run_us = run_us;
     e->fade_us = (uint32_t)auvid_excitation_us(config->fade_s);

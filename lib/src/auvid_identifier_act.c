@@ -114,6 +114,9 @@ static void excite(auvid_identifier_t *id, auvid_output_t *out)
         end_excitation(id);
         return;
     }
+    if (id->adapt != NULL) {
+        id->adapt(id, wrench);
+    }
     if (id->allocation.config.thrusters == 0) {
         memcpy(out->excitation, wrench, sizeof wrench);
         return;

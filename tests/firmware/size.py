@@ -36,6 +36,7 @@ POINTERS = {
     r"vehicle->(regressor|residual)\(": r":g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
+    r"id->adapt\(": r"auvid_adaptive\.c:adapt$",
     r"m->recall\(": r"auvid_metric_memory\.c:recall$",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }

@@ -48,6 +48,7 @@ USES = {
 USES["identifier"] = " ".join(USES)
 USES["can"] = BASE  # beside the identifier: neither knows the other
 USES["checksum"] = BASE + " metric vehicle"  # of records: the control tick does without
+USES["adaptive"] = " ".join(USES)
 USES["warm"] = " ".join(USES)
 USES["checkpoint"] = " ".join(USES)
 USES["node"] = " ".join(USES)

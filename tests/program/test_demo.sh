@@ -175,4 +175,10 @@ assert b"rms error" in out and b"\x1b" not in out
 END
 check "--json is silent on stderr" exits 0 demo --json
 check "  nothing on stderr" test ! -s err
+check "adaptive: ends early, by itself, and says so" exits 0 demo --adaptive --disturbance 1
+check "  everything is known" \
+    grep -Eq '^  adaptive  [0-9]{2,3} s of excitation; nothing is missing$' out
+check "adaptive: at its longest it ends, too" exits 0 demo --adaptive --sets 1 --disturbance 3
+check "  and names what is missing" \
+    grep -Eq '^  adaptive  30 s of excitation; still missing: .*Z_w' out
 finish

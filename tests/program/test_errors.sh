@@ -26,11 +26,13 @@ for bad in 0 -1 1001 1.5; do
 done
 check "--runs 0" refuses -- '--runs' demo --runs 0
 check "an unknown scenario" refuses "'storm' is not one of payload, yaw-idle" demo --scenario storm
-for other in "--runs 3" "--sets 4" "--csv x.csv" --literal; do
+for other in "--runs 3" "--sets 4" "--csv x.csv" --literal --adaptive; do
     # shellcheck disable=SC2086
     check "--scenario with $other" refuses -- "--scenario and ${other%% *} do not go together" \
         demo --scenario payload $other
 done
+check "--adaptive with --literal" refuses -- '--adaptive and --literal' demo --adaptive --literal
+check "--adaptive for too long" refuses -- '--adaptive takes 120 sets' demo --adaptive --sets 121
 for bad in 1 1, ,1 1,2,3 a,b nan,1 -inf,inf -1e9,1 '1;2'; do
     check "--bounds=$bad" refuses 'is not LO,HI' fit x.csv "--bounds=$bad"
 done

@@ -186,7 +186,7 @@ static int own_vehicle(void)
     return pilot(amplitude) ? judge_own() : 1;
 }
 
-static int exciting(void)
+static int exciting(bool adaptive)
 {
     static auvid_identifier_config_t cfg;
     bool begun = false;
@@ -194,7 +194,7 @@ static int exciting(void)
     plan(&cfg);
     sim_init(&sim, &world);
     memset(driven, 0, sizeof driven);
-    if (auvid_identifier_init(&id, &cfg) < 0) {
+    if (auvid_identifier_init(&id, &cfg) < 0 || (adaptive && !plan_adaptive())) {
         return 1;
     }
     for (int k = 0; k < 300 * 50; ++k) {
@@ -205,7 +205,7 @@ static int exciting(void)
         begun = begun || begin();
     }
     printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
-    return last.sets >= 8 && id.guard.state == AUVID_GUARD_DONE ? judge() : 1;
+    return last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE ? judge() : 1;
 }
 
 int main(int count, char **argument)
@@ -214,7 +214,10 @@ int main(int count, char **argument)
     if (count < 2) {
         return passive();
     }
-    return strcmp(argument[1], "exciting") == 0 ? exciting() : own_vehicle();
+    if (strcmp(argument[1], "own-vehicle") == 0) {
+        return own_vehicle();
+    }
+    return exciting(strcmp(argument[1], "adaptive") == 0);
 }
 END
 check "README's example compiles without a warning" \
@@ -224,6 +227,7 @@ check "README's example compiles without a warning" \
 check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
+check "README's adaptive excitation identifies it, and the guard is done" ./example adaptive
 
 # The section on six degrees of freedom has sizes of its own.
 cat >six.c <<'END'

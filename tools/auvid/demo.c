@@ -20,6 +20,8 @@
 /* Sets of the held-out excitation: one of steps, one of sines. */
 #define HELD_OUT_SETS 2
 
+#define TICK_S (1e-6 * SIM_TICK_US)
+
 /* Rows that wait for the DVL sample after them: half a second of ticks, and one. */
 enum { WAITING = 26 };
 
@@ -38,7 +40,8 @@ typedef struct {
     logger_t logger;
     auvid_validation_t validation[WORLD_NODES];
     result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
-    double simulated_s;
+    double simulated_s, excited_s;
+    uint32_t missing, given_up; /* by the adaptive excitation */
 } run_t;
 
 /* A new velocity: rows since the last one can be written. After a gap they are dropped. */
@@ -112,6 +115,13 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
     }
 }
 
+/* Is everything recorded that will be? */
+static bool is_over(const auvid_identifier_t *id, const options_t *options)
+{
+    return options->adaptive ? id->guard.state == AUVID_GUARD_DONE
+                             : id->metric.sets_recorded >= options->sets;
+}
+
 /* Excite, record and identify. Progress may be null. */
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
@@ -121,6 +131,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
                                    .sets = options->sets,
+                                   .adaptive = options->adaptive,
                                    .literal = options->literal};
     if (!world_begin(world, &config)) {
         return false;
@@ -137,10 +148,11 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
     while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
         world_tick(world);
+        run->excited_s += world->node[0].id.guard.state == AUVID_GUARD_EXCITING ? TICK_S : 0.0;
         log_tick(&run->logger, world);
         bool busy = world_work(world, AUVID_DEFAULT_BUDGET);
         for (int i = 0; i < world->nodes; ++i) {
-            busy = busy || world->node[i].id.metric.sets_recorded < options->sets;
+            busy = busy || !is_over(&world->node[i].id, options);
         }
         linger = busy ? 0 : linger + 1;
         if (progress != NULL) {
@@ -155,6 +167,9 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);
+    run->missing =
+        world->node[0].id.adaptive.missing & ~world->node[0].id.estimate.confidence.identifiable;
+    run->given_up = world->node[0].id.adaptive.given_up;
     return true;
 }
 
@@ -254,8 +269,12 @@ static void print_heading(const options_t *options)
     if (options->runs > 1) {
         printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
     }
-    printf("\n  excitation   %u set%s of %d s, steps and sines in turn: ", (unsigned)options->sets,
-           options->sets == 1 ? "" : "s", WORLD_SET_S);
+    if (options->adaptive) {
+        printf("\n  excitation   adaptive, %u s at most: ", (unsigned)options->sets * WORLD_SET_S);
+    } else {
+        printf("\n  excitation   %u set%s of %d s, steps and sines in turn: ",
+               (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S);
+    }
     print_amplitudes(options->vehicle);
     printf(
         "\n  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
@@ -263,6 +282,24 @@ static void print_heading(const options_t *options)
     printf("  metric       %s\n", options->literal ? "our reading of the paper: smoothed states, "
                                                      "raw wrench"
                                                    : "rows and wrench smoothed alike");
+}
+
+/* How long it took, and what is not known at its end. */
+static void print_adaptive(const run_t *run)
+{
+    printf("  adaptive  %.0f s of excitation; ", run->excited_s);
+    const uint32_t lists[] = {run->given_up, run->missing};
+    static const char *const words[] = {"given up:", "still missing:"};
+    for (int k = 0; k < 2; ++k) {
+        for (int i = 0; lists[k] != 0 && i < run->result[0].vehicle->parameters; ++i) {
+            bool first = lists[k] << (31 - i) << 1 == 0;
+            if (lists[k] >> i & 1u) {
+                printf("%s%s %s", first && k > 0 && lists[0] != 0 ? "; " : "",
+                       first ? words[k] : ",", run->result[0].vehicle->parameter[i].name);
+            }
+        }
+    }
+    puts((lists[0] | lists[1]) == 0 ? "nothing is missing" : "");
 }
 
 static int single_run(run_t *run, const options_t *options)
@@ -282,6 +319,9 @@ static int single_run(run_t *run, const options_t *options)
         print_heading(options);
         putchar('\n');
         report_result(&run->result[0], last);
+        if (options->adaptive) {
+            print_adaptive(run);
+        }
         printf("  time  %.0f s simulated in %.2f s\n", run->simulated_s, wall_s);
     }
     return report_exit(&run->result[0]);

@@ -39,6 +39,8 @@ static const char help[] =
     "values\n"
     "                     are those of the first run)\n"
     "  --csv FILE         write the (first) run as a log that fit reads\n"
+    "  --adaptive         excite what is not known yet, and end when everything is; K (16) is the\n"
+    "                     most\n"
     "  --scenario NAME    tell a story instead, with a disturbance of 1 N unless another is "
     "given:\n"
     "                     payload (the vehicle changes under way), yaw-idle (yaw is never "

@@ -226,6 +226,9 @@ static int demo_option(reader_t *r, options_t *options)
     if (is(r, "--vehicle")) {
         return take_vehicle(r, options);
     }
+    if (is(r, "--adaptive")) {
+        return take_flag(r, &options->adaptive);
+    }
     if (is(r, "--scenario")) {
         return take_value(r, &options->scenario);
     }
@@ -388,10 +391,14 @@ static int check_scenario(const options_t *options)
                         : options->sets > 0                      ? "--sets"
                         : options->csv != NULL                   ? "--csv"
                         : options->literal                       ? "--literal"
+                        : options->adaptive                      ? "--adaptive"
                         : options->vehicle != &vehicle_girona500 ? "--vehicle"
                                                                  : NULL;
     if (options->scenario != NULL && other != NULL) {
         return complain("demo: --scenario and %s do not go together", other);
+    }
+    if (options->adaptive && options->literal) {
+        return complain("demo: --adaptive and --literal do not go together");
     }
     return 0;
 }
@@ -403,7 +410,10 @@ int options_demo(options_t *options, int count, char **argument)
     if (options->disturbance_N < 0.0) {
         options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;
     }
-    options->sets = options->sets > 0 ? options->sets : 8;
+    options->sets = options->sets > 0 ? options->sets : options->adaptive ? 16 : 8;
+    if (status == 0 && options->adaptive && options->sets > 120) {
+        return complain("demo: --adaptive takes 120 sets at most");
+    }
     return status;
 }
 

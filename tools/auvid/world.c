@@ -2,12 +2,26 @@
 
 #include <string.h>
 
+#include "auvid/adaptive.h"
+
 /* Moment of the disturbance for its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
 static const vehicle_t *vehicle_of(const world_config_t *config)
 {
     return config->vehicle == NULL ? &vehicle_girona500 : config->vehicle;
+}
+
+/* Instead of the plan: its amplitudes and leash. */
+static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config)
+{
+    auvid_adaptive_config_t cfg;
+    auvid_adaptive_defaults(&cfg);
+    (void)auvid_excitation_peak(&id->excitation, cfg.amplitude);
+    memcpy(cfg.leash, id->excitation.config.leash, sizeof cfg.leash);
+    cfg.most_s = (auvid_real_t)(config->sets * WORLD_SET_S);
+    cfg.seed = config->seed;
+    return auvid_adaptive_begin(id, &cfg);
 }
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
@@ -43,7 +57,9 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->both_locks = config->both_locks;
     world->nodes = 1;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
-           craft_init(&world->craft, &craft) && auvid_node_init(&world->node[0], &node, &cfg) >= 0;
+           craft_init(&world->craft, &craft) &&
+           auvid_node_init(&world->node[0], &node, &cfg) >= 0 &&
+           (!config->adaptive || adapt(&world->node[0].id, config) == AUVID_OK);
 }
 
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)

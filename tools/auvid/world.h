@@ -24,6 +24,7 @@ typedef struct {
     double lag_s;         /**< of the thrusters */
     uint32_t sets;        /**< sets of excitation */
     bool literal;         /**< our reading of the paper's metric */
+    bool adaptive;        /**< excites what is missing (adaptive.h), as long as `sets` at most */
     bool passive;         /**< the node obeys no arm frame */
     bool no_arm;          /**< nobody sends one by himself */
     uint8_t idle;         /**< bit j: DoF j is not excited */

@@ -26,6 +26,7 @@
 #include "auvid/optimizer.h"
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
+#include "auvid/adaptive.h"
 #include "auvid/warm.h"
 #include "auvid/checkpoint.h"
 #include "auvid/node.h"

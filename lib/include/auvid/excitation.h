@@ -193,6 +193,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
 
 /**
  * Check the configuration, copy it, and be idle.
+ * @param config may be e->config
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_SIZE (segments is 0 or > AUVID_MAX_SEGMENTS, or sines
  *         is 0 or > AUVID_MAX_SINES in a SINES); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a field
  *         outside its range, or a sequence without length). On < 0 *e is as before.

@@ -237,8 +237,29 @@ typedef enum {
     AUVID_WORK_CONFIDENCE /**< standard errors and notes */
 } auvid_work_phase_t;
 
-/** The identifier. Modules are public to read; write only through the functions. */
+/** State of the adaptive excitation (adaptive.h). */
 typedef struct {
+    uint32_t missing;  /**< bit i: parameter i is excited for, and not known yet */
+    uint32_t given_up; /**< bit i: parameter i is not known, and nothing is done about it: its DoF
+                            is not excited, or all data within the run would not do */
+    uint8_t driving;   /**< bit j: DoF j is excited at present */
+    uint8_t tried[AUVID_DOF_COUNT];         /* sets recorded while it was, 255: that or more */
+    uint16_t close_rows;                    /* complete the set at so many rows; 0: when full */
+    uint32_t estimate;                      /* number of the one looked at last */
+    uint32_t sets;                          /* recorded by then */
+    uint32_t rng[4];                        /* state of the random generator */
+    uint64_t run_us;                        /* start of the run that all this belongs to */
+    uint32_t from_us[AUVID_DOF_COUNT];      /* beginning of the hold, since then */
+    uint32_t hold_us[AUVID_DOF_COUNT];      /* its length */
+    auvid_real_t before[AUVID_DOF_COUNT];   /* factor of the amplitude from which it fades */
+    auvid_real_t level[AUVID_DOF_COUNT];    /* to this one */
+    auvid_real_t factor[AUVID_DOF_COUNT];   /* in the last tick */
+    auvid_real_t low_owed[AUVID_DOF_COUNT]; /* time that low levels are behind their part [s] */
+    auvid_real_t leash[AUVID_DOF_COUNT];    /* of the configuration */
+} auvid_adaptive_t;
+
+/** The identifier. Modules are public to read; write only through the functions. */
+typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
     auvid_velocity_source_t velocity;
     bool velocity_every_tick;
@@ -248,6 +269,9 @@ typedef struct {
     auvid_metric_t metric;
     auvid_allocation_t allocation;
     auvid_excitation_t excitation;
+    auvid_adaptive_t adaptive; /**< missing and given_up are public to read */
+    void (*adapt)(struct auvid_identifier *id, auvid_real_t *wrench); /* null: play the sequence; so
+                                                       that its code is linked only where used */
     auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
     auvid_estimate_t estimate;   /**< the last result */
     auvid_estimate_t trusted;    /* the last accepted one */

@@ -1,0 +1,497 @@
+/* Adaptive excitation: it asks for what is missing, within its limits, and ends by itself. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/adaptive.h"
+#include "auvid/checkpoint.h"
+#include "binomial.h"
+#include "chain.h"
+#include "unity.h"
+
+enum { N = 13, ALL = 0x1FFF, SWAY_ONES = 1 << 1 | 1 << 7 | 1 << 8 };
+
+static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+
+static chain_config_t config;
+static chain_t chain;
+static auvid_adaptive_config_t cfg;
+
+/* What is seen of a run. */
+static struct {
+    bool over;     /* more was asked for than an amplitude, or than the thrusters give */
+    bool outside;  /* something, without the guard being in EXCITING */
+    double done_s; /* when everything was known; 0: not yet */
+    double square; /* mean square error then */
+    double end_s;  /* when the guard was DONE; 0: not yet */
+    uint32_t changed;
+} seen;
+
+static void watch(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+{
+    (void)status;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double f = fabs((double)out->excitation[j]);
+        seen.over = seen.over || !(f <= (double)cfg.amplitude[j] * 1.000001);
+        seen.outside = seen.outside || (f > 0.0 && out->guard != AUVID_GUARD_EXCITING);
+    }
+    seen.over = seen.over || c->id.saturated;
+    seen.changed += (out->events & AUVID_EVENT_CHANGED) != 0;
+    if (seen.done_s <= 0.0 && c->id.estimate.confidence.identifiable == ALL) {
+        seen.done_s = 1e-6 * (double)c->t_us;
+        seen.square = chain_mean_square(c);
+    }
+    if (seen.end_s <= 0.0 && out->guard == AUVID_GUARD_DONE) {
+        seen.end_s = 1e-6 * (double)c->t_us;
+    }
+}
+
+/* A world with bounds for vehicles of all sizes. */
+static void make_world(uint64_t seed, double disturbance_N)
+{
+    chain_defaults(&config, seed, 16, disturbance_N);
+    for (int i = 0; i < N; ++i) {
+        config.id.search.lower[i] = -4000;
+        config.id.search.upper[i] = 4000;
+    }
+    config.after = watch;
+    memset(&seen, 0, sizeof seen);
+    auvid_adaptive_defaults(&cfg);
+    memcpy(cfg.amplitude, amplitude, sizeof cfg.amplitude);
+    cfg.seed = seed;
+}
+
+void setUp(void)
+{
+    make_world(1, 1.0);
+}
+
+void tearDown(void)
+{
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+}
+
+/* Until the guard is DONE or ABORTED, at most so long. */
+static void run(double most_s)
+{
+    while (1e-6 * (double)chain.t_us < most_s && chain.out.guard != AUVID_GUARD_DONE &&
+           chain.out.guard != AUVID_GUARD_ABORTED) {
+        chain_tick(&chain);
+    }
+}
+
+static void test_it_ends_by_itself_when_everything_is_known(void)
+{
+    begin();
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.given_up);
+    TEST_ASSERT_TRUE(seen.end_s < seen.done_s + 12.0); /* the fade, and the vehicle calm */
+    TEST_ASSERT_FALSE(seen.over);
+    TEST_ASSERT_FALSE(seen.outside);
+    TEST_ASSERT_TRUE((chain.events & AUVID_EVENT_EXCITATION_DONE) != 0);
+}
+
+static void test_a_run_may_be_begun_again(void)
+{
+    begin();
+    run(300);
+    double first_s = 1e-6 * (double)chain.t_us;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+    chain.waiting = true;
+    chain_tick(&chain);
+    run(600); /* everything is known: nothing is left to be done */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_TRUE(1e-6 * (double)chain.t_us < first_s + 12.0);
+}
+
+static void test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known(void)
+{
+    config.id.allocation.thruster[4].min_N = config.id.allocation.thruster[4].max_N = 0;
+    config.id.excitation.segments = 0; /* that plan would not be taken */
+    begin();
+    chain.waiting = true;
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.given_up);
+    TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
+}
+
+/* The sway thruster runs, and nothing comes of it: an endless mass. */
+static void test_what_does_not_move_is_given_up_in_time(void)
+{
+    config.sim.parameter[SIM_M_V] = 1e9;
+    begin();
+    run(450);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.given_up & SWAY_ONES);
+    TEST_ASSERT_TRUE(seen.end_s < 250.0);
+}
+
+static void test_weak_thrusters_take_turns_and_everything_is_known(void)
+{
+    for (int i = 0; i < 5; ++i) { /* X alone or N alone, not both */
+        config.id.allocation.thruster[i].min_N = i < 2 ? -60 : -153;
+        config.id.allocation.thruster[i].max_N = i < 2 ? 60 : 153;
+    }
+    config.id.excitation.segments = 0;
+    begin();
+    chain.waiting = true;
+    uint8_t together = 0, ever = 0;
+    while (1e-6 * (double)chain.t_us < 450 && chain.out.guard != AUVID_GUARD_DONE) {
+        chain_tick(&chain);
+        uint8_t driving = chain.id.adaptive.driving;
+        ever |= driving;
+        together |= (driving & 0x21) == 0x21;
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(0, together);
+    TEST_ASSERT_EQUAL_HEX32(0x27, ever);
+    TEST_ASSERT_FALSE(seen.over);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.given_up);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
+}
+
+static void test_it_ends_at_its_longest(void)
+{
+    cfg.most_s = 40;
+    begin();
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_TRUE(seen.end_s < 52.0);
+    TEST_ASSERT_TRUE(chain.id.adaptive.missing != 0); /* and says what it has not got */
+}
+
+static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
+{
+    begin();
+    chain_run(&chain, 20);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id));
+    run(40);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    begin();
+    chain_run(&chain, 20);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
+    chain_run(&chain, 5);
+    TEST_ASSERT_FALSE(seen.outside);
+}
+
+static void test_a_limit_of_the_guard_ends_it(void)
+{
+    config.id.guard.distance_max_m = 3;
+    begin();
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISTANCE, chain.out.cause);
+    TEST_ASSERT_FALSE(seen.outside);
+}
+
+static void check_refused(auvid_status_t status)
+{
+    static auvid_identifier_t before;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(status, auvid_adaptive_begin(&chain.id, &cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    setUp();
+}
+
+static void test_what_makes_no_sense_is_refused(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, NULL));
+    auvid_adaptive_defaults(NULL);
+    memset(cfg.amplitude, 0, sizeof cfg.amplitude);
+    check_refused(AUVID_ERR_RANGE);
+    cfg.amplitude[0] = -1;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.leash[5] = -1;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.most_s = 29;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.most_s = 3601;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.amplitude[2] = (auvid_real_t)NAN;
+    check_refused(AUVID_ERR_NOT_FINITE);
+    cfg.leash[2] = (auvid_real_t)INFINITY;
+    check_refused(AUVID_ERR_NOT_FINITE);
+    cfg.amplitude[0] = 400;
+    check_refused(AUVID_ERR_LIMIT);
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    memset(&chain, 0, sizeof chain);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_adaptive_begin(&chain.id, &cfg));
+    begin();
+    chain_run(&chain, 5); /* exciting */
+    check_refused(AUVID_ERR_STATE);
+}
+
+static void test_a_checkpoint_goes_on_bit_for_bit(void)
+{
+    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+    static chain_t other;
+    auvid_checkpoint_t cursor;
+    uint32_t count = sizeof bytes;
+    begin();
+    chain_run(&chain, 65);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    other = chain;
+    memset(&other.id, 0xA5, sizeof other.id);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
+    for (int k = 0; k < 60 * 50; ++k) {
+        chain_tick(&chain);
+        chain_tick(&other);
+        TEST_ASSERT_EQUAL_MEMORY(chain.out.excitation, other.out.excitation,
+                                 sizeof chain.out.excitation);
+    }
+    TEST_ASSERT_TRUE(chain.id.estimate.number > 2);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, other.out.guard);
+    TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, other.id.estimate.pi,
+                             sizeof chain.id.estimate.pi);
+}
+
+/* ---- what it is worth ---- */
+
+enum { MOST_RUNS = 100, MOST_S = 480, SETS = MOST_S / 30, RESAMPLES = 1000 };
+
+enum { ADAPTIVE, AT_ONCE, ONE_BY_ONE, WAYS };
+
+/* Of one run: time until everything was known, at most MOST_S (one by one four times that); mean
+ * square error at the run's end, or after each set. */
+typedef struct {
+    double done_s[WAYS], end_s, end_square, square[SETS + 1], set_s[SETS + 1];
+    double known_square[WAYS]; /* mean square error when everything was known */
+    bool known[WAYS];
+} outcome_t;
+
+static outcome_t outcome[MOST_RUNS];
+static uint32_t aborted, gave_up, false_alarms;
+static bool over;
+
+/* One of many vehicles: each mass and drag of the Girona500 up to halved or doubled. */
+static void vary(uint64_t seed)
+{
+    sim_rng_t rng;
+    sim_rng_seed(&rng, seed, 77);
+    for (int i = 0; i < N; ++i) {
+        double f = exp2(2.0 * sim_rng_uniform(&rng) - 1.0);
+        config.sim.parameter[i] *= i == SIM_WB ? 1.0 : f;
+    }
+}
+
+static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
+{
+    outcome_t *o = &outcome[seed - 1];
+    double most_s = way == ONE_BY_ONE ? 4.0 * MOST_S : MOST_S;
+    uint32_t number = 0;
+    make_world(seed, disturbance_N);
+    if (way == ONE_BY_ONE) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_schedule(&config.id.excitation, amplitude, 30,
+                                                              SETS, seed, 0, true));
+    }
+    config.id.guard.run_max_s = 3600; /* one by one takes its time */
+    if (other) {
+        vary(seed);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    if (way == ADAPTIVE) {
+        cfg.most_s = MOST_S;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+    }
+    const auvid_estimate_t *e = &chain.id.estimate;
+    while (1e-6 * (double)chain.t_us < most_s + 12.0 && chain.out.guard != AUVID_GUARD_ABORTED &&
+           !(way != AT_ONCE && (seen.done_s > 0.0 || chain.out.guard == AUVID_GUARD_DONE))) {
+        chain_tick(&chain);
+        if (way == AT_ONCE && e->number != number && e->sets <= SETS) {
+            number = e->number;
+            o->square[e->sets] = chain_mean_square(&chain);
+            o->set_s[e->sets] = 1e-6 * (double)chain.t_us;
+        }
+    }
+    o->known[way] = seen.done_s > 0.0;
+    o->known_square[way] = seen.square;
+    o->done_s[way] = seen.done_s > 0.0 && seen.done_s < most_s ? seen.done_s : most_s;
+    aborted += chain.out.guard == AUVID_GUARD_ABORTED;
+    if (way == ADAPTIVE) {
+        o->end_s = 1e-6 * (double)chain.t_us;
+        o->end_square = chain_mean_square(&chain);
+        gave_up += chain.id.adaptive.given_up != 0;
+        over = over || seen.over || seen.outside;
+        false_alarms += seen.changed;
+    }
+}
+
+/* Of a sample of runs: time until everything is known, over that of `way`. */
+static double ratio_known(const int *sample, int runs, int way)
+{
+    double adaptive = 0.0, fixed = 0.0;
+    for (int k = 0; k < runs; ++k) {
+        adaptive += outcome[sample[k]].done_s[ADAPTIVE];
+        fixed += outcome[sample[k]].done_s[way];
+    }
+    return adaptive / fixed;
+}
+
+/* Of a sample of runs: time until their end, over that after which the plan, all at once, has the
+ * same rms error, between sets on a straight line of logarithms. */
+static double ratio_error(const int *sample, int runs, int way)
+{
+    double square = 0.0, end_s = 0.0, before = 0.0, before_s = 0.0;
+    (void)way;
+    for (int k = 0; k < runs; ++k) {
+        square += outcome[sample[k]].end_square;
+        end_s += outcome[sample[k]].end_s;
+    }
+    for (int set = 1; set <= SETS; ++set) {
+        double now = 0.0, now_s = 0.0;
+        for (int k = 0; k < runs; ++k) {
+            now += outcome[sample[k]].square[set];
+            now_s += outcome[sample[k]].set_s[set];
+        }
+        if (now <= square && set > 1) {
+            double part = log(square / before) / log(now / before);
+            return end_s / (before_s * pow(now_s / before_s, part > 0.0 ? part : 0.0));
+        }
+        before = now;
+        before_s = now_s;
+    }
+    return end_s / before_s; /* the plan never gets there */
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The ratio, and its 95 % interval by bootstrap over runs. */
+static void tell(const char *what, double (*ratio)(const int *, int, int), int runs, int way,
+                 double interval[3])
+{
+    static double value[RESAMPLES];
+    int sample[MOST_RUNS];
+    sim_rng_t rng;
+    sim_rng_seed(&rng, 1, 1);
+    for (int b = 0; b < RESAMPLES; ++b) {
+        for (int k = 0; k < runs; ++k) {
+            sample[k] = (int)(sim_rng_uniform(&rng) * runs);
+        }
+        value[b] = ratio(sample, runs, way);
+    }
+    for (int k = 0; k < runs; ++k) {
+        sample[k] = k;
+    }
+    qsort(value, RESAMPLES, sizeof value[0], ascending);
+    interval[0] = ratio(sample, runs, way);
+    interval[1] = value[RESAMPLES / 40];
+    interval[2] = value[RESAMPLES - 1 - RESAMPLES / 40];
+    printf("  %-50s %.2f [%.2f, %.2f]\n", what, interval[0], interval[1], interval[2]);
+}
+
+static double mean_s(int runs, int way)
+{
+    double sum = 0.0;
+    for (int k = 0; k < runs; ++k) {
+        sum += outcome[k].done_s[way];
+    }
+    return sum / runs;
+}
+
+/* Over the runs in which everything was known [%]. */
+static double rms_known(int runs, int way)
+{
+    double sum = 0.0;
+    int count = 0;
+    for (int k = 0; k < runs; ++k) {
+        sum += outcome[k].known[way] ? outcome[k].known_square[way] : 0.0;
+        count += outcome[k].known[way];
+    }
+    return count > 0 ? 100.0 * sqrt(sum / count) : 0.0;
+}
+
+/* In the short form without the plan that is one by one. */
+static void compare(double disturbance_N, bool other, double interval[3])
+{
+    int runs = campaign_is_long() ? MOST_RUNS : 20, known[WAYS] = {0};
+    int ways = campaign_is_long() ? WAYS : ONE_BY_ONE;
+    double square = 0.0, ignored[3];
+    memset(outcome, 0, sizeof outcome);
+    aborted = gave_up = false_alarms = 0;
+    over = false;
+    for (int way = 0; way < ways; ++way) {
+        for (int k = 0; k < runs; ++k) {
+            run_one((uint32_t)k + 1, disturbance_N, other, way);
+            known[way] += outcome[k].known[way];
+        }
+    }
+    for (int k = 0; k < runs; ++k) {
+        square += outcome[k].end_square / runs;
+    }
+    printf(
+        "%g N, %s, %d runs of at most %d s; adaptive, all at once, one by one (%d s):\n"
+        "  all 13 identifiable in %d, %d, %d runs, after %.1f, %.1f, %.1f s, rms error then %.2f, "
+        "%.2f, %.2f %%\n  adaptive: %u gave something up, rms error at the end %.2f %%\n",
+        disturbance_N, other ? "other vehicles" : "Girona500", runs, MOST_S, 4 * MOST_S,
+        known[ADAPTIVE], known[AT_ONCE], known[ONE_BY_ONE], mean_s(runs, ADAPTIVE),
+        mean_s(runs, AT_ONCE), mean_s(runs, ONE_BY_ONE), rms_known(runs, ADAPTIVE),
+        rms_known(runs, AT_ONCE), rms_known(runs, ONE_BY_ONE), (unsigned)gave_up,
+        100.0 * sqrt(square));
+    tell("time until known, over all at once", ratio_known, runs, AT_ONCE, interval);
+    if (ways == WAYS) {
+        tell("time until known, over one by one", ratio_known, runs, ONE_BY_ONE, ignored);
+    }
+    tell("time until the end, over that of the same error", ratio_error, runs, AT_ONCE, ignored);
+    TEST_ASSERT_EQUAL_UINT32(0, aborted);
+    TEST_ASSERT_EQUAL_UINT32(0, false_alarms);
+    TEST_ASSERT_FALSE(over);
+}
+
+static void test_it_needs_no_more_data_than_the_plan(void)
+{
+    double interval[3];
+    compare(1.0, false, interval);
+    TEST_ASSERT_TRUE(interval[campaign_is_long() ? 2 : 0] < 1.0);
+}
+
+static void test_nor_does_it_for_other_vehicles_and_disturbances(void)
+{
+    double interval[3];
+    for (int k = 0; campaign_is_long() && k < 3; ++k) {
+        compare(k == 0 ? 1.0 : 3.0, k != 1, interval);
+        TEST_ASSERT_TRUE(interval[1] < 1.0);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
+    RUN_TEST(test_a_run_may_be_begun_again);
+    RUN_TEST(test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known);
+    RUN_TEST(test_what_does_not_move_is_given_up_in_time);
+    RUN_TEST(test_weak_thrusters_take_turns_and_everything_is_known);
+    RUN_TEST(test_it_ends_at_its_longest);
+    RUN_TEST(test_the_operator_ends_it_with_a_fade_or_at_once);
+    RUN_TEST(test_a_limit_of_the_guard_ends_it);
+    RUN_TEST(test_what_makes_no_sense_is_refused);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_a_checkpoint_goes_on_bit_for_bit);
+    RUN_TEST(test_it_needs_no_more_data_than_the_plan);
+    RUN_TEST(test_nor_does_it_for_other_vehicles_and_disturbances);
+    return UNITY_END();
+}
