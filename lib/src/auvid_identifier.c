@@ -135,6 +135,8 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->velocity = cfg->velocity;
         id->velocity_every_tick = cfg->velocity_every_tick;
         id->dry_mass_kg = cfg->dry_mass_kg;
+        id->listener = cfg->listener;
+        id->listening = cfg->listening;
         status = init_modules(id, cfg);
     }
     if (status < 0) {
@@ -242,6 +244,9 @@ static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
+        if (id->listener != NULL) {
+            id->listener->command(id->listening, t_us, command);
+        }
     }
     return status;
 }

@@ -130,6 +130,17 @@ static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint8_t
     return m->paid == 0;
 }
 
+/** Pay for a call of the model's residual. @return it is paid in full: call it */
+static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
+{
+    uint8_t work = m->cfg.vehicle->work;
+    bool paid = false;
+    while (!paid && *budget > 0) {
+        paid = auvid_metric_pay(m, budget, work);
+    }
+    return paid;
+}
+
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 

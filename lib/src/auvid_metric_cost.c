@@ -21,6 +21,7 @@ void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvi
         for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
             m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
         }
+        m->paid = 0;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const uint8_t *index = m->index + m->channel_at[j];
@@ -119,8 +120,8 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
     for (; m->at_set < m->cfg.sets; ++m->at_set, m->at_row = 0) {
         int age = m->cfg.sets - 1 - m->at_set;
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row, --*budget) {
-            if (*budget == 0) {
+        for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row) {
+            if (!auvid_metric_pay_model(m, budget)) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);

@@ -172,10 +172,9 @@ static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
             if (!moves(m, v)) {
                 continue;
             }
-            if (*budget == 0) {
+            if (!auvid_metric_pay_model(m, budget)) {
                 return false;
             }
-            --*budget;
             add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->share[k], v);
         }
         finish_window(m, set);

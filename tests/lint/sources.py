@@ -51,6 +51,7 @@ USES["checksum"] = BASE + " metric vehicle"  # of records: the control tick does
 USES["adaptive"] = " ".join(USES)
 USES["warm"] = " ".join(USES)
 USES["checkpoint"] = " ".join(USES)
+USES["thrusters"] = " ".join(USES)
 USES["node"] = " ".join(USES)
 USES["auvid"] = " ".join(USES)
 

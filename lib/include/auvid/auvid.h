@@ -29,6 +29,7 @@
 #include "auvid/adaptive.h"
 #include "auvid/warm.h"
 #include "auvid/checkpoint.h"
+#include "auvid/thrusters.h"
 #include "auvid/node.h"
 
 #include "auvid/can.h"

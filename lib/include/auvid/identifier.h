@@ -72,6 +72,15 @@ typedef struct {
     uint64_t seed;        /**< of the search; default 1 */
 } auvid_search_config_t;
 
+/** Somebody who keeps a log of commands (thrusters.h). */
+typedef struct {
+    /** A command holds from t_us on; null: zeros. From step and applied. */
+    void (*command)(void *context, uint64_t t_us, const auvid_real_t *command);
+    /** A set is complete, and those of the ring are about to be evaluated: time to drop some. From
+     * work. */
+    void (*set)(void *context, auvid_metric_t *metric);
+} auvid_listener_t;
+
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
 typedef struct {
     const auvid_vehicle_t *vehicle;       /**< required; set by defaults */
@@ -90,6 +99,8 @@ typedef struct {
                                    Default false */
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0; default 0: not known */
+    const auvid_listener_t *listener; /**< default null: nobody */
+    void *listening;                  /**< its context */
 } auvid_identifier_config_t;
 
 /** What arrived since the last tick. Zero what did not. */
@@ -279,6 +290,8 @@ typedef struct auvid_identifier {
     auvid_validation_t prediction;       /* of the set being recorded, by the last estimate */
     auvid_real_t predicted;              /* cost of the last estimate on the new set */
     auvid_validation_t *validation;      /* fed with every cell, if attached */
+    const auvid_listener_t *listener;    /* as configured */
+    void *listening;
     uint64_t t_us;                       /* last tick */
     uint32_t knot;                       /* sequence of the last velocity recorded */
     uint32_t events;                     /* since the last step */

@@ -87,8 +87,8 @@ typedef struct {
                               of tau_max; 0..1, default 0.02 */
     uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
     uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: in
-                               every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used in the
-                               residual path and with AUVID_SMOOTH_STATES */
+                               every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used with
+                               AUVID_SMOOTH_STATES; in the residual path by thrusters.h alone */
     uint16_t row_cells;  /**< cells between rows; >= 1, default 5 */
     uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
@@ -277,7 +277,7 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
 /** Go on with it.
- * @param budget as in merge: one unit for each row of R, or for each stored sample
+ * @param budget as in merge: one unit for each row of R, or vehicle->work for each stored sample
  * @return AUVID_OK (metric->cost written); AUVID_PENDING; AUVID_ERR_NULL. A cost that is not finite
  * is returned as such: the optimizer treats it as very bad. */
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
@@ -312,7 +312,7 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
                                   auvid_real_t delay_s, uint8_t sets);
 
 /** Go on with it, and when all sets of the ring are done, merge their triangles.
- * @param budget one unit for each call of the model: 2 n + 3 for each row and each row of the
+ * @param budget vehicle->work units for each call of the model: 2 n + 3 for each row and each row of the
  * window over which residuals are smoothed, on rows about one standard deviation of that window
  * apart
  * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */

@@ -77,6 +77,8 @@ typedef struct {
                          auvid_real_t nu_dot[AUVID_DOF_COUNT]);
 
     const void *context; /**< handed to the three functions; may be null */
+    uint8_t work; /**< units of work that one call of `residual` costs, each about 250 instructions
+                       of a Cortex-M4F; default (zero): 1 */
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.

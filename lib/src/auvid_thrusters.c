@@ -1,0 +1,317 @@
+/*
+ * Thrusters: the model, its log and its place in the identifier. What a candidate makes of the log
+ * is in auvid_thrusters_wrench.c.
+ *
+ * The log is a ring of slots of equal length, each with the mean command of each thruster. Slots
+ * have no time of their own: the newest complete one ends at end_us.
+ */
+#include "auvid/thrusters.h"
+
+#include <string.h>
+
+#include "auvid_metric.h"
+#include "auvid_thrusters.h"
+
+/* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
+ * before is left there, and a third of that in the row's mean. */
+#define LEAD_LAGS AUVID_C(3.0)
+
+/* What the recorder may be behind the newest command. */
+enum { BEHIND_US = 3000000 };
+
+void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
+{
+    if (cfg != NULL) {
+        *cfg = (auvid_thrusters_config_t){.command_max = AUVID_C(1.0),
+                                          .gain_max = AUVID_C(1000.0),
+                                          .dead_band_max = AUVID_C(0.5),
+                                          .lag_max_s = AUVID_C(0.5),
+                                          .period_us = 20000};
+    }
+}
+
+static auvid_status_t check(const auvid_thrusters_config_t *cfg)
+{
+    if (cfg->hull == NULL || cfg->log == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_vehicle_check(cfg->hull);
+    if (status < 0) {
+        return status;
+    }
+    if (!auvid_all_finite(cfg->matrix[0], sizeof cfg->matrix / sizeof cfg->matrix[0][0])) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    const auvid_real_t positive[] = {cfg->command_max, cfg->gain_max, cfg->dead_band_max};
+    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
+        if (!(positive[i] > AUVID_C(0.0) && positive[i] <= AUVID_RECORDER_LARGEST)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    bool fits = cfg->lag_max_s >= AUVID_C(0.01) && cfg->lag_max_s <= AUVID_C(2.0) &&
+                cfg->thrusters >= 1 && cfg->thrusters <= AUVID_MAX_COMMANDS &&
+                cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
+                cfg->slots >= 1;
+    return fits ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+/* How many groups; 0: there are holes among their numbers, or too many. */
+static int groups_of(const auvid_thrusters_config_t *cfg)
+{
+    uint32_t there = 0;
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        there |= cfg->group[i] < AUVID_THRUSTERS_GROUPS ? 1u << cfg->group[i] : ~UINT32_C(0);
+    }
+    int groups = 0;
+    for (; there & 1u; there >>= 1) {
+        ++groups;
+    }
+    return there == 0 && groups <= AUVID_THRUSTERS_GROUPS ? groups : 0;
+}
+
+/* The DoF of the hull on which a group acts: bit j. */
+static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
+{
+    uint32_t dofs = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int i = 0; i < cfg->thrusters; ++i) {
+            bool acts = cfg->group[i] == group && auvid_abs(cfg->matrix[j][i]) > AUVID_C(0.0);
+            dofs |= (uint32_t)(acts && cfg->hull->columns[j] != 0) << j;
+        }
+    }
+    return dofs;
+}
+
+/* The four parameters of a group. */
+static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
+{
+    static const char *const name[AUVID_THRUSTERS_GROUPS][AUVID_THRUSTERS_PER_GROUP] = {
+        {"forward", "backward", "dead_band", "lag"},
+        {"forward_2", "backward_2", "dead_band_2", "lag_2"},
+        {"forward_3", "backward_3", "dead_band_3", "lag_3"},
+        {"forward_4", "backward_4", "dead_band_4", "lag_4"}};
+    static const char *const unit[AUVID_THRUSTERS_PER_GROUP] = {"N", "N", "1", "s"};
+    int dof = 0;
+    while ((dofs >> dof & 1u) == 0) {
+        ++dof;
+    }
+    for (int k = 0; k < AUVID_THRUSTERS_PER_GROUP; ++k) {
+        parameter[k] = (auvid_parameter_t){.name = name[group][k],
+                                           .unit = unit[k],
+                                           .dof = (auvid_dof_t)dof,
+                                           .kind = AUVID_PARAMETER_OTHER};
+    }
+}
+
+/* Predicted less applied wrench, as the hull has it for what the thrusters make. A row that is no
+ * longer in the log says nothing; its set goes with the next one that is complete. */
+static void residual(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                     auvid_real_t *e)
+{
+    const auvid_thrusters_t *th = context;
+    auvid_sample_t s = *sample;
+    if (auvid_thrusters_wrench(th, sample->t_us, pi, s.tau) == AUVID_OK) {
+        auvid_vehicle_residual(th->cfg.hull, &s, pi, e);
+    }
+}
+
+auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
+                                    const auvid_thrusters_config_t *cfg)
+{
+    if (thrusters == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = check(cfg);
+    if (status < 0) {
+        return status;
+    }
+    int groups = groups_of(cfg), hull = cfg->hull->parameters;
+    int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
+    if (groups == 0) {
+        return AUVID_ERR_RANGE;
+    }
+    if (n > AUVID_MAX_PARAMETERS) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    for (int g = 0; g < groups; ++g) {
+        if (acts_on(cfg, g) == 0) {
+            return AUVID_ERR_MODEL;
+        }
+    }
+    auvid_thrusters_t *th = thrusters;
+    memset(th, 0, sizeof *th);
+    th->cfg = *cfg;
+    memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
+    auvid_vehicle_t *vehicle = &th->vehicle;
+    vehicle->name = cfg->hull->name;
+    vehicle->parameters = (uint8_t)n;
+    vehicle->parameter = th->parameter;
+    vehicle->residual = residual;
+    vehicle->context = th;
+    memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);
+    uint32_t all = (uint32_t)(((uint64_t)1 << n) - 1u);
+    vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
+    for (int g = 0; g < groups; ++g) {
+        int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
+        uint32_t dofs = acts_on(cfg, g);
+        name_group(th->parameter + first, g, dofs);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
+        }
+    }
+    return AUVID_OK;
+}
+
+/* Which of a group's parameters it is; what is not below AUVID_THRUSTERS_PER_GROUP is the hull's. */
+static int kind_of(const auvid_thrusters_t *th, int i)
+{
+    int own = i - th->cfg.hull->parameters;
+    return own < 0 ? AUVID_THRUSTERS_PER_GROUP : own % AUVID_THRUSTERS_PER_GROUP;
+}
+
+/* Is the scale of the force known in every DoF on which thrusters act? By a parameter that is
+ * given, or by a free one that another DoF has, whose scale is known. */
+static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_config_t *metric)
+{
+    uint32_t known = 0, acted = 0, sized = 0; /* parameters known, DoF; parameters of a force */
+    int n = th->vehicle.parameters;
+    for (int i = 0; i < n; ++i) {
+        int kind = kind_of(th, i);
+        bool force = kind != AUVID_THRUSTERS_DEAD_BAND && kind != AUVID_THRUSTERS_LAG;
+        bool given = metric->free != 0 && (metric->free >> i & 1u) == 0;
+        sized |= (uint32_t)(force && (!given || auvid_abs(metric->fixed[i]) > AUVID_C(0.0))) << i;
+        known |= (uint32_t)given << i;
+    }
+    known &= sized;
+    for (int g = 0; g * AUVID_THRUSTERS_PER_GROUP < n - th->cfg.hull->parameters; ++g) {
+        acted |= acts_on(&th->cfg, g);
+    }
+    for (int round = 0; round < AUVID_DOF_COUNT; ++round) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            known |= (th->vehicle.columns[j] & known) != 0 ? th->vehicle.columns[j] & sized : 0u;
+        }
+    }
+    bool all = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        all = all && ((acted >> j & 1u) == 0 || (th->vehicle.columns[j] & known) != 0);
+    }
+    return all;
+}
+
+/* Slots from the first that a set needs to the newest command, when the next set is complete. */
+static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_metric_config_t *metric,
+                          uint32_t sets)
+{
+    return (uint64_t)sets * metric->set_rows * th->row_us + (uint64_t)th->lead * th->cfg.period_us +
+           th->spread_us + BEHIND_US;
+}
+
+static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
+{
+    auvid_thrusters_command(context, t_us, command);
+}
+
+/* Sets that the log will have lost before the next is complete, because idle sets or gaps took
+ * its place. */
+static void forget(void *context, auvid_metric_t *metric)
+{
+    const auvid_thrusters_t *th = context;
+    uint64_t reach_us = (uint64_t)th->cfg.slots * th->cfg.period_us;
+    for (uint8_t age = 0; age < metric->cfg.sets; ++age) {
+        const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+        uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
+        if (set->rows > 0 && th->end_us + needed_us(th, &metric->cfg, 1) > first_us + reach_us) {
+            (void)auvid_metric_drop(metric, age);
+        }
+    }
+}
+
+static const auvid_listener_t listener = {.command = listen, .set = forget};
+
+auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
+                                         auvid_identifier_config_t *cfg)
+{
+    auvid_thrusters_t *th = thrusters;
+    if (th == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (cfg->vehicle != &th->vehicle || !scale_is_known(th, &cfg->metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    const auvid_thrusters_config_t *own = &th->cfg;
+    uint32_t period = own->period_us;
+    th->row_us = cfg->recorder.cell_us * cfg->metric.row_cells;
+    th->spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us);
+    th->lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
+    th->bridged = cfg->recorder.gap_us / period + th->lead;
+    if ((uint64_t)own->slots * period < needed_us(th, &cfg->metric, cfg->metric.sets + 1u)) {
+        return AUVID_ERR_SIZE;
+    }
+    uint32_t n = own->thrusters, window = (th->row_us + th->spread_us) / period + 2u;
+    uint32_t work = 1u + (th->lead * (8u + 14u * n) + window * (60u + 20u * n)) / 250u;
+    th->vehicle.work = (uint8_t)(work < UINT8_MAX ? work : UINT8_MAX);
+    const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
+                                                          own->dead_band_max, own->lag_max_s};
+    for (int i = own->hull->parameters; i < th->vehicle.parameters; ++i) {
+        cfg->search.lower[i] = AUVID_C(0.0);
+        cfg->search.upper[i] = most[kind_of(th, i)];
+    }
+    cfg->metric.estimate_delay = false;
+    cfg->listener = &listener;
+    cfg->listening = th;
+    return AUVID_OK;
+}
+
+/* The slot under way is complete. */
+static void keep_slot(auvid_thrusters_t *th)
+{
+    auvid_real_t scale = AUVID_C(32767.0) / (th->cfg.command_max * (auvid_real_t)th->cfg.period_us);
+    for (int i = 0; i < th->cfg.thrusters; ++i) {
+        auvid_real_t steps = th->filling[i] * scale;
+        steps = auvid_clamp(steps, AUVID_C(-32767.0), AUVID_C(32767.0));
+        steps += steps < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5);
+        th->cfg.log[th->head * th->cfg.thrusters + (uint32_t)i] = (int16_t)steps;
+        th->filling[i] = AUVID_C(0.0);
+    }
+    th->head = th->head + 1u < th->cfg.slots ? th->head + 1u : 0u;
+    th->filled += th->filled < th->cfg.slots;
+    th->end_us += th->cfg.period_us;
+}
+
+void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
+                             const auvid_real_t *command)
+{
+    auvid_thrusters_t *th = thrusters;
+    if (th == NULL || (th->started && t_us <= th->held_us)) {
+        return;
+    }
+    uint64_t most_us = (uint64_t)th->bridged * th->cfg.period_us;
+    if (!th->started || t_us - th->end_us > (uint64_t)th->cfg.slots * th->cfg.period_us) {
+        th->started = true; /* nothing from before will be needed */
+        th->filled = 0;
+        th->end_us = th->held_us = t_us;
+        memset(th->filling, 0, sizeof th->filling);
+    } else if (t_us - th->end_us > most_us) { /* after a long silence rows begin later than it */
+        uint32_t skipped = (uint32_t)((t_us - th->end_us - most_us) / th->cfg.period_us);
+        th->end_us += (uint64_t)skipped * th->cfg.period_us;
+        th->held_us = th->end_us;
+        th->head = (th->head + skipped) % th->cfg.slots;
+        th->filled = th->filled + skipped < th->cfg.slots ? th->filled + skipped : th->cfg.slots;
+    }
+    while (th->held_us < t_us) {
+        uint64_t slot_ends = th->end_us + th->cfg.period_us;
+        uint64_t to = t_us < slot_ends ? t_us : slot_ends;
+        auvid_real_t part = (auvid_real_t)(uint32_t)(to - th->held_us);
+        for (int i = 0; i < th->cfg.thrusters; ++i) {
+            th->filling[i] += part * th->held[i];
+        }
+        th->held_us = to;
+        if (to == slot_ends) {
+            keep_slot(th);
+        }
+    }
+    for (int i = 0; i < th->cfg.thrusters; ++i) {
+        bool usable = command != NULL && auvid_is_finite(command[i]);
+        th->held[i] = usable ? command[i] : AUVID_C(0.0);
+    }
+}

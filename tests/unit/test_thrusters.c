@@ -1,0 +1,554 @@
+/*
+ * Thrusters with a dead band, a gain in each direction and a lag, identified together with the
+ * hull from the commands of every tick.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/thrusters.h"
+#include "binomial.h"
+#include "simulator.h"
+#include "unity.h"
+
+/* A hull of one axis, surge; what other axes do to it is known. */
+enum { M_U, M_V, M_W, W_B, X_U, X_UU, HULL };
+enum { FORWARD = HULL, BACKWARD, DEAD_BAND, LAG, PARAMETERS };
+enum { FREE = 1u << X_U | 1u << X_UU };
+
+static const auvid_parameter_t parameter[HULL] = {
+    {"m_u", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS},
+    {"m_v", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS},
+    {"m_w", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS},
+    {"W-B", "N", AUVID_SURGE, AUVID_PARAMETER_FORCE},
+    {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
+    {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_QUADRATIC_DRAG},
+};
+
+static void regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    (void)context;
+    auvid_real_t *x = y->row[AUVID_SURGE], u = s->nu[AUVID_SURGE];
+    x[M_U] = s->nu_dot[AUVID_SURGE];
+    x[M_V] = -s->nu[AUVID_SWAY] * s->nu[AUVID_YAW];
+    x[M_W] = s->nu[AUVID_HEAVE] * s->nu[AUVID_PITCH];
+    x[W_B] = (auvid_real_t)sin((double)s->theta);
+    x[X_U] = -u;
+    x[X_UU] = -(u > 0 ? u : -u) * u;
+}
+
+static const auvid_vehicle_t hull = {.name = "surge",
+                                     .parameters = HULL,
+                                     .parameter = parameter,
+                                     .columns = {[AUVID_SURGE] = (1u << HULL) - 1},
+                                     .free = FREE,
+                                     .regressor = regressor};
+
+enum { SETS = 8, ROW_CELLS = 2, LONGEST_S = 60, PERIOD_US = 20000 };
+enum { SLOTS = AUVID_THRUSTERS_SLOTS(SETS, LONGEST_S * 1000000u, PERIOD_US) };
+static int16_t commands[2 * SLOTS];
+static auvid_row_t store[(SETS + 1) * LONGEST_S * 10 / ROW_CELLS];
+static auvid_thrusters_config_t config;
+static auvid_identifier_config_t id_config;
+static auvid_thrusters_t thrusters;
+static auvid_identifier_t id, ideal;
+
+/* Two thrusters, of a group of their own each, on surge and yaw. */
+void setUp(void)
+{
+    auvid_thrusters_defaults(&config);
+    config.hull = &hull;
+    config.thrusters = 1;
+    config.matrix[AUVID_SURGE][0] = 2;
+    config.gain_max = 300;
+    config.log = commands;
+    config.slots = SLOTS;
+}
+
+void tearDown(void)
+{
+}
+
+static void defaults(uint16_t row_cells, uint16_t set_s)
+{
+    auvid_identifier_defaults(&id_config, &thrusters.vehicle);
+    id_config.metric.rows = store;
+    id_config.metric.sets = SETS;
+    id_config.metric.row_cells = row_cells;
+    id_config.metric.set_rows = (uint16_t)(set_s * 10u / row_cells);
+    id_config.metric.fixed[M_U] = 250;
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    defaults(ROW_CELLS, 30);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
+}
+
+/* ---- the thrust that a candidate makes of the log ---- */
+
+static auvid_real_t command_at(double t_s)
+{
+    return (auvid_real_t)(t_s < 3.0 ? 0.0 : 0.6 * sin(1.7 * t_s) + (t_s < 6.0 ? 0.3 : -0.3));
+}
+
+static void fill(double to_s)
+{
+    for (uint64_t tick = 0; (double)tick * 0.02 < to_s; ++tick) {
+        auvid_real_t both[AUVID_MAX_COMMANDS] = {command_at((double)tick * 0.02)};
+        both[1] = -both[0];
+        auvid_thrusters_command(&thrusters, tick * PERIOD_US, both);
+    }
+}
+
+/* The same in double, in steps of 0.1 ms from time 0 on, with the weights of a rectangle that has
+ * passed another one, its length sqrt(2) times `velocity_s`. */
+static double expected(double t_s, double row_s, double velocity_s, const double *pi)
+{
+    const double h = 1e-4, spread = fmax(sqrt(2.0) * velocity_s, 1e-9);
+    double x = 0.0, sum = 0.0, all = 0.0;
+    for (double t = 0.5 * h; t < t_s + row_s + spread; t += h) {
+        double c = (double)command_at(floor(t / 0.02) * 0.02);
+        double g = c > pi[2] ? pi[0] * (c - pi[2]) : c < -pi[2] ? pi[1] * (c + pi[2]) : 0.0;
+        double low = fmax(t - spread / 2, t_s - row_s / 2);
+        double overlap = fmax(fmin(t + spread / 2, t_s + row_s / 2) - low, 0.0);
+        x = g + (x - g) * exp(-h / pi[3]);
+        sum += overlap * x;
+        all += overlap;
+    }
+    return sum / all;
+}
+
+static void check_thrust(const double *of_group, uint32_t velocity_us, auvid_dof_t dof)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    for (int k = 0; k < AUVID_THRUSTERS_PER_GROUP; ++k) {
+        pi[HULL + k] = (auvid_real_t)of_group[k];
+    }
+    double worst = 0.0;
+    for (double t_s = 2.613; t_s < 11.0; t_s += 0.2) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, (uint64_t)(t_s * 1e6 + 0.5),
+                                                           pi, wrench));
+        double sum = expected(t_s, 0.2, velocity_us * 1e-6, of_group);
+        worst = fmax(worst, fabs((double)wrench[dof] - 2.0 * sum));
+    }
+    TEST_ASSERT_TRUE(worst < 0.05); /* of 90 N */
+}
+
+static void test_the_mean_thrust_of_a_row_is_that_of_the_lag_solved_in_double(void)
+{
+    static const double of_group[][AUVID_THRUSTERS_PER_GROUP] = {
+        {70, 55, 0.1, 0.2}, {55, 70, 0.25, 0.05}, {60, 60, 0.0, 0.12}, {70, 50, 0.1, 0.003}};
+    begin();
+    fill(12.0);
+    for (size_t i = 0; i < sizeof of_group / sizeof of_group[0]; ++i) {
+        check_thrust(of_group[i], id_config.metric.velocity_us, AUVID_SURGE);
+    }
+}
+
+static void test_moments_are_not_spread_as_forces_are(void)
+{
+    static const double of_group[] = {70, 55, 0.1, 0.2};
+    config.matrix[AUVID_YAW][0] = 2;
+    begin();
+    fill(12.0);
+    check_thrust(of_group, 0, AUVID_YAW);
+}
+
+static void test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
+    const auvid_real_t there[] = {70, 55, (auvid_real_t)0.1, (auvid_real_t)0.2};
+    const auvid_real_t back[] = {55, 70, (auvid_real_t)0.1, (auvid_real_t)0.2};
+    begin();
+    fill(8.0);
+    memcpy(pi + HULL, there, sizeof there);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 7000000, pi, one));
+    config.thrusters = 2;
+    config.matrix[AUVID_SURGE][0] = 0;
+    config.matrix[AUVID_SURGE][1] = -2;
+    begin();
+    fill(8.0);
+    memcpy(pi + HULL, back, sizeof back);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 7000000, pi, two));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)one[AUVID_SURGE], (double)two[AUVID_SURGE]);
+}
+
+static void test_a_lag_of_zero_follows_at_once(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    const auvid_real_t one[AUVID_MAX_COMMANDS] = {1};
+    begin();
+    pi[FORWARD] = 50;
+    for (uint64_t tick = 0; tick < 200; ++tick) {
+        auvid_thrusters_command(&thrusters, tick * PERIOD_US, tick < 100 ? NULL : one);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 1750000, pi, wrench));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)wrench[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 2250000, pi, wrench));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 100.0, (double)wrench[AUVID_SURGE]);
+}
+
+static void test_irregular_ticks_keep_the_mean_command_of_a_slot(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    begin();
+    pi[FORWARD] = pi[BACKWARD] = 100;
+    for (uint64_t t = 0; t < 4000000; t += 7000 + t % 11000) { /* of a ramp: the mean is known */
+        const auvid_real_t command[AUVID_MAX_COMMANDS] = {(auvid_real_t)t * (auvid_real_t)1e-7};
+        auvid_thrusters_command(&thrusters, t, command);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 3000000, pi, wrench));
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 60.0, (double)wrench[AUVID_SURGE]);
+}
+
+static void test_what_is_not_in_the_log_is_no_data(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    const auvid_real_t one[AUVID_MAX_COMMANDS] = {1};
+    const uint64_t length_us = (uint64_t)SLOTS * PERIOD_US;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_thrusters_wrench(&thrusters, 0, pi, wrench));
+    for (uint64_t t = 1000000; t < 5000000 + length_us; t += PERIOD_US) {
+        auvid_thrusters_command(&thrusters, t, one);
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_thrusters_wrench(&thrusters, 4900000, pi, wrench));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 5600000, pi, wrench));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA,
+                      auvid_thrusters_wrench(&thrusters, 6000000 + length_us, pi, wrench));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_wrench(NULL, 0, pi, wrench));
+}
+
+static void test_a_long_silence_leaves_no_old_command_before_the_rows_after_it(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
+    begin();
+    pi[FORWARD] = 50;
+    pi[LAG] = (auvid_real_t)0.3;
+    for (uint64_t t = 0; t < 400000000; t += PERIOD_US) {
+        auvid_thrusters_command(&thrusters, t, command);
+    }
+    command[0] = 0;
+    auvid_thrusters_command(&thrusters, 400000000, command);
+    auvid_thrusters_command(&thrusters, 500000000, command);
+    auvid_thrusters_command(&thrusters, 501000000, command);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 500000000, pi, wrench));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)wrench[AUVID_SURGE]);
+}
+
+/* ---- what is refused ---- */
+
+static void test_init_refuses_what_is_out_of_its_range(void)
+{
+    auvid_thrusters_config_t good = config;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, NULL));
+    config.log = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.thrusters = AUVID_MAX_COMMANDS + 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.group[0] = 1; /* and none 0 */
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.lag_max_s = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.thrusters = 2; /* the second acts on nothing */
+    config.group[1] = 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
+    config.thrusters = 4;
+    for (int i = 1; i < 4; ++i) {
+        config.group[i] = (uint8_t)i;
+        config.matrix[AUVID_SURGE][i] = 1;
+    }
+    TEST_ASSERT_EQUAL(HULL + 4 * 4 <= AUVID_MAX_PARAMETERS ? AUVID_OK : AUVID_ERR_PARAMETERS,
+                      auvid_thrusters_init(&thrusters, &config));
+}
+
+static void test_masses_drags_and_gains_are_not_free_together(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    defaults(ROW_CELLS, 30);
+    id_config.metric.free = 0; /* all */
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
+    TEST_ASSERT_NULL(id_config.listener);
+    id_config.metric.free = (1u << PARAMETERS) - 1u - (1u << LAG); /* says nothing of force */
+    id_config.metric.fixed[LAG] = (auvid_real_t)0.2;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
+    id_config.metric.free = (1u << PARAMETERS) - 1u - (1u << FORWARD);
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
+    id_config.metric.fixed[FORWARD] = 70;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
+    TEST_ASSERT_FALSE(id_config.metric.estimate_delay);
+    TEST_ASSERT_EQUAL_DOUBLE(300.0, (double)id_config.search.upper[BACKWARD]);
+}
+
+static void test_a_log_too_short_for_the_ring_is_refused(void)
+{
+    config.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
+    begin();
+    defaults(ROW_CELLS, 40);
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_configure(&thrusters, &id_config));
+    id_config.vehicle = &hull;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
+}
+
+/* ---- the whole ---- */
+
+static double truth[PARAMETERS];
+
+static double thrust(double c)
+{
+    double d = truth[DEAD_BAND];
+    return c > d ? truth[FORWARD] * (c - d) : c < -d ? truth[BACKWARD] * (c + d) : 0.0;
+}
+
+/* Another vehicle for each seed, each parameter within 30 % of the usual one. */
+static void draw_world(sim_config_t *world, uint64_t seed, double disturbance_N)
+{
+    sim_rng_t rng;
+    double part[6];
+    sim_rng_seed(&rng, seed, 77);
+    for (int i = 0; i < 6; ++i) {
+        part[i] = 0.7 + 0.6 * sim_rng_uniform(&rng);
+    }
+    sim_defaults(world);
+    world->seed = seed;
+    world->disturbance_N = disturbance_N;
+    truth[M_U] = world->parameter[SIM_M_U] *= part[0];
+    truth[M_V] = world->parameter[SIM_M_V];
+    truth[M_W] = world->parameter[SIM_M_W];
+    truth[W_B] = world->parameter[SIM_WB];
+    truth[X_U] = world->parameter[SIM_X_U] *= part[1];
+    truth[X_UU] = world->parameter[SIM_X_UU] *= part[2];
+    truth[FORWARD] = 80.0 * part[3];
+    truth[BACKWARD] = truth[FORWARD] * (0.7 + 0.1 * sim_rng_uniform(&rng));
+    truth[DEAD_BAND] = 0.1 * part[4];
+    truth[LAG] = 0.22 * part[5];
+}
+
+static void sense(const sim_output_t *out, auvid_input_t *in)
+{
+    const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
+    memset(in, 0, sizeof *in);
+    in->t_us = out->t_us;
+    in->imu.present = imu->has;
+    in->imu.t_us = imu->t_us;
+    in->dvl.present = dvl->has;
+    in->dvl.sample.t_us = dvl->t_us;
+    in->dvl.sample.valid = AUVID_DVL_ALL;
+    for (int i = 0; i < 3; ++i) {
+        in->imu.attitude[i] = (auvid_real_t)imu->value[i];
+        in->imu.rates[i] = (auvid_real_t)imu->value[3 + i];
+        in->dvl.sample.velocity[i] = (auvid_real_t)dvl->value[i];
+    }
+}
+
+static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1}; /* of the command */
+    auvid_identifier_config_t plain;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    defaults(row_cells, set_s);
+    auvid_identifier_defaults(&plain, &hull);
+    plain.metric.set_rows = (uint16_t)(set_s * 2);
+    for (int i = 0; i < X_U; ++i) {
+        id_config.metric.fixed[i] = plain.metric.fixed[i] = (auvid_real_t)truth[i];
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
+    id_config.search.upper[X_U] = id_config.search.upper[X_UU] = 0;
+    id_config.search.seed = seed;
+    id_config.guard.off = /* there is no depth sensor, and room enough */
+        AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
+    id_config.guard.distance_max_m = 1000;
+    id_config.guard.speed_max = 5;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&id_config.excitation, amplitude, set_s, SETS,
+                                                      seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&ideal, &plain));
+}
+
+/* The mean force of a thruster over a tick, its lag in steps of 2 ms. */
+static double follow(double *x, double command)
+{
+    double mean = 0.0, g = thrust(command), h = 0.002;
+    for (int i = 0; i < 10; ++i) {
+        double e = exp(-h / truth[LAG]);
+        mean += 0.1 * (g + (*x - g) * (1.0 - e) * truth[LAG] / h);
+        *x = g + (*x - g) * e;
+    }
+    return mean;
+}
+
+/* The excitation's surge "force" is the command of both thrusters, which make their force of it.
+ * `ideal` is told that the force is the gains' mean times the command. */
+static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16_t row_cells,
+                     uint32_t budget)
+{
+    sim_config_t world;
+    sim_t sim;
+    sim_output_t sensed;
+    double x = 0.0;
+    auvid_real_t command = 0;
+    bool excited = false;
+    draw_world(&world, seed, disturbance_N);
+    configure(seed, set_s, row_cells);
+    TEST_ASSERT_TRUE(sim_init(&sim, &world));
+    for (int tick = 0; tick < SETS * set_s * 50 + 300; ++tick) {
+        auvid_input_t in;
+        auvid_output_t out, other;
+        const double wrench[6] = {2.0 * follow(&x, (double)command), 0.0, -truth[W_B]};
+        sim_step(&sim, NULL, wrench, &sensed);
+        sense(&sensed, &in);
+        if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
+            excited = auvid_identifier_excite(&id) == AUVID_OK;
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&ideal, &in, &other));
+        command = out.excitation[AUVID_SURGE];
+        const auvid_real_t gain = (auvid_real_t)(truth[FORWARD] + truth[BACKWARD]);
+        const auvid_real_t nominal[AUVID_DOF_COUNT] = {gain * command};
+        const auvid_real_t all[AUVID_MAX_COMMANDS] = {command};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, all));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&ideal, in.t_us, nominal, NULL));
+        (void)auvid_identifier_work(&id, budget);
+        TEST_ASSERT_TRUE(id.work_last <= budget);
+    }
+    while (auvid_identifier_work(&id, UINT32_MAX) == AUVID_PENDING) {
+    }
+    while (auvid_identifier_work(&ideal, UINT32_MAX) == AUVID_PENDING) {
+    }
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
+    TEST_ASSERT_EQUAL_HEX32(FREE | 15u << HULL, id.estimate.identified);
+    TEST_ASSERT_FALSE(id.estimate.capped);
+}
+
+static double error_of(int i)
+{
+    return (double)id.estimate.pi[i] / truth[i] - 1.0;
+}
+
+/* The larger error of the drags by least squares with the ideal thruster. */
+static double ideal_error(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];
+    memcpy(pi, ideal.metric.cfg.fixed, sizeof pi);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&ideal.metric, FREE, pi));
+    return fmax(fabs((double)pi[X_U] / truth[X_U] - 1.0),
+                fabs((double)pi[X_UU] / truth[X_UU] - 1.0));
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Print each parameter's errors [%]; its 2.5..97.5 % range (without the one outermost of 50 at
+ * each end) must be within 5 %. */
+static void check_campaign(int seeds, double disturbance_N, uint16_t set_s)
+{
+    enum { MOST = 50 };
+    static double error[PARAMETERS][MOST];
+    int out = seeds / 40, poor = 0;
+    for (int k = 0; k < seeds; ++k) {
+        identify((uint64_t)k + 1, disturbance_N, set_s, ROW_CELLS, 0);
+        poor += ideal_error() >= 0.2;
+        for (int i = X_U; i < PARAMETERS; ++i) {
+            error[i][k] = 100.0 * error_of(i);
+        }
+    }
+    TEST_ASSERT_EQUAL(seeds, poor);
+    for (int i = X_U; i < PARAMETERS; ++i) {
+        double *e = error[i], mean = 0.0, square = 0.0;
+        qsort(e, (size_t)seeds, sizeof *e, by_value);
+        for (int k = 0; k < seeds; ++k) {
+            mean += e[k] / seeds;
+        }
+        for (int k = 0; k < seeds; ++k) {
+            square += (e[k] - mean) * (e[k] - mean) / (seeds - 1);
+        }
+        if (campaign_is_long()) {
+            printf("%g N, %d x %u s  %-10s median %5.2f  2.5..97.5 %% %5.2f .. %5.2f  mean %5.2f "
+                   "+- %.2f %%\n",
+                   disturbance_N, SETS, (unsigned)set_s, thrusters.parameter[i].name, e[seeds / 2],
+                   e[out], e[seeds - 1 - out], mean, 1.96 * sqrt(square / seeds));
+        }
+        TEST_ASSERT_TRUE(e[out] > -5.0);
+        TEST_ASSERT_TRUE(e[seeds - 1 - out] < 5.0);
+    }
+}
+
+static void test_thrusters_and_drag_are_within_5_percent_where_the_ideal_one_is_20_off(void)
+{
+    check_campaign(campaign_is_long() ? 50 : 3, 0.0, 30);
+}
+
+static void test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes(void)
+{
+    check_campaign(campaign_is_long() ? 50 : 2, 1.0, 60);
+}
+
+static void test_a_small_budget_gives_the_same_estimate_to_a_tenth_of_its_error(void)
+{
+    auvid_real_t pi[PARAMETERS];
+    identify(1, 1.0, 30, 5, 0);
+    memcpy(pi, id.estimate.pi, sizeof pi);
+    identify(1, 1.0, 30, 5, 700);
+    for (int i = X_U; i < PARAMETERS; ++i) {
+        double tenth = 0.1 * (double)id.estimate.confidence.sigma[i];
+        TEST_ASSERT_DOUBLE_WITHIN(tenth, (double)pi[i], (double)id.estimate.pi[i]);
+    }
+}
+
+/* An idle vehicle keeps its sets; when their commands are no longer in the log they are dropped
+ * with the next set, and what follows is of that set alone. */
+static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void)
+{
+    config.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
+    identify(1, 0.0, 30, 5, UINT32_MAX);
+    TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.dof_rows[AUVID_SURGE]);
+    const auvid_real_t still[AUVID_DOF_COUNT] = {0};
+    uint64_t t_us = id.t_us;
+    for (int tick = 0; tick < 400 * 50; ++tick) {
+        const auvid_real_t command = tick < 300 * 50 ? 0 : (auvid_real_t)sin(0.02 * tick);
+        const auvid_real_t wrench[AUVID_DOF_COUNT] = {100 * command};
+        const auvid_real_t all[AUVID_MAX_COMMANDS] = {command};
+        t_us += PERIOD_US;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&id, t_us, still, still));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, t_us, wrench, all));
+        if (tick < 300 * 50) {
+            TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.dof_rows[AUVID_SURGE]);
+        }
+        (void)auvid_identifier_work(&id, UINT32_MAX);
+    }
+    TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] > 0);
+    TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] <= 4 * 60);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_mean_thrust_of_a_row_is_that_of_the_lag_solved_in_double);
+    RUN_TEST(test_moments_are_not_spread_as_forces_are);
+    RUN_TEST(test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn);
+    RUN_TEST(test_a_lag_of_zero_follows_at_once);
+    RUN_TEST(test_irregular_ticks_keep_the_mean_command_of_a_slot);
+    RUN_TEST(test_what_is_not_in_the_log_is_no_data);
+    RUN_TEST(test_a_long_silence_leaves_no_old_command_before_the_rows_after_it);
+    RUN_TEST(test_init_refuses_what_is_out_of_its_range);
+    RUN_TEST(test_masses_drags_and_gains_are_not_free_together);
+    RUN_TEST(test_a_log_too_short_for_the_ring_is_refused);
+    RUN_TEST(test_thrusters_and_drag_are_within_5_percent_where_the_ideal_one_is_20_off);
+    RUN_TEST(test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes);
+    RUN_TEST(test_a_small_budget_gives_the_same_estimate_to_a_tenth_of_its_error);
+    RUN_TEST(test_sets_whose_commands_are_lost_are_dropped_with_the_next_set);
+    return UNITY_END();
+}
