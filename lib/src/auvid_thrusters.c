@@ -248,7 +248,8 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
         return AUVID_ERR_SIZE;
     }
     uint32_t n = own->thrusters, window = (th->row_us + th->spread_us) / period + 2u;
-    uint32_t work = 1u + (th->lead * (8u + 14u * n) + window * (60u + 20u * n)) / 250u;
+    uint32_t work = own->hull->work + 7u + /* measured; 7: the hull's and what is done once */
+                    (th->lead * 20u * n + window * (50u + 33u * n)) / 250u;
     th->vehicle.work = (uint8_t)(work < UINT8_MAX ? work : UINT8_MAX);
     const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
                                                           own->dead_band_max, own->lag_max_s};

@@ -41,6 +41,7 @@ static auvid_real_t decay(auvid_real_t x)
 typedef struct {
     auvid_real_t gain[2]; /* forward, backward [N per step] */
     auvid_real_t dead_band;
+    int32_t whole_band; /* its whole steps: a command beyond them is beyond it */
     auvid_real_t decay; /* e^-a */
     auvid_real_t mean;  /* (1 - e^-a) / a */
 } group_t;
@@ -53,15 +54,22 @@ static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, grou
                   AUVID_C(0.0)); /* slots */
     group->gain[0] = pi[AUVID_THRUSTERS_FORWARD] * step;
     group->gain[1] = pi[AUVID_THRUSTERS_BACKWARD] * step;
-    group->dead_band = pi[AUVID_THRUSTERS_DEAD_BAND] / step;
+    group->dead_band =
+        auvid_clamp(pi[AUVID_THRUSTERS_DEAD_BAND] / step, AUVID_C(0.0), AUVID_C(32768.0));
+    group->whole_band = (int32_t)group->dead_band;
     group->decay = decay(AUVID_C(1.0) / lag);
     group->mean = (AUVID_C(1.0) - group->decay) * lag;
 }
 
-AUVID_INLINE auvid_real_t force(const group_t *group, auvid_real_t c)
+AUVID_INLINE auvid_real_t force(const group_t *group, int32_t c)
 {
-    auvid_real_t d = group->dead_band;
-    return c > d ? group->gain[0] * (c - d) : (c < -d ? group->gain[1] * (c + d) : AUVID_C(0.0));
+    if (c > group->whole_band) {
+        return group->gain[0] * ((auvid_real_t)c - group->dead_band);
+    }
+    if (c < -group->whole_band) {
+        return group->gain[1] * ((auvid_real_t)c + group->dead_band);
+    }
+    return AUVID_C(0.0);
 }
 
 /* P, s > 0. */
@@ -75,8 +83,8 @@ static auvid_real_t ramp(auvid_real_t t, auvid_real_t s)
 typedef struct {
     uint32_t at;       /* index of the slot from which the lag is followed */
     uint32_t lead;     /* slots from there to the row's window */
-    uint32_t last;     /* slots from there to the newest */
     uint32_t window;   /* slots of the window */
+    uint32_t last;     /* of them before the newest slot there is */
     auvid_real_t from; /* where its first slot begins, from the row's beginning [slots] */
 } place_t;
 
@@ -96,62 +104,69 @@ static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
     place->lead = th->lead < th->filled - ago ? th->lead : th->filled - ago;
     uint32_t first = ago + place->lead;
     place->at = th->head >= first ? th->head - first : th->head + th->cfg.slots - first;
-    place->last = first - 1u;
+    place->last = ago - 1u;
     place->window = (before_us + length + period - 1u) / period;
     place->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->spread_us) /
                   (auvid_real_t)period;
     return true;
 }
 
-/* The sums over a window: of forces, of moments. */
-typedef struct {
-    auvid_real_t x[AUVID_MAX_COMMANDS];
-    auvid_real_t sum[2][AUVID_MAX_COMMANDS];
-} course_t;
-
-/* A slot more; weight: null before the window. */
-AUVID_INLINE void follow(const auvid_thrusters_t *th, const group_t *groups, const int16_t *slot,
-                         const auvid_real_t *weight, course_t *course)
+/* A slot later, with wrap. */
+AUVID_INLINE const int16_t *next_slot(const auvid_thrusters_t *th, const int16_t *slot)
 {
-    for (int i = 0; i < th->cfg.thrusters; ++i) {
-        const group_t *group = &groups[th->cfg.group[i]];
-        auvid_real_t g = force(group, (auvid_real_t)slot[i]), off = course->x[i] - g;
-        if (weight != NULL) {
-            auvid_real_t mean = g + off * group->mean;
-            course->sum[0][i] += weight[0] * mean;
-            course->sum[1][i] += weight[1] * mean;
-        }
-        course->x[i] = g + off * group->decay;
-    }
+    slot += th->cfg.thrusters;
+    return slot < th->cfg.log + th->cfg.slots * th->cfg.thrusters
+               ? slot
+               : slot - th->cfg.slots * th->cfg.thrusters;
 }
 
-/* Follow the lags through the window, from steady forces at the first slot on. */
+/* A thruster's force at the window's beginning, from a steady one at `slot` on. */
+static auvid_real_t lead_in(const auvid_thrusters_t *th, const group_t *of, const int16_t *slot,
+                            uint32_t slots)
+{
+    const group_t group = *of;
+    auvid_real_t x = force(&group, *slot);
+    for (; slots > 0; --slots, slot = next_slot(th, slot)) {
+        auvid_real_t g = force(&group, *slot);
+        x = g + (x - g) * group.decay;
+    }
+    return x;
+}
+
+/* The mean of each thruster over the window, with the weights of forces and of moments. */
 static void run(const auvid_thrusters_t *th, const group_t *groups, const place_t *place,
-                course_t *course)
+                auvid_real_t sum[2][AUVID_MAX_COMMANDS])
 {
     const auvid_real_t per_us = AUVID_C(1.0) / (auvid_real_t)th->cfg.period_us;
-    auvid_real_t row = (auvid_real_t)th->row_us * per_us, t = place->from;
-    auvid_real_t spread = auvid_max((auvid_real_t)th->spread_us * per_us, AUVID_C(1e-3));
+    const auvid_real_t row = (auvid_real_t)th->row_us * per_us, per_row = AUVID_C(1.0) / row;
+    const auvid_real_t spread =
+        auvid_max((auvid_real_t)th->spread_us * per_us, AUVID_C(1e-3)); /* not 0 */
+    auvid_real_t x[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)}, t = place->from;
     auvid_real_t before[2] = {AUVID_C(0.0), auvid_clamp(t, AUVID_C(0.0), row)};
-    uint32_t n = th->cfg.thrusters, at = place->at;
-    for (uint32_t i = 0; i < n; ++i) {
-        course->x[i] =
-            force(&groups[th->cfg.group[i]], (auvid_real_t)th->cfg.log[at * n + i]);
+    int n = th->cfg.thrusters;
+    const int16_t *slot = th->cfg.log + place->at * (uint32_t)n;
+    for (int i = 0; i < n; ++i) {
+        x[i] = lead_in(th, &groups[th->cfg.group[i]], slot + i, place->lead);
     }
-    for (uint32_t k = 0; k < place->lead + place->window; ++k) {
-        const int16_t *slot = th->cfg.log + at * n;
-        if (k < place->lead) {
-            follow(th, groups, slot, NULL, course);
-        } else {
-            t += AUVID_C(1.0);
-            auvid_real_t after[2] = {ramp(t, spread) - ramp(t - row, spread),
-                                     auvid_clamp(t, AUVID_C(0.0), row)};
-            auvid_real_t weight[2] = {(after[0] - before[0]) / row, (after[1] - before[1]) / row};
-            follow(th, groups, slot, weight, course);
-            memcpy(before, after, sizeof before);
+    slot += place->lead * (uint32_t)n;
+    slot -= place->at + place->lead < th->cfg.slots ? 0u : th->cfg.slots * (uint32_t)n;
+    for (uint32_t k = 0; k < place->window; ++k) {
+        t += AUVID_C(1.0);
+        auvid_real_t forces = ramp(t, spread) - ramp(t - row, spread);
+        auvid_real_t moments = auvid_clamp(t, AUVID_C(0.0), row);
+        auvid_real_t of_force = (forces - before[0]) * per_row;
+        auvid_real_t of_moment = (moments - before[1]) * per_row;
+        for (int i = 0; i < n; ++i) {
+            const group_t *group = &groups[th->cfg.group[i]];
+            auvid_real_t g = force(group, slot[i]), off = x[i] - g, mean = g + off * group->mean;
+            sum[0][i] += of_force * mean;
+            sum[1][i] += of_moment * mean;
+            x[i] = g + off * group->decay;
         }
+        before[0] = forces;
+        before[1] = moments;
         if (k < place->last) { /* what is not there yet is as the newest */
-            at = at + 1u < th->cfg.slots ? at + 1u : 0u;
+            slot = next_slot(th, slot);
         }
     }
 }
@@ -164,7 +179,7 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     }
     const auvid_thrusters_t *th = thrusters;
     group_t groups[AUVID_THRUSTERS_GROUPS];
-    course_t course;
+    auvid_real_t sum[2][AUVID_MAX_COMMANDS] = {{AUVID_C(0.0)}};
     place_t place;
     memset(wrench, 0, AUVID_DOF_COUNT * sizeof *wrench);
     if (th->row_us == 0 || !find_row(th, t_us, &place)) {
@@ -175,11 +190,10 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
          i += AUVID_THRUSTERS_PER_GROUP, ++g, own += AUVID_THRUSTERS_PER_GROUP) {
         take_group(th, own, &groups[g]);
     }
-    memset(&course, 0, sizeof course);
-    run(th, groups, &place, &course);
+    run(th, groups, &place, sum);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < th->cfg.thrusters; ++i) {
-            wrench[j] += th->cfg.matrix[j][i] * course.sum[j < AUVID_ROLL ? 0 : 1][i];
+            wrench[j] += th->cfg.matrix[j][i] * sum[j < AUVID_ROLL ? 0 : 1][i];
         }
     }
     return AUVID_OK;

@@ -129,8 +129,8 @@ static void check_thrust(const double *of_group, uint32_t velocity_us, auvid_dof
     }
     double worst = 0.0;
     for (double t_s = 2.613; t_s < 11.0; t_s += 0.2) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, (uint64_t)(t_s * 1e6 + 0.5),
-                                                           pi, wrench));
+        TEST_ASSERT_EQUAL(
+            AUVID_OK, auvid_thrusters_wrench(&thrusters, (uint64_t)(t_s * 1e6 + 0.5), pi, wrench));
         double sum = expected(t_s, 0.2, velocity_us * 1e-6, of_group);
         worst = fmax(worst, fabs((double)wrench[dof] - 2.0 * sum));
     }
@@ -369,8 +369,8 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
     id_config.guard.distance_max_m = 1000;
     id_config.guard.speed_max = 5;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&id_config.excitation, amplitude, set_s, SETS,
-                                                      seed));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&id_config.excitation, amplitude, set_s, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&ideal, &plain));
 }

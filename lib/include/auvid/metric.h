@@ -312,9 +312,9 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
                                   auvid_real_t delay_s, uint8_t sets);
 
 /** Go on with it, and when all sets of the ring are done, merge their triangles.
- * @param budget vehicle->work units for each call of the model: 2 n + 3 for each row and each row of the
- * window over which residuals are smoothed, on rows about one standard deviation of that window
- * apart
+ * @param budget vehicle->work units for each call of the model: 2 n + 3 for each row and each row
+ * of the window over which residuals are smoothed, on rows about one standard deviation of that
+ * window apart
  * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 
