@@ -244,7 +244,7 @@ static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
-        if (id->listener != NULL) {
+        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
             id->listener->command(id->listening, t_us, command);
         }
     }

@@ -60,7 +60,7 @@ void auvid_identifier_begin_set(auvid_identifier_t *id)
     if (id->suspect) {
         (void)auvid_metric_drop(&id->metric, 1);
     }
-    if (id->listener != NULL) {
+    if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
         id->listener->set(id->listening, &id->metric);
     }
     if (e->number == 0) {

@@ -162,7 +162,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     return AUVID_OK;
 }
 
-/* Which of a group's parameters it is; what is not below AUVID_THRUSTERS_PER_GROUP is the hull's. */
+/* Which of a group's parameters it is; AUVID_THRUSTERS_PER_GROUP: the hull's. */
 static int kind_of(const auvid_thrusters_t *th, int i)
 {
     int own = i - th->cfg.hull->parameters;

@@ -31,13 +31,15 @@ MODULES = {path.stem for path in HEADERS} | {
     path.stem.removeprefix("auvid_") for path in pathlib.Path("lib/src").glob("*.h")
 }
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
-# of auvid_girona500, the metric's memory, and the driver's interrupt.
+# of auvid_girona500, the metric's memory, the thrusters' log, and the driver's interrupt.
 POINTERS = {
     r"vehicle->(regressor|residual)\(": r":g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"id->adapt\(": r"auvid_adaptive\.c:adapt$",
     r"m->recall\(": r"auvid_metric_memory\.c:recall$",
+    r"listener->command\(": r"auvid_thrusters\.c:listen$",
+    r"listener->set\(": r"auvid_thrusters\.c:forget$",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }
 START = r"machine_\w+\.c:start$"

@@ -74,6 +74,7 @@ void control_init(void);
 void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
 auvid_status_t configure_in_current(auvid_identifier_config_t *cfg);
+auvid_status_t my_thrusters(auvid_identifier_config_t *cfg);
 void plan(auvid_identifier_config_t *cfg);
 bool begin(void);
 #include "example.c"
@@ -187,6 +188,13 @@ static int own_vehicle(void)
 }
 
 static int exciting(bool adaptive)
+static int own_thrusters(void)
+{
+    static auvid_identifier_config_t cfg;
+    return my_thrusters(&cfg) == AUVID_OK && auvid_identifier_init(&id, &cfg) == AUVID_OK ? 0 : 1;
+}
+
+static int exciting(void)
 {
     static auvid_identifier_config_t cfg;
     bool begun = false;
@@ -218,6 +226,10 @@ int main(int count, char **argument)
         return own_vehicle();
     }
     return exciting(strcmp(argument[1], "adaptive") == 0);
+    if (strcmp(argument[1], "own-thrusters") == 0) {
+        return own_thrusters();
+    }
+    return strcmp(argument[1], "exciting") == 0 ? exciting() : own_vehicle();
 }
 END
 check "README's example compiles without a warning" \
@@ -226,6 +238,7 @@ check "README's example compiles without a warning" \
     "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
+check "README's own thrusters are accepted" ./example own-thrusters
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 check "README's adaptive excitation identifies it, and the guard is done" ./example adaptive
 

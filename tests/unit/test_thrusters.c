@@ -54,7 +54,7 @@ static auvid_identifier_config_t id_config;
 static auvid_thrusters_t thrusters;
 static auvid_identifier_t id, ideal;
 
-/* Two thrusters, of a group of their own each, on surge and yaw. */
+/* Two thrusters at the stern that get the same command. */
 void setUp(void)
 {
     auvid_thrusters_defaults(&config);
@@ -456,16 +456,21 @@ static int by_value(const void *a, const void *b)
 static void check_campaign(int seeds, double disturbance_N, uint16_t set_s)
 {
     enum { MOST = 50 };
-    static double error[PARAMETERS][MOST];
-    int out = seeds / 40, poor = 0;
+    static double error[PARAMETERS][MOST], poor[MOST];
+    int out = seeds / 40;
     for (int k = 0; k < seeds; ++k) {
         identify((uint64_t)k + 1, disturbance_N, set_s, ROW_CELLS, 0);
-        poor += ideal_error() >= 0.2;
+        poor[k] = 100.0 * ideal_error();
         for (int i = X_U; i < PARAMETERS; ++i) {
             error[i][k] = 100.0 * error_of(i);
         }
     }
-    TEST_ASSERT_EQUAL(seeds, poor);
+    qsort(poor, (size_t)seeds, sizeof *poor, by_value);
+    TEST_ASSERT_TRUE(poor[0] >= 20.0);
+    if (campaign_is_long()) {
+        printf("%g N, %d x %u s  least squares with the ideal thruster: %.0f .. %.0f %% off\n",
+               disturbance_N, SETS, (unsigned)set_s, poor[0], poor[seeds - 1]);
+    }
     for (int i = X_U; i < PARAMETERS; ++i) {
         double *e = error[i], mean = 0.0, square = 0.0;
         qsort(e, (size_t)seeds, sizeof *e, by_value);
