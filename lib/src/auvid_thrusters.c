@@ -9,8 +9,8 @@
 
 #include <string.h>
 
+#include "auvid_math.h"
 #include "auvid_metric.h"
-#include "auvid_thrusters.h"
 
 /* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
  * before is left there, and a third of that in the row's mean. */
@@ -51,7 +51,7 @@ static auvid_status_t check(const auvid_thrusters_config_t *cfg)
     bool fits = cfg->lag_max_s >= AUVID_C(0.01) && cfg->lag_max_s <= AUVID_C(2.0) &&
                 cfg->thrusters >= 1 && cfg->thrusters <= AUVID_MAX_COMMANDS &&
                 cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
-                cfg->slots >= 1;
+                cfg->slots >= 1 && (uint64_t)cfg->slots * cfg->period_us <= 4000000000u;
     return fits ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
@@ -199,11 +199,11 @@ static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_confi
 }
 
 /* Slots from the first that a set needs to the newest command, when the next set is complete. */
-static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_metric_config_t *metric,
-                          uint32_t sets)
+static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
+                          const auvid_metric_config_t *metric, uint32_t sets)
 {
-    return (uint64_t)sets * metric->set_rows * th->row_us + (uint64_t)th->lead * th->cfg.period_us +
-           th->spread_us + BEHIND_US;
+    return (uint64_t)sets * metric->set_rows * grid->row_us +
+           (uint64_t)grid->lead * th->cfg.period_us + grid->spread_us + BEHIND_US;
 }
 
 static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
@@ -220,7 +220,8 @@ static void forget(void *context, auvid_metric_t *metric)
     for (uint8_t age = 0; age < metric->cfg.sets; ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
-        if (set->rows > 0 && th->end_us + needed_us(th, &metric->cfg, 1) > first_us + reach_us) {
+        if (set->rows > 0 &&
+            th->end_us + needed_us(th, &th->grid, &metric->cfg, 1) > first_us + reach_us) {
             (void)auvid_metric_drop(metric, age);
         }
     }
@@ -240,22 +241,25 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     }
     const auvid_thrusters_config_t *own = &th->cfg;
     uint32_t period = own->period_us;
-    th->row_us = cfg->recorder.cell_us * cfg->metric.row_cells;
-    th->spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us);
-    th->lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
-    th->bridged = cfg->recorder.gap_us / period + th->lead;
-    if ((uint64_t)own->slots * period < needed_us(th, &cfg->metric, cfg->metric.sets + 1u)) {
+    uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
+    auvid_thrusters_grid_t grid = {
+        .row_us = cfg->recorder.cell_us * cfg->metric.row_cells,
+        .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
+        .lead = lead,
+        .bridged = cfg->recorder.gap_us / period + lead};
+    if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }
-    uint32_t n = own->thrusters, window = (th->row_us + th->spread_us) / period + 2u;
+    th->grid = grid;
+    uint32_t n = own->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
     uint32_t work = own->hull->work + 7u + /* measured; 7: the hull's and what is done once */
-                    (th->lead * 20u * n + window * (50u + 33u * n)) / 250u;
+                    (lead * 20u * n + window * (50u + 33u * n)) / 250u;
     th->vehicle.work = (uint8_t)(work < UINT8_MAX ? work : UINT8_MAX);
     const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
                                                           own->dead_band_max, own->lag_max_s};
-    for (int i = own->hull->parameters; i < th->vehicle.parameters; ++i) {
+    for (int k = 0, i = own->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {
         cfg->search.lower[i] = AUVID_C(0.0);
-        cfg->search.upper[i] = most[kind_of(th, i)];
+        cfg->search.upper[i] = most[k % AUVID_THRUSTERS_PER_GROUP];
     }
     cfg->metric.estimate_delay = false;
     cfg->listener = &listener;
@@ -286,16 +290,17 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
     if (th == NULL || (th->started && t_us <= th->held_us)) {
         return;
     }
-    uint64_t most_us = (uint64_t)th->bridged * th->cfg.period_us;
+    uint64_t most_us = (uint64_t)th->grid.bridged * th->cfg.period_us;
     if (!th->started || t_us - th->end_us > (uint64_t)th->cfg.slots * th->cfg.period_us) {
         th->started = true; /* nothing from before will be needed */
         th->filled = 0;
         th->end_us = th->held_us = t_us;
         memset(th->filling, 0, sizeof th->filling);
     } else if (t_us - th->end_us > most_us) { /* after a long silence rows begin later than it */
-        uint32_t skipped = (uint32_t)((t_us - th->end_us - most_us) / th->cfg.period_us);
+        uint32_t skipped = (uint32_t)(t_us - th->end_us - most_us) / th->cfg.period_us;
         th->end_us += (uint64_t)skipped * th->cfg.period_us;
         th->held_us = th->end_us;
+        memset(th->filling, 0, sizeof th->filling);
         th->head = (th->head + skipped) % th->cfg.slots;
         th->filled = th->filled + skipped < th->cfg.slots ? th->filled + skipped : th->cfg.slots;
     }

@@ -13,9 +13,11 @@
  *
  *     (P(t) - P(t - r)) / r,   P(t) = 0 | (t + s/2)^2 / (2 s) | t   before, within, after +-s/2.
  */
+#include "auvid/thrusters.h"
+
 #include <string.h>
 
-#include "auvid_thrusters.h"
+#include "auvid_math.h"
 
 /* e^-x for x >= 0. Taylor's seventh term is below 1e-10 for x <= 1/8; halved and squared before. */
 static auvid_real_t decay(auvid_real_t x)
@@ -24,7 +26,8 @@ static auvid_real_t decay(auvid_real_t x)
     if (!(x < AUVID_C(80.0))) {
         return AUVID_C(0.0);
     }
-    for (; x > AUVID_C(0.125); x *= AUVID_C(0.5)) {
+    while (x > AUVID_C(0.125)) {
+        x *= AUVID_C(0.5);
         ++halvings;
     }
     auvid_real_t e = AUVID_C(1.0);
@@ -90,7 +93,7 @@ typedef struct {
 
 static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
 {
-    uint32_t period = th->cfg.period_us, length = th->row_us + th->spread_us;
+    uint32_t period = th->cfg.period_us, length = th->grid.row_us + th->grid.spread_us;
     uint64_t begin_us = t_us - length / 2u - th->cfg.delay_us;
     uint64_t ago_us = th->end_us - begin_us;
     if (th->filled == 0 || begin_us > th->end_us || ago_us > UINT32_MAX - period) {
@@ -101,12 +104,12 @@ static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
         return false;
     }
     uint32_t before_us = ago * period - (uint32_t)ago_us;
-    place->lead = th->lead < th->filled - ago ? th->lead : th->filled - ago;
+    place->lead = th->grid.lead < th->filled - ago ? th->grid.lead : th->filled - ago;
     uint32_t first = ago + place->lead;
     place->at = th->head >= first ? th->head - first : th->head + th->cfg.slots - first;
     place->last = ago - 1u;
     place->window = (before_us + length + period - 1u) / period;
-    place->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->spread_us) /
+    place->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->grid.spread_us) /
                   (auvid_real_t)period;
     return true;
 }
@@ -138,9 +141,9 @@ static void run(const auvid_thrusters_t *th, const group_t *groups, const place_
                 auvid_real_t sum[2][AUVID_MAX_COMMANDS])
 {
     const auvid_real_t per_us = AUVID_C(1.0) / (auvid_real_t)th->cfg.period_us;
-    const auvid_real_t row = (auvid_real_t)th->row_us * per_us, per_row = AUVID_C(1.0) / row;
+    const auvid_real_t row = (auvid_real_t)th->grid.row_us * per_us, per_row = AUVID_C(1.0) / row;
     const auvid_real_t spread =
-        auvid_max((auvid_real_t)th->spread_us * per_us, AUVID_C(1e-3)); /* not 0 */
+        auvid_max((auvid_real_t)th->grid.spread_us * per_us, AUVID_C(1e-3)); /* not 0 */
     auvid_real_t x[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)}, t = place->from;
     auvid_real_t before[2] = {AUVID_C(0.0), auvid_clamp(t, AUVID_C(0.0), row)};
     int n = th->cfg.thrusters;
@@ -182,7 +185,7 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     auvid_real_t sum[2][AUVID_MAX_COMMANDS] = {{AUVID_C(0.0)}};
     place_t place;
     memset(wrench, 0, AUVID_DOF_COUNT * sizeof *wrench);
-    if (th->row_us == 0 || !find_row(th, t_us, &place)) {
+    if (th->grid.row_us == 0 || !find_row(th, t_us, &place)) {
         return AUVID_ERR_NO_DATA;
     }
     const auvid_real_t *own = pi + th->cfg.hull->parameters;

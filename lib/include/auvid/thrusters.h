@@ -29,7 +29,8 @@
  * velocity; with the usual five, linear drag comes out 1 to 2 % too large.
  *
  * Scale. Only ratios of masses, drags and gains can be seen. Something that says how large a force
- * is must be known (metric.fixed, and not free in metric.free): a mass, or a gain.
+ * is must be known (metric.fixed, and not free in metric.free): a mass, or a gain. A parameter that
+ * matters little will do for auvid_thrusters_configure, not for good estimates.
  *
  * Cost: of a tick 155 instructions of a Cortex-M4F for one thruster, 320 for five (10k in the tick
  * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
@@ -84,18 +85,23 @@ typedef struct {
     uint32_t period_us; /**< a slot of the log [us]: the control tick; 1000..100000, default 20000.
                              Slots hold the mean command; longer ones take less memory and time */
     int16_t *log;       /**< [slots * thrusters], owned by the caller, must outlive the thrusters */
-    uint32_t slots;     /**< see AUVID_THRUSTERS_SLOTS */
+    uint32_t slots;     /**< see AUVID_THRUSTERS_SLOTS; slots * period_us <= 4e9 */
 } auvid_thrusters_config_t;
+
+/** How rows stand in the log. Private. */
+typedef struct {
+    uint32_t row_us;    /* length of a row */
+    uint32_t spread_us; /* by which its ends are spread, see the .c file */
+    uint32_t lead;      /* slots before it from which the lag is followed */
+    uint32_t bridged;   /* slots filled after a silence, at most */
+} auvid_thrusters_grid_t;
 
 /** The thrusters. Fields are private but for `vehicle`. Must stay where it was initialised. */
 typedef struct {
     auvid_thrusters_config_t cfg;
     auvid_vehicle_t vehicle; /**< the model for the identifier */
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
-    uint32_t row_us;                          /* length of a row */
-    uint32_t spread_us;                       /* by which its ends are spread, see the .c file */
-    uint32_t lead;                            /* slots from which the lag is followed */
-    uint32_t bridged;                         /* slots filled after a silence, at most */
+    auvid_thrusters_grid_t grid;
     uint64_t end_us;                          /* up to here slots are complete */
     uint64_t held_us;                         /* up to here the next one is filled */
     uint32_t head, filled;                    /* where the next slot goes; slots kept */
@@ -123,11 +129,12 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * better) and metric.estimate_delay (off: a lag is not told from a delay).
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (cfg is for another vehicle; or nothing that is
  * known says how large a force is, in some DoF); AUVID_ERR_SIZE (the log is too short for so many
- * sets). Refused: *cfg is unchanged. */
+ * sets). Refused: nothing is changed. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
-/** The commands hold from t_us on. For users of the metric alone: the identifier calls it.
+/** The commands hold from t_us on, after configure. For users of the metric alone: the identifier
+ * calls it.
  * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
  * do not advance are ignored. */
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
