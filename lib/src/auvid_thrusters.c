@@ -16,8 +16,8 @@
  * before is left there, and a third of that in the row's mean. */
 #define LEAD_LAGS AUVID_C(3.0)
 
-/* What the recorder may be behind the newest command. */
-enum { BEHIND_US = 3000000 };
+/* What the recorder may be behind the newest command; what a set may lack at its beginning. */
+enum { BEHIND_US = 3000000, SLACK_US = 1000000 };
 
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
 {
@@ -212,16 +212,18 @@ static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
 }
 
 /* Sets that the log will have lost before the next is complete, because idle sets or gaps took
- * its place. */
+ * its place; or lost already, in a restart. */
 static void forget(void *context, auvid_metric_t *metric)
 {
     const auvid_thrusters_t *th = context;
-    uint64_t reach_us = (uint64_t)th->cfg.slots * th->cfg.period_us;
+    uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
+    uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
     for (uint8_t age = 0; age < metric->cfg.sets; ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
-        if (set->rows > 0 &&
-            th->end_us + needed_us(th, &th->grid, &metric->cfg, 1) > first_us + reach_us) {
+        bool lost = first_us + th->state.filled * period + SLACK_US < end_us ||
+                    first_us + th->cfg.slots * period < next_us;
+        if (set->rows > 0 && lost) {
             (void)auvid_metric_drop(metric, age);
         }
     }
@@ -272,52 +274,55 @@ static void keep_slot(auvid_thrusters_t *th)
 {
     auvid_real_t scale = AUVID_C(32767.0) / (th->cfg.command_max * (auvid_real_t)th->cfg.period_us);
     for (int i = 0; i < th->cfg.thrusters; ++i) {
-        auvid_real_t steps = th->filling[i] * scale;
+        auvid_real_t steps = th->state.filling[i] * scale;
         steps = auvid_clamp(steps, AUVID_C(-32767.0), AUVID_C(32767.0));
         steps += steps < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5);
-        th->cfg.log[th->head * th->cfg.thrusters + (uint32_t)i] = (int16_t)steps;
-        th->filling[i] = AUVID_C(0.0);
+        th->cfg.log[th->state.head * th->cfg.thrusters + (uint32_t)i] = (int16_t)steps;
+        th->state.filling[i] = AUVID_C(0.0);
     }
-    th->head = th->head + 1u < th->cfg.slots ? th->head + 1u : 0u;
-    th->filled += th->filled < th->cfg.slots;
-    th->end_us += th->cfg.period_us;
+    th->state.head = th->state.head + 1u < th->cfg.slots ? th->state.head + 1u : 0u;
+    th->state.filled += th->state.filled < th->cfg.slots;
+    th->state.end_us += th->cfg.period_us;
 }
 
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command)
 {
     auvid_thrusters_t *th = thrusters;
-    if (th == NULL || (th->started && t_us <= th->held_us)) {
+    if (th == NULL || (th->state.started && t_us <= th->state.held_us)) {
         return;
     }
     uint64_t most_us = (uint64_t)th->grid.bridged * th->cfg.period_us;
-    if (!th->started || t_us - th->end_us > (uint64_t)th->cfg.slots * th->cfg.period_us) {
-        th->started = true; /* nothing from before will be needed */
-        th->filled = 0;
-        th->end_us = th->held_us = t_us;
-        memset(th->filling, 0, sizeof th->filling);
-    } else if (t_us - th->end_us > most_us) { /* after a long silence rows begin later than it */
-        uint32_t skipped = (uint32_t)(t_us - th->end_us - most_us) / th->cfg.period_us;
-        th->end_us += (uint64_t)skipped * th->cfg.period_us;
-        th->held_us = th->end_us;
-        memset(th->filling, 0, sizeof th->filling);
-        th->head = (th->head + skipped) % th->cfg.slots;
-        th->filled = th->filled + skipped < th->cfg.slots ? th->filled + skipped : th->cfg.slots;
+    if (!th->state.started ||
+        t_us - th->state.end_us > (uint64_t)th->cfg.slots * th->cfg.period_us) {
+        th->state.started = true; /* nothing from before will be needed */
+        th->state.filled = 0;
+        th->state.end_us = th->state.held_us = t_us;
+        memset(th->state.filling, 0, sizeof th->state.filling);
+    } else if (t_us - th->state.end_us >
+               most_us) { /* after a long silence rows begin later than it */
+        uint32_t skipped = (uint32_t)(t_us - th->state.end_us - most_us) / th->cfg.period_us;
+        th->state.end_us += (uint64_t)skipped * th->cfg.period_us;
+        th->state.held_us = th->state.end_us;
+        memset(th->state.filling, 0, sizeof th->state.filling);
+        th->state.head = (th->state.head + skipped) % th->cfg.slots;
+        th->state.filled =
+            th->state.filled + skipped < th->cfg.slots ? th->state.filled + skipped : th->cfg.slots;
     }
-    while (th->held_us < t_us) {
-        uint64_t slot_ends = th->end_us + th->cfg.period_us;
+    while (th->state.held_us < t_us) {
+        uint64_t slot_ends = th->state.end_us + th->cfg.period_us;
         uint64_t to = t_us < slot_ends ? t_us : slot_ends;
-        auvid_real_t part = (auvid_real_t)(uint32_t)(to - th->held_us);
+        auvid_real_t part = (auvid_real_t)(uint32_t)(to - th->state.held_us);
         for (int i = 0; i < th->cfg.thrusters; ++i) {
-            th->filling[i] += part * th->held[i];
+            th->state.filling[i] += part * th->state.held[i];
         }
-        th->held_us = to;
+        th->state.held_us = to;
         if (to == slot_ends) {
             keep_slot(th);
         }
     }
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);
-        th->held[i] = usable ? command[i] : AUVID_C(0.0);
+        th->state.held[i] = usable ? command[i] : AUVID_C(0.0);
     }
 }

@@ -95,18 +95,19 @@ static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
 {
     uint32_t period = th->cfg.period_us, length = th->grid.row_us + th->grid.spread_us;
     uint64_t begin_us = t_us - length / 2u - th->cfg.delay_us;
-    uint64_t ago_us = th->end_us - begin_us;
-    if (th->filled == 0 || begin_us > th->end_us || ago_us > UINT32_MAX - period) {
+    uint64_t ago_us = th->state.end_us - begin_us;
+    if (th->state.filled == 0 || begin_us > th->state.end_us || ago_us > UINT32_MAX - period) {
         return false;
     }
     uint32_t ago = ((uint32_t)ago_us + period - 1u) / period; /* slots */
-    if (ago == 0 || ago > th->filled) {
+    if (ago == 0 || ago > th->state.filled) {
         return false;
     }
     uint32_t before_us = ago * period - (uint32_t)ago_us;
-    place->lead = th->grid.lead < th->filled - ago ? th->grid.lead : th->filled - ago;
+    place->lead = th->grid.lead < th->state.filled - ago ? th->grid.lead : th->state.filled - ago;
     uint32_t first = ago + place->lead;
-    place->at = th->head >= first ? th->head - first : th->head + th->cfg.slots - first;
+    place->at =
+        th->state.head >= first ? th->state.head - first : th->state.head + th->cfg.slots - first;
     place->last = ago - 1u;
     place->window = (before_us + length + period - 1u) / period;
     place->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->grid.spread_us) /

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auvid/checkpoint.h"
 #include "auvid/thrusters.h"
 #include "binomial.h"
 #include "simulator.h"
@@ -538,6 +539,67 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
     TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] <= 4 * 60);
 }
 
+/* Data of a set under way and a search under way; then work until it is done. */
+static uint32_t search_on(auvid_identifier_t *on)
+{
+    while (auvid_identifier_work(on, 1000) == AUVID_PENDING) {
+    }
+    return on->estimate.number;
+}
+
+static void restart(bool with_log)
+{
+    static uint8_t saved[AUVID_CHECKPOINT_MOST((SETS + 1) * 60)];
+    static int16_t log_saved[sizeof commands / sizeof commands[0]];
+    auvid_checkpoint_t cursor;
+    uint32_t bytes = sizeof saved;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, saved, &bytes));
+    auvid_thrusters_state_t state = thrusters.state;
+    memcpy(log_saved, commands, sizeof commands);
+    memset(commands, 0x55, sizeof commands);
+    memset(store, 0x55, sizeof store);
+    configure(1, 30, 5); /* as the next process does */
+    if (with_log) {
+        thrusters.state = state;
+        memcpy(commands, log_saved, sizeof commands);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_a_restart_with_checkpoint_and_log_goes_on_to_the_same_bits(void)
+{
+    static auvid_estimate_t expected_estimate;
+    identify(1, 0.0, 30, 5, 0);
+    uint32_t number = id.estimate.number;
+    id.set_pending = true; /* evaluate all sets once more */
+    for (int i = 0; i < 200; ++i) {
+        TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&id, 10007));
+    }
+    static auvid_identifier_t before;
+    before = id;
+    TEST_ASSERT_EQUAL_UINT32(number + 1, search_on(&id));
+    expected_estimate = id.estimate;
+    id = before;
+    restart(true);
+    TEST_ASSERT_EQUAL_UINT32(number + 1, search_on(&id));
+    TEST_ASSERT_EQUAL_MEMORY(expected_estimate.pi, id.estimate.pi, sizeof id.estimate.pi);
+    TEST_ASSERT_EQUAL_MEMORY(&expected_estimate.cost, &id.estimate.cost, sizeof id.estimate.cost);
+}
+
+static void test_sets_whose_log_a_restart_has_lost_are_dropped(void)
+{
+    identify(1, 0.0, 30, 5, 0);
+    restart(false);
+    auvid_thrusters_command(&thrusters, id.t_us + PERIOD_US, NULL);
+    id.set_pending = true;
+    (void)search_on(&id);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
+    for (int age = 0; age < SETS; ++age) {
+        TEST_ASSERT_EQUAL_UINT32(0, id.metric.set[age].rows);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -555,5 +617,7 @@ int main(void)
     RUN_TEST(test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes);
     RUN_TEST(test_a_small_budget_gives_the_same_estimate_to_a_tenth_of_its_error);
     RUN_TEST(test_sets_whose_commands_are_lost_are_dropped_with_the_next_set);
+    RUN_TEST(test_a_restart_with_checkpoint_and_log_goes_on_to_the_same_bits);
+    RUN_TEST(test_sets_whose_log_a_restart_has_lost_are_dropped);
     return UNITY_END();
 }

@@ -32,6 +32,9 @@
  * is must be known (metric.fixed, and not free in metric.free): a mass, or a gain. A parameter that
  * matters little will do for auvid_thrusters_configure, not for good estimates.
  *
+ * A restart (checkpoint.h) needs the log, too: save `state` and the log's bytes at the same time as
+ * the checkpoint, and put them back after auvid_thrusters_configure.
+ *
  * Cost: of a tick 155 instructions of a Cortex-M4F for one thruster, 320 for five (10k in the tick
  * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
  * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
@@ -96,18 +99,24 @@ typedef struct {
     uint32_t bridged;   /* slots filled after a silence, at most */
 } auvid_thrusters_grid_t;
 
-/** The thrusters. Fields are private but for `vehicle`. Must stay where it was initialised. */
+/** What is in the log. Written by the thrusters; a restart takes it along, see above. */
 typedef struct {
-    auvid_thrusters_config_t cfg;
-    auvid_vehicle_t vehicle; /**< the model for the identifier */
-    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
-    auvid_thrusters_grid_t grid;
     uint64_t end_us;                          /* up to here slots are complete */
     uint64_t held_us;                         /* up to here the next one is filled */
     uint32_t head, filled;                    /* where the next slot goes; slots kept */
     auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
     auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral of the slot under way */
     bool started;
+} auvid_thrusters_state_t;
+
+/** The thrusters. Fields are private but for `vehicle` and `state`. Must stay where it was
+ * initialised. */
+typedef struct {
+    auvid_thrusters_config_t cfg;
+    auvid_vehicle_t vehicle; /**< the model for the identifier */
+    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
+    auvid_thrusters_grid_t grid;
+    auvid_thrusters_state_t state; /**< of the log */
 } auvid_thrusters_t;
 
 /** Fill *cfg with the defaults. Null is ignored. */
