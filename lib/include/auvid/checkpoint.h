@@ -23,7 +23,7 @@
  * to that.
  *
  * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte, to
- * save (17k a page of 256) and to restore, and 27k to begin. Size: 20.6 to 26.8 KB with default
+ * save (17k a page of 256) and to restore, and 27k to begin. Size: 20.8 to 27.0 KB with default
  * sizes, by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the
  * cursor, 56 bytes; stack 0.3 KiB. Code: 5.9 KiB on a Cortex-M4F (-Os), none where not called.
  * Not in the paper.
