@@ -187,14 +187,13 @@ static int own_vehicle(void)
     return pilot(amplitude) ? judge_own() : 1;
 }
 
-static int exciting(bool adaptive)
 static int own_thrusters(void)
 {
     static auvid_identifier_config_t cfg;
     return my_thrusters(&cfg) == AUVID_OK && auvid_identifier_init(&id, &cfg) == AUVID_OK ? 0 : 1;
 }
 
-static int exciting(void)
+static int exciting(bool adaptive)
 {
     static auvid_identifier_config_t cfg;
     bool begun = false;
@@ -225,11 +224,10 @@ int main(int count, char **argument)
     if (strcmp(argument[1], "own-vehicle") == 0) {
         return own_vehicle();
     }
-    return exciting(strcmp(argument[1], "adaptive") == 0);
     if (strcmp(argument[1], "own-thrusters") == 0) {
         return own_thrusters();
     }
-    return strcmp(argument[1], "exciting") == 0 ? exciting() : own_vehicle();
+    return exciting(strcmp(argument[1], "adaptive") == 0);
 }
 END
 check "README's example compiles without a warning" \

@@ -40,7 +40,7 @@
  * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
  * pays for it (vehicle.work). A search takes some 340 evaluations for the six parameters of one
  * axis, 1150 for a Girona500 and its thrusters.
- * Memory: sizeof(auvid_thrusters_t), 0.9 KiB; and the log, two bytes for each thruster and slot:
+ * Memory: sizeof(auvid_thrusters_t), 0.6 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
  * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
  */
