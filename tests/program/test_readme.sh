@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# The code in README compiles without a warning, runs, and identifies, passively and exciting; the
-# commands in README print what it shows. After a change of what they print,
-# README_BLOCKS=write tests/program/test_readme.sh puts it into README.
+# The code in README and in the library's guide compiles without a warning, runs, and identifies,
+# passively and exciting; the commands there print what they show. After a change of what they print,
+# README_BLOCKS=write tests/program/test_readme.sh puts it there.
 . "$(dirname "$0")/common.sh"
 
 blocks() {
     awk -v six="$1" '/^## / { here = /^## Six degrees/ }
-        /^```c$/ { on = here == six; next } /^```$/ { on = 0 } on' "$ROOT/README.md"
+        /^```c$/ { on = here == six; next } /^```$/ { on = 0 } on' "$ROOT/README.md" \
+        "$ROOT/lib/README.md"
 }
 blocks 0 >example.c
 cat >main.c <<'END'
@@ -260,7 +261,7 @@ int main(void)
 }
 END
 blocks 1 >blocks.c
-sizes=$(grep -o '`AUVID_MAX_[A-Z]*=[0-9]*`' "$ROOT/README.md" | tr -d '`' | sed 's/^/-D/')
+sizes=$(grep -o '`AUVID_MAX_[A-Z]*=[0-9]*`' "$ROOT/lib/README.md" | tr -d '`' | sed 's/^/-D/')
 check "README's vehicle in six degrees of freedom compiles at the sizes it names" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror $sizes -I"$ROOT/lib/include" \
     -I. -o six six.c "$ROOT"/lib/src/*.c
@@ -269,15 +270,16 @@ check "README's vehicle in six degrees of freedom is accepted" ./six
 # Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
 cat >blocks.py <<'END'
 import os, re, subprocess, sys
-readme, auvid, mode = sys.argv[1:]
+root, name, auvid, mode = sys.argv[1:]
+readme = os.path.join(root, name)
 text = open(readme).read()
 found = re.findall(r"<!-- output of: (.*?) -->\n```text\n(.*?)```\n", text, re.S)
-assert len(found) == text.count("```text\n") >= 4, len(found)
+assert len(found) == text.count("```text\n") >= 3, len(found)
 plain = lambda lines: [l for l in lines.splitlines() if not l.startswith("  time  ")]
 for command, shown in found:
     run = ["bash", "-c", command.replace("build/auvid", auvid, 1)]
     printed = subprocess.run(run, capture_output=True, text=True, check=True,
-                             cwd=os.path.dirname(readme)).stdout
+                             cwd=root).stdout
     if mode == "write":
         text = text.replace("output of: %s -->\n```text\n%s" % (command, shown),
                             "output of: %s -->\n```text\n%s" % (command, printed))
@@ -286,6 +288,30 @@ for command, shown in found:
 if mode == "write":
     open(readme, "w").write(text)
 END
-check "README shows what its commands print" python3 blocks.py "$ROOT/README.md" "$AUVID" \
-    "${README_BLOCKS:-check}"
+for name in README.md lib/README.md; do
+    check "$name shows what its commands print" python3 blocks.py "$ROOT" "$name" "$AUVID" \
+        "${README_BLOCKS:-check}"
+done
+
+# Every link to a file or a heading of ours leads there.
+cat >links.py <<'END'
+import pathlib, re, sys
+root = pathlib.Path(sys.argv[1])
+slug = lambda h: re.sub(r"[^\w\- ]", "", h.strip().lower()).replace(" ", "-")
+pages = [p for p in root.rglob("*.md") if not {"build", "third_party"} & set(p.parts[len(root.parts):])]
+bad, links = [], 0
+for page in pages:
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+        if re.match(r"[a-z]+:", target):
+            continue
+        links += 1
+        name, _, heading = target.partition("#")
+        at = (page.parent / name) if name else page
+        there = at.exists() and (not heading or heading in
+                                 [slug(h) for h in re.findall(r"^#+ (.*)$", at.read_text(), re.M)])
+        bad += [] if there else [f"{page}: {target}"]
+print("\n".join(bad))
+assert links > 20 and not bad
+END
+check "links in the documentation lead somewhere" python3 links.py "$ROOT"
 finish
