@@ -143,17 +143,19 @@ static void parameter_table(const result_t *result, const result_t *last)
 static void missing_list(const result_t *result)
 {
     char text[WORDS];
-    const char *separator = "\n  not modelled  ";
+    bool all = true;
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         printf("%s    %s\n", k == 0 ? "\n  missing\n" : "", text);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (!report_is_modelled(result, (auvid_dof_t)j)) {
-            printf("%s%s", separator, report_dof_name[j]);
-            separator = ", ";
+            printf("%s%s", all ? "\n  not modelled  " : ", ", report_dof_name[j]);
+            all = false;
         }
     }
-    putchar('\n');
+    if (!all) {
+        putchar('\n');
+    }
 }
 
 /* One line with a value for each modelled degree of freedom; "-" where mask has no bit. */
