@@ -85,6 +85,10 @@ assert 101 < g["t_s"] < 101.3 and d["status"] == "ok"'
 check "current: from bottom lock, then from water lock" tells current 'DYNAMICS FROM BOTTOM LOCK' \
     'worst in standard errors: .* farthest from start' 'DYNAMICS FROM WATER LOCK' \
     'worst in standard errors: .* farthest from start' '^  from bottom lock' '^  from water lock'
+searched=$(sed -n 's/.*current searched too: rms error \([0-9.]*\) %; north 0.\(..\).*/\1 \2/p' \
+    current.txt)
+check "  the current searched too: below 5 %, and 0.3 m/s" awk -v said="$searched" \
+    'BEGIN { split(said, s, " "); exit !(s[1] > 0 && s[1] < 5 && s[2] >= 29 && s[2] <= 31) }'
 check "  the first is badly off, and mostly says so; the second is right" is current.json '
 bottom = {p["name"]: p for p in d["bottom_lock"]["parameters"]}
 assert d["bottom_lock"]["rms_percent"] > 50

@@ -77,7 +77,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
 void report_heard(result_t *result, const craft_t *craft);
 
 /** Root mean square relative error of the parameters that are identified and whose truth is not 0
- * [%]; 0 when none is. */
+ * [%]; 0 when none is. @param truth [AUVID_MAX_PARAMETERS] */
 double report_rms_percent(const auvid_estimate_t *estimate, const double *truth);
 
 /** How many parameters are identifiable. */

@@ -324,16 +324,16 @@ static void tell_current(play_t *play)
 {
     const auvid_estimate_t *e = &play->world.node[1].id.estimate;
     int north = play->current.hull->parameters;
-    double rms = report_rms_percent(e, play->world.craft.sim.config.parameter);
-    double half[2];
+    double truth[CRAFT_PARAMETERS], half[2]; /* the current's stands elsewhere: 0 here */
+    craft_truth(&play->world.craft, truth);
     for (int i = 0; i < 2; ++i) {
         half[i] = HALF_WIDTH * (double)e->confidence.sigma[north + i];
     }
     story_tell(
         &play->story, world_time_s(&play->world),
-        "bottom lock, the current searched as well: rms error %.2f %%; c_north %.3f +- %.3f, "
-        "c_east %.3f +- %.3f m/s",
-        rms, (double)e->pi[north], half[0], (double)e->pi[north + 1], half[1]);
+        "current searched too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
+        report_rms_percent(e, truth), (double)e->pi[north], half[0], (double)e->pi[north + 1],
+        half[1]);
 }
 
 static bool current(play_t *play)
