@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The code in README and in the library's guide compiles without a warning, runs, and identifies,
-# passively and exciting; the commands there print what they show. After a change of what they print,
-# README_BLOCKS=write tests/program/test_readme.sh puts it there.
+# passively and exciting; the commands there print what they show. After a change of what they
+# print, README_BLOCKS=write tests/program/test_readme.sh puts it there.
 . "$(dirname "$0")/common.sh"
 
 blocks() {
@@ -298,7 +298,8 @@ cat >links.py <<'END'
 import pathlib, re, sys
 root = pathlib.Path(sys.argv[1])
 slug = lambda h: re.sub(r"[^\w\- ]", "", h.strip().lower()).replace(" ", "-")
-pages = [p for p in root.rglob("*.md") if not {"build", "third_party"} & set(p.parts[len(root.parts):])]
+ours = lambda p: not {"build", "third_party"} & set(p.relative_to(root).parts)
+pages = [p for p in root.rglob("*.md") if ours(p)]
 bad, links = [], 0
 for page in pages:
     for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
