@@ -11,7 +11,7 @@
 #include "simulator.h"
 #include "unity.h"
 
-enum { THRUSTERS = SIM_THRUSTERS, SETS = 8, SET_S = 30, PERIOD_US = 40000 };
+enum { THRUSTERS = 5, SETS = 8, SET_S = 30, PERIOD_US = 40000 };
 enum { OWN = AUVID_G500_COUNT, PARAMETERS = OWN + AUVID_THRUSTERS_PER_GROUP };
 enum { FREE = (AUVID_G500_FREE & ~(1u << AUVID_G500_M_U)) | 15u << OWN };
 enum { SLOTS = AUVID_THRUSTERS_SLOTS(SETS, SET_S * 1000000u, PERIOD_US) };

@@ -30,6 +30,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
                        cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
     if (config->literal) {
+        cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
         cfg->recorder.cell_us = SIM_TICK_US;
         auvid_identifier_literal(cfg);
         /* a row every half second, as in the default reading */
