@@ -82,6 +82,7 @@ static uint32_t parts_of(const auvid_identifier_t *id)
 {
     uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
     parts |= id->prediction.vehicle != NULL ? PART_SIMULATED : 0u;
+    parts |= id->adapt != NULL ? PART_ADAPTIVE : 0u;
     if (id->phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
     } else if (id->searching) {
@@ -275,7 +276,8 @@ static auvid_status_t check(const auvid_identifier_t *id, const uint8_t *checkpo
     }
     bool whole =
         auvid_get_word(own + BYTES) == bytes && auvid_get_word(checkpoint + BYTES) == bytes;
-    return whole ? AUVID_OK : AUVID_ERR_CHECKSUM;
+    bool adapts = id->adapt != NULL || (sizes->parts & PART_ADAPTIVE) == 0;
+    return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
 }
 
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
@@ -303,6 +305,9 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
     }
     if ((sizes.parts & PART_SIMULATED) != 0) {
         id->prediction.vehicle = identifier_vehicle(id);
+    }
+    if ((sizes.parts & PART_ADAPTIVE) == 0) {
+        id->adapt = NULL; /* the sequence is not to be played as an envelope */
     }
     (void)auvid_metric_remember(m, &m->memory); /* the function that goes with it */
     return AUVID_OK;

@@ -14,7 +14,8 @@ enum {
     PART_SIMULATED = 2,  /**< the estimate simulates the set that is being recorded */
     PART_GLOBAL = 4,     /**< a search is under way, global, */
     PART_LOCAL = 8,      /**< or local */
-    PART_CONFIDENCE = 16 /**< a result is being assessed */
+    PART_CONFIDENCE = 16, /**< a result is being assessed */
+    PART_ADAPTIVE = 32    /**< marks it only: the excitation is adaptive */
 };
 
 /** Members that lie side by side, all of scalars of one width: `count` times `width` bytes, each

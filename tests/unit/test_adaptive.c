@@ -265,6 +265,44 @@ static void test_a_checkpoint_goes_on_bit_for_bit(void)
                              sizeof chain.id.estimate.pi);
 }
 
+/* Its plan played as a sequence would drive all degrees of freedom at once, and at full strength. */
+static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
+{
+    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+    static auvid_identifier_t before;
+    auvid_checkpoint_t cursor;
+    uint32_t count = sizeof bytes;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    before = chain.id;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_restore(&chain.id, bytes, count));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+}
+
+static void test_a_checkpoint_of_a_sequence_brings_the_sequence_back(void)
+{
+    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+    static chain_t other;
+    auvid_checkpoint_t cursor;
+    uint32_t count = sizeof bytes;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 5);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    other = chain;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
+    for (int k = 0; k < 10 * 50; ++k) {
+        chain_tick(&chain);
+        chain_tick(&other);
+        TEST_ASSERT_EQUAL_MEMORY(chain.out.excitation, other.out.excitation,
+                                 sizeof chain.out.excitation);
+    }
+}
+
 /* ---- what it is worth ---- */
 
 enum { MOST_RUNS = 100, MOST_S = 480, SETS = MOST_S / 30, RESAMPLES = 1000 };
@@ -491,6 +529,8 @@ int main(void)
     RUN_TEST(test_what_makes_no_sense_is_refused);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_a_checkpoint_goes_on_bit_for_bit);
+    RUN_TEST(test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun);
+    RUN_TEST(test_a_checkpoint_of_a_sequence_brings_the_sequence_back);
     RUN_TEST(test_it_needs_no_more_data_than_the_plan);
     RUN_TEST(test_nor_does_it_for_other_vehicles_and_disturbances);
     return UNITY_END();

@@ -21,8 +21,8 @@ MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.s
 ASK, CONFIDENCE, GLOBAL, LOCAL = 6, 10, 0, 1
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
-# Pointers that saving follows; of the last is saved whether it is there.
-FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle")
+# Pointers that saving follows; of the last two is saved whether they are there.
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle", "adapt")
 SET_ROWS = 2
 ROOM = 1 << 18
 

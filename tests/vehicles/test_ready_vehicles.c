@@ -30,6 +30,18 @@ static void test_vehicles_and_models_have_names(void)
     TEST_ASSERT_NULL(vehicle_model(""));
 }
 
+/* A row of one cell needs no averages. */
+static void test_the_papers_reading_has_the_plain_rows(void)
+{
+    const world_config_t plain = {.vehicle = rov, .seed = 1, .sets = 1};
+    const world_config_t literal = {.vehicle = rov, .seed = 1, .sets = 1, .literal = true};
+    auvid_identifier_config_t cfg;
+    world_identifier(&cfg, &plain);
+    TEST_ASSERT_TRUE(cfg.vehicle != rov->model);
+    world_identifier(&cfg, &literal);
+    TEST_ASSERT_TRUE(cfg.vehicle == rov->model);
+}
+
 static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
 {
     craft_config_t cfg;
@@ -122,6 +134,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_vehicles_and_models_have_names);
+    RUN_TEST(test_the_papers_reading_has_the_plain_rows);
     RUN_TEST(test_the_simulated_bluerov2_has_the_librarys_parameters);
     RUN_TEST(test_simulator_and_allocation_have_the_same_thrusters);
     RUN_TEST(test_the_bluerov2_hovers_upright);

@@ -27,8 +27,8 @@
  * All else is as with a sequence: arm, excite, stop, abort and guard of identifier.h, peak within
  * the thrusters, amplitude never exceeded, leash.
  *
- * A checkpoint (checkpoint.h) taken during such a run is restored into an identifier for which
- * auvid_adaptive_begin has been called, too.
+ * A checkpoint (checkpoint.h) taken after auvid_adaptive_begin is restored into an identifier for
+ * which that has been called, too, and is refused by others; one taken before it ends it.
  *
  * Called from the control task. Not linked unless auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in one that follows an estimate 40 for each parameter. Memory:

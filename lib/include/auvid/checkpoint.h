@@ -74,16 +74,17 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 #define auvid_checkpoint_restore AUVID_SIZED(auvid_checkpoint_restore)
 /** Go on from a checkpoint: into an identifier that init has accepted for the same model, with the
  * same storage for its rows. Everything else of the configuration is as it was when saved. Pointers
- * remain as they are: model, storage, what is attached, functions that options have set; so choose
- * the same options first. Warm records are part of the checkpoint.
+ * remain as they are: model, storage, what is attached. Warm records are part of the checkpoint; so
+ * is adaptive excitation, if auvid_adaptive_begin has been called here, too.
  *
  * Time must go on: a step before the saved `t_us` is refused. An excitation that was under way goes
  * on only if the next tick comes within the guard's max_tick_us; else the guard aborts.
  * @param checkpoint [bytes]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_CHECKSUM (damaged,
- * cut, or no checkpoint); AUVID_ERR_SIZE (of a library of another version or of other sizes, or of
- * another number of rows of storage); AUVID_ERR_MODEL (of another model, of other free parameters,
- * or of other fixed values). Refused ones change nothing. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or auvid_adaptive_begin was
+ * called there and not here); AUVID_ERR_CHECKSUM (damaged, cut, or no checkpoint); AUVID_ERR_SIZE
+ * (of a library of another version or of other sizes, or of another number of rows of storage);
+ * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values). Refused
+ * ones change nothing. */
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
                                         uint32_t bytes);
 
