@@ -52,7 +52,7 @@ auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *v
     if (status < 0) {
         return status;
     }
-    if (vehicle->regressor == NULL) {
+    if (vehicle->regressor == NULL || vehicle == &a->vehicle) {
         return AUVID_ERR_MODEL;
     }
     if (cell_us < 1000 || cell_us > 1000000 || velocity_us > 1000000) {

@@ -85,7 +85,8 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
         return AUVID_ERR_PARAMETERS;
     }
     bool surge = hull->columns[AUVID_SURGE] != 0, sway = hull->columns[AUVID_SWAY] != 0;
-    if (!(surge || sway) || (down && hull->columns[AUVID_HEAVE] == 0)) {
+    if (!(surge || sway) || (down && hull->columns[AUVID_HEAVE] == 0) ||
+        hull == &current->vehicle) {
         return AUVID_ERR_MODEL;
     }
     memset(current, 0, sizeof *current);

@@ -143,6 +143,7 @@ static void test_init_refuses_what_it_cannot_average(void)
     refuses(AUVID_ERR_RANGE, &vehicle, CELL_US, 1000001);
     other.parameters = 0;
     refuses(AUVID_ERR_PARAMETERS, &other, CELL_US, VELOCITY_US);
+    refuses(AUVID_ERR_MODEL, &model.vehicle, CELL_US, VELOCITY_US); /* it would call itself */
     other = vehicle;
     other.regressor = NULL; /* what it has instead is not called */
     other.residual = never;

@@ -179,6 +179,10 @@ static void test_a_hull_that_does_not_fit_is_refused(void)
     hull.parameters = AUVID_MAX_PARAMETERS - 2;
     check_refused(AUVID_ERR_PARAMETERS, &hull, true);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &hull, false));
+    hull = auvid_girona500;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &hull, false));
+    check_refused(AUVID_ERR_MODEL, &current.vehicle, false); /* it would call itself */
+    hull.parameter = parameter;
     memset(hull.columns, 0, sizeof hull.columns);
     hull.parameters = 3;
     hull.columns[AUVID_SURGE] = 7;

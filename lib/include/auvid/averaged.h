@@ -48,7 +48,7 @@ typedef struct {
  * @param cell_us the recorder's cell [us], 1000..1000000, default there 100000
  * @param velocity_us time between velocity samples [us], 0..1000000: metric.h's
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_MODEL (it has no
- * regressor); AUVID_ERR_RANGE (a time). Refused: *a is as before. */
+ * regressor, or is a->vehicle); AUVID_ERR_RANGE (a time). Refused: *a is as before. */
 auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *vehicle,
                                    uint32_t cell_us, uint32_t velocity_us);
 

@@ -16,6 +16,8 @@
  *
  * It is there where AUVID_MAX_PARAMETERS is at least 22; from 26 on with the couplings of forces
  * and moments within M, from 32 on with a constant force or moment in each degree of freedom.
+ * What is wrapped around it adds its own (current.h 2 or 3, thrusters.h 4 for each group): 24, 25
+ * and 28 to 31 leave room for that, 32 does not.
  * Products of inertia it does not have. With the parameters that are free by default,
  * AUVID_MAX_FACTOR must be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS AUVID_FOSSEN_COLUMNS at least.
  * Where the model is not used it is not linked.
