@@ -285,8 +285,7 @@ static void adapt(auvid_identifier_t *id, auvid_real_t *wrench)
     }
     if (a->close_rows > 0 && id->metric.rows >= a->close_rows) {
         a->close_rows = 0;
-        id->set_pending = id->set_pending || auvid_metric_close(&id->metric) == AUVID_SET_COMPLETE;
-        id->events |= AUVID_EVENT_SET;
+        identifier_take_set(id, auvid_metric_close(&id->metric));
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (auvid_abs(wrench[j]) > AUVID_C(0.0)) {

@@ -145,17 +145,6 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     return status;
 }
 
-/* What the metric says of a set. */
-static void take_set(auvid_identifier_t *id, auvid_status_t status)
-{
-    if (status == AUVID_SET_COMPLETE) {
-        id->set_pending = true;
-        id->events |= AUVID_EVENT_SET;
-    } else if (status == AUVID_SET_IDLE) {
-        id->events |= AUVID_EVENT_SET | AUVID_EVENT_NOT_DRIVEN;
-    }
-}
-
 /* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
 static void take_cells(auvid_identifier_t *id, int most)
 {
@@ -176,7 +165,7 @@ static void take_cells(auvid_identifier_t *id, int most)
             if (id->prediction.vehicle != NULL) {
                 (void)auvid_validation_add(&id->prediction, &cell);
             }
-            take_set(id, auvid_metric_add(&id->metric, &cell));
+            identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
         }
     }
 }
@@ -328,7 +317,7 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
     }
     take_cells(id, AUVID_RECORDER_CELLS);
     auvid_status_t status = auvid_metric_close(&id->metric);
-    take_set(id, status);
+    identifier_take_set(id, status);
     return status;
 }
 

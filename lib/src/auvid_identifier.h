@@ -25,6 +25,17 @@ static inline bool identifier_is_ready(const auvid_identifier_t *id)
     return identifier_vehicle(id) != NULL;
 }
 
+/** What the metric says of a set. */
+static inline void identifier_take_set(auvid_identifier_t *id, auvid_status_t status)
+{
+    if (status == AUVID_SET_COMPLETE) {
+        id->set_pending = true;
+        id->events |= AUVID_EVENT_SET;
+    } else if (status == AUVID_SET_IDLE) {
+        id->events |= AUVID_EVENT_SET | AUVID_EVENT_NOT_DRIVEN;
+    }
+}
+
 /** The last part of a tick: altitude, guard, excitation. out: zeroed; written but its events. */
 void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
 
