@@ -44,7 +44,7 @@ static auvid_status_t check(const auvid_thrusters_config_t *cfg)
     }
     const auvid_real_t positive[] = {cfg->command_max, cfg->gain_max, cfg->dead_band_max};
     for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
-        if (!(positive[i] > AUVID_C(0.0) && positive[i] <= AUVID_RECORDER_LARGEST)) {
+        if (!(positive[i] >= AUVID_C(1e-6) && positive[i] <= AUVID_RECORDER_LARGEST)) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -124,6 +124,9 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     auvid_status_t status = check(cfg);
     if (status < 0) {
         return status;
+    }
+    if (cfg->hull == &thrusters->vehicle) {
+        return AUVID_ERR_MODEL;
     }
     int groups = groups_of(cfg), hull = cfg->hull->parameters;
     int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
@@ -321,8 +324,9 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
             keep_slot(th);
         }
     }
+    auvid_real_t most = th->cfg.command_max;
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);
-        th->state.held[i] = usable ? command[i] : AUVID_C(0.0);
+        th->state.held[i] = usable ? auvid_clamp(command[i], -most, most) : AUVID_C(0.0);
     }
 }

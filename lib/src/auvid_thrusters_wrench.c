@@ -57,8 +57,8 @@ static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, grou
                   AUVID_C(0.0)); /* slots */
     group->gain[0] = pi[AUVID_THRUSTERS_FORWARD] * step;
     group->gain[1] = pi[AUVID_THRUSTERS_BACKWARD] * step;
-    group->dead_band =
-        auvid_clamp(pi[AUVID_THRUSTERS_DEAD_BAND] / step, AUVID_C(0.0), AUVID_C(32768.0));
+    auvid_real_t dead_band = auvid_max(pi[AUVID_THRUSTERS_DEAD_BAND] / step, AUVID_C(0.0));
+    group->dead_band = auvid_min(dead_band, AUVID_C(32768.0));
     group->whole_band = (int32_t)group->dead_band;
     group->decay = decay(AUVID_C(1.0) / lag);
     group->mean = (AUVID_C(1.0) - group->decay) * lag;

@@ -205,6 +205,22 @@ static void test_irregular_ticks_keep_the_mean_command_of_a_slot(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 60.0, (double)wrench[AUVID_SURGE]);
 }
 
+static void test_commands_beyond_the_largest_count_as_it(void)
+{
+    auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    begin();
+    pi[FORWARD] = pi[BACKWARD] = 50;
+    for (uint64_t t = 0; t < 4000000; t += PERIOD_US / 4) { /* three quarters of it forward */
+        auvid_real_t command[AUVID_MAX_COMMANDS] = {AUVID_LARGEST};
+        command[0] *= t % PERIOD_US == 0 ? -1 : 1;
+        auvid_thrusters_command(&thrusters, t, command);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 3000000, pi, wrench));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 50.0, (double)wrench[AUVID_SURGE]);
+    pi[DEAD_BAND] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 3000000, pi, wrench));
+}
+
 static void test_what_is_not_in_the_log_is_no_data(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
@@ -257,6 +273,12 @@ static void test_init_refuses_what_is_out_of_its_range(void)
     config = good;
     config.lag_max_s = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.command_max = (auvid_real_t)1e-7;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    config = good;
+    config.hull = &thrusters.vehicle; /* it would call itself */
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
     config = good;
     config.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &config));
@@ -608,6 +630,7 @@ int main(void)
     RUN_TEST(test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn);
     RUN_TEST(test_a_lag_of_zero_follows_at_once);
     RUN_TEST(test_irregular_ticks_keep_the_mean_command_of_a_slot);
+    RUN_TEST(test_commands_beyond_the_largest_count_as_it);
     RUN_TEST(test_what_is_not_in_the_log_is_no_data);
     RUN_TEST(test_a_long_silence_leaves_no_old_command_before_the_rows_after_it);
     RUN_TEST(test_init_refuses_what_is_out_of_its_range);

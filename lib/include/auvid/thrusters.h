@@ -38,7 +38,8 @@
  * Cost: of a tick 155 instructions of a Cortex-M4F for one thruster, 320 for five (10k in the tick
  * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
  * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
- * pays for it (vehicle.work). A search takes some 340 evaluations for the six parameters of one
+ * pays for it, up to 255 units a row (vehicle.work): a tick takes longer than its budget where more
+ * than some 3000 slots of all thrusters are followed. A search takes some 340 evaluations for the six parameters of one
  * axis, 1150 for a Girona500 and its thrusters.
  * Memory: sizeof(auvid_thrusters_t), 0.6 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
@@ -77,11 +78,12 @@ typedef struct {
                                                        thruster [-, m] */
     uint8_t thrusters;                 /**< how many: the first so many commands; 1.. */
     uint8_t group[AUVID_MAX_COMMANDS]; /**< of each, from 0 on without holes; default all 0 */
-    auvid_real_t command_max;   /**< largest command [units], > 0; the log keeps steps of a
-                                     32767th of it, and larger ones as it; default 1 */
-    auvid_real_t gain_max;      /**< the box of the search: gains 0.. this, > 0 [N per unit];
-                                     default 1000 */
-    auvid_real_t dead_band_max; /**< likewise, > 0 [units]; default 0.5 */
+    auvid_real_t command_max;   /**< largest command [units], 1e-6..AUVID_RECORDER_LARGEST; the log
+                                     keeps steps of a 32767th of it, larger ones count as it;
+                                     default 1 */
+    auvid_real_t gain_max;      /**< the box of the search: gains 0.. this [N per unit], within the
+                                     same; default 1000 */
+    auvid_real_t dead_band_max; /**< likewise [units]; default 0.5 */
     auvid_real_t lag_max_s;     /**< likewise; 0.01..2, default 0.5. Rows cost the more, the longer
                                      it is */
     uint32_t delay_us;  /**< known transport delay of commands [us], ..1e6; default 0 */
@@ -128,7 +130,7 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL (log, hull too); those of auvid_vehicle_check; AUVID_ERR_RANGE
  * (a field out of its range, groups with holes); AUVID_ERR_NOT_FINITE (matrix);
  * AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a group acts on
- * no DoF that the hull models). Refused: *thrusters is unchanged. */
+ * no DoF that the hull models, or the hull is thrusters->vehicle). Refused: *thrusters is unchanged. */
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg);
 
