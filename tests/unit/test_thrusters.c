@@ -10,7 +10,7 @@
 #include "auvid/checkpoint.h"
 #include "auvid/thrusters.h"
 #include "binomial.h"
-#include "simulator.h"
+#include "chain.h"
 #include "unity.h"
 
 /* A hull of one axis, surge; what other axes do to it is known. */
@@ -357,23 +357,6 @@ static void draw_world(sim_config_t *world, uint64_t seed, double disturbance_N)
     truth[LAG] = 0.22 * part[5];
 }
 
-static void sense(const sim_output_t *out, auvid_input_t *in)
-{
-    const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
-    memset(in, 0, sizeof *in);
-    in->t_us = out->t_us;
-    in->imu.present = imu->has;
-    in->imu.t_us = imu->t_us;
-    in->dvl.present = dvl->has;
-    in->dvl.sample.t_us = dvl->t_us;
-    in->dvl.sample.valid = AUVID_DVL_ALL;
-    for (int i = 0; i < 3; ++i) {
-        in->imu.attitude[i] = (auvid_real_t)imu->value[i];
-        in->imu.rates[i] = (auvid_real_t)imu->value[3 + i];
-        in->dvl.sample.velocity[i] = (auvid_real_t)dvl->value[i];
-    }
-}
-
 static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1}; /* of the command */
@@ -429,7 +412,8 @@ static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16
         auvid_output_t out, other;
         const double wrench[6] = {2.0 * follow(&x, (double)command), 0.0, -truth[W_B]};
         sim_step(&sim, NULL, wrench, &sensed);
-        sense(&sensed, &in);
+        chain_sense(&sensed, 0, &in);
+        in.depth.present = in.altitude.present = in.gps.present = false;
         if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
             excited = auvid_identifier_excite(&id) == AUVID_OK;
         }

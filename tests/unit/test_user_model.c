@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "auvid/identifier.h"
-#include "simulator.h"
+#include "chain.h"
 #include "unity.h"
 
 enum { GAIN_FORWARD, GAIN_BACKWARD, DEAD_BAND, X_U, X_UU, PARAMETERS };
@@ -78,23 +78,6 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
 }
 
-static void sense(const sim_output_t *out, auvid_input_t *in)
-{
-    const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
-    memset(in, 0, sizeof *in);
-    in->t_us = out->t_us;
-    in->imu.present = imu->has;
-    in->imu.t_us = imu->t_us;
-    in->dvl.present = dvl->has;
-    in->dvl.sample.t_us = dvl->t_us;
-    in->dvl.sample.valid = AUVID_DVL_ALL;
-    for (int i = 0; i < 3; ++i) {
-        in->imu.attitude[i] = (auvid_real_t)imu->value[i];
-        in->imu.rates[i] = (auvid_real_t)imu->value[3 + i];
-        in->dvl.sample.velocity[i] = (auvid_real_t)dvl->value[i];
-    }
-}
-
 /* The excitation's surge "force" is the command of both thrusters; the vehicle makes its force. */
 static void identify(uint64_t seed, uint32_t budget, double disturbance_N, double delay_s)
 {
@@ -123,7 +106,8 @@ static void identify(uint64_t seed, uint32_t budget, double disturbance_N, doubl
         double force = 2.0 * (double)thrust(past[(tick + 32 - ticks_late) % 32], pi);
         const double wrench[6] = {force, 0.0, -world.parameter[SIM_WB]};
         sim_step(&sim, NULL, wrench, &sensed);
-        sense(&sensed, &in);
+        chain_sense(&sensed, 0, &in);
+        in.depth.present = in.altitude.present = in.gps.present = false;
         if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
             excited = auvid_identifier_excite(&id) == AUVID_OK;
         }

@@ -8,7 +8,7 @@
 
 #include "auvid/thrusters.h"
 #include "binomial.h"
-#include "simulator.h"
+#include "chain.h"
 #include "unity.h"
 
 enum { THRUSTERS = 5, SETS = 8, SET_S = 30, PERIOD_US = 40000 };
@@ -73,27 +73,6 @@ static void configure(uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &auvid_allocation_girona500));
 }
 
-static void sense(const sim_output_t *out, auvid_input_t *in)
-{
-    const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
-    const sim_measurement_t *depth = &out->sensor[SIM_DEPTH];
-    memset(in, 0, sizeof *in);
-    in->t_us = out->t_us;
-    in->imu.present = imu->has;
-    in->imu.t_us = imu->t_us;
-    in->dvl.present = dvl->has;
-    in->dvl.sample.t_us = dvl->t_us;
-    in->dvl.sample.valid = AUVID_DVL_ALL;
-    in->depth.present = depth->has;
-    in->depth.t_us = depth->t_us;
-    in->depth.depth_m = (auvid_real_t)depth->value[0];
-    for (int i = 0; i < 3; ++i) {
-        in->imu.attitude[i] = (auvid_real_t)imu->value[i];
-        in->imu.rates[i] = (auvid_real_t)imu->value[3 + i];
-        in->dvl.sample.velocity[i] = (auvid_real_t)dvl->value[i];
-    }
-}
-
 /* Mean force of a thruster over a tick, its lag in steps of 2 ms. */
 static double follow(double *x, double c)
 {
@@ -142,7 +121,7 @@ static void identify(uint64_t seed)
             force[i] = follow(&x[i], (double)commanded[i]);
         }
         sim_step(&sim, force, NULL, &sensed);
-        sense(&sensed, &in);
+        chain_sense(&sensed, 0, &in);
         if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
             excited = auvid_identifier_excite(&id) == AUVID_OK;
         }
