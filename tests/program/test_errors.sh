@@ -75,6 +75,8 @@ log t_s,X_N 0,0 1,1
 check "a force without its velocity" refuses 'log.csv:1:1: no column u_mps' fit log.csv
 log t_s,u_mps 0,0 1,1
 check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
+check "  it is told which there are for six degrees of freedom" \
+    refuses ' Z_N K_Nm M_Nm N_Nm, .* cmd_roll cmd_pitch cmd_yaw' fit log.csv --model fossen
 log t_s,u_mps,X_N,u_mps 0,0,0,0 1,1,1,1
 check "a second column of the same name" refuses 'log.csv:1:15: .*second column u_mps' fit log.csv
 log "$header" 0,0,0 0.1,fast,0 0.2,0,0

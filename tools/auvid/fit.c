@@ -136,9 +136,10 @@ static int find_inputs(job_t *job)
     const auvid_vehicle_t *model = job->options->model;
     bool wrench = has_inputs(log, model, INPUT_WRENCH);
     if (!wrench && !has_inputs(log, model, INPUT_COMMAND)) {
-        return complain("%s:1:1: no input column (X_N Y_N Z_N N_Nm, or cmd_surge cmd_sway "
-                        "cmd_heave cmd_yaw) in the header",
-                        log->path);
+        bool six = model->columns[AUVID_ROLL] != 0;
+        return complain("%s:1:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge cmd_sway "
+                        "cmd_heave %scmd_yaw) in the header",
+                        log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
     }
     job->replay.kind = wrench ? INPUT_WRENCH : INPUT_COMMAND;
     return check_columns(log, &job->replay);

@@ -19,11 +19,11 @@
  * rule. Surge must be driven, or sway where surge is not modelled: else c is not searched.
  *
  * The search: Girona500's 13 parameters, c_north, c_east and the delay take about 1700 evaluations
- * for the first set and 700 for a further one. Each costs as many units of work as there are rows,
- * of 2.3k instructions of a Cortex-M4F each. At AUVID_DEFAULT_BUDGET a result over eight sets takes
- * 50 s, longer than a set: give it 600 (12 s), or have a result every few sets. Whether the vehicle
- * has changed is judged only where a result is of five sets or more. The delay is one shift, common
- * to all degrees of freedom.
+ * for the first set and 700 for a further one. Each costs as many units of work as there are rows
+ * (vehicle.work is the hull's), of 2.3k instructions of a Cortex-M4F each, not of 250. At
+ * AUVID_DEFAULT_BUDGET a result over eight sets takes 50 s, longer than a set: give it 600 (12 s),
+ * or have a result every few sets. Whether the vehicle has changed is judged only where a result is
+ * of five sets or more. The delay is one shift, common to all degrees of freedom.
  *
  * Called before auvid_identifier_init. Cost of an evaluation: the hull's and 390 instructions.
  * Memory: sizeof(auvid_current_t). Where it is not used it is not linked. Not with
