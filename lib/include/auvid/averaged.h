@@ -22,7 +22,7 @@
  *
  * Called by the metric, once a cell. Cost: twice the other regressor and n means for each degree of
  * freedom, 2.3k instructions of a Cortex-M4F for BlueROV2; 0.7 KiB of stack with 22 parameters.
- * Memory: sizeof(auvid_averaged_t), 68 bytes on a Cortex-M. Nothing of the paper's; where it is not
+ * Memory: sizeof(auvid_averaged_t), 72 bytes on a Cortex-M. Nothing of the paper's; where it is not
  * used it is not linked.
  */
 #ifndef AUVID_AVERAGED_H
