@@ -265,7 +265,7 @@ static void test_a_checkpoint_goes_on_bit_for_bit(void)
                              sizeof chain.id.estimate.pi);
 }
 
-/* Its plan played as a sequence would drive all degrees of freedom at once, and at full strength. */
+/* Its plan played as a sequence would drive all degrees of freedom at once, at full strength. */
 static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
 {
     static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];

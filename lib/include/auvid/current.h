@@ -55,7 +55,8 @@ typedef struct {
  * @param down c_down is a parameter, too; it is told from the weight less buoyancy by drag alone
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (hull and current together have more than
  * AUVID_MAX_PARAMETERS); AUVID_ERR_MODEL (neither surge nor sway is modelled, no heave where
- * `down`, or the hull is current->vehicle), and what auvid_vehicle_check has against the hull. Cost: O(n).
+ * `down`, or the hull is current->vehicle), and what auvid_vehicle_check has against the hull.
+ * Cost: O(n).
  */
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down);
 

@@ -39,8 +39,8 @@
  * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
  * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
  * pays for it, up to 255 units a row (vehicle.work): a tick takes longer than its budget where more
- * than some 3000 slots of all thrusters are followed. A search takes some 340 evaluations for the six parameters of one
- * axis, 1150 for a Girona500 and its thrusters.
+ * than some 3000 slots of all thrusters are followed. A search takes some 340 evaluations for the
+ * six parameters of one axis, 1150 for a Girona500 and its thrusters.
  * Memory: sizeof(auvid_thrusters_t), 0.6 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
  * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
@@ -130,7 +130,8 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL (log, hull too); those of auvid_vehicle_check; AUVID_ERR_RANGE
  * (a field out of its range, groups with holes); AUVID_ERR_NOT_FINITE (matrix);
  * AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a group acts on
- * no DoF that the hull models, or the hull is thrusters->vehicle). Refused: *thrusters is unchanged. */
+ * no DoF that the hull models, or the hull is thrusters->vehicle). Refused: *thrusters is
+ * unchanged. */
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg);
 
