@@ -248,13 +248,15 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     uint32_t period = own->period_us;
     uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
     uint64_t row_us = (uint64_t)cfg->recorder.cell_us * cfg->metric.row_cells;
+    if (row_us > UINT32_MAX || cfg->metric.velocity_us > 1000000) {
+        return AUVID_ERR_RANGE;
+    }
     auvid_thrusters_grid_t grid = {
         .row_us = (uint32_t)row_us,
-        .spread_us = (uint32_t)((uint64_t)cfg->metric.velocity_us * 1414214u / 1000000u),
+        .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
         .lead = lead,
         .bridged = cfg->recorder.gap_us / period + lead};
-    if (row_us > UINT32_MAX ||
-        (uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
+    if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }
     th->grid = grid;

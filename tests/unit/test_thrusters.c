@@ -319,9 +319,12 @@ static void test_a_log_too_short_for_the_ring_is_refused(void)
     begin();
     defaults(ROW_CELLS, 40);
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_configure(&thrusters, &id_config));
-    defaults(50000, 40); /* of 5000 s, which are 705 in 32 bits */
+    defaults(50000, 40); /* rows of 5000 s, which are 705 in 32 bits */
     id_config.metric.set_rows = 1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_configure(&thrusters, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
+    defaults(ROW_CELLS, 30);
+    id_config.metric.velocity_us = UINT32_MAX;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.vehicle = &hull;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
 }

@@ -140,8 +140,9 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * be. Sets cfg->listener, the box of the thrusters' parameters (change it afterwards where you know
  * better) and metric.estimate_delay (off: a lag is not told from a delay).
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (cfg is for another vehicle; or nothing that is
- * known says how large a force is, in some DoF); AUVID_ERR_SIZE (the log is too short for so many
- * sets). Refused: nothing is changed. */
+ * known says how large a force is, in some DoF); AUVID_ERR_RANGE (a row longer than 4294 s,
+ * metric.velocity_us); AUVID_ERR_SIZE (the log is too short for so many sets). Refused: nothing is
+ * changed. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
