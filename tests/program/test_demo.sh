@@ -178,6 +178,11 @@ check "  nothing on stderr" test ! -s err
 check "adaptive: ends early, by itself, and says so" exits 0 demo --adaptive --disturbance 1
 check "  everything is known" \
     grep -Eq '^  adaptive  [0-9]{2,3} s of excitation; nothing is missing$' out
+exits 0 demo --adaptive --disturbance 1 --json
+check "  in JSON, too" is out '
+a = d["adaptive"]
+assert list(a) == ["excited_s", "given_up", "missing"] and 30 < a["excited_s"] < 240
+assert a["given_up"] == a["missing"] == []'
 check "adaptive: at its longest it ends, too" exits 0 demo --adaptive --sets 1 --disturbance 3
 check "  and names what is missing" \
     grep -Eq '^  adaptive  30 s of excitation; still missing: .*Z_w' out

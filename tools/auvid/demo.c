@@ -40,8 +40,7 @@ typedef struct {
     logger_t logger;
     auvid_validation_t validation[WORLD_NODES];
     result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
-    double simulated_s, excited_s;
-    uint32_t missing, given_up; /* by the adaptive excitation */
+    double simulated_s;
 } run_t;
 
 /* A new velocity: rows since the last one can be written. After a gap they are dropped. */
@@ -144,11 +143,11 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
             return false;
         }
     }
-    uint32_t told = 0, linger = 0;
+    uint32_t told = 0, linger = 0, exciting = 0;
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
     while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
         world_tick(world);
-        run->excited_s += world->node[0].id.guard.state == AUVID_GUARD_EXCITING ? TICK_S : 0.0;
+        exciting += world->node[0].id.guard.state == AUVID_GUARD_EXCITING;
         log_tick(&run->logger, world);
         bool busy = world_work(world, AUVID_DEFAULT_BUDGET);
         for (int i = 0; i < world->nodes; ++i) {
@@ -167,9 +166,13 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);
-    run->missing =
-        world->node[0].id.adaptive.missing & ~world->node[0].id.estimate.confidence.identifiable;
-    run->given_up = world->node[0].id.adaptive.given_up;
+    if (options->adaptive) {
+        result_t *result = &run->result[0];
+        const auvid_adaptive_t *adaptive = &world->node[0].id.adaptive;
+        result->excited_s = TICK_S * exciting;
+        result->given_up = adaptive->given_up;
+        result->still_missing = adaptive->missing & ~result->estimate.confidence.identifiable;
+    }
     return true;
 }
 
@@ -285,17 +288,17 @@ static void print_heading(const options_t *options)
 }
 
 /* How long it took, and what is not known at its end. */
-static void print_adaptive(const run_t *run)
+static void print_adaptive(const result_t *result)
 {
-    printf("  adaptive  %.0f s of excitation; ", run->excited_s);
-    const uint32_t lists[] = {run->given_up, run->missing};
+    printf("  adaptive  %.0f s of excitation; ", result->excited_s);
+    const uint32_t lists[] = {result->given_up, result->still_missing};
     static const char *const words[] = {"given up:", "still missing:"};
     for (int k = 0; k < 2; ++k) {
-        for (int i = 0; lists[k] != 0 && i < run->result[0].vehicle->parameters; ++i) {
+        for (int i = 0; lists[k] != 0 && i < result->vehicle->parameters; ++i) {
             bool first = lists[k] << (31 - i) << 1 == 0;
             if (lists[k] >> i & 1u) {
                 printf("%s%s %s", first && k > 0 && lists[0] != 0 ? "; " : "",
-                       first ? words[k] : ",", run->result[0].vehicle->parameter[i].name);
+                       first ? words[k] : ",", result->vehicle->parameter[i].name);
             }
         }
     }
@@ -320,7 +323,7 @@ static int single_run(run_t *run, const options_t *options)
         putchar('\n');
         report_result(&run->result[0], last);
         if (options->adaptive) {
-            print_adaptive(run);
+            print_adaptive(&run->result[0]);
         }
         printf("  time  %.0f s simulated in %.2f s\n", run->simulated_s, wall_s);
     }

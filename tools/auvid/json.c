@@ -152,6 +152,30 @@ static void json_judgement(const result_t *result)
     printf("]}");
 }
 
+static void json_names(const result_t *result, const char *key, uint32_t mask)
+{
+    const char *separator = "";
+    printf(", \"%s\": [", key);
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (mask >> i & 1u) {
+            printf("%s\"%s\"", separator, result->vehicle->parameter[i].name);
+            separator = ", ";
+        }
+    }
+    printf("]");
+}
+
+static void json_adaptive(const result_t *result)
+{
+    if (result->excited_s > 0.0) {
+        printf(",\n  \"adaptive\": {\"excited_s\": ");
+        json_number(result->excited_s);
+        json_names(result, "given_up", result->given_up);
+        json_names(result, "missing", result->still_missing);
+        printf("}");
+    }
+}
+
 static void json_guard(const result_t *result)
 {
     const auvid_guard_trip_t *trip = &result->trip;
@@ -226,6 +250,7 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     json_dof_values(result);
     json_judgement(result);
     json_guard(result);
+    json_adaptive(result);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
            (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
     printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", AUVID_DEFAULT_BUDGET,

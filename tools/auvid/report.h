@@ -23,6 +23,8 @@ typedef struct {
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
     auvid_judgement_t judgement; /**< of the newest set */
+    double excited_s; /**< adaptive excitation: how long; 0: it was not */
+    uint32_t given_up, still_missing; /**< by it; bit i: parameter i */
     auvid_guard_state_t guard;
     uint32_t validated; /**< bit j: r2 of DoF j is there */
     double r2[AUVID_DOF_COUNT];
