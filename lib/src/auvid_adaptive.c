@@ -186,7 +186,7 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
     }
     a->missing |= 1u << i;
     need[j] = auvid_max(need[j], square);
-    if (square > AUVID_C(1.0) && e->number > 0) {
+    if (square > AUVID_C(1.0) && e->sets > 0) { /* of a warm record there are no rows */
         auvid_real_t more = auvid_min(rows * (square - AUVID_C(1.0)), AUVID_C(60000.0));
         uint16_t close = (uint16_t)auvid_max(more, (auvid_real_t)FEWEST_ROWS);
         a->close_rows = close > a->close_rows ? close : a->close_rows;

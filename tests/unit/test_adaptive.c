@@ -6,6 +6,7 @@
 
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
+#include "auvid/warm.h"
 #include "binomial.h"
 #include "chain.h"
 #include "unity.h"
@@ -111,6 +112,32 @@ static void test_a_run_may_be_begun_again(void)
     run(600); /* everything is known: nothing is left to be done */
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_TRUE(1e-6 * (double)chain.t_us < first_s + 12.0);
+}
+
+/* What is known from the last dive is not known in this one until a set has confirmed it. */
+static void test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set(void)
+{
+    enum { DIVES = 10 };
+    uint8_t record[AUVID_WARM_BYTES];
+    double cold_s = 0, warm_s = 0;
+    for (uint64_t dive = 1; dive <= DIVES; ++dive) {
+        begin();
+        run(300);
+        cold_s += seen.end_s;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+        make_world(100 + dive, 1.0);
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+        run(300);
+        warm_s += seen.end_s;
+        TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+        TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
+        TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= 1);
+        make_world(1 + dive, 1.0);
+    }
+    printf("mean time until the end: %.1f s, warm %.1f s\n", cold_s / DIVES, warm_s / DIVES);
+    TEST_ASSERT_TRUE(warm_s < 0.75 * cold_s);
 }
 
 static void test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known(void)
@@ -520,6 +547,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
     RUN_TEST(test_a_run_may_be_begun_again);
+    RUN_TEST(test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set);
     RUN_TEST(test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known);
     RUN_TEST(test_what_does_not_move_is_given_up_in_time);
     RUN_TEST(test_weak_thrusters_take_turns_and_everything_is_known);

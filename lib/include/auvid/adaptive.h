@@ -22,7 +22,8 @@
  * Girona500, 100 N and 40 Nm, disturbance 1 N, 100 runs: all 13 parameters are identifiable after
  * 93 s; with the plan of excitation.h, all at once, after 110 s, one by one after 425 s. The
  * signals themselves differ little in what they are worth. It is for ending when it is enough, for
- * vehicles whose time constants nobody knows, and for weak thrusters.
+ * vehicles whose time constants nobody knows, and for weak thrusters. Begun with a warm record
+ * (warm.h) it is over after 62 s instead of 104 s, mean of ten dives.
  *
  * All else is as with a sequence: arm, excite, stop, abort and guard of identifier.h, peak within
  * the thrusters, amplitude never exceeded, leash.
