@@ -2,7 +2,8 @@
  * The usual excitation for identification: sets of steps and of sums of sines in turn.
  *
  * The paper gives no amplitudes or frequencies. These suit vehicles of 0.1-1 t: a step is held for
- * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse.
+ * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse. Roll and pitch
+ * are righted, and swing in 2-3 s whatever the vehicle's size: theirs are quicker.
  */
 #include "auvid_excitation_private.h"
 
@@ -22,16 +23,18 @@ static void add(auvid_excitation_config_t *config, auvid_dof_t dof, auvid_real_t
                 auvid_real_t set_s, auvid_real_t before_s, auvid_real_t between_s)
 {
     auvid_segment_t *s = &config->segment[config->segments];
+    bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
+    auvid_real_t hold_s = righted ? AUVID_C(1.0) : AUVID_C(4.0);
     s->dof = dof;
     s->kind = AUVID_SEGMENT_STEPS;
     s->pause_s = before_s;
     s->duration_s = set_s;
     s->amplitude = amplitude;
     s->fade_s = AUVID_C(0.2);
-    s->frequency_hz = auvid_max(AUVID_C(0.03), AUVID_C(1.0) / set_s);
-    s->frequency_high_hz = AUVID_C(0.25);
-    s->hold_min_s = auvid_min(AUVID_C(4.0), set_s * AUVID_C(0.25));
-    s->hold_max_s = auvid_min(AUVID_C(8.0), set_s * AUVID_C(0.5));
+    s->frequency_hz = auvid_max(righted ? AUVID_C(0.1) : AUVID_C(0.03), AUVID_C(1.0) / set_s);
+    s->frequency_high_hz = righted ? AUVID_C(0.8) : AUVID_C(0.25);
+    s->hold_min_s = auvid_min(hold_s, set_s * AUVID_C(0.25));
+    s->hold_max_s = auvid_min(righted ? AUVID_C(2.0) : AUVID_C(8.0), set_s * AUVID_C(0.5));
     s->sines = AUVID_MAX_SINES < 5 ? AUVID_MAX_SINES : 5;
     s[1] = s[0];
     s[1].kind = AUVID_SEGMENT_SINES;

@@ -133,6 +133,22 @@ static void test_a_schedule_without_pause_all_at_once_is_the_plan(void)
     TEST_ASSERT_EQUAL_MEMORY(&plan, &cfg, sizeof cfg);
 }
 
+/* They swing in 2-3 s: steps of 4-8 s leave drag and inertia to few swings. */
+static void test_roll_and_pitch_are_played_quicker_than_the_others(void)
+{
+    const auvid_real_t all[6] = {40, 40, 35, 5, 6, 6};
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, all, 90, 8, 1));
+    for (int i = 0; i < cfg.segments; ++i) {
+        const auvid_segment_t *s = &cfg.segment[i];
+        bool quick = s->dof == AUVID_ROLL || s->dof == AUVID_PITCH;
+        TEST_ASSERT_EQUAL_DOUBLE(quick ? 1 : 4, (double)s->hold_min_s);
+        TEST_ASSERT_EQUAL_DOUBLE(quick ? 2 : 8, (double)s->hold_max_s);
+        TEST_ASSERT_TRUE(s->frequency_hz == (quick ? AUVID_C(0.1) : AUVID_C(0.03)));
+        TEST_ASSERT_TRUE(s->frequency_high_hz == (quick ? AUVID_C(0.8) : AUVID_C(0.25)));
+    }
+    begin();
+}
+
 static void test_a_schedule_refuses_what_it_cannot_make(void)
 {
     auvid_excitation_config_t before = cfg;
@@ -311,6 +327,7 @@ int main(void)
     RUN_TEST(test_sets_with_pauses_play_what_they_play_without);
     RUN_TEST(test_one_by_one_drives_one_degree_of_freedom_at_a_time_in_turn);
     RUN_TEST(test_a_schedule_without_pause_all_at_once_is_the_plan);
+    RUN_TEST(test_roll_and_pitch_are_played_quicker_than_the_others);
     RUN_TEST(test_a_schedule_refuses_what_it_cannot_make);
     RUN_TEST(test_within_the_leash_the_wrench_is_as_without);
     RUN_TEST(test_random_steps_beyond_the_leash_lead_back);

@@ -159,7 +159,7 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
  * Fill a sequence for identification: sets of set_s seconds, in turn random steps and a sum of
  * sines, independently per DoF. Steps: held 4-8 s (shorter, set_s / 4 to set_s / 2, when
  * set_s < 16); sines: AUVID_MAX_SINES or five of them, whichever is less, 0.03-0.25 Hz (not below
- * 1 / set_s).
+ * 1 / set_s). Roll and pitch, which are righted and swing in seconds: held 1-2 s, 0.1-0.8 Hz.
  * Segment fades 0.2 s, no pairs; leash 5 m in surge and sway, 3 m in heave, 2 pi in yaw, none in
  * roll and pitch; change all of it afterwards as you like. All degrees of freedom play at once.
  * @param config    written: segment, segments, duration_s = sets * set_s, leash, seed; the rest
