@@ -37,6 +37,8 @@
 #define SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define FADE_S AUVID_C(0.2)
+#define SWING_S AUVID_C(1.5)    /* hold in roll and pitch, which are righted and swing */
+#define LEASH_PART AUVID_C(0.3) /* of the guard's distance: what is led back goes on for a while */
 
 enum { TRIALS = 3, FEWEST_ROWS = 12 }; /* sets before giving up; rows in a set completed early */
 
@@ -64,7 +66,18 @@ static auvid_real_t hold_s(const auvid_identifier_t *id, int j, auvid_real_t for
     auvid_real_t root = auvid_sqrt(a * a + AUVID_C(4.0) * b * force); /* = a + 2 b u */
     auvid_real_t s = TIME_CONSTANTS * m / root;
     bool known = (id->estimate.driven >> j & 1) && m > AUVID_C(0.0) && auvid_is_finite(s);
+    if (j == AUVID_ROLL || j == AUVID_PITCH) {
+        return SWING_S;
+    }
     return known ? auvid_clamp(s, AUVID_C(1.5), AUVID_C(20.0)) : AUVID_C(6.0);
+}
+
+/* A leash that ends before the guard's distance; none stays none. */
+static void shorten(const auvid_guard_config_t *guard, auvid_real_t *leash)
+{
+    if ((guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
+        *leash = auvid_min(*leash, LEASH_PART * guard->distance_max_m);
+    }
 }
 
 /* How far beyond its leash, -1..1. */
@@ -381,6 +394,8 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
         plan(id, cfg);
         memset(&id->adaptive, 0, sizeof id->adaptive);
         memcpy(id->adaptive.leash, cfg->leash, sizeof id->adaptive.leash);
+        shorten(&id->guard.cfg, &id->adaptive.leash[AUVID_SURGE]);
+        shorten(&id->guard.cfg, &id->adaptive.leash[AUVID_SWAY]);
         id->adaptive.run_us = UINT64_MAX;
         id->adapt = adapt;
     }

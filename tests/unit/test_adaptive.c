@@ -216,11 +216,25 @@ static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
 static void test_a_limit_of_the_guard_ends_it(void)
 {
     config.id.guard.distance_max_m = 3;
+    cfg.leash[AUVID_SURGE] = cfg.leash[AUVID_SWAY] = 0; /* never led back */
     begin();
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISTANCE, chain.out.cause);
     TEST_ASSERT_FALSE(seen.outside);
+}
+
+/* The usual leash of 5 m would end where the guard aborts. */
+static void test_in_little_room_it_is_led_back_before_the_guard_aborts(void)
+{
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+        make_world(seed, 1.0);
+        config.id.guard.distance_max_m = 5;
+        begin();
+        run(300);
+        TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+        TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
+    }
 }
 
 static void check_refused(auvid_status_t status)
@@ -554,6 +568,7 @@ int main(void)
     RUN_TEST(test_it_ends_at_its_longest);
     RUN_TEST(test_the_operator_ends_it_with_a_fade_or_at_once);
     RUN_TEST(test_a_limit_of_the_guard_ends_it);
+    RUN_TEST(test_in_little_room_it_is_led_back_before_the_guard_aborts);
     RUN_TEST(test_what_makes_no_sense_is_refused);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_a_checkpoint_goes_on_bit_for_bit);

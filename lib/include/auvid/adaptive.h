@@ -6,7 +6,8 @@
  * Instead of a sequence of segments (excitation.h) each degree of freedom plays steps, one hold
  * after the other, and the newest estimate and its confidence (confidence.h) decide on each:
  * - how long: four time constants m / (|X_u| + 2 |X_uu| u) of the vehicle, at the speed that the
- *   step leads to, 1.5-20 s; 4.5-7.5 s as long as they are not known;
+ *   step leads to, 1.5-20 s; 4.5-7.5 s as long as they are not known; in roll and pitch, which are
+ *   righted and swing in seconds, 1.1-1.9 s;
  * - how strong: the amplitude or 0.3 of it, two speeds, which tell linear from quadratic drag. Two
  *   thirds of the time are for the low one while a linear drag is missing, else 0.4;
  * - whose turn it is: where the thrusters do not suffice for all degrees of freedom at once, those
@@ -52,7 +53,8 @@ typedef struct {
      * within the thrusters, all at once need not. Default 0: not valid yet. */
     auvid_real_t amplitude[AUVID_DOF_COUNT];
     /** How far each DoF may wander before it is led back [m, rad], >= 0; zero: never. Default 5 m
-     * in surge and sway, 3 m in heave, 2 pi in yaw. */
+     * in surge and sway, 3 m in heave, 2 pi in yaw. In surge and sway at most 0.3 of the guard's
+     * distance_max_m, unless that is off: else it would wander until the guard aborts. */
     auvid_real_t leash[AUVID_DOF_COUNT];
     auvid_real_t most_s; /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
     uint64_t seed;       /**< of signs and holds; default 1; zero is a seed like any other */
