@@ -332,5 +332,6 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);
         th->state.held[i] = usable ? auvid_clamp(command[i], -most, most) : AUVID_C(0.0);
+        th->state.clipped += usable && auvid_abs(command[i]) > most;
     }
 }

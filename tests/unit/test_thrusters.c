@@ -221,6 +221,19 @@ static void test_commands_beyond_the_largest_count_as_it(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 3000000, pi, wrench));
 }
 
+static void test_commands_beyond_their_largest_are_counted(void)
+{
+    auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
+    begin();
+    auvid_thrusters_command(&thrusters, 0, command);
+    command[0] = -1;
+    auvid_thrusters_command(&thrusters, PERIOD_US, command);
+    TEST_ASSERT_EQUAL_UINT32(0, thrusters.state.clipped);
+    command[0] = (auvid_real_t)-1.01;
+    auvid_thrusters_command(&thrusters, 2 * PERIOD_US, command);
+    TEST_ASSERT_EQUAL_UINT32(1, thrusters.state.clipped);
+}
+
 static void test_what_is_not_in_the_log_is_no_data(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
@@ -621,6 +634,7 @@ int main(void)
     RUN_TEST(test_a_lag_of_zero_follows_at_once);
     RUN_TEST(test_irregular_ticks_keep_the_mean_command_of_a_slot);
     RUN_TEST(test_commands_beyond_the_largest_count_as_it);
+    RUN_TEST(test_commands_beyond_their_largest_are_counted);
     RUN_TEST(test_what_is_not_in_the_log_is_no_data);
     RUN_TEST(test_a_long_silence_leaves_no_old_command_before_the_rows_after_it);
     RUN_TEST(test_init_refuses_what_is_out_of_its_range);

@@ -78,12 +78,16 @@ typedef struct {
                                                        thruster [-, m] */
     uint8_t thrusters;                 /**< how many: the first so many commands; 1.. */
     uint8_t group[AUVID_MAX_COMMANDS]; /**< of each, from 0 on without holes; default all 0 */
-    auvid_real_t command_max;   /**< largest command [units], 1e-6..AUVID_RECORDER_LARGEST; the log
-                                     keeps steps of a 32767th of it, larger ones count as it;
+    auvid_real_t command_max;   /**< largest command of any source (hover thrust too) [units],
+                                     1e-6..AUVID_RECORDER_LARGEST; the log keeps steps of a 32767th
+                                     of it, larger ones count as it (state.clipped counts them);
                                      default 1 */
     auvid_real_t gain_max;      /**< the box of the search: gains 0.. this [N per unit], within the
                                      same; default 1000 */
-    auvid_real_t dead_band_max; /**< likewise [units]; default 0.5 */
+    auvid_real_t dead_band_max; /**< likewise [units]; default 0.5. Twice what you expect is better:
+                                     wide dead bands, low masses and long lags are a worse optimum.
+                                     With a gain known instead of the mass, 4 of 30 searches ended
+                                     there (and said not identifiable), with 0.25 none */
     auvid_real_t lag_max_s;     /**< likewise; 0.01..2, default 0.5. Rows cost the more, the longer
                                      it is */
     uint32_t delay_us;  /**< known transport delay of commands [us], ..1e6; default 0 */
@@ -106,6 +110,8 @@ typedef struct {
     uint64_t end_us;                          /* up to here slots are complete */
     uint64_t held_us;                         /* up to here the next one is filled */
     uint32_t head, filled;                    /* where the next slot goes; slots kept */
+    uint32_t clipped; /**< commands beyond command_max so far: not 0, then the log has them wrong,
+                           and so are all estimates; make command_max larger */
     auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
     auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral of the slot under way */
     bool started;
