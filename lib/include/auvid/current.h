@@ -28,8 +28,9 @@
  * A vehicle that is quicker than a row: means over a row of 0.5 s are not its motion. BlueROV2 in
  * 0.3 m/s is 7 % off (rms) with the usual rows, X_u by 2.6 N s/m, and c is 2 % too small, well
  * beyond their standard errors. Give it rows of two cells (metric.row_cells) and, as hull,
- * averages over these (auvid_averaged_init with 200000 as cell): 2.3 % (6 seeds; of 14, one search
- * ended elsewhere) against 1.0 % in still water by regressor, and c half a percent too small.
+ * averages over these (auvid_averaged_init with 200000 as cell): 2.1 % (13 of 14 seeds; one search
+ * ended `capped`, 49 % off) against 1.0 % in still water by regressor, and c half a percent too
+ * small.
  *
  * A vertical current that is not a parameter spoils heave: with 0.05 m/s Girona500's error is 12 %
  * instead of 2 %, and with `down` 2 % again. One that turns by 0.05 m/s in five minutes makes 3.7 %
