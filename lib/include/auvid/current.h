@@ -26,7 +26,7 @@
  * of five sets or more. The delay is one shift, common to all degrees of freedom.
  *
  * A vehicle that is quicker than a row: means over a row of 0.5 s are not its motion. BlueROV2 in
- * 0.3 m/s is 7 % off (rms) with the usual rows, X_u by 2.6 N s/m, and c is 2 % too small, well
+ * 0.3 m/s is 7 % off (rms) with the usual rows, X_u by 3.1 N s/m, and c is 2 % too small, well
  * beyond their standard errors. Give it rows of two cells (metric.row_cells) and, as hull,
  * averages over these (auvid_averaged_init with 200000 as cell): 2.1 % (13 of 14 seeds; one search
  * ended `capped`, 49 % off) against 1.0 % in still water by regressor, and c half a percent too
