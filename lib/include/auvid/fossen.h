@@ -20,9 +20,7 @@
  * and 28 to 31 leave room for that, 32 does not.
  * Products of inertia it does not have. With the parameters that are free by default,
  * AUVID_MAX_FACTOR must be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS AUVID_FOSSEN_COLUMNS at least.
- * Where the model is not used it is not linked. It takes all the room there is, up to 32: within
- * current.h AUVID_MAX_PARAMETERS must be 24, 25 or 28..31, within thrusters.h with one group 30 or
- * 31.
+ * Where the model is not used it is not linked.
  *
  * With p = q = 0, nothing coupled in M and the weight below the buoyancy, the equations of surge,
  * sway, heave and yaw are Girona500's (vehicle.h).
