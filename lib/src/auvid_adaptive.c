@@ -207,7 +207,7 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
 }
 
 /* Do the thrusters suffice for these at once? */
-static bool fit(const auvid_identifier_t *id, const auvid_real_t *peak)
+static bool suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
     return id->allocation.config.thrusters == 0 ||
            auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
@@ -230,7 +230,7 @@ static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
         }
         asked |= 1u << most;
         peak[most] = amplitude[most];
-        if (fit(id, peak)) {
+        if (suffice(id, peak)) {
             driving |= 1u << most;
         } else {
             peak[most] = AUVID_C(0.0);
@@ -351,7 +351,7 @@ static auvid_status_t check_thrusters(const auvid_identifier_t *id,
         if (moves(id, cfg, j)) {
             peak[j] = cfg->amplitude[j];
             ++count;
-            if (!fit(id, peak)) {
+            if (!suffice(id, peak)) {
                 return AUVID_ERR_LIMIT;
             }
         }
