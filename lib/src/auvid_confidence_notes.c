@@ -128,9 +128,24 @@ static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
     return least < AUVID_LARGEST ? least : AUVID_C(0.0);
 }
 
+/* Does the model leave less of DoF j's wrench than the wrench's mean does? An optimum does, unless
+ * bounds, or what is wrong with the model, keep the search from it. */
+static bool is_explained(const auvid_metric_t *m, int j)
+{
+    auvid_real_t total = AUVID_C(0.0);
+    for (int age = 0; age < m->cfg.sets; ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+    }
+    return m->sse[j] <= total;
+}
+
 static bool is_plausible(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t value = c->pi[i];
+    if (!is_explained(c->metric, (int)c->metric->cfg.vehicle->parameter[i].dof)) {
+        return false;
+    }
     switch (c->metric->cfg.vehicle->parameter[i].kind) {
     case AUVID_PARAMETER_MASS:
         return value > c->dry_mass_kg;

@@ -112,6 +112,16 @@ static auvid_metric_config_t usual(void)
     return cfg;
 }
 
+/* The verdict on `estimate`. */
+static void judge(auvid_real_t dry_mass_kg)
+{
+    uint32_t budget = UINT32_MAX;
+    auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    auvid_confidence_begin(&job, &metric, estimate, dry_mass_kg);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+}
+
 /* Least squares over what can be searched, but for parameters left at zero, and the verdict. */
 static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
 {
@@ -121,10 +131,7 @@ static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
     memcpy(estimate, metric.cfg.fixed, sizeof metric.cfg.fixed);
     uint32_t solved = auvid_metric_searched(&metric) & ~left_out;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, solved, estimate));
-    auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
-    auvid_confidence_begin(&job, &metric, estimate, dry_mass_kg);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+    judge(dry_mass_kg);
 }
 
 static void assess(void)
@@ -355,6 +362,21 @@ static void test_a_drag_that_drives_is_implausible(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_Y_VV]);
 }
 
+/* A search that ended elsewhere, by its bounds or in a worse optimum: its mass looks sure. */
+static void test_what_explains_no_force_is_implausible(void)
+{
+    auvid_real_t r2[AUVID_DOF_COUNT];
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    estimate[AUVID_G500_M_U] *= AUVID_C(3.0);
+    judge(AUVID_C(0.0));
+    auvid_metric_r2(&metric, r2);
+    TEST_ASSERT_TRUE(r2[AUVID_SURGE] < 0);
+    TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, verdict->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_M_U]);
+}
+
 static void test_a_parameter_that_is_zero_and_known_to_be_is_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
@@ -523,6 +545,7 @@ int main(void)
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_is_implausible);
     RUN_TEST(test_a_drag_that_drives_is_implausible);
+    RUN_TEST(test_what_explains_no_force_is_implausible);
     RUN_TEST(test_a_parameter_that_is_zero_and_known_to_be_is_called_small);
     RUN_TEST(test_a_parameter_that_may_be_zero_is_not_called_small);
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);

@@ -14,7 +14,8 @@
  * - *Identifiable*: the DoF was driven, and the 95 % half-width, bias included, is at most 20 % of
  *   the value. Else a note says why not: the DoF was not driven; only a combination with another
  *   parameter is known; its force is too small to matter; too little motion.
- * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative.
+ * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative; and the
+ *   force is explained at all.
  * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
  * is part of the standard errors. Disturbances whose time scale is longer than a set, and errors of
  * the model itself, are not in them.
@@ -48,8 +49,9 @@ typedef enum {
                                  DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
-    AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass or a drag that
-                                 drives: the model, a sign or a unit is wrong */
+    AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass, a drag that
+                                 drives, or all in a DoF whose force the result explains worse than
+                                 its mean does: the model, a bound, a sign or a unit is wrong */
 } auvid_note_t;
 
 /** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
