@@ -6,6 +6,7 @@
 #define BINOMIAL_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -13,6 +14,17 @@ extern "C" {
 
 /** Is AUVID_TEST_LONG in the environment? */
 bool campaign_is_long(void);
+
+/** Runs of a campaign's short form: a quarter under the sanitizers, which look at the code; what
+ * the figures are is for the other builds to say. */
+static inline uint32_t campaign_runs(uint32_t runs)
+{
+#ifdef __SANITIZE_ADDRESS__
+    return (runs + 3u) / 4u;
+#else
+    return runs;
+#endif
+}
 
 /** Clopper-Pearson bounds of a probability of which k of n were seen: the largest one that would
  * show k or fewer, and the smallest that would show k or more, with probability `alpha`. */

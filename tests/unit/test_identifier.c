@@ -10,8 +10,8 @@
  */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
+#include "binomial.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -31,14 +31,9 @@ void tearDown(void)
 {
 }
 
-static bool is_long(void)
-{
-    return getenv("AUVID_TEST_LONG") != NULL;
-}
-
 static uint32_t runs_of(uint32_t short_form)
 {
-    return is_long() ? 200 : short_form;
+    return campaign_is_long() ? 200 : campaign_runs(short_form);
 }
 
 /* Mean of draws and its standard error. */
@@ -71,7 +66,7 @@ static void check_rms(const char *name, const mean_t *square, double goal)
     printf("%s: rms error %.2f %%, 95 %% interval [%.2f, %.2f], %.0f runs, goal %.2f\n", name,
            100.0 * sqrt(m), 100.0 * sqrt(fmax(m - 2.0 * e, 0.0)), 100.0 * sqrt(m + 2.0 * e),
            square->n, 100.0 * goal);
-    double tested = is_long() ? m + 2.0 * e : m - 3.0 * e;
+    double tested = campaign_is_long() ? m + 2.0 * e : m - 3.0 * e;
     TEST_ASSERT_TRUE(tested <= goal * goal);
 }
 

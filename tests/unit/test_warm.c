@@ -255,7 +255,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
 /* @return how many dives */
 static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
 {
-    uint32_t dives = campaign_is_long() ? 100 : 8;
+    uint32_t dives = campaign_is_long() ? 100 : campaign_runs(8);
     memset(cold, 0, sizeof *cold);
     memset(warm, 0, sizeof *warm);
     for (uint32_t seed = 1; seed <= dives; ++seed) {
