@@ -279,27 +279,40 @@ static void test_calls_out_of_order_are_refused(void)
     check_refused(AUVID_ERR_STATE);
 }
 
-static void test_a_checkpoint_goes_on_bit_for_bit(void)
+static chain_t other;
+static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+
+/* @return bytes of a checkpoint of chain. */
+static uint32_t save(void)
 {
-    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
-    static chain_t other;
     auvid_checkpoint_t cursor;
     uint32_t count = sizeof bytes;
-    begin();
-    chain_run(&chain, 65);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    return count;
+}
+
+/* Into other, where an adaptive excitation has been begun; they go on alike. */
+static void restore_and_go_on(uint32_t count, int seconds)
+{
     other = chain;
     memset(&other.id, 0xA5, sizeof other.id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
-    for (int k = 0; k < 60 * 50; ++k) {
+    for (int k = 0; k < seconds * 50; ++k) {
         chain_tick(&chain);
         chain_tick(&other);
         TEST_ASSERT_EQUAL_MEMORY(chain.out.excitation, other.out.excitation,
                                  sizeof chain.out.excitation);
     }
+}
+
+static void test_a_checkpoint_goes_on_bit_for_bit(void)
+{
+    begin();
+    chain_run(&chain, 65);
+    restore_and_go_on(save(), 60);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 2);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, other.out.guard);
     TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, other.id.estimate.pi,
@@ -309,13 +322,9 @@ static void test_a_checkpoint_goes_on_bit_for_bit(void)
 /* Its plan played as a sequence would drive all degrees of freedom at once, at full strength. */
 static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
 {
-    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
     static auvid_identifier_t before;
-    auvid_checkpoint_t cursor;
-    uint32_t count = sizeof bytes;
     begin();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
+    uint32_t count = save();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     before = chain.id;
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_restore(&chain.id, bytes, count));
@@ -324,24 +333,9 @@ static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
 
 static void test_a_checkpoint_of_a_sequence_brings_the_sequence_back(void)
 {
-    static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
-    static chain_t other;
-    auvid_checkpoint_t cursor;
-    uint32_t count = sizeof bytes;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 5);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, bytes, &count));
-    other = chain;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
-    for (int k = 0; k < 10 * 50; ++k) {
-        chain_tick(&chain);
-        chain_tick(&other);
-        TEST_ASSERT_EQUAL_MEMORY(chain.out.excitation, other.out.excitation,
-                                 sizeof chain.out.excitation);
-    }
+    restore_and_go_on(save(), 10);
 }
 
 /* ---- what it is worth ---- */

@@ -3,40 +3,16 @@
  */
 #include <string.h>
 
-#include "chain.h"
+#include "two_sets.h"
 #include "unity.h"
-
-enum { SETS = 2 };
-
-static chain_t chain, other;
-static chain_config_t config;
 
 void setUp(void)
 {
-    chain_defaults(&config, 11, SETS, 1.0);
-    config.budget = 0;
+    two_sets_defaults();
 }
 
 void tearDown(void)
 {
-}
-
-static void finish(chain_t *c)
-{
-    TEST_ASSERT_TRUE(chain_finish(c, 1000, 1000) <= 1000);
-}
-
-static void run(chain_t *c)
-{
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(c, &config, SETS));
-    finish(c);
-    TEST_ASSERT_EQUAL_UINT32(SETS, c->id.estimate.sets);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, c->id.estimate.identified);
-}
-
-static void check_same_estimate(void)
-{
-    TEST_ASSERT_EQUAL_MEMORY(&other.id.estimate, &chain.id.estimate, sizeof chain.id.estimate);
 }
 
 static void test_same_inputs_give_the_same_bits(void)

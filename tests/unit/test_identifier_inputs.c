@@ -5,44 +5,22 @@
 #include <math.h>
 #include <string.h>
 
-#include "chain.h"
+#include "two_sets.h"
 #include "unity.h"
 
 #define ALL_DROPPED                                                                                \
     (AUVID_EVENT_IMU_DROPPED | AUVID_EVENT_DVL_DROPPED | AUVID_EVENT_DEPTH_DROPPED |               \
      AUVID_EVENT_GPS_DROPPED | AUVID_EVENT_INPUT_DROPPED | AUVID_EVENT_TIME)
 
-enum { SETS = 2, SPOILT_EVERY = 250 }; /* ticks; a multiple of what lies between DVL samples */
-
-static chain_t chain, other;
-static chain_config_t config;
+enum { SPOILT_EVERY = 250 }; /* ticks; a multiple of what lies between DVL samples */
 
 void setUp(void)
 {
-    chain_defaults(&config, 11, SETS, 1.0);
-    config.budget = 0;
+    two_sets_defaults();
 }
 
 void tearDown(void)
 {
-}
-
-static void finish(chain_t *c)
-{
-    TEST_ASSERT_TRUE(chain_finish(c, 1000, 1000) <= 1000);
-}
-
-static void run(chain_t *c)
-{
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(c, &config, SETS));
-    finish(c);
-    TEST_ASSERT_EQUAL_UINT32(SETS, c->id.estimate.sets);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, c->id.estimate.identified);
-}
-
-static void check_same_estimate(void)
-{
-    TEST_ASSERT_EQUAL_MEMORY(&other.id.estimate, &chain.id.estimate, sizeof chain.id.estimate);
 }
 
 static void check_masses(const chain_t *c)
@@ -50,18 +28,6 @@ static void check_masses(const chain_t *c)
     for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
         TEST_ASSERT_TRUE(fabs(chain_error(c, i)) < 0.10);
     }
-}
-
-static bool is_zero(const auvid_output_t *out)
-{
-    auvid_real_t sum = 0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        sum += out->excitation[j] < 0 ? -out->excitation[j] : out->excitation[j];
-    }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-        sum += out->thruster_N[i] < 0 ? -out->thruster_N[i] : out->thruster_N[i];
-    }
-    return sum == 0;
 }
 
 /* ---- bad samples ---- */
@@ -200,8 +166,7 @@ static void expect_event(chain_t *c, auvid_status_t status, const auvid_output_t
 static void check_spoilt(spoil_t what, auvid_real_t value)
 {
     spoiler_t s = {what, value, false, 0, 0};
-    chain_defaults(&config, 11, SETS, 1.0);
-    config.budget = 0;
+    two_sets_defaults();
     chain_set_driver(&config);
     config.before = spoil;
     config.after = expect_event;

@@ -5,39 +5,16 @@
 #include <math.h>
 #include <string.h>
 
-#include "chain.h"
+#include "two_sets.h"
 #include "unity.h"
-
-enum { SETS = 2 };
-
-static chain_t chain;
-static chain_config_t config;
 
 void setUp(void)
 {
-    chain_defaults(&config, 11, SETS, 1.0);
-    config.budget = 0;
+    two_sets_defaults();
 }
 
 void tearDown(void)
 {
-}
-
-static void finish(chain_t *c)
-{
-    TEST_ASSERT_TRUE(chain_finish(c, 1000, 1000) <= 1000);
-}
-
-static bool is_zero(const auvid_output_t *out)
-{
-    auvid_real_t sum = 0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        sum += out->excitation[j] < 0 ? -out->excitation[j] : out->excitation[j];
-    }
-    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-        sum += out->thruster_N[i] < 0 ? -out->thruster_N[i] : out->thruster_N[i];
-    }
-    return sum == 0;
 }
 
 /* ---- nothing to work on ---- */
