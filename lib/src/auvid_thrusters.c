@@ -292,6 +292,47 @@ static void keep_slot(auvid_thrusters_t *th)
     th->state.end_us += th->cfg.period_us;
 }
 
+/* After a silence rows begin later than it: the slots of what is not bridged are left as they are;
+ * when it is longer than the log, nothing from before will be needed. */
+static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    const uint32_t period = th->cfg.period_us, slots = th->cfg.slots;
+    uint64_t behind_us = t_us - state->end_us, bridged_us = (uint64_t)th->grid.bridged * period;
+    if (!state->started || behind_us > (uint64_t)slots * period) {
+        state->started = true;
+        state->filled = 0;
+        state->end_us = t_us;
+    } else if (behind_us > bridged_us) {
+        uint32_t skipped = (uint32_t)(behind_us - bridged_us) / period;
+        state->end_us += (uint64_t)skipped * period;
+        state->head = (state->head + skipped) % slots;
+        state->filled = state->filled + skipped < slots ? state->filled + skipped : slots;
+    } else {
+        return;
+    }
+    state->held_us = state->end_us;
+    memset(state->filling, 0, sizeof state->filling);
+}
+
+/* What has been held until now goes into the slots. */
+static void fill(auvid_thrusters_t *th, uint64_t t_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    while (state->held_us < t_us) {
+        uint64_t slot_ends = state->end_us + th->cfg.period_us;
+        uint64_t to = t_us < slot_ends ? t_us : slot_ends;
+        auvid_real_t part = (auvid_real_t)(uint32_t)(to - state->held_us);
+        for (int i = 0; i < th->cfg.thrusters; ++i) {
+            state->filling[i] += part * state->held[i];
+        }
+        state->held_us = to;
+        if (to == slot_ends) {
+            keep_slot(th);
+        }
+    }
+}
+
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command)
 {
@@ -299,35 +340,8 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
     if (th == NULL || (th->state.started && t_us <= th->state.held_us)) {
         return;
     }
-    uint64_t most_us = (uint64_t)th->grid.bridged * th->cfg.period_us;
-    if (!th->state.started ||
-        t_us - th->state.end_us > (uint64_t)th->cfg.slots * th->cfg.period_us) {
-        th->state.started = true; /* nothing from before will be needed */
-        th->state.filled = 0;
-        th->state.end_us = th->state.held_us = t_us;
-        memset(th->state.filling, 0, sizeof th->state.filling);
-    } else if (t_us - th->state.end_us >
-               most_us) { /* after a long silence rows begin later than it */
-        uint32_t skipped = (uint32_t)(t_us - th->state.end_us - most_us) / th->cfg.period_us;
-        th->state.end_us += (uint64_t)skipped * th->cfg.period_us;
-        th->state.held_us = th->state.end_us;
-        memset(th->state.filling, 0, sizeof th->state.filling);
-        th->state.head = (th->state.head + skipped) % th->cfg.slots;
-        th->state.filled =
-            th->state.filled + skipped < th->cfg.slots ? th->state.filled + skipped : th->cfg.slots;
-    }
-    while (th->state.held_us < t_us) {
-        uint64_t slot_ends = th->state.end_us + th->cfg.period_us;
-        uint64_t to = t_us < slot_ends ? t_us : slot_ends;
-        auvid_real_t part = (auvid_real_t)(uint32_t)(to - th->state.held_us);
-        for (int i = 0; i < th->cfg.thrusters; ++i) {
-            th->state.filling[i] += part * th->state.held[i];
-        }
-        th->state.held_us = to;
-        if (to == slot_ends) {
-            keep_slot(th);
-        }
-    }
+    pass_silence(th, t_us);
+    fill(th, t_us);
     auvid_real_t most = th->cfg.command_max;
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);
