@@ -185,6 +185,7 @@ size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=writ
 
 mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE (in LINES=A-B) place by place: does a unit test fail?
 	@third_party/mutation/bin/python tests/mutation/mutate.py $(FILE) $(LINES:%=--lines %) \
+	    $(if $(TESTS),--tests $(TESTS)) \
 	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CC) $(LDFLAGS)' \
 	    --objects $(MUTATION_OBJECTS)
 

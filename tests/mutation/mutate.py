@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Mutation test of one C file of the library: change it in one place, see whether a unit test fails.
+"""Mutation test of a C file of the library: change it in one place, see whether a unit test fails.
 
-usage: mutate.py FILE [--lines A-B] --compile COMMAND --link COMMAND --objects OBJECT...
+usage: mutate.py FILE [--lines A-B] [--tests NAME...] --compile COMMAND --link COMMAND
+                 --objects OBJECT...
 Run from the root, by `make mutate`, which builds what it needs: the OBJECTS of the library and of
-what the tests share, and build/release/tests/unit/*.o. Every test runs once, to learn which lines of
-FILE it executes. A changed file (a mutant) is compiled by COMMAND and linked with the other objects;
-the tests that execute the changed line run, quickest first, until one fails. The mutant is one of:
+what the tests share, and build/release/tests/unit/*.o. Every test runs once, to learn which lines
+of FILE it executes; with --tests, only those of the programs NAME. A changed file (a mutant, see
+mutants.py) is compiled by COMMAND and linked with the other objects. The tests that execute the
+changed line run, quickest first, until one fails. The mutant is one of:
   killed          a test fails
   timed out       a test needs more than 4 times its processor time, and 2 s: neither of the two
   survived        no test fails
@@ -30,8 +32,7 @@ import subprocess
 import sys
 import threading
 
-import tree_sitter
-import tree_sitter_c
+import mutants
 
 LIST = pathlib.Path("tests/mutation/survivors.txt")
 UNIT = pathlib.Path("build/release/tests/unit")
@@ -40,149 +41,6 @@ SCRATCH = pathlib.Path("build/mutation")
 JOBS = 2
 # The short form of every test, whatever the form of the test that runs this.
 ENVIRONMENT = {k: v for k, v in os.environ.items() if k != "AUVID_TEST_LONG"}
-
-RELATIONAL = {"<": ("<=", ">="), "<=": ("<", ">"), ">": (">=", "<="), ">=": (">", "<"),
-              "==": ("!=",), "!=": ("==",)}
-ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*", "<<": ">>", ">>": "<<",
-              "&": "|", "|": "&", "^": "|", "++": "--", "--": "++", "+=": "-=", "-=": "+=",
-              "*=": "/=", "/=": "*=", "|=": "&=", "&=": "|=", "<<=": ">>=", ">>=": "<<="}
-LOGICAL = {"&&": "||", "||": "&&"}
-CONDITIONED = ("if_statement", "while_statement", "do_statement", "for_statement",
-               "conditional_expression")
-REMOVED = ("expression_statement", "return_statement", "break_statement", "continue_statement")
-# Not code that runs, or without a meaning of its own.
-SKIPPED = ("sizeof_expression", "preproc_include", "static_assert_declaration", "comment")
-
-Mutant = collections.namedtuple("Mutant", "kind line function before after text lines")
-
-
-# ---- mutants ----
-
-def parse(text):
-    """Syntax tree; macros for attributes, which the grammar does not know, are blanked."""
-    plain = re.sub(rb"\bAUVID_[A-Z_]+(?=\s+[a-z]\w*[\s*]+\w)", lambda m: b" " * len(m[0]), text)
-    return tree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(plain).root_node
-
-
-def constants(literal):
-    """Other values than that of a number as C writes it."""
-    whole = re.fullmatch(r"(0[xX][0-9a-fA-F]+|[0-9]+)([uUlL]*)", literal)
-    if whole:
-        value = int(whole[1], 0 if whole[1][:2] in ("0x", "0X") else 10)
-        return [f"{other}{whole[2]}" for other in (value + 1, value - 1) if other >= 0]
-    value = float(literal.rstrip("fFlL"))
-    suffix = literal[len(literal.rstrip("fFlL")):]
-    return [f"{other!r}{suffix}" for other in ((2 * value, value / 2) if value else (1.0, -1.0))]
-
-
-def changes(node):
-    """(kind, node, replacement) for what stands at this node of the tree itself."""
-    def of(field):
-        return node.child_by_field_name(field)
-
-    def text(field):
-        return of(field).text.decode()
-
-    operator = text("operator") if of("operator") else None
-    if node.type == "binary_expression":
-        left, right = text("left"), text("right")
-        for other in RELATIONAL.get(operator, ()):
-            yield "relational", of("operator"), other
-        if operator in ARITHMETIC:
-            other = ARITHMETIC[operator]
-            if operator in "&|":
-                yield "arithmetic", node, f"({left} {other} {right})"
-            else:
-                yield "arithmetic", of("operator"), other
-        if operator in LOGICAL:
-            yield "logical", node, f"({left} {LOGICAL[operator]} {right})"
-            yield "operand", node, left
-            yield "operand", node, right
-    elif node.type in ("assignment_expression", "update_expression") and operator in ARITHMETIC:
-        yield "arithmetic", of("operator"), ARITHMETIC[operator]
-    elif node.type == "unary_expression":
-        if operator == "!":
-            yield "logical", node, text("argument")
-        elif operator in "-~" and of("argument").type != "number_literal":
-            yield "arithmetic", node, text("argument")
-    elif node.type == "number_literal":
-        for other in constants(node.text.decode()):
-            yield "constant", node, other
-    elif node.type in ("true", "false"):
-        yield "constant", node, {"true": "false", "false": "true"}[node.type]
-    elif node.type in REMOVED and not last_return(node):
-        yield "statement", node, ";"
-    if node.type in CONDITIONED:
-        condition = of("condition")
-        while condition is not None and condition.type == "parenthesized_expression":
-            condition = condition.named_children[0]
-        if condition is not None and not negated_elsewhere(condition):
-            yield "negation", condition, f"!({condition.text.decode()})"
-
-
-def negated_elsewhere(condition):
-    """Is the condition's contrary among the relational or logical mutants, or a constant's?"""
-    operator = condition.child_by_field_name("operator")
-    return operator is not None and (operator.text.decode() in RELATIONAL or operator.text == b"!")
-
-
-def last_return(node):
-    """The return of a value at a function's end: without it nothing is returned."""
-    return (node.type == "return_statement" and node.named_child_count > 0 and
-            node.parent.parent.type == "function_definition")
-
-
-def walk(node, function=""):
-    """(node, the function's name) for everything that can be changed."""
-    if node.type in SKIPPED or node.text.startswith(b"_Static_assert"):
-        return
-    if node.type == "function_definition":
-        name = node.child_by_field_name("declarator")
-        while name.type != "identifier":
-            name = name.child_by_field_name("declarator")
-        function = name.text.decode()
-    yield node, function
-    for i, child in enumerate(node.children):
-        if node.type.startswith("preproc_") and node.field_name_for_child(i) == "condition":
-            continue
-        if node.type == "array_declarator" and node.field_name_for_child(i) == "size":
-            continue
-        yield from walk(child, function)
-
-
-def in_macro(node):
-    """Constants in the text of a #define, which the tree holds as one piece."""
-    for number in re.finditer(rb"(?<![\w.])(0[xX][0-9a-fA-F]+|[0-9][0-9.]*([eE][-+]?[0-9]+)?)[uUlLfF]*"
-                              rb"(?![\w.])", node.text):
-        for other in constants(number[0].decode()):
-            yield node.start_byte + number.start(), node.start_byte + number.end(), other
-
-
-def line_sets(node):
-    """Lines of the node, of what it stands in, and so on, outwards."""
-    while node is not None and node.type != "translation_unit":
-        yield range(node.start_point.row + 1, node.end_point.row + 2)
-        node = node.parent
-
-
-def mutants(text):
-    """Every mutant of a C file, in the order of the text."""
-    found = []
-
-    def add(kind, function, start, end, other, node):
-        first, last = text.rfind(b"\n", 0, start) + 1, text.find(b"\n", end)
-        one_line = (b" ".join(part.split()).decode() for part in
-                    (text[first:last], text[first:start] + other.encode() + text[end:last]))
-        found.append(Mutant(kind, text.count(b"\n", 0, start) + 1, function, *one_line,
-                            text[:start] + other.encode() + text[end:], list(line_sets(node))))
-
-    for node, function in walk(parse(text)):
-        if node.type == "preproc_arg":
-            for start, end, other in in_macro(node):
-                add("constant", "", start, end, other, node)
-        for kind, place, other in changes(node):
-            add(kind, function, place.start_byte, place.end_byte, other, place)
-    return found
 
 
 # ---- which test executes which line ----
@@ -194,10 +52,12 @@ def run_test(program, name, limit_s=10**6, **more):
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     # By the clock only a test that waits comes to an end: no busy machine makes another verdict.
     watch = threading.Timer(60 + 20 * limit_s, run.kill)
+    watch.daemon = True
     watch.start()
     _, status, usage = os.wait4(run.pid, 0)
     watch.cancel()
-    return os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime
+    run.returncode = os.waitstatus_to_exitcode(status)
+    return run.returncode, usage.ru_utime + usage.ru_stime
 
 
 class Tests:
@@ -209,9 +69,11 @@ class Tests:
         self.others = [o for o in arguments.objects
                        if o != f"build/release/{self.source.with_suffix('.o')}"]
         counting = self.folder / "counting"
-        compile_object(arguments.compile + " --coverage", self.source, self.source.read_bytes(),
-                       counting)
-        told = [t for of in pool.map(self.measure, sorted(UNIT.glob("test_*.o"))) for t in of]
+        compile_object(arguments.compile + " --coverage -frandom-seed=0", self.source,
+                       self.source.read_bytes(), counting)
+        units = [unit for unit in sorted(UNIT.glob("test_*.o"))
+                 if not arguments.tests or unit.stem in arguments.tests]
+        told = [test for tests in pool.map(self.measure, units) for test in tests]
         self.every = sorted(told, key=lambda test: test["cpu_s"])
         self.known = {int(line) for test in told for line in test["lines"]}
 
@@ -236,7 +98,7 @@ class Tests:
                  for name in re.findall(r"^test: (\w+)$", names, re.M)]
         failed = [test["name"] for test in tests if test["failed"]]
         if failed:
-            sys.exit(f"mutate: {program.name}: without a change, and alone, fail: {', '.join(failed)}")
+            sys.exit(f"mutate: {unit.stem}: without a change, alone, fail: {', '.join(failed)}")
         tests = [test for test in tests if any(test["lines"].values())]
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(json.dumps({"program": digest, "tests": tests}))
@@ -251,13 +113,13 @@ class Tests:
             ["gcov", "--json-format", "--stdout", counts / "mutant.gcda"], check=True,
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)
         shutil.rmtree(counts)
-        return {"cpu_s": cpu_s, "failed": status != 0, "lines": {line["line_number"]: line["count"] for part in told["files"]
-                                          if part["file"].endswith(self.source.name)
-                                          for line in part["lines"]}}
+        lines = {str(line["line_number"]): line["count"] for part in told["files"]
+                 if part["file"].endswith(self.source.name) for line in part["lines"]}
+        return {"cpu_s": cpu_s, "failed": status != 0, "lines": lines}
 
     def of(self, mutant):
         """The tests that execute the changed place, or else what it stands in."""
-        place = next((lines for lines in mutant.lines if self.known.intersection(lines)), self.known)
+        place = next((p for p in mutant.lines if self.known.intersection(p)), self.known)
         return [t for t in self.every if any(t["lines"].get(str(line)) for line in place)]
 
     def verdict(self, mutant, folder):
@@ -302,15 +164,16 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("file", type=pathlib.Path)
     parser.add_argument("--lines", metavar="A-B")
+    parser.add_argument("--tests", nargs="+", default=[])
     for name in ("--compile", "--link"):
         parser.add_argument(name, required=True)
     parser.add_argument("--objects", required=True, nargs="+")
     arguments = parser.parse_args()
     source, text = arguments.file, arguments.file.read_bytes()
-    every = mutants(text)
+    every = mutants.of(text)
     first, last = map(int, (arguments.lines or f"1-{10**9}").split("-"))
     chosen = [m for m in every if first <= m.line <= last]
-    os.nice(10)
+    os.nice(max(0, 5 - os.nice(0)))
     folder = SCRATCH / source.stem
     shutil.rmtree(folder, ignore_errors=True)
     with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
@@ -331,7 +194,7 @@ def main():
             if verdicts[i] in ("survived", "timed out"):
                 show(source, chosen[i], verdicts[i] + (f" ({name})" if name else ""))
     shutil.rmtree(folder)
-    sys.exit(judge(source, chosen, verdicts, bool(arguments.lines)))
+    sys.exit(judge(source, chosen, verdicts, bool(arguments.lines or arguments.tests)))
 
 
 def show(source, mutant, verdict):
@@ -341,14 +204,17 @@ def show(source, mutant, verdict):
 
 def judge(source, chosen, verdicts, part):
     """Compare with the list; exit status."""
-    survived = {(m.function, m.before, m.after) for m, v in zip(chosen, verdicts) if v == "survived"}
+    survived = {(mutant.function, mutant.before, mutant.after)
+                for mutant, verdict in zip(chosen, verdicts) if verdict == "survived"}
     listed = listed_survivors(source)
     unlisted, stale = survived - listed, set() if part else listed - survived
     for where, before, after in sorted(stale):
-        print(f"stale in {LIST}: this does not survive\n@ {source.name} {where}\n- {before}\n+ {after}")
+        print(f"stale in {LIST}: this does not survive\n"
+              f"@ {source.name} {where}\n- {before}\n+ {after}")
     count = collections.Counter(verdicts)
-    print(f"{source}: {len(chosen)} mutants: {count['killed']} killed, {count['survived']} survived "
-          f"({len(unlisted)} not listed, {len(stale)} stale), {count['timed out']} timed out, "
+    print(f"{source}: {len(chosen)} mutants: {count['killed']} killed, "
+          f"{count['survived']} survived ({len(unlisted)} not listed, {len(stale)} stale), "
+          f"{count['timed out']} timed out, "
           f"{count['equivalent']} equivalent, {count['same']} same, {count['not C']} not C")
     return 1 if unlisted or stale else 0
 

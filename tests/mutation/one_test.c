@@ -1,5 +1,5 @@
-/* For mutate.py: a Unity program linked with --wrap=UnityDefaultTestRun prints the names of its tests
- * and runs the one that MUTATION_TEST names, if any. */
+/* For mutate.py: a Unity program linked with --wrap=UnityDefaultTestRun runs the test that
+ * MUTATION_TEST names; without that variable it prints the names of its tests. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

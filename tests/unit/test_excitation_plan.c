@@ -213,6 +213,23 @@ static void test_random_steps_beyond_the_leash_lead_back(void)
     }
 }
 
+/* The leash and the displacement are in metres and may be fractions of one. */
+static void test_a_leash_of_half_a_metre_leads_back_on_both_sides(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        const auvid_real_t d[6] = {(auvid_real_t)side * AUVID_C(0.7)};
+        setUp();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 60, 1, 1));
+        cfg.leash[AUVID_SURGE] = AUVID_C(0.5);
+        begin();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+        for (uint64_t t_us = S; t_us < 59 * S; t_us += S / 10) {
+            at(t_us);
+            TEST_ASSERT_TRUE((double)wrench[0] * side < -29);
+        }
+    }
+}
+
 /* At twice the leash, sines too push one way only; and never beyond the peak. */
 static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
 {
@@ -331,6 +348,7 @@ int main(void)
     RUN_TEST(test_a_schedule_refuses_what_it_cannot_make);
     RUN_TEST(test_within_the_leash_the_wrench_is_as_without);
     RUN_TEST(test_random_steps_beyond_the_leash_lead_back);
+    RUN_TEST(test_a_leash_of_half_a_metre_leads_back_on_both_sides);
     RUN_TEST(test_the_pull_grows_with_the_distance_and_keeps_the_peak);
     RUN_TEST(test_a_leash_or_displacement_that_cannot_be_is_refused);
     RUN_TEST(test_the_leash_keeps_the_vehicle_against_drift_and_a_current);

@@ -61,6 +61,55 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
+/* Save the dive and begin the next with the record. */
+static void next_dive(const auvid_identifier_t *dived)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(dived, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+}
+
+/* What was not identified, or has no error or noise to go with it, is as unknown as before. */
+static void test_a_record_brings_only_what_was_identified_with_an_error(void)
+{
+    enum { LEFT = AUVID_G500_M_W };
+    static auvid_identifier_t dived, spoilt;
+    dive();
+    dived = chain.id;
+    uint32_t heave = 0;
+    for (int i = 0; i < N; ++i) {
+        heave |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_HEAVE) << i;
+    }
+    for (int way = 0; way < 5; ++way) {
+        spoilt = dived;
+        auvid_estimate_t *e = &spoilt.estimate;
+        e->identified &= way == 0 ? ~(1u << LEFT) : UINT32_MAX;
+        e->confidence.sigma[LEFT] = way == 1   ? 0
+                                    : way == 2 ? AUVID_LARGEST
+                                               : e->confidence.sigma[LEFT];
+        e->confidence.noise[AUVID_HEAVE] *= way == 3 ? 0 : 1;
+        e->confidence.residual[AUVID_HEAVE] *= way == 4 ? 0 : 1;
+        next_dive(&spoilt);
+        uint32_t left = way < 3 ? 1u << LEFT : heave;
+        TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left, chain.id.estimate.identified);
+        for (int i = 0; i < N; ++i) {
+            TEST_ASSERT_EQUAL((left >> i & 1u) != 0,
+                              chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+        }
+    }
+}
+
+/* A degree of freedom of which the record holds nothing counts as not driven. */
+static void test_a_record_counts_as_driven_what_it_holds(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    dived.estimate.confidence.noise[AUVID_HEAVE] = 0;
+    next_dive(&dived);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven & ~(1u << AUVID_HEAVE), chain.id.estimate.driven);
+}
+
 static void test_saved_again_it_says_the_same(void)
 {
     uint8_t again[AUVID_WARM_BYTES];
@@ -318,6 +367,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
+    RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
+    RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
     RUN_TEST(test_saved_again_it_says_the_same);
     RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_noticed);
