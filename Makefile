@@ -62,10 +62,12 @@ BOARDS := $(shell $(BOARD) list)
 FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
-# Mutation tests: the unit tests, linked with a changed file in place of the library's.
+# Mutation tests: the unit tests, or those named by TESTS, linked with a changed file in place of the
+# library's.
 MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
-MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.o
-MUTATED_TESTS := $(UNIT:%.c=build/release/%.o)
+MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.c.o
+MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),tests/*/$(test).c*)),$(UNIT))
+MUTATED_TESTS := $(MUTATED_SOURCES:%=build/release/%.o)
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
 
@@ -185,9 +187,8 @@ size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=writ
 
 mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE (in LINES=A-B) place by place: does a unit test fail?
 	@third_party/mutation/bin/python tests/mutation/mutate.py $(FILE) $(LINES:%=--lines %) \
-	    $(if $(TESTS),--tests $(TESTS)) \
-	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CC) $(LDFLAGS)' \
-	    --objects $(MUTATION_OBJECTS)
+	    $(if $(LINES)$(TESTS),--part) --objects $(MUTATION_OBJECTS) --tests $(MUTATED_TESTS) \
+	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CXX) $(LDFLAGS)'
 
 mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in third_party/mutation)
 	@tests/support/setup.sh mutate
@@ -284,10 +285,14 @@ build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call objects,release,$(PORT))
 
-# The programs' dependencies stand in tests/unit/%.d.
-build/release/tests/%.o: tests/%.c Makefile | setup
+build/release/tests/%.c.o: tests/%.c Makefile | setup
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 $(WAY_release) $(FLAGS) $(FLAGS_tests) $(CFLAGS) -MF $@.d -c -o $@ $<
+
+build/release/tests/%.cpp.o: tests/%.cpp Makefile | setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CXX) -std=c++17 $(WAY_release) $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) \
+	    $(CXXFLAGS) -MF $@.d -c -o $@ $<
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"

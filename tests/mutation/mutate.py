@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Mutation test of a C file of the library: change it in one place, see whether a unit test fails.
 
-usage: mutate.py FILE [--lines A-B] [--tests NAME...] --compile COMMAND --link COMMAND
-                 --objects OBJECT...
-Run from the root, by `make mutate`, which builds what it needs: the OBJECTS of the library and of
-what the tests share, and build/release/tests/unit/*.o. Every test runs once, to learn which lines
-of FILE it executes; with --tests, only those of the programs NAME. A changed file (a mutant, see
-mutants.py) is compiled by COMMAND and linked with the other objects. The tests that execute the
-changed line run, quickest first, until one fails. The mutant is one of:
+usage: mutate.py FILE [--lines A-B] [--part] --objects OBJECT... --tests OBJECT...
+                 --compile COMMAND --link COMMAND
+Run from the root, by `make mutate`, which builds what it needs: the objects of the library and of
+what the tests share, and those of the tests. Every test runs once, to learn which lines of FILE it
+executes. A changed file (a mutant, see mutants.py) is compiled by a command and linked with the
+other objects. The tests that execute the changed line run, quickest first, until one fails. The
+mutant is one of:
   killed          a test fails
   timed out       a test needs more than 4 times its processor time, and 2 s: neither of the two
   survived        no test fails
@@ -15,7 +15,8 @@ changed line run, quickest first, until one fails. The mutant is one of:
   same            it compiles to the object code of another mutant, which is tested in its place
   not C           it does not compile
 Survivors that no caller can tell stand in tests/mutation/survivors.txt with the reason. Exit status
-1 when a survivor is not listed, or when a listed one does not survive (any longer).
+1 when a survivor is not listed, or when a listed one does not survive (any longer); --part: the
+list's other entries are left alone.
 """
 import argparse
 import collections
@@ -35,7 +36,6 @@ import threading
 import mutants
 
 LIST = pathlib.Path("tests/mutation/survivors.txt")
-UNIT = pathlib.Path("build/release/tests/unit")
 WRAP = "-Wl,--wrap=UnityDefaultTestRun" # see one_test.c
 SCRATCH = pathlib.Path("build/mutation")
 JOBS = 2
@@ -71,14 +71,12 @@ class Tests:
         counting = self.folder / "counting"
         compile_object(arguments.compile + " --coverage -frandom-seed=0", self.source,
                        self.source.read_bytes(), counting)
-        units = [unit for unit in sorted(UNIT.glob("test_*.o"))
-                 if not arguments.tests or unit.stem in arguments.tests]
-        told = [test for tests in pool.map(self.measure, units) for test in tests]
+        told = [test for tests in pool.map(self.measure, arguments.tests) for test in tests]
         self.every = sorted(told, key=lambda test: test["cpu_s"])
         self.known = {int(line) for test in told for line in test["lines"]}
 
     def link(self, unit, folder, *options):
-        program = folder / unit.stem
+        program = folder / unit.name.split(".")[0]
         subprocess.run([*shlex.split(self.arguments.link), *options, "-o", program, unit,
                         folder / "mutant.o", *self.others, WRAP, "-lm"], check=True)
         return program
@@ -89,20 +87,20 @@ class Tests:
         counting = self.folder / "counting"
         program = self.link(unit, counting, "--coverage")
         digest = hashlib.sha256(program.read_bytes()).hexdigest()
-        kept = SCRATCH / "measured" / self.source.stem / (unit.stem + ".json")
+        kept = SCRATCH / "measured" / self.source.stem / (program.name + ".json")
         if kept.exists() and json.loads(kept.read_text())["program"] == digest:
-            return json.loads(kept.read_text())["tests"]
+            return [test | {"unit": unit} for test in json.loads(kept.read_text())["tests"]]
         names = subprocess.run([program], env=ENVIRONMENT, check=True, capture_output=True,
                                text=True).stdout
-        tests = [self.measure_test(program, name) | {"unit": str(unit), "name": name}
+        tests = [self.measure_test(program, name) | {"name": name}
                  for name in re.findall(r"^test: (\w+)$", names, re.M)]
         failed = [test["name"] for test in tests if test["failed"]]
         if failed:
-            sys.exit(f"mutate: {unit.stem}: without a change, alone, fail: {', '.join(failed)}")
+            sys.exit(f"mutate: {program.name}: without a change, alone, fail: {', '.join(failed)}")
         tests = [test for test in tests if any(test["lines"].values())]
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(json.dumps({"program": digest, "tests": tests}))
-        return tests
+        return [test | {"unit": unit} for test in tests]
 
     def measure_test(self, program, name):
         counts = program.with_suffix(".counts")
@@ -126,7 +124,7 @@ class Tests:
         """What becomes of a mutant whose object stands in the folder, and the test that tells."""
         verdict, name, programs = "survived", "", {}
         for test in self.of(mutant):
-            name, unit = test["name"], pathlib.Path(test["unit"])
+            name, unit = test["name"], test["unit"]
             programs[unit] = programs.get(unit) or self.link(unit, folder)
             status, _ = run_test(programs[unit], name, math.ceil(2 + 4 * test["cpu_s"]))
             if status != 0:
@@ -164,10 +162,11 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("file", type=pathlib.Path)
     parser.add_argument("--lines", metavar="A-B")
-    parser.add_argument("--tests", nargs="+", default=[])
+    parser.add_argument("--part", action="store_true")
     for name in ("--compile", "--link"):
         parser.add_argument(name, required=True)
     parser.add_argument("--objects", required=True, nargs="+")
+    parser.add_argument("--tests", required=True, nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
     source, text = arguments.file, arguments.file.read_bytes()
     every = mutants.of(text)
@@ -194,7 +193,7 @@ def main():
             if verdicts[i] in ("survived", "timed out"):
                 show(source, chosen[i], verdicts[i] + (f" ({name})" if name else ""))
     shutil.rmtree(folder)
-    sys.exit(judge(source, chosen, verdicts, bool(arguments.lines or arguments.tests)))
+    sys.exit(judge(source, chosen, verdicts, arguments.part))
 
 
 def show(source, mutant, verdict):

@@ -8,7 +8,7 @@ root=$PWD unity=$(realpath "${UNITY_DIR:-third_party/unity/src}")
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
-mkdir -p lib/src tests/mutation build/release/tests/unit
+mkdir -p lib/src tests/mutation
 
 cat >lib/src/demo.c <<'END'
 #define LIMIT 10
@@ -54,7 +54,7 @@ int main(void)
 }
 END
 build_test() {
-    gcc "$@" -I"$unity" -c -o build/release/tests/unit/test_demo.o test_demo.c
+    gcc "$@" -I"$unity" -c -o test_demo.o test_demo.c
 }
 build_test
 gcc -w -c -o unity.o "$unity/unity.c"
@@ -63,7 +63,7 @@ gcc -I"$unity" -c -o one_test.o "$root/tests/mutation/one_test.c"
 mutate() {
     status=0
     "$root/third_party/mutation/bin/python" "$root/tests/mutation/mutate.py" lib/src/demo.c "$@" \
-        --compile 'gcc -O1' --link gcc --objects unity.o one_test.o >output 2>&1 || status=$?
+        --compile 'gcc -O1' --link gcc --objects unity.o one_test.o --tests test_demo.o >output 2>&1 || status=$?
 }
 
 # check WHAT COMMAND...: the command must succeed.
@@ -111,7 +111,7 @@ printf '%s\n' '@ demo.c demo_add' '- int demo_add(int a, int b) { return a + b; 
 mutate
 check 'a listed survivor that is killed is a failure' [ "$status" = 1 ]
 check 'and is named' grep -q '^stale' output
-mutate --lines 2-2
+mutate --lines 2-2 --part
 check 'a part of a file says nothing of the rest of the list' [ "$status" = 0 ]
 check 'and changes that part alone' grep -q '^lib/src/demo.c: 1 mutants: 1 killed' output
 
