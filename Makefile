@@ -62,8 +62,7 @@ BOARDS := $(shell $(BOARD) list)
 FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
-# Mutation tests: the unit tests, or those named by TESTS, linked with a changed file in place of the
-# library's.
+# Mutation tests: the unit tests, or TESTS by their names, linked with a changed file of the library.
 MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
 MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.c.o
 MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),tests/*/$(test).c*)),$(UNIT))
@@ -185,12 +184,12 @@ size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=writ
 	@$(if $(filter write,$(SIZE)),cp build/firmware/size.csv tests/firmware/size.csv,\
 	    tests/firmware/baseline.py tests/firmware/size.csv build/firmware/size.csv)
 
-mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE (in LINES=A-B) place by place: does a unit test fail?
+mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE: does a unit test fail?
 	@third_party/mutation/bin/python tests/mutation/mutate.py $(FILE) $(LINES:%=--lines %) \
 	    $(if $(LINES)$(TESTS),--part) --objects $(MUTATION_OBJECTS) --tests $(MUTATED_TESTS) \
 	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CXX) $(LDFLAGS)'
 
-mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in third_party/mutation)
+mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in a venv)
 	@tests/support/setup.sh mutate
 
 bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks

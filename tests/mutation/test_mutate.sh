@@ -63,7 +63,8 @@ gcc -I"$unity" -c -o one_test.o "$root/tests/mutation/one_test.c"
 mutate() {
     status=0
     "$root/third_party/mutation/bin/python" "$root/tests/mutation/mutate.py" lib/src/demo.c "$@" \
-        --compile 'gcc -O1' --link gcc --objects unity.o one_test.o --tests test_demo.o >output 2>&1 || status=$?
+        --compile 'gcc -O1' --link gcc --objects unity.o one_test.o --tests test_demo.o \
+        >output 2>&1 || status=$?
 }
 
 # check WHAT COMMAND...: the command must succeed.

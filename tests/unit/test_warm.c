@@ -72,28 +72,29 @@ static void next_dive(const auvid_identifier_t *dived)
 /* What was not identified, or has no error or noise to go with it, is as unknown as before. */
 static void test_a_record_brings_only_what_was_identified_with_an_error(void)
 {
-    enum { LEFT = AUVID_G500_M_W };
+    enum { LEFT = AUVID_G500_M_U, WAYS = 6 };
     static auvid_identifier_t dived, spoilt;
     dive();
     dived = chain.id;
-    uint32_t heave = 0;
+    uint32_t surge = 0;
     for (int i = 0; i < N; ++i) {
-        heave |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_HEAVE) << i;
+        surge |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_SURGE) << i;
     }
-    for (int way = 0; way < 5; ++way) {
+    const uint32_t left[WAYS] = {1u << LEFT, 1u << LEFT, 1u << LEFT, surge, surge, 0};
+    for (int way = 0; way < WAYS; ++way) {
         spoilt = dived;
         auvid_estimate_t *e = &spoilt.estimate;
-        e->identified &= way == 0 ? ~(1u << LEFT) : UINT32_MAX;
-        e->confidence.sigma[LEFT] = way == 1   ? 0
-                                    : way == 2 ? AUVID_LARGEST
-                                               : e->confidence.sigma[LEFT];
-        e->confidence.noise[AUVID_HEAVE] *= way == 3 ? 0 : 1;
-        e->confidence.residual[AUVID_HEAVE] *= way == 4 ? 0 : 1;
+        auvid_confidence_t *c = &e->confidence;
+        e->identified &= way == 0 ? ~left[0] : UINT32_MAX;
+        c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
+        c->noise[AUVID_SURGE] = way == 3 ? 0 : c->noise[AUVID_SURGE];
+        c->residual[AUVID_SURGE] = way == 4 ? 0 : c->residual[AUVID_SURGE];
+        c->residual[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
         next_dive(&spoilt);
-        uint32_t left = way < 3 ? 1u << LEFT : heave;
-        TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left, chain.id.estimate.identified);
+        TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
+                                chain.id.estimate.identified);
         for (int i = 0; i < N; ++i) {
-            TEST_ASSERT_EQUAL((left >> i & 1u) != 0,
+            TEST_ASSERT_EQUAL((left[way] >> i & 1u) != 0,
                               chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
         }
     }
@@ -108,6 +109,24 @@ static void test_a_record_counts_as_driven_what_it_holds(void)
     dived.estimate.confidence.noise[AUVID_HEAVE] = 0;
     next_dive(&dived);
     TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven & ~(1u << AUVID_HEAVE), chain.id.estimate.driven);
+}
+
+/* The velocity is simulated with the record's parameters through the first set. */
+static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    next_dive(&dived);
+    while (chain.id.judgement.set == 0) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.judgement.set);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven, chain.id.judgement.simulated);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_TRUE((dived.estimate.driven >> j & 1) == 0 ||
+                         chain.id.judgement.r2_velocity[j] > AUVID_C(0.5));
+    }
 }
 
 static void test_saved_again_it_says_the_same(void)
@@ -369,6 +388,7 @@ int main(void)
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
     RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
     RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
+    RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
     RUN_TEST(test_saved_again_it_says_the_same);
     RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_noticed);
