@@ -62,7 +62,7 @@ BOARDS := $(shell $(BOARD) list)
 FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
-# Mutation tests: the unit tests, or TESTS by their names, linked with a changed file of the library.
+# Mutation tests: the unit tests, or TESTS by name, linked with a changed file of the library.
 MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
 MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.c.o
 MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),tests/*/$(test).c*)),$(UNIT))
