@@ -77,8 +77,10 @@ class Tests:
 
     def link(self, unit, folder, *options):
         program = folder / unit.name.split(".")[0]
-        subprocess.run([*shlex.split(self.arguments.link), *options, "-o", program, unit,
-                        folder / "mutant.o", *self.others, WRAP, "-lm"], check=True)
+        linked = subprocess.run([*shlex.split(self.arguments.link), *options, "-o", program, unit,
+                                 folder / "mutant.o", *self.others, WRAP, "-lm"])
+        if linked.returncode != 0:
+            sys.exit(f"mutate: {program.name} does not link; is a make under way beside this?")
         return program
 
     def measure(self, unit):
@@ -131,7 +133,7 @@ class Tests:
                 verdict = "timed out" if status in (-9, -24) else "killed"
                 break
         shutil.rmtree(folder)
-        return verdict, name if verdict == "timed out" else ""
+        return verdict, f" ({name})" if verdict == "timed out" else ""
 
 
 # ---- verdicts ----
@@ -188,30 +190,31 @@ def main():
             verdicts[i] = "not C" if code is None else seen.get(code, "")
             if code is not None and seen.setdefault(code, "same") == "same" and not verdicts[i]:
                 work[i] = pool.submit(tests.verdict, chosen[i], folder / str(i))
+        survived, listed = set(), listed_survivors(source)
         for i, verdict in work.items():
             verdicts[i], name = verdict.result()
-            if verdicts[i] in ("survived", "timed out"):
-                show(source, chosen[i], verdicts[i] + (f" ({name})" if name else ""))
+            entry = chosen[i].function, chosen[i].before, chosen[i].after
+            if verdicts[i] == "survived":
+                survived.add(entry)
+            if verdicts[i] == "timed out" or verdicts[i] == "survived" and entry not in listed:
+                show(source, entry, f"{source}:{chosen[i].line}: {verdicts[i]}{name}: "
+                     f"{chosen[i].kind}")
     shutil.rmtree(folder)
-    sys.exit(judge(source, chosen, verdicts, arguments.part))
+    sys.exit(judge(source, verdicts, survived - listed,
+                   set() if arguments.part else listed - survived))
 
 
-def show(source, mutant, verdict):
-    print(f"{source}:{mutant.line}: {verdict}: {mutant.kind}\n@ {source.name} {mutant.function}\n"
-          f"- {mutant.before}\n+ {mutant.after}", flush=True)
+def show(source, entry, what):
+    function, before, after = entry
+    print(f"{what}\n@ {source.name} {function}\n- {before}\n+ {after}", flush=True)
 
 
-def judge(source, chosen, verdicts, part):
-    """Compare with the list; exit status."""
-    survived = {(mutant.function, mutant.before, mutant.after)
-                for mutant, verdict in zip(chosen, verdicts) if verdict == "survived"}
-    listed = listed_survivors(source)
-    unlisted, stale = survived - listed, set() if part else listed - survived
-    for where, before, after in sorted(stale):
-        print(f"stale in {LIST}: this does not survive\n"
-              f"@ {source.name} {where}\n- {before}\n+ {after}")
+def judge(source, verdicts, unlisted, stale):
+    """Say how many there were of each kind; exit status."""
+    for entry in sorted(stale):
+        show(source, entry, f"stale in {LIST}: this does not survive")
     count = collections.Counter(verdicts)
-    print(f"{source}: {len(chosen)} mutants: {count['killed']} killed, "
+    print(f"{source}: {len(verdicts)} mutants: {count['killed']} killed, "
           f"{count['survived']} survived ({len(unlisted)} not listed, {len(stale)} stale), "
           f"{count['timed out']} timed out, "
           f"{count['equivalent']} equivalent, {count['same']} same, {count['not C']} not C")
