@@ -322,6 +322,30 @@ static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
 }
 
 /* W-B and Z_0 are told apart by the cosine of small angles only. */
+static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_girona500.regressor(context, s, y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        y->row[j][AUVID_G500_M_U] *= 1000;
+    }
+}
+
+/* A model may count in units of its own. */
+static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
+{
+    static auvid_vehicle_t vehicle;
+    auvid_metric_config_t cfg = usual();
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    uint32_t identifiable = verdict->identifiable;
+    vehicle = auvid_girona500;
+    vehicle.regressor = tonnes;
+    cfg.vehicle = &vehicle;
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
+}
+
 /* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
 static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
 {
@@ -567,6 +591,7 @@ int main(void)
     RUN_TEST(test_good_data_make_everything_identifiable);
     RUN_TEST(test_a_fixed_parameter_is_called_so);
     RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms);
     RUN_TEST(test_drags_of_a_velocity_that_stands_still_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_is_implausible);
