@@ -321,7 +321,6 @@ static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
     }
 }
 
-/* W-B and Z_0 are told apart by the cosine of small angles only. */
 static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_girona500.regressor(context, s, y);
@@ -371,6 +370,7 @@ static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
     }
 }
 
+/* W-B and Z_0 are told apart by the cosine of small angles only. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
     static auvid_confidence_t alone;
