@@ -27,7 +27,7 @@ static struct {
     double largest;                /* thrust commanded by the node in the last tick */
     bool fed_back;                 /* since the last tick */
     bool arm;
-    double altitude_m;
+    double altitude_m, depth_m;
 } run;
 static uint8_t saved[2][AUVID_CHECKPOINT_MOST(0)];
 
@@ -37,6 +37,7 @@ void setUp(void)
     memset(&run, 0, sizeof run);
     memset(thrust, 0, sizeof thrust);
     run.altitude_m = 20;
+    run.depth_m = 5;
     auvid_rng_seed(&rng, 1);
     auvid_identifier_defaults(&config, &auvid_girona500);
     config.allocation = auvid_allocation_girona500;
@@ -148,7 +149,7 @@ static void dvl_water(double t)
 static void depth(double t)
 {
     auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
-    m.as.depth = (auvid_can_depth_t){(auvid_real_t)(5.0 - 0.2 * cos(0.5 * t)), draw_age()};
+    m.as.depth = (auvid_can_depth_t){(auvid_real_t)(run.depth_m - 0.2 * cos(0.5 * t)), draw_age()};
     m.absent = chance(0.05) ? AUVID_CAN_DEPTH_NO_DEPTH : 0u;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
     in.depth.present = m.absent == 0 && dated(m.as.depth.age, &in.depth.t_us);
@@ -327,9 +328,14 @@ static void go(int ticks)
 
 static void test_frames_are_what_calls_with_their_samples_are(void)
 {
+    auvid_nav_state_t state;
+    run.depth_m = 0.25; /* a fix counts near the surface */
     begin();
     go(3000);
     TEST_ASSERT_TRUE(run.unknown_age > 10 && run.dropped > 10);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &state));
+    TEST_ASSERT_TRUE(fabs((double)state.position[0] - 10.0) < 3.0);
+    TEST_ASSERT_TRUE(fabs((double)state.position[1] + 5.0) < 3.0);
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
 }
 
