@@ -321,6 +321,55 @@ static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
     }
 }
 
+static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_girona500.regressor(context, s, y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        y->row[j][AUVID_G500_M_U] *= 1000;
+    }
+}
+
+/* A model may count in units of its own. */
+static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
+{
+    static auvid_vehicle_t vehicle;
+    auvid_metric_config_t cfg = usual();
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    uint32_t identifiable = verdict->identifiable;
+    vehicle = auvid_girona500;
+    vehicle.regressor = tonnes;
+    cfg.vehicle = &vehicle;
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
+}
+
+/* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
+static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
+{
+    const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+    const world_t world = {ALL, SETS, 1.0, 0.0};
+    auvid_metric_config_t cfg = usual();
+    uint64_t state = 5;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
+    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+        auvid_sample_t s;
+        move(0.1 * (double)k, world.dofs, &s);
+        s.nu[AUVID_SURGE] = 0;
+        spoil(&s, &world, &state);
+        s.t_us = 100000 * k;
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
+    }
+    assess_without(drags, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable & drags);
+    TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
+    for (int i = AUVID_G500_X_U; i <= AUVID_G500_X_UU; ++i) {
+        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[i]);
+    }
+}
+
 /* W-B and Z_0 are told apart by the cosine of small angles only. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
@@ -542,6 +591,8 @@ int main(void)
     RUN_TEST(test_good_data_make_everything_identifiable);
     RUN_TEST(test_a_fixed_parameter_is_called_so);
     RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms);
+    RUN_TEST(test_drags_of_a_velocity_that_stands_still_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_is_implausible);
     RUN_TEST(test_a_drag_that_drives_is_implausible);

@@ -290,6 +290,7 @@ static void test_init_refuses_what_is_out_of_its_range(void)
     config.command_max = (auvid_real_t)1e-7;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
     config = good;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     config.hull = &thrusters.vehicle; /* it would call itself */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
     config = good;
