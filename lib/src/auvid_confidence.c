@@ -40,6 +40,7 @@
     AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
                                      determine gets an error of 1e4 times the column's own */
 #define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
+#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
 
 enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
 
@@ -64,7 +65,7 @@ static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUV
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
-/* ---- OWN: a DoF's optimum and mean square residual ---- */
+/* ---- OWN: a DoF's optimum and mean square residual, and its share of the slope ---- */
 
 static void find_own(job_t *c, int j)
 {
@@ -86,6 +87,12 @@ static void find_own(job_t *c, int j)
         }
         excess += e * e;
         c->own[at + i] = m->z[at + i];
+        for (int k = i; k < count; ++k) {
+            int place = c->place[m->index[at + k]];
+            if (place != NOWHERE) {
+                c->slope[place] += m->weight[j] * e * r[k - i];
+            }
+        }
     }
     (void)auvid_triangle_solve(merged(c, j), n, count, AUVID_C(1e-4), c->own + at);
     delay_weights(c, j, false, l);
@@ -273,7 +280,8 @@ static auvid_real_t pooled_variance(const job_t *c, const auvid_real_t *x)
 static void judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
-    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0);
+    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0), most = AUVID_C(0.0);
+    auvid_finding_t found = {.partner = NOWHERE, .beside = NOWHERE};
     int partner = i;
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, c->index[i]);
@@ -285,6 +293,12 @@ static void judge(job_t *c, int i)
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
+        auvid_real_t moved = -x[k] * c->slope[k];
+        if ((c->at_bound >> c->index[k] & 1u) && auvid_abs(moved) > AUVID_C(0.0)) {
+            found.moved += moved;
+            found.beside = auvid_abs(moved) > most ? k : found.beside;
+            most = auvid_max(most, auvid_abs(moved));
+        }
         delta -= x[k] * c->influence[k];
         partner = correlation > largest ? k : partner;
         largest = auvid_max(largest, correlation);
@@ -295,9 +309,10 @@ static void judge(job_t *c, int i)
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
-    auvid_real_t sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
-    auvid_confidence_conclude(c, i, sigma, auvid_abs(delta),
-                              largest > CORRELATED ? partner : NOWHERE);
+    found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
+    found.bias = auvid_abs(delta);
+    found.partner = largest > CORRELATED ? partner : NOWHERE;
+    auvid_confidence_conclude(c, i, &found);
 }
 
 /* ---- the machine ---- */
@@ -430,6 +445,24 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     }
     (void)seek_dof(c, 0);
     c->metric = NULL;
+}
+
+void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
+                             const auvid_real_t *upper, bool capped)
+{
+    for (int k = 0; job != NULL && lower != NULL && upper != NULL && k < job->n; ++k) {
+        int p = job->index[k];
+        auvid_real_t near = NEAR * (upper[p] - lower[p]);
+        bool at_upper = job->pi[p] > upper[p] - near;
+        if (at_upper || job->pi[p] < lower[p] + near) {
+            job->at_bound |= 1u << p;
+            job->at_upper |= (uint32_t)at_upper << p;
+            job->result.bound[p] = at_upper ? upper[p] : lower[p];
+        }
+    }
+    if (job != NULL) {
+        job->capped = capped;
+    }
 }
 
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,

@@ -266,6 +266,36 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
     }
 }
 
+bool auvid_metric_joint_row(const auvid_metric_t *m, int channel, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row)
+{
+    int8_t column[AUVID_MAX_PARAMETERS], n = 0;
+    int j = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        column[i] = (active >> i & 1u) ? n++ : -1;
+    }
+    while (channel >= m->channel_at[j + 1]) {
+        ++j;
+    }
+    int order = auvid_metric_order(m, j), at = m->channel_at[j], i = channel - at;
+    if (i >= m->count[j] || !(m->driven >> j & 1)) {
+        return false;
+    }
+    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
+    auvid_real_t scale = auvid_sqrt(m->weight[j]);
+    memset(row, 0, (size_t)n * sizeof *row);
+    row[n] = scale * m->z[channel];
+    for (int k = i; k < m->count[j]; ++k) {
+        int p = m->index[at + k];
+        if (column[p] >= 0) {
+            row[column[p]] = scale * r[k - i];
+        } else {
+            row[n] -= scale * r[k - i] * pi[p];
+        }
+    }
+    return true;
+}
+
 auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
                                           auvid_real_t *pi)
 {
@@ -280,25 +310,12 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
     auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
     int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    active &= m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
-        place[i] = free && (active >> i & 1u) ? n++ : -1;
+        place[i] = (active >> i & 1u) ? n++ : -1;
     }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int order = auvid_metric_order(m, j), at = m->channel_at[j];
-        auvid_real_t scale = auvid_sqrt(m->weight[j]);
-        for (int i = 0; i < m->count[j] && order > 0 && (m->driven >> j & 1); ++i) {
-            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
-            memset(x, 0, sizeof x);
-            x[n] = scale * m->z[at + i];
-            for (int k = i; k < m->count[j]; ++k) {
-                int p = m->index[at + k];
-                if (place[p] >= 0) {
-                    x[place[p]] = scale * r[k - i];
-                } else {
-                    x[n] -= scale * r[k - i] * pi[p];
-                }
-            }
+    for (int channel = 0; channel < m->channel_at[AUVID_DOF_COUNT]; ++channel) {
+        if (auvid_metric_joint_row(m, channel, active, pi, x)) {
             auvid_triangle_add(joint, n + 1, 0, x);
         }
     }
