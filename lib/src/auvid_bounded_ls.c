@@ -15,7 +15,8 @@
 #include "auvid_linalg.h"
 
 #define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: stored rows have 15 bits */
-#define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost */
+#define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
+#define ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
 
 void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 {
@@ -159,9 +160,13 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
     for (int i = 0; i <= ls->n; ++i) {
         ls->cost += rest(ls, i) * rest(ls, i);
     }
-    ls->start = ls->changes == 0 ? ls->cost : ls->start;
+    if (ls->changes == 0) {
+        auvid_real_t z = auvid_triangle_norm(ls->triangle, ls->n + 1, ls->n);
+        ls->start = ls->cost;
+        ls->zero = z * z;
+    }
     ls->at = 0;
-    auvid_real_t least = GAIN * (ls->cost + constant);
+    auvid_real_t least = GAIN * (ls->cost + constant) + ROUNDED * ls->zero;
     if (!hold_unresolved(ls) && !move(ls, least) && !release(ls, least)) {
         return AUVID_OK;
     }

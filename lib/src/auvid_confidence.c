@@ -450,7 +450,10 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
 void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
                              const auvid_real_t *upper, bool capped)
 {
-    for (int k = 0; job != NULL && lower != NULL && upper != NULL && k < job->n; ++k) {
+    if (job == NULL || lower == NULL || upper == NULL) {
+        return;
+    }
+    for (int k = 0; k < job->n; ++k) {
         int p = job->index[k];
         auvid_real_t near = NEAR * (upper[p] - lower[p]);
         bool at_upper = job->pi[p] > upper[p] - near;
@@ -460,9 +463,7 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
             job->result.bound[p] = at_upper ? upper[p] : lower[p];
         }
     }
-    if (job != NULL) {
-        job->capped = capped;
-    }
+    job->capped = capped;
 }
 
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,

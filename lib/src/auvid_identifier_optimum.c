@@ -8,8 +8,10 @@
 #include "auvid_math.h"
 #include "auvid_metric.h"
 
-/* Largest excess of a result's cost, relative to the least cost. */
+/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that is
+ * next to nothing: relative to the cost of parameters that are all zero. */
 #define EXCESS AUVID_C(1e-3)
+#define EXCESS_OF_ALL AUVID_C(1e-8)
 
 void auvid_identifier_begin_optimum(auvid_identifier_t *id)
 {
@@ -47,7 +49,8 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         }
     }
     if (status != AUVID_PENDING) {
-        id->capped |= !(ls->start - ls->cost <= EXCESS * (ls->cost + m->constant));
+        auvid_real_t allowed = EXCESS * (ls->cost + m->constant) + EXCESS_OF_ALL * ls->zero;
+        id->capped |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;
 }

@@ -142,7 +142,7 @@ auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
 typedef struct {
     auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
     auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the start, then the best point */
-    auvid_real_t start, cost;             /* of the two */
+    auvid_real_t start, cost, zero;       /* costs of the two, and of x = 0 */
     auvid_real_t triangle[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* [R | z] */
     auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* in order */
     uint32_t free;                       /* bit i: x_i is not held at a value */
