@@ -15,6 +15,7 @@
 #include "auvid_linalg.h"
 
 #define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: stored rows have 15 bits */
+#define RELEASED AUVID_C(2e-4) /* smallest that is freed again: not to be held at once */
 #define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
 #define ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
 
@@ -32,19 +33,12 @@ void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
 /* The columns' order: free ones first. Free at the start is what is not at a bound. */
 static void sort(auvid_bounded_ls_t *ls)
 {
-    int n = ls->n, f = 0, b = n;
-    for (int i = n - 1; i >= 0; --i) {
+    int f = 0, b = ls->n;
+    for (int i = 0; i < ls->n; ++i) {
         if (ls->changes == 0 && ls->x[i] > ls->lower[i] && ls->x[i] < ls->upper[i]) {
             ls->free |= 1u << i;
         }
-        if (!(ls->free >> i & 1u)) {
-            ls->order[--b] = (uint8_t)i;
-        }
-    }
-    for (int i = 0; i < n; ++i) {
-        if (ls->free >> i & 1u) {
-            ls->order[f++] = (uint8_t)i;
-        }
+        ls->order[(ls->free >> i & 1u) ? f++ : --b] = (uint8_t)i;
     }
     ls->fixed_from = (uint8_t)f;
     memset(ls->work, 0, sizeof ls->work);
@@ -65,110 +59,86 @@ static void rotate(auvid_bounded_ls_t *ls, int i)
     auvid_triangle_add(ls->work, n + 1, 0, row);
 }
 
-/* Entry of the work triangle's last column. */
-static auvid_real_t rest(const auvid_bounded_ls_t *ls, int i)
+/* The bound of the column in place k on the side of d. */
+static auvid_real_t bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
 {
-    return ls->work[auvid_triangle_row(ls->n + 1, i) + ls->n - i];
+    return (d > AUVID_C(0.0) ? ls->upper : ls->lower)[ls->order[k]];
 }
 
-/* Is the pivot, or what is left of column k, more than rounding? */
-static bool is_resolved(const auvid_bounded_ls_t *ls, int k, auvid_real_t pivot)
+/* The free columns' step d, which comes as a, as far as the first bound. If some are not resolved,
+ * these are held instead. */
+static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
 {
-    return pivot > RESOLVED * auvid_triangle_norm(ls->work, ls->n + 1, k);
-}
-
-/* Free columns that are not resolved stay where they are. @return there are some */
-static bool hold_unresolved(auvid_bounded_ls_t *ls)
-{
-    uint32_t before = ls->free;
-    for (int k = 0; k < ls->fixed_from; ++k) {
-        if (!is_resolved(ls, k, ls->work[auvid_triangle_row(ls->n + 1, k)])) {
-            ls->free &= ~(1u << ls->order[k]);
-        }
-    }
-    return ls->free != before;
-}
-
-/* The free columns' step, as far as the first bound. @return it gains more than `least` */
-static bool move(auvid_bounded_ls_t *ls, auvid_real_t least)
-{
-    auvid_real_t d[AUVID_MAX_PARAMETERS], gain = AUVID_C(0.0), part = AUVID_C(1.0);
-    int n = ls->n, f = ls->fixed_from;
+    int f = ls->fixed_from, stop = f;
+    int lost = auvid_triangle_solve(ls->work, ls->n + 1, f, RESOLVED, d);
+    auvid_real_t part = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
     for (int k = 0; k < f; ++k) {
-        d[k] = rest(ls, k);
-        gain += d[k] * d[k];
-    }
-    if (!(gain > least)) {
-        return false;
-    }
-    (void)auvid_triangle_solve(ls->work, n + 1, f, AUVID_C(0.0), d);
-    for (int k = 0; k < f; ++k) {
-        int i = ls->order[k];
-        auvid_real_t room = (d[k] > AUVID_C(0.0) ? ls->upper[i] : ls->lower[i]) - ls->x[i];
+        auvid_real_t room = bound(ls, k, d[k]) - ls->x[ls->order[k]];
         if (auvid_abs(room) < part * auvid_abs(d[k])) {
             part = room / d[k];
+            stop = k;
         }
     }
     for (int k = 0; k < f; ++k) {
         int i = ls->order[k];
-        auvid_real_t bound = d[k] > AUVID_C(0.0) ? ls->upper[i] : ls->lower[i];
-        auvid_real_t room = bound - ls->x[i];
-        ls->x[i] += part * d[k];
-        if (auvid_abs(room) <= part * auvid_abs(d[k])) {
-            ls->x[i] = bound;
-            ls->free &= ~(1u << i);
-        }
+        auvid_real_t x = k == stop ? bound(ls, k, d[k]) : ls->x[i] + part * d[k];
+        bool held = k == stop || !(auvid_abs(d[k]) > AUVID_C(0.0));
+        ls->x[i] = auvid_clamp(x, ls->lower[i], ls->upper[i]);
+        ls->free &= ~((uint32_t)held << i);
     }
-    return true;
 }
 
 /* Free the column that gains most by it. @return one gains more than `least` */
-static bool release(auvid_bounded_ls_t *ls, auvid_real_t least)
+static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t least)
 {
-    int best = -1;
+    uint32_t before = ls->free, best = 0;
     for (int k = ls->fixed_from; k < ls->n; ++k) {
         int i = ls->order[k];
         auvid_real_t slope = AUVID_C(0.0), square = AUVID_C(0.0);
         for (int row = ls->fixed_from; row <= k; ++row) {
             auvid_real_t r = ls->work[auvid_triangle_row(ls->n + 1, row) + k - row];
-            slope += r * rest(ls, row);
+            slope += r * c[row];
             square += r * r;
         }
-        bool room = slope > AUVID_C(0.0) ? ls->x[i] < ls->upper[i] : ls->x[i] > ls->lower[i];
-        auvid_real_t pivot = AUVID_C(0.5) * auvid_sqrt(square); /* not held again at once */
-        if (room && slope * slope > least * square && is_resolved(ls, k, pivot)) {
+        auvid_real_t pivot = RELEASED * auvid_triangle_norm(ls->work, ls->n + 1, k);
+        bool room = auvid_abs(bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
+        if (room && square > pivot * pivot && slope * slope > least * square) {
             least = slope * slope / square;
-            best = i;
+            best = 1u << i;
         }
     }
-    if (best >= 0) {
-        ls->free |= 1u << best;
-    }
-    return best >= 0;
+    ls->free |= best;
+    return ls->free != before;
 }
 
 auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t constant)
 {
+    int n = ls->n;
     if (ls->at == 0) {
         sort(ls);
     }
-    if (ls->at <= ls->n) {
+    if (ls->at <= n) {
         rotate(ls, ls->at++);
         return AUVID_PENDING;
     }
+    auvid_real_t c[AUVID_MAX_PARAMETERS + 1], gain = AUVID_C(0.0);
     ls->cost = AUVID_C(0.0);
-    for (int i = 0; i <= ls->n; ++i) {
-        ls->cost += rest(ls, i) * rest(ls, i);
+    for (int i = 0; i <= n; ++i) {
+        c[i] = ls->work[auvid_triangle_row(n + 1, i) + n - i];
+        ls->cost += c[i] * c[i];
+        gain = i < ls->fixed_from ? ls->cost : gain;
     }
     if (ls->changes == 0) {
-        auvid_real_t z = auvid_triangle_norm(ls->triangle, ls->n + 1, ls->n);
+        auvid_real_t z = auvid_triangle_norm(ls->triangle, n + 1, n);
         ls->start = ls->cost;
         ls->zero = z * z;
     }
     ls->at = 0;
     auvid_real_t least = GAIN * (ls->cost + constant) + ROUNDED * ls->zero;
-    if (!hold_unresolved(ls) && !move(ls, least) && !release(ls, least)) {
+    if (gain > least) {
+        move(ls, c);
+    } else if (!release(ls, c, least)) {
         return AUVID_OK;
     }
-    return ++ls->changes < 4 * (ls->n + 1) ? AUVID_PENDING : AUVID_CAPPED;
+    return ++ls->changes < 4 * (n + 1) ? AUVID_PENDING : AUVID_CAPPED;
 }

@@ -297,8 +297,7 @@ static const row_t optimizer[] = {
 static const row_t optimum[] = {
     REALS(auvid_bounded_ls_t, lower, work),
     SPAN(auvid_bounded_ls_t, uint32_t, free, free),
-    BYTE(auvid_bounded_ls_t, order, paid),
-    SPAN(auvid_bounded_ls_t, uint16_t, channel, channel),
+    BYTE(auvid_bounded_ls_t, order, row),
 };
 
 static const row_t job[] = {
@@ -307,7 +306,7 @@ static const row_t job[] = {
     REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
     REALS(auvid_confidence_job_t, score, rows),
     BYTE(auvid_confidence_job_t, place, index),
-    SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_upper),
+    SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_bound),
     BYTE(auvid_confidence_job_t, n, delayed),
 };
 

@@ -65,7 +65,7 @@ static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUV
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
-/* ---- OWN: a DoF's optimum and mean square residual, and its share of the slope ---- */
+/* ---- OWN: a DoF's optimum and mean square residual ---- */
 
 static void find_own(job_t *c, int j)
 {
@@ -87,12 +87,6 @@ static void find_own(job_t *c, int j)
         }
         excess += e * e;
         c->own[at + i] = m->z[at + i];
-        for (int k = i; k < count; ++k) {
-            int place = c->place[m->index[at + k]];
-            if (place != NOWHERE) {
-                c->slope[place] += m->weight[j] * e * r[k - i];
-            }
-        }
     }
     (void)auvid_triangle_solve(merged(c, j), n, count, AUVID_C(1e-4), c->own + at);
     delay_weights(c, j, false, l);
@@ -281,7 +275,7 @@ static void judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
     auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0), most = AUVID_C(0.0);
-    auvid_finding_t found = {.partner = NOWHERE, .beside = NOWHERE};
+    auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
     int partner = i;
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, c->index[i]);
@@ -293,11 +287,9 @@ static void judge(job_t *c, int i)
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
-        auvid_real_t moved = -x[k] * c->slope[k];
-        if ((c->at_bound >> c->index[k] & 1u) && auvid_abs(moved) > AUVID_C(0.0)) {
-            found.moved += moved;
-            found.beside = auvid_abs(moved) > most ? k : found.beside;
-            most = auvid_max(most, auvid_abs(moved));
+        if ((c->at_bound >> c->index[k] & 1u) && correlation > most) {
+            found.beside = c->index[k];
+            most = correlation;
         }
         delta -= x[k] * c->influence[k];
         partner = correlation > largest ? k : partner;
@@ -311,7 +303,7 @@ static void judge(job_t *c, int i)
     }
     found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
     found.bias = auvid_abs(delta);
-    found.partner = largest > CORRELATED ? partner : NOWHERE;
+    found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
     auvid_confidence_conclude(c, i, &found);
 }
 
@@ -455,12 +447,12 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
     }
     for (int k = 0; k < job->n; ++k) {
         int p = job->index[k];
-        auvid_real_t near = NEAR * (upper[p] - lower[p]);
-        bool at_upper = job->pi[p] > upper[p] - near;
-        if (at_upper || job->pi[p] < lower[p] + near) {
+        bool high = job->pi[p] - lower[p] > upper[p] - job->pi[p];
+        auvid_real_t bound = high ? upper[p] : lower[p];
+        if (auvid_abs(job->pi[p] - bound) < NEAR * (upper[p] - lower[p])) {
             job->at_bound |= 1u << p;
-            job->at_upper |= (uint32_t)at_upper << p;
-            job->result.bound[p] = at_upper ? upper[p] : lower[p];
+            job->result.partner[p] = high;
+            job->result.bound[p] = bound;
         }
     }
     job->capped = capped;

@@ -19,9 +19,9 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i);
 /** What is found out about a parameter. */
 typedef struct {
     auvid_real_t sigma, bias; /**< bias >= 0 */
-    auvid_real_t moved;       /**< where those at their bounds are released, it moves so far */
-    int partner;              /**< column of the parameter with which it is correlated, or NOWHERE */
-    int beside;               /**< column of the one at its bound that moves it most, or NOWHERE */
+    auvid_real_t moved;       /**< so far is it from where it would be without bounds */
+    uint8_t partner;          /**< the parameter with which it is correlated, or NOWHERE */
+    uint8_t beside;           /**< of those at their bounds the most correlated one, or NOWHERE */
 } auvid_finding_t;
 
 /** Verdict on the parameter of the joint triangle's column i. */

@@ -190,8 +190,7 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     to->note[p] = AUVID_NOTE_UNCERTAIN;
     if (limit != AUVID_NOTE_NONE) {
         to->note[p] = (uint8_t)limit;
-        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? c->index[found->beside]
-                                                          : (uint8_t)(c->at_upper >> p & 1u);
+        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
     } else if (half <= allowed) {
         bool plausible = is_plausible(c, p);
         to->identifiable |= 1u << p;
@@ -201,7 +200,7 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         to->note[p] = AUVID_NOTE_SMALL;
     } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
-        to->partner[p] = c->index[found->partner];
+        to->partner[p] = found->partner;
     } else if (HALF_WIDTH * sigma <= allowed) {
         to->note[p] = AUVID_NOTE_NOISE;
     }

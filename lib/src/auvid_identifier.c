@@ -52,6 +52,11 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
                 return AUVID_ERR_NOT_FINITE;
             }
+            bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) &&
+                cfg->search.upper[i] <= cfg->dry_mass_kg) {
+                return AUVID_ERR_DRY_MASS;
+            }
             search.lower[n] = cfg->search.lower[i];
             search.upper[n++] = cfg->search.upper[i];
         }
@@ -68,21 +73,6 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
     return auvid_crs_check(&search);
 }
 
-/* Could a free mass be above the dry mass, and within its bounds? */
-static auvid_status_t check_dry_mass(const auvid_identifier_config_t *cfg)
-{
-    const auvid_vehicle_t *vehicle = cfg->vehicle;
-    auvid_real_t dry_kg = cfg->dry_mass_kg;
-    uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
-    for (int i = 0; i < vehicle->parameters && dry_kg > AUVID_C(0.0); ++i) {
-        bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS && (free >> i & 1u) != 0;
-        if (mass && !(cfg->search.upper[i] > dry_kg)) {
-            return AUVID_ERR_DRY_MASS;
-        }
-    }
-    return dry_kg >= AUVID_C(0.0) ? AUVID_OK : AUVID_ERR_RANGE;
-}
-
 static auvid_status_t check(const auvid_identifier_config_t *cfg)
 {
     auvid_status_t status = auvid_selftest();
@@ -92,13 +82,11 @@ static auvid_status_t check(const auvid_identifier_config_t *cfg)
     if (status >= 0) {
         status = check_search(cfg);
     }
-    if (status >= 0) {
-        status = check_dry_mass(cfg);
-    }
     /* in every tick there is the filter's velocity only, and that is over ground */
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
-    return status >= 0 && !velocity ? AUVID_ERR_RANGE : status;
+    bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
+    return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
 static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)

@@ -29,7 +29,7 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id)
     }
 }
 
-/* Each row, and each step, costs what the rotation of n + 1 numbers does. */
+/* Each row, and each step, costs n (n + 24) / 40 units. */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_bounded_ls_t *ls = &id->optimum;
@@ -38,13 +38,17 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     auvid_status_t status = AUVID_PENDING;
     while (status == AUVID_PENDING && *budget > 0) {
         --*budget;
-        if (++ls->paid * 60 < ls->n * (ls->n + 24)) {
+        if (++ls->paid * 40 < ls->n * (ls->n + 24)) {
             continue;
         }
         ls->paid = 0;
-        if (ls->channel == m->channel_at[AUVID_DOF_COUNT]) {
+        if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->constant);
-        } else if (auvid_metric_joint_row(m, ls->channel++, id->active, id->candidate, row)) {
+        } else if (ls->row == m->count[ls->dof] || !(m->driven >> ls->dof & 1)) {
+            ++ls->dof;
+            ls->row = 0;
+        } else {
+            auvid_metric_joint_row(m, ls->dof, ls->row++, id->active, id->candidate, row);
             auvid_bounded_ls_add(ls, row);
         }
     }

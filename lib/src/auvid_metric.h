@@ -141,11 +141,9 @@ static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
     return paid;
 }
 
-/** A channel's row of the regressor path's cost, which is ||R pi - z||^2 over all of them: columns of
- * the parameters in `active`, then z, less what pi holds for the others.
- * @param channel 0 .. channel_at[AUVID_DOF_COUNT] - 1
- * @return it has one: it is a parameter's, of a driven DoF. row[] is written then */
-bool auvid_metric_joint_row(const auvid_metric_t *m, int channel, uint32_t active,
+/** Row i < count[j] of DoF j in the regressor path's cost, which is ||R pi - z||^2 over all rows of
+ * driven DoF: columns of the n parameters of `active`, then z, less what pi holds for the others. */
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
 
 /** Begin a walk. */

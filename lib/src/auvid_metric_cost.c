@@ -266,34 +266,27 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
     }
 }
 
-bool auvid_metric_joint_row(const auvid_metric_t *m, int channel, uint32_t active,
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row)
 {
     int8_t column[AUVID_MAX_PARAMETERS], n = 0;
-    int j = 0;
-    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        column[i] = (active >> i & 1u) ? n++ : -1;
+    for (int p = 0; p < m->cfg.vehicle->parameters; ++p) {
+        row[p] = AUVID_C(0.0);
+        column[p] = (active >> p & 1u) ? n++ : -1;
     }
-    while (channel >= m->channel_at[j + 1]) {
-        ++j;
-    }
-    int order = auvid_metric_order(m, j), at = m->channel_at[j], i = channel - at;
-    if (i >= m->count[j] || !(m->driven >> j & 1)) {
-        return false;
-    }
-    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
+    const auvid_real_t *r =
+        m->merged + m->factor_at[j] + auvid_triangle_row(auvid_metric_order(m, j), i);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    memset(row, 0, (size_t)n * sizeof *row);
-    row[n] = scale * m->z[channel];
-    for (int k = i; k < m->count[j]; ++k) {
+    int at = m->channel_at[j];
+    row[n] = scale * m->z[at + i];
+    for (int k = i; k < m->count[j]; ++k, ++r) {
         int p = m->index[at + k];
         if (column[p] >= 0) {
-            row[column[p]] = scale * r[k - i];
+            row[column[p]] = scale * *r;
         } else {
-            row[n] -= scale * r[k - i] * pi[p];
+            row[n] -= scale * *r * pi[p];
         }
     }
-    return true;
 }
 
 auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
@@ -314,8 +307,9 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         place[i] = (active >> i & 1u) ? n++ : -1;
     }
-    for (int channel = 0; channel < m->channel_at[AUVID_DOF_COUNT]; ++channel) {
-        if (auvid_metric_joint_row(m, channel, active, pi, x)) {
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int i = 0; i < m->count[j] && (m->driven >> j & 1); ++i) {
+            auvid_metric_joint_row(m, j, i, active, pi, x);
             auvid_triangle_add(joint, n + 1, 0, x);
         }
     }

@@ -89,7 +89,6 @@ typedef struct {
     const auvid_metric_t *metric; /* during a call only */
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
-    auvid_real_t slope[AUVID_MAX_PARAMETERS]; /* of half the cost at the estimate */
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
     auvid_real_t own[AUVID_MAX_COLUMNS];   /* each DoF's own optimum, then minus the weights of its
                                                delay */
@@ -108,7 +107,7 @@ typedef struct {
     auvid_real_t rows[AUVID_DOF_COUNT];
     uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
     uint8_t index[AUVID_MAX_PARAMETERS]; /* and back */
-    uint32_t at_bound, at_upper; /* bit i: parameter i is near a bound; near the upper one */
+    uint32_t at_bound; /* bit i: parameter i is near a bound */
     uint8_t n, paid, phase, at_set, at_dof, at_row;
     bool capped;  /* the search has not converged */
     bool delayed; /* some delay was estimated: what it costs is being found */

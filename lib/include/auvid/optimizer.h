@@ -148,7 +148,7 @@ typedef struct {
     uint32_t free;                       /* bit i: x_i is not held at a value */
     uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
     uint8_t n, fixed_from, at, changes, paid;
-    uint16_t channel; /* of the metric: rows taken so far */
+    uint8_t dof, row; /* of the metric: taken so far */
 } auvid_bounded_ls_t;
 
 #ifdef __cplusplus
