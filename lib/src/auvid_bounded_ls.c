@@ -14,7 +14,7 @@
 
 #include "auvid_linalg.h"
 
-#define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: stored rows have 15 bits */
+#define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: rows have 15 bits */
 #define RELEASED AUVID_C(2e-4) /* smallest that is freed again: not to be held at once */
 #define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
 #define ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */

@@ -29,8 +29,8 @@ void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row);
 /** One step towards the optimum. ls->x comes as the start, within the bounds, and goes as the best
  * point; ls->start and ls->cost become the costs of the two, ls->zero that of x = 0; bit i of
  * ls->free: x_i is neither at a bound nor unresolved.
- * @param constant cost beside this, >= 0: changes that gain less than 1e-7 of the whole, or rounding
- * only, are not made
+ * @param constant cost beside this, >= 0: changes that gain less than 1e-7 of the whole, or
+ * rounding only, are not made
  * @return AUVID_OK (the optimum); AUVID_PENDING; AUVID_CAPPED (too many changes: a good point). */
 auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t constant);
 

@@ -8,8 +8,8 @@
 #include "auvid_math.h"
 #include "auvid_metric.h"
 
-/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that is
- * next to nothing: relative to the cost of parameters that are all zero. */
+/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that
+ * is next to nothing: relative to the cost of parameters that are all zero. */
 #define EXCESS AUVID_C(1e-3)
 #define EXCESS_OF_ALL AUVID_C(1e-8)
 

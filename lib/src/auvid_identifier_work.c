@@ -170,8 +170,8 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id)
     id->phase = AUVID_WORK_MERGE;
 }
 
-/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what they
- * say. */
+/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
+ * they say. */
 static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_metric_t *m = &id->metric;

@@ -269,7 +269,7 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row)
 {
-    int8_t column[AUVID_MAX_PARAMETERS], n = 0;
+    int8_t column[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     for (int p = 0; p < m->cfg.vehicle->parameters; ++p) {
         row[p] = AUVID_C(0.0);
         column[p] = (active >> p & 1u) ? n++ : -1;

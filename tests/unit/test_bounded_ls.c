@@ -1,6 +1,6 @@
 /*
- * Least squares within bounds (private header): what the rows do not determine keeps its value, what
- * is at a bound leaves it only for a lower cost. Optima are compared with Eigen's in
+ * Least squares within bounds (private header): what the rows do not determine keeps its value,
+ * what is at a bound leaves it only for a lower cost. Optima are compared with Eigen's in
  * tests/reference/test_bounded_ls.cpp.
  */
 #include <math.h>

@@ -641,7 +641,8 @@ static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void
 
 static void test_numbers_in_words_are_those_of_printf(void)
 {
-    static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999, 1000, 65536.125, 999999};
+    static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999,
+                                     1000, 65536.125, 999999};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
         char words[100];
         memset(&notes, 0, sizeof notes);

@@ -270,8 +270,8 @@ static int assert_far_results_are_named(int seeds, const char *name)
             TEST_ASSERT_EQUAL_INT(0, r->flags);
         }
     }
-    printf("%s: %d seeds, %d far from the optimum, %d of them by the search's own criterion\n", name,
-           seeds, far, by_itself);
+    printf("%s: %d seeds, %d far from the optimum, %d of them by the search's own criterion\n",
+           name, seeds, far, by_itself);
     TEST_ASSERT_TRUE(far > 0 || in_double);
     return by_itself;
 }

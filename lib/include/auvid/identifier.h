@@ -208,11 +208,11 @@ typedef struct {
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
-    bool capped; /**< the search has not converged: a cap ended the local phase, no point had a finite
-                      cost, or, for a model with regressor, the cost exceeds the least one within
-                      the bounds by more than a thousandth of that (with the part that no
-                      parameters explain). Nothing is identifiable then. Without regressor the least
-                      cost is not known: a search may end above it unnoticed */
+    bool capped; /**< the search has not converged: a cap ended the local phase, no point had a
+                      finite cost, or, for a model with regressor, the cost exceeds the least one
+                      within the bounds by more than a thousandth of that (with the part that no
+                      parameters explain). Nothing is identifiable then. Without regressor the
+                      least cost is not known: a search may end above it unnoticed */
     bool accepted; /**< it has predicted a set that it had not seen, about as well as the estimate
                         accepted before, or better */
     auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
@@ -343,8 +343,8 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
  * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
  * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass
- * below zero); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass: none could be plausible);
- * and the errors of the modules' init. On error every other function refuses *id with
+ * below zero); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
+ * plausible); and the errors of the modules' init. On error every other function refuses *id with
  * AUVID_ERR_STATE; so it does one that is all zeros.
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
