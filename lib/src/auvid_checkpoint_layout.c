@@ -212,7 +212,7 @@ static const row_t guard[] = {
 };
 
 static const row_t confidence[] = {
-    REALS(auvid_confidence_t, sigma, sigma),
+    REALS(auvid_confidence_t, sigma, bound),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
     BYTE(auvid_confidence_t, note, sets),
     REALS(auvid_confidence_t, noise, residual),
@@ -294,12 +294,20 @@ static const row_t optimizer[] = {
     BYTE(auvid_optimizer_t, phase, phase),
 };
 
+static const row_t optimum[] = {
+    REALS(auvid_bounded_ls_t, lower, work),
+    SPAN(auvid_bounded_ls_t, uint32_t, free, free),
+    BYTE(auvid_bounded_ls_t, order, row),
+};
+
 static const row_t job[] = {
     STRUCT(auvid_confidence_job_t, result, TABLE_CONFIDENCE),
     REALS(auvid_confidence_job_t, dry_mass_kg, joint),
     REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
     REALS(auvid_confidence_job_t, score, rows),
-    BYTE(auvid_confidence_job_t, place, delayed),
+    BYTE(auvid_confidence_job_t, place, index),
+    SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_bound),
+    BYTE(auvid_confidence_job_t, n, delayed),
 };
 
 static const row_t seen[] = {
@@ -337,6 +345,7 @@ static const row_t identifier[] = {
     REALS(auvid_identifier_t, cost, cost),
     BYTE(auvid_identifier_t, paid, anew),
     STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
+    STRUCT_OF(auvid_identifier_t, optimum, TABLE_OPTIMUM, PART_OPTIMUM),
     STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
 };
 
@@ -375,6 +384,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_LINE_CONFIG] = TABLE(line_config),
     [TABLE_LINE_SEARCH] = TABLE(line_search),
     [TABLE_OPTIMIZER] = TABLE(optimizer),
+    [TABLE_OPTIMUM] = TABLE(optimum),
     [TABLE_JOB] = TABLE(job),
     [TABLE_SEEN] = TABLE(seen),
     [TABLE_IDENTIFIER] = TABLE(identifier),

@@ -52,6 +52,11 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
                 return AUVID_ERR_NOT_FINITE;
             }
+            bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) &&
+                cfg->search.upper[i] <= cfg->dry_mass_kg) {
+                return AUVID_ERR_DRY_MASS;
+            }
             search.lower[n] = cfg->search.lower[i];
             search.upper[n++] = cfg->search.upper[i];
         }
@@ -80,7 +85,8 @@ static auvid_status_t check(const auvid_identifier_config_t *cfg)
     /* in every tick there is the filter's velocity only, and that is over ground */
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
-    return status >= 0 && !velocity ? AUVID_ERR_RANGE : status;
+    bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
+    return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
 static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)

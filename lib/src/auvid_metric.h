@@ -141,6 +141,12 @@ static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
     return paid;
 }
 
+/** Row i < count[j] of DoF j in the regressor path's cost, which is ||R pi - z||^2 over all rows
+ * of driven DoF: columns of the n parameters of `active`, then z, less what pi holds for the
+ * others. row[] has n + 1 places, and as many as the model has parameters. */
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row);
+
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 

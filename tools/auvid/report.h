@@ -18,7 +18,6 @@ typedef struct {
     const auvid_vehicle_t *vehicle;
     uint32_t free;       /**< bit i: parameter i was to be identified */
     uint32_t work_most;  /**< units in any call of work */
-    double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
@@ -66,7 +65,7 @@ typedef struct {
     const campaign_t *campaign; /**< null: one run */
 } beside_t;
 
-/** "ok", "capped" (ended by a cap, not by its own criterion) or "not_driven" (no estimate). */
+/** "ok", "capped" (not converged) or "not_driven" (no estimate). */
 const char *report_status(const result_t *result);
 
 /** Exit status that goes with it: 0 or 1. */
