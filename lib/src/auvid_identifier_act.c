@@ -37,7 +37,7 @@ static void look(const auvid_identifier_t *id, bool saturated, auvid_guard_input
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = state.attitude[0];
+    in->roll = id->nav.attitude[0]; /* not unwrapped: a whole turn is level, too */
     in->pitch = state.attitude[1];
 }
 

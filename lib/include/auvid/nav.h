@@ -37,7 +37,10 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test holds it. */
-#define AUVID_NAV_BYTES 712
+#define AUVID_NAV_BYTES 952
+
+/** Past ticks whose rates are kept for late DVL samples, a power of two. */
+#define AUVID_NAV_PAST 8
 
 /** The sensors that correct the filter; index into auvid_nav_t.diagnostics. */
 typedef enum {
@@ -98,8 +101,8 @@ typedef struct {
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used where the filter's depth is at most this [m];
         default 0.5; |.| <= 1e5 */
-    uint32_t dvl_max_age_us;   /**< oldest DVL sample taken [us]; default 500000; <= 2e6, 0: none
-        older than the last tick */
+    uint32_t dvl_max_age_us;   /**< oldest DVL sample taken [us], and furthest ahead of the last
+        tick that one is held; default 500000; <= 2e6, 0: none older, none held */
     uint32_t depth_max_age_us; /**< the same for depth */
     uint32_t gps_max_age_us;   /**< the same for GPS */
     uint32_t future_us;        /**< how far a sample may be ahead of the last tick (it is then used
@@ -115,12 +118,12 @@ typedef struct {
 } auvid_nav_config_t;
 
 /** What became of one sensor's samples. Written by the filter, read by anyone. Each call that gets
- * past AUVID_ERR_NULL and AUVID_ERR_STATE raises exactly one of the first six counters; the 16-bit
- * ones stop at their largest value. */
+ * past AUVID_ERR_NULL and AUVID_ERR_STATE raises exactly one of the first six counters, for a
+ * sample that is held not before it is used; the 16-bit ones stop at their largest value. */
 typedef struct {
     uint64_t seen_us;    /**< time of the last sample that met the gate, passed or not [us] */
     uint64_t good_us;    /**< time of the last one that passed [us] */
-    uint32_t accepted;   /**< AUVID_OK and AUVID_PENDING */
+    uint32_t accepted;   /**< AUVID_OK and AUVID_PENDING (of a fix kept for the median) */
     uint16_t unused;     /**< AUVID_UNUSED */
     uint16_t gated;      /**< AUVID_GATED */
     uint16_t stale;      /**< AUVID_ERR_STALE, AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK */
@@ -144,6 +147,19 @@ typedef struct {
     uint32_t sequence;        /**< 0: none yet; raised by one with each new knot */
 } auvid_nav_knot_t;
 
+/** Rates of a past tick. Private. */
+typedef struct {
+    uint32_t t_us;         /* its time, lower half */
+    auvid_real_t rates[3]; /* p q r */
+} auvid_nav_past_t;
+
+/** A sample ahead of the filter. Private. */
+typedef struct {
+    uint64_t t_us;
+    auvid_real_t value[3]; /* as given: velocity; or depth; or x and y */
+    uint8_t valid;         /* of a DVL's */
+} auvid_nav_held_t;
+
 /** Bits of auvid_nav_state_t.flags. */
 enum {
     AUVID_NAV_FRESH_BOTTOM = 1 << AUVID_NAV_DVL_BOTTOM, /**< passed within stale_us */
@@ -161,7 +177,8 @@ enum {
 typedef struct {
     uint64_t t_us;            /**< time of the last tick [us] */
     auvid_real_t position[3]; /**< x y z, NED [m] */
-    auvid_real_t attitude[3]; /**< phi theta psi as measured [rad]; psi unwrapped (continuous) */
+    auvid_real_t attitude[3]; /**< phi theta psi as measured [rad]; phi and psi unwrapped
+                                   (continuous) */
     auvid_real_t velocity[3]; /**< u v w, body frame [m/s] */
     auvid_real_t rates[3];    /**< p q r as measured [rad/s] */
     uint32_t flags;           /**< AUVID_NAV_... */
@@ -176,7 +193,12 @@ typedef struct {
     uint16_t imu_time;    /**< auvid_nav_imu refused: time back or the same */
     uint16_t imu_invalid; /**< auvid_nav_imu refused: not finite or out of range */
     uint16_t imu_gaps;    /**< ticks longer than gap_us */
+    uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
+                               sensor i, and it was refused (AUVID_GATED or < 0) */
 
+    uint8_t holding;             /* bit i: held[i] is a sample */
+    uint8_t past_count;          /* rates kept */
+    uint8_t past_newest;         /* index of the newest of them */
     uint16_t lockout;            /* from the configuration */
     uint8_t gps_start;           /* from the configuration; 0 once the position has started */
     uint8_t gps_count;           /* fixes collected so far */
@@ -191,9 +213,10 @@ typedef struct {
     auvid_real_t pv[3][3];       /* of position (row) and velocity (column) */
     auvid_real_t vv[6];          /* of velocity: uu uv uw vv vw ww */
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
-    auvid_real_t attitude[3];    /* as measured, psi not unwrapped */
+    auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
     int32_t turns;               /* whole turns to add to psi */
+    int32_t roll_turns;          /* and to phi */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
@@ -209,6 +232,8 @@ typedef struct {
     uint32_t stale_us;
     uint32_t gap_us;
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
+    auvid_nav_past_t past[AUVID_NAV_PAST];               /* a ring */
+    auvid_nav_held_t held[AUVID_NAV_SENSOR_COUNT];       /* by auvid_nav_sensor_t */
 } auvid_nav_t;
 
 /** Fill *config with the defaults named at its fields. Null: nothing is done. */
@@ -227,7 +252,9 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
  * change the tuning.
  * @param t_us time of the IMU sample [us], later than the call before. A step is predicted in full
  *        however long it is (beyond 2147 s as 2147 s).
- * @param attitude phi theta psi, ZYX Euler [rad], |.| <= 1e4; psi wrapped anywhere, or continuous.
+ *        Samples held for this time enter after the prediction, see below.
+ * @param attitude phi theta psi, ZYX Euler [rad], |.| <= 1e4; phi and psi wrapped anywhere, or
+ *        continuous.
  * @param rates p q r, body frame [rad/s], |.| <= 100.
  * @return AUVID_OK; AUVID_GAP: done, and the step was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE: not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
@@ -247,21 +274,37 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * of the filter by up to future_us is used as if it were of the last tick. Samples of one sensor
  * must come in order.
  *
+ * IMU later than the sensor: a sample further ahead than future_us, but by no more than max_age, is
+ * held until auvid_nav_imu() reaches its time: AUVID_PENDING. It enters then as any late sample
+ * does, and is counted then; held_refused says if it was refused. One sample of each sensor is
+ * held. The first one stays, because a newer one in its place would never be reached where samples
+ * come more often than the IMU is late: while one is held, others ahead of the filter are
+ * AUVID_UNUSED, which counts the loss.
+ *
  * Gate: a sample is refused as a whole when |nu| > sqrt(gate S) for any of its scalars; for a
  * velocity, sqrt(gate S) + agility dt, dt since that sensor's last sample that passed. The filter
  * knows no thrust: to it a manoeuvre looks like an outlier. After `lockout`
  * refusals in a row the last one enters all the same: what its scalars outside the gate measure is
  * set to their values with variance R (for a late velocity with the noise since), correlations 0.
  *
- * Common statuses: AUVID_OK: entered; AUVID_GATED: outside the gate, not used; AUVID_ERR_NULL;
- * AUVID_ERR_STATE: not initialised, or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE; AUVID_ERR_STALE: older than max_age, or further ahead than future_us;
+ * Common statuses: AUVID_OK: entered; AUVID_PENDING: held; AUVID_UNUSED: ahead, and another one is
+ * held; AUVID_GATED: outside the gate, not used; AUVID_ERR_NULL; AUVID_ERR_STATE: not initialised,
+ * or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE; AUVID_ERR_STALE: older than
+ * max_age, or further ahead than both max_age and future_us;
  * AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK: not newer than this sensor's sample before. Whenever a
  * sample does not enter, nothing has changed but the sensor's diagnostics (and nothing at all for
  * AUVID_ERR_NULL and AUVID_ERR_STATE). */
 
-/** Correct with a DVL sample: turned into the body frame, omega x lever removed with the present
- * rates, any subset of its axes.
+/** Correct with a DVL sample: turned into the body frame, omega x lever removed with the rates at
+ * the sample's time, any subset of its axes.
+ *
+ * The rates of a late sample run straight between those kept: the last tick's, and AUVID_NAV_PAST
+ * of ticks before, at least dvl_max_age_us / (AUVID_NAV_PAST - 1) apart (72 ms by default), so that
+ * they reach back to dvl_max_age_us. For a sample from before the oldest (soon after the start, or
+ * after a tick longer than 2 s) the oldest ones count. The velocity is one along the body's axes of
+ * the sample's time, and so is the filter's: to it a velocity stays constant along body axes that
+ * turn (Eq. 5), and no sample is turned on to the present attitude. A knot is thus along the axes
+ * of its own time.
  *
  * Bottom lock enters the filter and sets the knot `ground`. Water lock sets the knot `water` (when
  * all axes are valid) and stays out of the filter while bottom lock is fresh: AUVID_UNUSED. When no
