@@ -338,12 +338,8 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    auvid_status_t status = auvid_recorder_motion(&id->recorder, t_us, attitude, nu);
     if (status == AUVID_OK) {
-        status = auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
-    }
-    if (status == AUVID_OK) {
-        status = auvid_recorder_velocity(&id->recorder, t_us, nu);
         take_cells(id, AUVID_RECORDER_CELLS);
     }
     return status;

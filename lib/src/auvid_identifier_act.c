@@ -179,7 +179,11 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
         return AUVID_ERR_STATE;
     }
     look(id, false, &seen);
-    return auvid_guard_arm(&id->guard, id->t_us, &seen);
+    auvid_status_t status = auvid_guard_arm(&id->guard, id->t_us, &seen);
+    if (status == AUVID_OK) { /* the time of arming has been stepped: again, it stands still */
+        id->guard.stepped = id->started;
+    }
+    return status;
 }
 
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)

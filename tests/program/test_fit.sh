@@ -68,6 +68,14 @@ printf '\n\n' >>windows.csv
 check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
 change 'for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 3) % (2 * math.pi)' <train.csv >wrapped.csv
 check "yaw may be wrapped" same wrapped.csv
+# A vehicle that hangs upside down, its roll about 180 degrees.
+upside='for y in r: y[C["phi_rad"]] += math.pi'
+change "$upside" <train.csv >upside.csv
+change "$upside; y[C['phi_rad']] -= 2 * math.pi * (y[C['phi_rad']] > math.pi)" <train.csv >rolls.csv
+exits 0 fit upside.csv --json --coupling off --fix W-B=0
+mv out upside.json
+exits 0 fit rolls.csv --json --coupling off --fix W-B=0
+check "roll may be wrapped" cmp out upside.json
 python3 -c '
 import csv, sys
 rows = list(csv.reader(open("train.csv")))
