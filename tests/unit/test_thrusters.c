@@ -453,7 +453,7 @@ static void test_work_pays_for_every_slot_that_a_row_looks_at(void)
     TEST_ASSERT_TRUE(slots >= 6000); /* three times the lag */
     begin_dearest();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
-    for (int tick = 1; tick < 1300; ++tick) {
+    for (int tick = 1; tick < 1300 && id.metric.sets_recorded == 0; ++tick) {
         uint64_t t_us = (uint64_t)tick * 10000;
         auvid_real_t x = (auvid_real_t)sin(0.02 * tick), still[AUVID_DOF_COUNT] = {0};
         const auvid_real_t nu[AUVID_DOF_COUNT] = {x}, wrench[AUVID_DOF_COUNT] = {100 * x};
