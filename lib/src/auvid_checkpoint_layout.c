@@ -62,35 +62,20 @@ static const row_t diagnostics[] = {
     REALS(auvid_nav_diagnostics_t, innovation, nis),
 };
 
-static const row_t past[] = {
-    SPAN(auvid_nav_past_t, uint32_t, t_us, t_us),
-    REALS(auvid_nav_past_t, rates, rates),
-};
-
-static const row_t held[] = {
-    SPAN(auvid_nav_held_t, uint64_t, t_us, t_us),
-    REALS(auvid_nav_held_t, value, value),
-    BYTE(auvid_nav_held_t, valid, valid),
-};
-
 static const row_t nav[] = {
     STRUCT(auvid_nav_t, ground, TABLE_KNOT),
     STRUCT(auvid_nav_t, water, TABLE_KNOT),
     STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
-    SPAN(auvid_nav_t, uint16_t, imu_time, imu_gaps),
-    BYTE(auvid_nav_t, held_refused, past_newest),
-    SPAN(auvid_nav_t, uint16_t, lockout, lockout),
+    SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
     BYTE(auvid_nav_t, gps_start, gps_count),
     SPAN(auvid_nav_t, uint16_t, flags, flags),
-    BYTE(auvid_nav_t, ready, ready),
-    SPAN(auvid_nav_t, uint64_t, t_us, touched_us),
+    BYTE(auvid_nav_t, ready, past_next),
+    SPAN(auvid_nav_t, uint64_t, held_us, touched_us),
     REALS(auvid_nav_t, position, rates),
-    SPAN(auvid_nav_t, int32_t, turns, roll_turns),
+    SPAN(auvid_nav_t, int32_t, turns, turns),
     REALS(auvid_nav_t, q, lever),
-    SPAN(auvid_nav_t, uint32_t, max_age_us, gap_us),
-    REALS(auvid_nav_t, gps_offset, gps_offset),
-    STRUCTS(auvid_nav_t, past, TABLE_PAST),
-    STRUCTS(auvid_nav_t, held, TABLE_HELD),
+    SPAN(auvid_nav_t, uint32_t, max_age_us, past_us),
+    REALS(auvid_nav_t, past_rates, gps_offset),
 };
 
 static const row_t stream[] = {
@@ -367,8 +352,6 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SEARCH] = TABLE(search),
     [TABLE_KNOT] = TABLE(knot),
     [TABLE_DIAGNOSTICS] = TABLE(diagnostics),
-    [TABLE_PAST] = TABLE(past),
-    [TABLE_HELD] = TABLE(held),
     [TABLE_NAV] = TABLE(nav),
     [TABLE_STREAM] = TABLE(stream),
     [TABLE_RECORDER] = TABLE(recorder),

@@ -8,7 +8,6 @@
 
 #include "auvid/selftest.h"
 #include "auvid_math.h"
-#include "auvid_nav_private.h"
 
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
 {
@@ -183,80 +182,47 @@ static void record_velocity(auvid_identifier_t *id)
     }
 }
 
-/* Is a sample of the future? The filter, which follows the IMU's time, would hold it, and one
- * IMU sample far ahead would shut out all others. */
-static bool is_ahead(const auvid_identifier_t *id, uint64_t t_us)
-{
-    return t_us > id->t_us && t_us - id->t_us > id->nav.future_us;
-}
-
-/* The same for a sensor that the filter counts for. */
-static bool is_refused(auvid_identifier_t *id, auvid_nav_sensor_t sensor, uint64_t t_us)
-{
-    bool ahead = is_ahead(id, t_us);
-    if (ahead) {
-        nav_count(&id->nav.diagnostics[sensor].stale);
-    }
-    return ahead;
-}
-
-/* What the filter refuses becomes an event. */
 static void note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
 {
     id->events |= status < 0 || status == AUVID_GATED ? event : 0u;
 }
 
-static void take_imu(auvid_identifier_t *id, const auvid_input_t *in)
+/* What became of samples that were held for the IMU. */
+static void note_held(auvid_identifier_t *id)
 {
-    if (is_ahead(id, in->imu.t_us) ||
-        auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
-        id->events |= AUVID_EVENT_IMU_DROPPED;
-        return;
-    }
-    static const uint32_t event[AUVID_NAV_SENSOR_COUNT] = {
-        [AUVID_NAV_DVL_BOTTOM] = AUVID_EVENT_DVL_DROPPED,
-        [AUVID_NAV_DVL_WATER] = AUVID_EVENT_DVL_DROPPED,
-        [AUVID_NAV_DEPTH] = AUVID_EVENT_DEPTH_DROPPED,
-        [AUVID_NAV_GPS] = AUVID_EVENT_GPS_DROPPED};
-    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        id->events |= (id->nav.held_refused >> i & 1) != 0 ? event[i] : 0u;
-    }
-    record_velocity(id); /* of a sample that was held: another one may follow in this step */
+    unsigned refused = id->nav.held_refused;
+    id->events |=
+        (refused & (AUVID_NAV_FRESH_BOTTOM | AUVID_NAV_FRESH_WATER)) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
+    id->events |= (refused & AUVID_NAV_FRESH_DEPTH) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
+    id->events |= (refused & AUVID_NAV_FRESH_GPS) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
+    record_velocity(id); /* another one may follow in this step */
 }
 
-static void take_dvl(auvid_identifier_t *id, const auvid_dvl_sample_t *sample)
-{
-    auvid_nav_sensor_t sensor =
-        sample->lock == AUVID_DVL_WATER ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM;
-    note(id,
-         is_refused(id, sensor, sample->t_us) ? AUVID_ERR_STALE : auvid_nav_dvl(&id->nav, sample),
-         AUVID_EVENT_DVL_DROPPED);
-}
-
-/* Sensors into the filter. */
+/* Sensors into the filter; what it refuses becomes an event. */
 static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
+    id->nav.until_us = in->t_us + id->nav.future_us;
     if (in->imu.present) {
-        take_imu(id, in);
+        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
+        if (in->imu.t_us > id->nav.until_us ||
+            auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
+            id->events |= AUVID_EVENT_IMU_DROPPED;
+        } else {
+            note_held(id);
+        }
     }
     if (in->dvl.present) {
-        take_dvl(id, &in->dvl.sample);
+        note(id, auvid_nav_dvl(&id->nav, &in->dvl.sample), AUVID_EVENT_DVL_DROPPED);
     }
     if (in->dvl_water.present) {
-        take_dvl(id, &in->dvl_water.sample);
+        note(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample), AUVID_EVENT_DVL_DROPPED);
     }
     if (in->depth.present) {
-        note(id,
-             is_refused(id, AUVID_NAV_DEPTH, in->depth.t_us)
-                 ? AUVID_ERR_STALE
-                 : auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
+        note(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
              AUVID_EVENT_DEPTH_DROPPED);
     }
     if (in->gps.present) {
-        note(id,
-             is_refused(id, AUVID_NAV_GPS, in->gps.t_us)
-                 ? AUVID_ERR_STALE
-                 : auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
+        note(id, auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
              AUVID_EVENT_GPS_DROPPED);
     }
 }

@@ -226,8 +226,10 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     uint64_t dt_us = t_us - nav->t_us;
     nav->t_us = t_us;
     auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
-    auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
-    memcpy(nav->attitude, attitude, sizeof nav->attitude);
+    for (int i = 0; i < 3; ++i) {
+        nav->turns[i] += running ? jumped_turns(nav->attitude[i], attitude[i]) : 0;
+        nav->attitude[i] = attitude[i];
+    }
     memcpy(nav->rates, rates, sizeof nav->rates);
     auvid_nav_keep_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
@@ -237,8 +239,6 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         nav->touched_us = t_us;
         return AUVID_OK;
     }
-    nav->roll_turns += jumped_turns(phi, attitude[0]);
-    nav->turns += jumped_turns(psi, attitude[2]);
     predict(nav, auvid_seconds(0, dt_us));
     if (nav->holding != 0) {
         auvid_nav_release(nav);
@@ -262,12 +262,11 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     state->t_us = nav->t_us;
     for (int i = 0; i < 3; ++i) {
         state->position[i] = nav->position[i] + nav->residue[i];
-        state->attitude[i] = nav->attitude[i];
+        state->attitude[i] =
+            nav->attitude[i] + (auvid_real_t)nav->turns[i] * (AUVID_C(2.0) * AUVID_PI);
         state->velocity[i] = nav->velocity[i];
         state->rates[i] = nav->rates[i];
     }
-    state->attitude[0] += (auvid_real_t)nav->roll_turns * (AUVID_C(2.0) * AUVID_PI);
-    state->attitude[2] += (auvid_real_t)nav->turns * (AUVID_C(2.0) * AUVID_PI);
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         state->flags |= nav_fresh(nav, i) ? 1u << i : 0u;

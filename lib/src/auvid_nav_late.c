@@ -10,39 +10,35 @@ void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us)
 {
     const uint32_t parts = AUVID_NAV_PAST - 1;
     uint32_t apart_us = (nav->max_age_us[AUVID_NAV_DVL_BOTTOM] + parts - 1u) / parts;
-    auvid_nav_past_t *past = &nav->past[nav->past_newest % AUVID_NAV_PAST];
-    if (dt_us > NAV_LARGEST_AGE_US) {
-        nav->past_count = 0;
+    uint32_t next = dt_us > NAV_LARGEST_AGE_US ? 0u : nav->past_next, now_us = (uint32_t)nav->t_us;
+    if (next == 0 || now_us - nav->past_us[(next - 1u) % AUVID_NAV_PAST] >= apart_us) {
+        nav->past_us[next % AUVID_NAV_PAST] = now_us;
+        memcpy(nav->past_rates[next % AUVID_NAV_PAST], nav->rates, sizeof nav->rates);
+        next = next + 1u < 2 * AUVID_NAV_PAST ? next + 1u : AUVID_NAV_PAST;
     }
-    if (nav->past_count > 0 && (uint32_t)nav->t_us - past->t_us < apart_us) {
-        return;
-    }
-    nav->past_newest = (uint8_t)((nav->past_newest + 1u) % AUVID_NAV_PAST);
-    nav->past_count = (uint8_t)(nav->past_count + (nav->past_count < AUVID_NAV_PAST));
-    past = &nav->past[nav->past_newest];
-    past->t_us = (uint32_t)nav->t_us;
-    memcpy(past->rates, nav->rates, sizeof past->rates);
+    nav->past_next = (uint8_t)next;
 }
 
 void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3])
 {
-    const auvid_real_t *later = nav->rates;
-    uint32_t later_us = 0;
-    for (unsigned k = 0; k < nav->past_count && later_us < age_us; ++k) {
-        const auvid_nav_past_t *past = &nav->past[(nav->past_newest - k) % AUVID_NAV_PAST];
-        uint32_t past_us = (uint32_t)nav->t_us - past->t_us; /* old */
+    const auvid_real_t *later = nav->rates, *past = later;
+    auvid_real_t part = AUVID_C(0.0);
+    uint32_t later_us = 0, next = nav->past_next; /* later_us: its age */
+    uint32_t oldest = next < AUVID_NAV_PAST ? 0u : next - AUVID_NAV_PAST;
+    while (next > oldest) {
+        --next;
+        uint32_t past_us = (uint32_t)nav->t_us - nav->past_us[next % AUVID_NAV_PAST];
+        past = nav->past_rates[next % AUVID_NAV_PAST];
         if (past_us >= age_us) {
-            auvid_real_t part =
-                (auvid_real_t)(age_us - later_us) / (auvid_real_t)(past_us - later_us);
-            for (int i = 0; i < 3; ++i) {
-                w[i] = later[i] + part * (past->rates[i] - later[i]);
-            }
-            return;
+            part = (auvid_real_t)(past_us - age_us) / (auvid_real_t)(past_us - later_us);
+            break;
         }
-        later = past->rates;
+        later = past;
         later_us = past_us;
     }
-    memcpy(w, later, 3 * sizeof *w);
+    for (int i = 0; i < 3; ++i) {
+        w[i] = past[i] + part * (later[i] - past[i]);
+    }
 }
 
 auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
@@ -50,44 +46,34 @@ auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
 {
     uint64_t ahead_us = t_us - nav->t_us; /* huge, when it is older */
     bool ahead = ahead_us <= nav->max_age_us[sensor];
-    auvid_nav_held_t *held = &nav->held[sensor];
     if (ahead && (nav->holding >> sensor & 1) != 0) {
         return AUVID_UNUSED;
     }
     if (ahead_us <= nav->future_us) {
         return AUVID_OK;
     }
-    if (!ahead) {
+    if (!ahead || (nav->until_us != 0 && t_us > nav->until_us)) {
         return AUVID_ERR_STALE;
     }
     nav->holding = (uint8_t)(nav->holding | 1u << sensor);
-    held->t_us = t_us;
-    memcpy(held->value, value, sizeof held->value);
-    held->valid = (uint8_t)valid;
+    nav->held_us[sensor] = t_us;
+    nav->held_valid[sensor] = (uint8_t)valid;
+    memcpy(nav->held[sensor], value, sizeof nav->held[sensor]);
     return NAV_HELD;
 }
 
 void auvid_nav_release(auvid_nav_t *nav)
 {
     for (uint8_t i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        const auvid_nav_held_t *held = &nav->held[i];
-        auvid_status_t status;
-        if ((nav->holding >> i & 1) == 0 || held->t_us > nav->t_us) {
+        unsigned bit = 1u << i;
+        if ((nav->holding & bit) == 0 || nav->held_us[i] > nav->t_us) {
             continue;
         }
-        nav->holding = (uint8_t)(nav->holding & ~(1u << i));
-        if (i == AUVID_NAV_DEPTH) {
-            status = auvid_nav_depth(nav, held->t_us, held->value[0]);
-        } else if (i == AUVID_NAV_GPS) {
-            status = auvid_nav_gps(nav, held->t_us, held->value[0], held->value[1]);
-        } else {
-            auvid_dvl_sample_t s = {.t_us = held->t_us, .valid = held->valid};
-            s.lock = i == AUVID_NAV_DVL_WATER ? AUVID_DVL_WATER : AUVID_DVL_BOTTOM;
-            memcpy(s.velocity, held->value, sizeof s.velocity);
-            status = auvid_nav_dvl(nav, &s);
-        }
+        nav->holding = (uint8_t)(nav->holding & ~bit);
+        auvid_status_t status =
+            auvid_nav_update(nav, i, nav->held_us[i], nav->held[i], nav->held_valid[i]);
         if (status < 0 || status == AUVID_GATED) {
-            nav->held_refused = (uint8_t)(nav->held_refused | 1u << i);
+            nav->held_refused = (uint8_t)(nav->held_refused | bit);
         }
     }
 }

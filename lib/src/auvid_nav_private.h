@@ -161,6 +161,11 @@ void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t 
 auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                               const auvid_real_t value[3], unsigned valid);
 
+/** Take a sample of any sensor: `value` as given, `valid` of a DVL's. Status as of auvid_nav_dvl()
+ * and its like, which have checked what is theirs. */
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                const auvid_real_t value[3], unsigned valid);
+
 /** Let the held samples in whose time has come. */
 void auvid_nav_release(auvid_nav_t *nav);
 

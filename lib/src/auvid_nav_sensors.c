@@ -222,13 +222,12 @@ static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t v
     ++knot->sequence;
 }
 
-static auvid_status_t update_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample, uint8_t sensor)
+static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                 const auvid_real_t v[3], unsigned valid)
 {
-    unsigned valid = sample->valid;
     if (valid == 0) {
         return AUVID_UNUSED;
     }
-    const auvid_real_t *v = sample->velocity;
     auvid_real_t part[3];
     if (valid != AUVID_DVL_ALL) {
         for (int j = 0; j < 3; ++j) {
@@ -239,7 +238,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sam
     auvid_nav_measurement_t m;
     auvid_status_t status = nav_within(v, nav->speed_limit);
     if (status == AUVID_OK) {
-        status = admit(nav, sensor, sample->t_us, v, valid, &m);
+        status = admit(nav, sensor, t_us, v, valid, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -279,7 +278,7 @@ auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
         sample->valid > AUVID_DVL_ALL) {
         return tally(&nav->diagnostics[sensor], AUVID_ERR_RANGE);
     }
-    return tally(&nav->diagnostics[sensor], update_dvl(nav, sample, sensor));
+    return auvid_nav_update(nav, sensor, sample->t_us, sample->velocity, sample->valid);
 }
 
 static auvid_status_t check_position(const auvid_real_t *x, int n)
@@ -292,14 +291,13 @@ static auvid_status_t check_position(const auvid_real_t *x, int n)
     return AUVID_OK;
 }
 
-static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
+static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
 {
     auvid_nav_measurement_t m;
-    auvid_status_t status = check_position(&depth_m, 1);
-    m.z[0] = depth_m;
-    m.z[1] = m.z[2] = AUVID_C(0.0);
+    auvid_status_t status = check_position(value, 1);
+    m.z[0] = value[0];
     if (status == AUVID_OK) {
-        status = admit(nav, AUVID_NAV_DEPTH, t_us, m.z, 0, &m);
+        status = admit(nav, AUVID_NAV_DEPTH, t_us, value, 0, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -326,7 +324,8 @@ auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t dep
     if (nav->ready != NAV_RUNNING) {
         return AUVID_ERR_STATE;
     }
-    return tally(&nav->diagnostics[AUVID_NAV_DEPTH], update_depth(nav, t_us, depth_m));
+    const auvid_real_t value[3] = {depth_m};
+    return auvid_nav_update(nav, AUVID_NAV_DEPTH, t_us, value, 0);
 }
 
 auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa)
@@ -364,16 +363,14 @@ static auvid_status_t collect_fix(auvid_nav_t *nav, const auvid_nav_diagnostics_
     return AUVID_OK;
 }
 
-static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m,
-                                 auvid_real_t y_m)
+static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
 {
     auvid_nav_measurement_t m;
-    m.z[0] = x_m;
-    m.z[1] = y_m;
-    m.z[2] = AUVID_C(0.0);
-    auvid_status_t status = check_position(m.z, 2);
+    auvid_status_t status = check_position(value, 2);
+    m.z[0] = value[0];
+    m.z[1] = value[1];
     if (status == AUVID_OK) {
-        status = admit(nav, AUVID_NAV_GPS, t_us, m.z, 0, &m);
+        status = admit(nav, AUVID_NAV_GPS, t_us, value, 0, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -405,5 +402,20 @@ auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, 
     if (nav->ready != NAV_RUNNING) {
         return AUVID_ERR_STATE;
     }
-    return tally(&nav->diagnostics[AUVID_NAV_GPS], update_gps(nav, t_us, x_m, y_m));
+    const auvid_real_t value[3] = {x_m, y_m};
+    return auvid_nav_update(nav, AUVID_NAV_GPS, t_us, value, 0);
+}
+
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                const auvid_real_t value[3], unsigned valid)
+{
+    auvid_status_t status;
+    if (sensor == AUVID_NAV_DEPTH) {
+        status = update_depth(nav, t_us, value);
+    } else if (sensor == AUVID_NAV_GPS) {
+        status = update_gps(nav, t_us, value);
+    } else {
+        status = update_dvl(nav, sensor, t_us, value, valid);
+    }
+    return tally(&nav->diagnostics[sensor], status);
 }

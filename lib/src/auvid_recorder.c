@@ -110,23 +110,17 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
     return true;
 }
 
-static auvid_status_t check(const auvid_recorder_t *rec, int s, uint64_t t_us,
-                            const auvid_real_t *value)
-{
-    const auvid_recorder_stream_t *st = &rec->stream[s];
-    size_t channels = (size_t)(first_channel[s + 1] - first_channel[s]);
-    auvid_status_t status = auvid_all_within(value, channels, AUVID_RECORDER_LARGEST);
-    if (status == AUVID_OK && st->valid && t_us <= st->t_us) {
-        status = t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
-    }
-    return status;
-}
-
-/* A sample that has been checked. */
-static void take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
     int channels = first_channel[s + 1] - first_channel[s];
+    auvid_status_t status = auvid_all_within(value, (size_t)channels, AUVID_RECORDER_LARGEST);
+    if (status < 0) {
+        return status;
+    }
+    if (st->valid && t_us <= st->t_us) {
+        return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
     if (st->valid && t_us - st->t_us > rec->cfg.gap_us) {
         break_record(rec);
     } else if (rec->running && !integrate(rec, s, t_us, value)) {
@@ -138,15 +132,7 @@ static void take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t
     if (!rec->running) {
         begin_record(rec);
     }
-}
-
-static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
-{
-    auvid_status_t status = check(rec, s, t_us, value);
-    if (status == AUVID_OK) {
-        take(rec, s, t_us, value);
-    }
-    return status;
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
@@ -176,14 +162,16 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
     if (recorder == NULL || attitude == NULL || nu == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check(recorder, VELOCITY, t_us, nu);
+    /* what would refuse the velocity once the attitude is taken */
+    const auvid_recorder_stream_t *velocity = &recorder->stream[VELOCITY];
+    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    if (status == AUVID_OK && velocity->valid && t_us <= velocity->t_us) {
+        status = t_us == velocity->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
     if (status == AUVID_OK) {
         status = auvid_recorder_attitude(recorder, t_us, attitude, nu + AUVID_ROLL);
     }
-    if (status == AUVID_OK) {
-        take(recorder, VELOCITY, t_us, nu);
-    }
-    return status;
+    return status == AUVID_OK ? auvid_recorder_velocity(recorder, t_us, nu) : status;
 }
 
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,

@@ -37,7 +37,7 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test holds it. */
-#define AUVID_NAV_BYTES 952
+#define AUVID_NAV_BYTES 944
 
 /** Past ticks whose rates are kept for late DVL samples, a power of two. */
 #define AUVID_NAV_PAST 8
@@ -147,19 +147,6 @@ typedef struct {
     uint32_t sequence;        /**< 0: none yet; raised by one with each new knot */
 } auvid_nav_knot_t;
 
-/** Rates of a past tick. Private. */
-typedef struct {
-    uint32_t t_us;         /* its time, lower half */
-    auvid_real_t rates[3]; /* p q r */
-} auvid_nav_past_t;
-
-/** A sample ahead of the filter. Private. */
-typedef struct {
-    uint64_t t_us;
-    auvid_real_t value[3]; /* as given: velocity; or depth; or x and y */
-    uint8_t valid;         /* of a DVL's */
-} auvid_nav_held_t;
-
 /** Bits of auvid_nav_state_t.flags. */
 enum {
     AUVID_NAV_FRESH_BOTTOM = 1 << AUVID_NAV_DVL_BOTTOM, /**< passed within stale_us */
@@ -184,8 +171,9 @@ typedef struct {
     uint32_t flags;           /**< AUVID_NAV_... */
 } auvid_nav_state_t;
 
-/** The filter. Its owner is the caller; `ground`, `water`, `diagnostics` and the imu_ counters may
- * be read at any time, the rest through the functions; written by the functions only. */
+/** The filter. Its owner is the caller; `ground`, `water`, `diagnostics`, the imu_ counters and
+ * `held_refused` may be read at any time, the rest through the functions; written by the functions
+ * only. */
 typedef struct {
     auvid_nav_knot_t ground; /**< the filter's velocity just after the last accepted bottom lock */
     auvid_nav_knot_t water;  /**< velocity of the last good water lock with all axes valid */
@@ -193,17 +181,19 @@ typedef struct {
     uint16_t imu_time;    /**< auvid_nav_imu refused: time back or the same */
     uint16_t imu_invalid; /**< auvid_nav_imu refused: not finite or out of range */
     uint16_t imu_gaps;    /**< ticks longer than gap_us */
-    uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
-                               sensor i, and it was refused (AUVID_GATED or < 0) */
 
-    uint8_t holding;             /* bit i: held[i] is a sample */
-    uint8_t past_count;          /* rates kept */
-    uint8_t past_newest;         /* index of the newest of them */
     uint16_t lockout;            /* from the configuration */
     uint8_t gps_start;           /* from the configuration; 0 once the position has started */
     uint8_t gps_count;           /* fixes collected so far */
     uint16_t flags;              /* all of auvid_nav_state_t.flags but FRESH */
     uint8_t ready;               /* 0 not initialised, 1 no tick yet, 2 running */
+    uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
+                               sensor i, and it was refused (AUVID_GATED or < 0) */
+    uint8_t holding;             /* bit i: a sample of sensor i is held */
+    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* its axes, of a DVL's */
+    uint8_t past_next; /* index of the next rates kept; AUVID_NAV_PAST more when all are filled */
+    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* its time */
+    uint64_t until_us;           /* no sample after this is held; 0: no such limit */
     uint64_t t_us;               /* time of the last tick */
     uint64_t touched_us;         /* tick at which a measurement last entered */
     auvid_real_t position[3];    /* position is position + residue */
@@ -215,8 +205,7 @@ typedef struct {
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
     auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
-    int32_t turns;               /* whole turns to add to psi */
-    int32_t roll_turns;          /* and to phi */
+    int32_t turns[3];            /* whole turns to add to it */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
@@ -231,9 +220,10 @@ typedef struct {
     uint32_t future_us;
     uint32_t stale_us;
     uint32_t gap_us;
+    uint32_t past_us[AUVID_NAV_PAST]; /* ring: times of past ticks, lower halves */
+    auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* and their p q r */
+    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* samples as given */
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
-    auvid_nav_past_t past[AUVID_NAV_PAST];               /* a ring */
-    auvid_nav_held_t held[AUVID_NAV_SENSOR_COUNT];       /* by auvid_nav_sensor_t */
 } auvid_nav_t;
 
 /** Fill *config with the defaults named at its fields. Null: nothing is done. */
