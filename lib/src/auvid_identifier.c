@@ -190,11 +190,11 @@ static void note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
 /* What became of samples that were held for the IMU. */
 static void note_held(auvid_identifier_t *id)
 {
+    const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
     unsigned refused = id->nav.held_refused;
-    id->events |=
-        (refused & (AUVID_NAV_FRESH_BOTTOM | AUVID_NAV_FRESH_WATER)) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
-    id->events |= (refused & AUVID_NAV_FRESH_DEPTH) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
-    id->events |= (refused & AUVID_NAV_FRESH_GPS) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
+    id->events |= (refused & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
+    id->events |= (refused >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
+    id->events |= (refused >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
     record_velocity(id); /* another one may follow in this step */
 }
 
@@ -234,7 +234,8 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
         return;
     }
-    uint32_t fresh = id->velocity == AUVID_VELOCITY_WATER ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
+    bool water = id->velocity == AUVID_VELOCITY_WATER;
+    uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
     if (in->imu.present) {
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }

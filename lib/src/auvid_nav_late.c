@@ -45,15 +45,15 @@ auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                               const auvid_real_t value[3], unsigned valid)
 {
     uint64_t ahead_us = t_us - nav->t_us; /* huge, when it is older */
-    bool ahead = ahead_us <= nav->max_age_us[sensor];
-    if (ahead && (nav->holding >> sensor & 1) != 0) {
+    bool beyond = nav->until_us != 0 && t_us > nav->until_us;
+    if (ahead_us > nav->future_us && (beyond || ahead_us > nav->max_age_us[sensor])) {
+        return AUVID_ERR_STALE;
+    }
+    if ((nav->holding >> sensor & 1) != 0) {
         return AUVID_UNUSED;
     }
     if (ahead_us <= nav->future_us) {
         return AUVID_OK;
-    }
-    if (!ahead || (nav->until_us != 0 && t_us > nav->until_us)) {
-        return AUVID_ERR_STALE;
     }
     nav->holding = (uint8_t)(nav->holding | 1u << sensor);
     nav->held_us[sensor] = t_us;

@@ -295,7 +295,8 @@ static void test_what_is_out_of_its_range_is_not_held(void)
 {
     const double v[3] = {50, 0, 0};
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, dvl(AUVID_DVL_BOTTOM, now + 50000, v));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_nav_depth(&nav, now + 50000, (auvid_real_t)NAN));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE,
+                          auvid_nav_depth(&nav, now + 50000, (auvid_real_t)NAN));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_gps(&nav, now + 50000, 1, real(2e5)));
     TEST_ASSERT_EQUAL_UINT(0, nav.holding);
 }

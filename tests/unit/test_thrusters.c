@@ -375,7 +375,7 @@ static void test_commands_before_configure_are_not_logged(void)
 
 /* ---- what a row costs ---- */
 
-/* Eight thrusters, lags of up to 2 s, slots of 1 ms: the dearest rows of half a second there are. */
+/* Eight thrusters, lags of up to 2 s, slots of 1 ms: the dearest rows of half a second. */
 enum { MANY = AUVID_MAX_COMMANDS, QUICK_US = 1000 };
 enum { QUICK_SLOTS = AUVID_THRUSTERS_SLOTS(1, 5000000u, QUICK_US) + 1000u };
 static int16_t quick_log[MANY * QUICK_SLOTS];

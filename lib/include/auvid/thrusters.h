@@ -155,7 +155,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
-/** The commands hold from t_us on. Before configure: nothing is done. For users of the metric alone:
+/** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:
  * the identifier calls it.
  * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
  * do not advance are ignored. */
