@@ -190,9 +190,9 @@ typedef struct {
     uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
                                sensor i, and it was refused (AUVID_GATED or < 0) */
     uint8_t holding;             /* bit i: a sample of sensor i is held */
-    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* its axes, of a DVL's */
+    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* axes of each, if of a DVL */
     uint8_t past_next; /* index of the next rates kept; AUVID_NAV_PAST more when all are filled */
-    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* its time */
+    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* time of each */
     uint64_t until_us;           /* no sample after this is held; 0: no such limit */
     uint64_t t_us;               /* time of the last tick */
     uint64_t touched_us;         /* tick at which a measurement last entered */
@@ -205,7 +205,7 @@ typedef struct {
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
     auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
-    int32_t turns[3];            /* whole turns to add to it */
+    int32_t turns[3];            /* whole turns to add to the attitude */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
@@ -222,7 +222,7 @@ typedef struct {
     uint32_t gap_us;
     uint32_t past_us[AUVID_NAV_PAST]; /* ring: times of past ticks, lower halves */
     auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* and their p q r */
-    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* samples as given */
+    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* velocity, or depth, or x y */
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
 } auvid_nav_t;
 
