@@ -192,13 +192,12 @@ static void predict(auvid_nav_t *nav, auvid_real_t t)
 }
 
 /* Whole turns that an angle left behind when it jumped by more than half a turn. */
-static inline int32_t jumped_turns(auvid_real_t from, auvid_real_t to)
+static inline void count_turns(int32_t *turns, auvid_real_t from, auvid_real_t to)
 {
-    if (auvid_abs(from - to) < AUVID_C(3.0)) {
-        return 0;
+    if (!(auvid_abs(from - to) < AUVID_C(3.0))) {
+        auvid_real_t part = (from - to) * (AUVID_C(0.5) / AUVID_PI);
+        *turns += (int32_t)(part + (part < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
     }
-    auvid_real_t turns = (from - to) * (AUVID_C(0.5) / AUVID_PI);
-    return (int32_t)(turns + (turns < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
 auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
@@ -226,10 +225,8 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     uint64_t dt_us = t_us - nav->t_us;
     nav->t_us = t_us;
     auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
-    for (int i = 0; i < 3; ++i) {
-        nav->turns[i] += running ? jumped_turns(nav->attitude[i], attitude[i]) : 0;
-        nav->attitude[i] = attitude[i];
-    }
+    auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
+    memcpy(nav->attitude, attitude, sizeof nav->attitude);
     memcpy(nav->rates, rates, sizeof nav->rates);
     auvid_nav_keep_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
@@ -239,6 +236,8 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         nav->touched_us = t_us;
         return AUVID_OK;
     }
+    count_turns(&nav->turns[0], phi, attitude[0]);
+    count_turns(&nav->turns[2], psi, attitude[2]);
     predict(nav, auvid_seconds(0, dt_us));
     if (nav->holding != 0) {
         auvid_nav_release(nav);

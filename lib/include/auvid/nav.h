@@ -13,8 +13,8 @@
  * `water`: velocity at the DVL's own times, because a constant-velocity filter held between pulses
  * lags by a tenth of a second.
  *
- * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.54k, a depth 0.21k, a
- * full DVL sample of the present 0.45k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
+ * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.58k, a depth 0.22k, a
+ * full DVL sample of the present 0.46k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
  * nothing entered since it was taken. Memory: auvid_nav_t, AUVID_NAV_BYTES in float.
  *
  * Numbers: position is a sum of two floats (plain float32 drifts by 1 mm at 120 m); the covariance
@@ -205,7 +205,7 @@ typedef struct {
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
     auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
-    int32_t turns[3];            /* whole turns to add to the attitude */
+    int32_t turns[3];            /* whole turns to add to the attitude; theta has none */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
