@@ -123,17 +123,17 @@ enum { AUVID_METRIC_ROTATION = 4 };
 enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_MEMORY, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 /** Pay one of the units of a step that costs so many. @return it is paid in full: take it */
-static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint8_t price)
+static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint16_t price)
 {
     --*budget;
-    m->paid = (uint8_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
+    m->paid = (uint16_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
     return m->paid == 0;
 }
 
 /** Pay for a call of the model's residual. @return it is paid in full: call it */
 static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
 {
-    uint8_t work = m->cfg.vehicle->work;
+    uint16_t work = m->cfg.vehicle->work;
     bool paid = false;
     while (!paid && *budget > 0) {
         paid = auvid_metric_pay(m, budget, work);

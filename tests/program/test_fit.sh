@@ -68,6 +68,17 @@ printf '\n\n' >>windows.csv
 check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
 change 'for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 3) % (2 * math.pi)' <train.csv >wrapped.csv
 check "yaw may be wrapped" same wrapped.csv
+# A vehicle that hangs upside down, its roll about 180 degrees.
+upside='for y in r: y[C["phi_rad"]] += math.pi'
+change "$upside" <train.csv >upside.csv
+change "$upside; y[C['phi_rad']] -= 2 * math.pi * (y[C['phi_rad']] > math.pi)" <train.csv >rolls.csv
+exits 0 fit upside.csv --json
+mv out upside.json
+exits 0 fit rolls.csv --json
+check "roll may be wrapped" is out '
+first = {p["name"]: p["estimate"] for p in json.load(open("upside.json"))["parameters"]}
+assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
+    {n: P[n]["estimate"] / first[n] for n in TRUTH}'
 python3 -c '
 import csv, sys
 rows = list(csv.reader(open("train.csv")))

@@ -15,8 +15,9 @@
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, each of
  * about 250 instructions of a Cortex-M4F: a row of a triangle, a trial point (rejected ones count
- * too), a stored sample put through the user's model. To begin a search, m n random numbers, is
- * 100.
+ * too), a stored sample put through the user's model (vehicle.work units, paid by several calls
+ * where the budget is less, and done in one piece by the last of them). To begin a search, m n
+ * random numbers, is 100.
  * Memory: sizeof(auvid_identifier_t), all there is.
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
@@ -156,7 +157,11 @@ enum {
     AUVID_EVENT_IMU_DROPPED = 1u << 1,       /**< sample refused: counted in nav.imu_time or
                                               nav.imu_invalid; not counted when ahead of
                                               the tick by more than nav.future_us */
-    AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample refused; why is in nav.diagnostics */
+    AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample refused, now or, where it had to wait for
+                                              a later IMU, when the IMU came to its time (nav.h);
+                                              why is in nav.diagnostics. Ahead of the tick by more
+                                              than nav.future_us is `stale` there. One that is lost
+                                              because another one waits is no event: `unused` */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
     AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench refused: not finite, beyond

@@ -188,10 +188,10 @@ typedef struct auvid_metric {
     };
     auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
     uint32_t window_rows; /* since a gap */
-    uint8_t window_length;
     uint16_t at_row;      /* progress */
-    uint16_t at_part;
-    uint8_t at_set, to_set, at_band, at_dof, pass, paid;
+    uint16_t at_part, paid;
+    uint8_t window_length;
+    uint8_t at_set, to_set, at_band, at_dof, pass;
     auvid_real_t linear_delay_s; /* at which the residual path was linearised */
 
     /** @name results */
