@@ -175,7 +175,33 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
     return AUVID_TICK;
 }
 
-static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m)
+/* A command of the thrusters: an echo of one of ours, or another node's. */
+static void take_command(auvid_node_t *node, const auvid_can_frame_t *frame, bool second)
+{
+    auvid_guard_t *guard = &node->id.guard;
+    uint64_t data;
+    memcpy(&data, frame->data, sizeof data);
+    if (data == node->sent[second][frame->data[1] & 3u]) {
+        return;
+    }
+    ++node->counters.foreign_commands;
+    if (guard->state == AUVID_GUARD_ARMED || guard->state == AUVID_GUARD_EXCITING) {
+        (void)auvid_guard_abort_for(guard, node->id.t_us, AUVID_GUARD_FOREIGN_COMMAND);
+        node->id.events |= AUVID_EVENT_ABORTED;
+    }
+}
+
+/* Is this message obeyed? What takes thrust away is, whatever its counter says. */
+static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
+{
+    bool command =
+        m->kind == AUVID_CAN_THRUSTER_COMMAND_A || m->kind == AUVID_CAN_THRUSTER_COMMAND_B;
+    bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
+    return state == AUVID_CAN_GOOD || m->kind == AUVID_CAN_ABORT || command || disarms;
+}
+
+static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m,
+                                   const auvid_can_frame_t *frame, bool fresh)
 {
     switch (m->kind) {
     case AUVID_CAN_ABORT:
@@ -183,7 +209,11 @@ static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t
         (void)auvid_identifier_abort(&node->id);
         break;
     case AUVID_CAN_ARM:
-        auvid_node_order(node, m->as.arm.action);
+        auvid_node_order(node, m->as.arm.action, fresh);
+        break;
+    case AUVID_CAN_THRUSTER_COMMAND_A:
+    case AUVID_CAN_THRUSTER_COMMAND_B:
+        take_command(node, frame, m->kind == AUVID_CAN_THRUSTER_COMMAND_B);
         break;
     case AUVID_CAN_TICK:
         return take_tick(node, &m->as.tick);
@@ -215,22 +245,18 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         return AUVID_ERR_STATE;
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
-    bool own = kind == AUVID_CAN_THRUSTER_COMMAND_A || kind == AUVID_CAN_THRUSTER_COMMAND_B ||
-               kind == AUVID_CAN_TICK_DONE;
-    if ((unsigned)kind >= AUVID_NODE_KINDS || own) {
+    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* so that nothing depends on when it came */
     auvid_can_state_t state = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
-    /* An abort is obeyed whatever its counter says. */
-    bool good = state == AUVID_CAN_GOOD || (state != AUVID_CAN_BAD && kind == AUVID_CAN_ABORT);
-    if (!good) {
+    if (state == AUVID_CAN_BAD || !is_obeyed(state, &message)) {
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
     }
-    auvid_status_t status = take_message(node, &message);
+    auvid_status_t status = take_message(node, &message, frame, state == AUVID_CAN_GOOD);
     node->counters.frames += status >= 0;
     return status;
 }
