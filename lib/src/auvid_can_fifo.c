@@ -27,8 +27,7 @@ auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *st
 
 static bool is_abort(const auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame)
 {
-    return frame->id == auvid_can_id(&fifo->ids, AUVID_CAN_ABORT) &&
-           frame->length == AUVID_CAN_BYTES &&
+    return frame->id == fifo->ids.fast + AUVID_CAN_ABORT && frame->length == AUVID_CAN_BYTES &&
            frame->data[0] == auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(AUVID_CAN_ABORT));
 }
 
@@ -91,6 +90,6 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
         fifo->popped = at + 1u;
         older = fifo->older;
         fifo->older -= older > 0;
-    } while (older > 0 && frame->id == auvid_can_id(&fifo->ids, AUVID_CAN_ARM));
+    } while (older > 0 && frame->id == fifo->ids.fast + AUVID_CAN_ARM);
     return AUVID_OK;
 }

@@ -45,11 +45,16 @@ static bool is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64
     return t_us > now_us && is_silent(receiver, t_us, now_us);
 }
 
-/* After a silence there is no frame to follow. */
-static void restart(auvid_can_receiver_t *receiver, uint64_t now_us)
+/* After a silence there is no frame to follow; `ends`: and the last good one has ended. */
+static void look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
 {
     if (is_silent(receiver, receiver->seen_us, now_us)) {
         receiver->started = false;
+    }
+    if (ends && receiver->alive && is_silent(receiver, receiver->good_us, now_us)) {
+        receiver->alive = false;
+        receiver->state = AUVID_CAN_TIMED_OUT;
+        ++receiver->timed_out;
     }
 }
 
@@ -58,12 +63,7 @@ auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint6
     if (receiver == NULL) {
         return AUVID_CAN_SILENT;
     }
-    restart(receiver, now_us);
-    if (receiver->alive && is_silent(receiver, receiver->good_us, now_us)) {
-        receiver->alive = false;
-        receiver->state = AUVID_CAN_TIMED_OUT;
-        ++receiver->timed_out;
-    }
+    look(receiver, now_us, true);
     return (auvid_can_state_t)receiver->state;
 }
 
@@ -97,11 +97,7 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
         frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
         return AUVID_CAN_FOREIGN;
     }
-    if (receiver->strict) { /* a command ends by the clock, not by stamps */
-        restart(receiver, frame->t_us);
-    } else {
-        auvid_can_receiver_state(receiver, frame->t_us);
-    }
+    look(receiver, frame->t_us, !receiver->strict); /* a command ends by the clock, not by stamps */
     auvid_can_message_t read;
     auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &read);
     auvid_can_state_t state = AUVID_CAN_BAD;
@@ -181,7 +177,7 @@ static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
         memcpy(thrust, kept, HALF * sizeof *kept);
         ++half->ahead;
     }
-    auvid_can_receiver_state(half, now_us);
+    look(half, now_us, true);
     *before = *half;
     memcpy(kept, thrust, HALF * sizeof *kept);
     return half->alive;
