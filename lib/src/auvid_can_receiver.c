@@ -128,8 +128,7 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
     if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
         return AUVID_ERR_RANGE;
     }
-    auvid_can_command_t fresh;
-    memset(&fresh, 0, sizeof fresh);
+    auvid_can_command_t fresh = {.halves = thrusters > HALF ? 2 : 1};
     for (int i = 0; i < 2; ++i) {
         auvid_can_kind_t kind =
             i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
@@ -140,7 +139,6 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
         }
         fresh.half[i].strict = true;
     }
-    fresh.halves = thrusters > HALF ? 2 : 1;
     memcpy(fresh.half_before, fresh.half, sizeof fresh.half);
     *command = fresh;
     return AUVID_OK;
