@@ -167,7 +167,7 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
         node->tick_us += CLOCK_STEP_US;
     } else {
         node->tick_us += bus_us - node->bus_us;
-        node->counters.ticks_missed += passed > 0 ? passed - 1u : 0u;
+        node->counters.ticks_missed += passed - 1u; /* it is one at least: see `behind` */
     }
     node->bus_us = bus_us;
     node->sequence = tick->sequence;
