@@ -40,24 +40,26 @@ auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame
         return AUVID_ERR_STATE;
     }
     uint32_t at = fifo->pushed;
-    if (is_abort(fifo, frame)) {
+    auvid_can_frame_t *place = &fifo->frame[at & (fifo->size - 1u)];
+    bool abort = is_abort(fifo, frame);
+    if (abort) {
         fifo->before = at;
-        if (fifo->aborts == fifo->aborted) {
-            AUVID_CAN_BARRIER(); /* the last one was read before it is written again */
-            fifo->abort = *frame;
-            AUVID_CAN_BARRIER();
-            fifo->aborts = fifo->aborts + 1u;
+        place = &fifo->abort;
+        if (fifo->aborts != fifo->aborted) {
+            return AUVID_OK; /* the one that is there does for both */
         }
-        return AUVID_OK;
-    }
-    if (at - fifo->popped >= fifo->size) {
+    } else if (at - fifo->popped >= fifo->size) {
         fifo->dropped = fifo->dropped + 1u;
         return AUVID_ERR_LIMIT;
     }
     AUVID_CAN_BARRIER(); /* the place was read before it is written again */
-    fifo->frame[at & (fifo->size - 1u)] = *frame;
+    *place = *frame;
     AUVID_CAN_BARRIER(); /* the frame is there before it is announced */
-    fifo->pushed = at + 1u;
+    if (abort) {
+        fifo->aborts = fifo->aborts + 1u;
+    } else {
+        fifo->pushed = at + 1u;
+    }
     return AUVID_OK;
 }
 
@@ -74,7 +76,7 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
         *frame = fifo->abort;
         AUVID_CAN_BARRIER(); /* read before another may be set aside */
         fifo->aborted = fifo->aborted + 1u;
-        AUVID_CAN_BARRIER(); /* one that was not, because this one was there, has moved `before` */
+        AUVID_CAN_BARRIER(); /* one that came while this one was there has moved `before` */
         fifo->older = fifo->before - fifo->popped;
         return AUVID_OK;
     }
@@ -89,7 +91,7 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
         AUVID_CAN_BARRIER(); /* read before the place is free */
         fifo->popped = at + 1u;
         older = fifo->older;
-        fifo->older -= older > 0;
+        fifo->older = older - (older > 0);
     } while (older > 0 && frame->id == fifo->ids.fast + AUVID_CAN_ARM);
     return AUVID_OK;
 }

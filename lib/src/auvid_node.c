@@ -194,10 +194,10 @@ static void take_command(auvid_node_t *node, const auvid_can_frame_t *frame, boo
 /* Is this message obeyed? What takes thrust away is, whatever its counter says. */
 static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
 {
-    bool command =
-        m->kind == AUVID_CAN_THRUSTER_COMMAND_A || m->kind == AUVID_CAN_THRUSTER_COMMAND_B;
+    const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
+                           1u << AUVID_CAN_THRUSTER_COMMAND_B;
     bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
-    return state == AUVID_CAN_GOOD || m->kind == AUVID_CAN_ABORT || command || disarms;
+    return state == AUVID_CAN_GOOD || (kinds >> m->kind & 1u) != 0 || disarms;
 }
 
 static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m,

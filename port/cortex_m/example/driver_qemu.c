@@ -35,6 +35,8 @@ static text_t in, out;
 static auvid_can_fifo_t *queue;
 static volatile bool over; /* the log is */
 static volatile uint32_t clock_us;
+static auvid_can_frame_t coming; /* the next one of the log, when the clock is at due_us */
+static uint32_t due_us = LATE_US;
 static volatile uint32_t unfed;
 
 /* ---- bus.log ---- */
@@ -81,33 +83,28 @@ static bool read_frame(auvid_can_frame_t *frame)
     return c >= 0;
 }
 
-/* A tick's frames, when the first of them is due: after a pause, the last one read waits. */
+/* A tick's frames, from the next one of the log on. */
 static void interrupt(void)
 {
-    static auvid_can_frame_t frame;
-    static uint32_t due_us;
     if (++unfed > WATCHDOG) {
         driver_fault("watchdog");
     }
-    if (over || clock_us < due_us ||
-        queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
+    if (queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
         return;
     }
-    do {
-        if (due_us == 0) {
-            uint32_t before_us = (uint32_t)frame.t_us;
-            over = !read_frame(&frame);
-            uint32_t pause_us = before_us == 0 ? LATE_US : (uint32_t)frame.t_us - before_us;
-            if (!over && pause_us > PAUSE_US) {
-                due_us = clock_us + pause_us;
-                return;
-            }
+    while (!over && clock_us >= due_us) {
+        auvid_can_kind_t kind = auvid_can_kind(NULL, coming.id);
+        if (kind < AUVID_NODE_KINDS) {
+            (void)auvid_can_fifo_push(queue, &coming);
         }
-        due_us = 0;
-        if (!over && auvid_can_kind(NULL, frame.id) < AUVID_NODE_KINDS) {
-            (void)auvid_can_fifo_push(queue, &frame);
+        uint32_t before_us = (uint32_t)coming.t_us;
+        over = !read_frame(&coming);
+        uint32_t pause_us = (uint32_t)coming.t_us - before_us;
+        due_us = pause_us > PAUSE_US ? clock_us + pause_us : 0;
+        if (kind == AUVID_CAN_TICK) {
+            return;
         }
-    } while (!over && auvid_can_kind(NULL, frame.id) != AUVID_CAN_TICK);
+    }
 }
 
 /* ---- sent.log ---- */
@@ -160,6 +157,7 @@ void driver_start(auvid_can_fifo_t *received)
     if (in.file < 0 || out.file < 0) {
         driver_fault("bus.log or sent.log cannot be opened");
     }
+    over = !read_frame(&coming);
     machine_timer(interrupt);
 }
 
