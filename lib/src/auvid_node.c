@@ -58,7 +58,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /* ---- frames in ---- */
 
 /* Time of a sample of this age, at the tick to come; the age is counted back in step. */
-static bool has_age(auvid_node_t *node, uint32_t age_ms)
+static AUVID_APART bool has_age(auvid_node_t *node, uint32_t age_ms)
 {
     bool known = age_ms != AUVID_CAN_AGE_UNKNOWN;
     node->counters.unknown_age += !known;
@@ -74,23 +74,18 @@ static uint64_t age_us(uint32_t age_ms)
 static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool bottom = m->kind == AUVID_CAN_DVL_BOTTOM;
-    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom;
-    const auvid_can_dvl_water_t *w = &m->as.dvl_water;
-    auvid_dvl_sample_t sample = {
-        .t_us = age_us(bottom ? b->age : w->age),
-        .velocity = {bottom ? b->u : w->u, bottom ? b->v : w->v, bottom ? b->w : w->w},
-        .lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER};
-    sample.valid = (uint8_t)(~m->absent & 7u); /* AUVID_DVL_X, _Y, _Z in the order of the signals */
-    if (!has_age(node, bottom ? b->age : w->age)) {
+    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom; /* dvl_water is laid out alike */
+    auvid_dvl_sample_t *sample = bottom ? &node->in.dvl.sample : &node->in.dvl_water.sample;
+    if (!has_age(node, b->age)) {
         return;
     }
-    if (bottom) {
-        node->in.dvl.present = true;
-        node->in.dvl.sample = sample;
-    } else {
-        node->in.dvl_water.present = true;
-        node->in.dvl_water.sample = sample;
-    }
+    *(bottom ? &node->in.dvl.present : &node->in.dvl_water.present) = true;
+    sample->t_us = age_us(b->age);
+    sample->velocity[0] = b->u;
+    sample->velocity[1] = b->v;
+    sample->velocity[2] = b->w;
+    sample->lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
+    sample->valid = (uint8_t)(~m->absent & 7u); /* AUVID_DVL_X, _Y, _Z in the order of the signals */
 }
 
 static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)
