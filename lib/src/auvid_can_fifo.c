@@ -45,6 +45,7 @@ auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame
     if (abort) {
         fifo->before = at;
         place = &fifo->abort;
+        AUVID_CAN_BARRIER(); /* whoever takes the one that is there sees this `before` */
         if (fifo->aborts != fifo->aborted) {
             return AUVID_OK; /* the one that is there does for both */
         }
@@ -76,7 +77,7 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
         *frame = fifo->abort;
         AUVID_CAN_BARRIER(); /* read before another may be set aside */
         fifo->aborted = fifo->aborted + 1u;
-        AUVID_CAN_BARRIER(); /* one that came while this one was there has moved `before` */
+        AUVID_CAN_BARRIER(); /* given before `before` is read: see push */
         fifo->older = fifo->before - fifo->popped;
         return AUVID_OK;
     }

@@ -164,7 +164,7 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
     return state;
 }
 
-/* Is this half's command a good one at now_us? What came of the future is undone. */
+/* Is this half's command a good one at now_us? What is stamped too far ahead is undone. */
 static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
 {
     auvid_can_receiver_t *half = &command->half[i], *before = &command->half_before[i];

@@ -85,7 +85,8 @@ static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
     sample->velocity[1] = b->v;
     sample->velocity[2] = b->w;
     sample->lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
-    sample->valid = (uint8_t)(~m->absent & 7u); /* AUVID_DVL_X, _Y, _Z in the order of the signals */
+    /* AUVID_DVL_X, _Y, _Z in the order of the signals */
+    sample->valid = (uint8_t)(~m->absent & 7u);
 }
 
 static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)

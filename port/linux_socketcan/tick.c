@@ -16,8 +16,7 @@
 
 enum { EVENTS = 8 };
 
-static const int stop_signals[TICK_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE,
-                                               SIGXFSZ};
+static const int stop_signals[TICK_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 
 static struct timespec from_us(uint64_t us)
 {

@@ -4,8 +4,8 @@
  * The main loop of a node calls tick_wait() and does what it returns. Ticks are counted on
  * CLOCK_MONOTONIC from the first on, so neither the time the work takes nor a step of the wall
  * clock moves them; those that were slept through are counted, not made up for. SIGINT, SIGTERM,
- * SIGHUP, SIGPIPE and SIGXFSZ arrive here as TICK_STOP and nowhere else: no handler runs, no call is
- * interrupted by them, and writing to a pipe that nobody reads, or to a file that may not grow,
+ * SIGHUP, SIGPIPE and SIGXFSZ arrive here as TICK_STOP and nowhere else: no handler runs, and no
+ * call is interrupted by them. Writing to a pipe that nobody reads, or to a file that may not grow,
  * fails with EPIPE or EFBIG. A SIGHUP that was ignored before (nohup) stays so.
  *
  * One tick a program (it owns these signals); no threads.

@@ -46,7 +46,8 @@ both() {
         [ "$(tail -n 2 "$work/lost/commands" | grep -Ec '^04[23]#..0.0{12}$')" = 2 ]; then
         echo "ok $name: one command of zero when the tick is lost, and none after it"
     else
-        echo "not ok $name: after $before commands and a lost tick: $(tail -n 2 "$work/lost/commands")"
+        echo "not ok $name: after $before commands and a lost tick:" \
+            "$(tail -n 2 "$work/lost/commands")"
     fi
 }
 

@@ -159,8 +159,9 @@ static void reach(situation_t situation)
         abort_run(&now);
         tick(&now);
     } else if (situation == AFTER_BREACH) {
+        auvid_guard_t *guard = &now.node.id.guard;
         TEST_ASSERT_EQUAL(AUVID_OK,
-                          auvid_guard_abort_for(&now.node.id.guard, now.node.t_us, AUVID_GUARD_ROLL));
+                          auvid_guard_abort_for(guard, now.node.t_us, AUVID_GUARD_ROLL));
         tick(&now);
     }
 }

@@ -81,11 +81,15 @@ static int note(link_t *link, int status)
 
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
+    uint64_t now_us = link->bus->now_us(link->bus);
     bool broken = false, unlogged = false;
     for (int i = 0; i < count; ++i) { /* all of them, whatever fails: a command has two halves */
         bus_frame_t raw = frames_raw(&frame[i]);
-        raw.t_us = link->bus->now_us(link->bus);
         broken = link->bus->send(link->bus, &raw) == BUS_BROKEN || broken;
+    }
+    for (int i = 0; i < count; ++i) { /* then the log, which may keep us waiting */
+        bus_frame_t raw = frames_raw(&frame[i]);
+        raw.t_us = now_us;
         unlogged = log_frame(link, &raw) != 0 || unlogged;
     }
     if (broken) {

@@ -39,8 +39,8 @@ void link_take(link_t *link, const char *command, bus_t *bus);
 /** Create a log. Returns 0 or EXIT_REFUSED, as above. */
 int link_log(link_t *link, const char *path, const char *interface);
 
-/** Send all frames, and log them; then tell what failed. A frame that is lost is counted by the bus.
- * Returns 0 or EXIT_REFUSED. */
+/** Send all frames, then log them, then tell what failed. A frame that is lost is counted by the
+ * bus. Returns 0 or EXIT_REFUSED. */
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count);
 
 /** Next data frame with an 11-bit identifier, logged. Returns 1; 0: none now; -1 after one line on

@@ -13,8 +13,8 @@
  * become one.
  *
  * AUVID_CAN_BARRIER() keeps the frame's bytes on the right side of the index that publishes them,
- * for the compiler and, between two cores, for the memory. With gcc and clang it is a fence that
- * needs no library (dmb on ARM). Other compilers must define it: a compiler barrier suffices where
+ * for the compiler and, between two cores, for the memory (a full fence). With gcc and
+ * clang it is a fence that needs no library (dmb on ARM). Other compilers must define it: a compiler barrier suffices where
  * producer and consumer run on one core. An aligned 32-bit load or store must be one access, as it
  * is on every target with a CAN controller of 32 bits.
  *
@@ -32,7 +32,7 @@ extern "C" {
 
 #ifndef AUVID_CAN_BARRIER
 #if defined(__GNUC__)
-#define AUVID_CAN_BARRIER() __atomic_thread_fence(__ATOMIC_ACQ_REL)
+#define AUVID_CAN_BARRIER() __atomic_thread_fence(__ATOMIC_SEQ_CST)
 #else
 #error "auvid: define AUVID_CAN_BARRIER() for this compiler (see can_fifo.h)"
 #endif
@@ -64,8 +64,8 @@ auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *st
                                    uint32_t size);
 
 /** The producer's call: copy *frame to the end.
- * @return AUVID_OK (an abort: always); AUVID_ERR_LIMIT (full: dropped and counted); AUVID_ERR_NULL; AUVID_ERR_STATE
- * (not initialised). */
+ * @return AUVID_OK (an abort: always); AUVID_ERR_LIMIT (full: dropped and counted); AUVID_ERR_NULL;
+ * AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame);
 
 /** The consumer's call: take an abort set aside, or else the oldest.

@@ -20,12 +20,12 @@
  * guard ABORTED. All of them cancel an order to arm that waits for its tick.
  *
  * Two nodes must not command the same thrusters. While armed or exciting a node aborts, with the
- * cause AUVID_GUARD_FOREIGN_COMMAND, on an authentic command frame that is none of its own last four
- * of that half, byte for byte: those may come back, from a driver that echoes what was sent, late or
- * merged. It does not notice a node that sends the very same bytes (same configuration, seed and
- * start), nor one that sends them up to three ticks after it; but that one notices this one, and its
- * zero is foreign here. While the bytes are the same, receivers obey one of the two: the other's
- * counters are repeated or jumped.
+ * cause AUVID_GUARD_FOREIGN_COMMAND, on an authentic command frame that is not, byte for byte, one
+ * of its own last four of that half. Those four may come back late, merged or twice, from a driver
+ * that echoes what was sent. The node does not notice another one that sends the very same bytes
+ * (same configuration, seed and start), nor one that sends them up to three ticks later; but the
+ * later one notices the earlier one, and its zero is foreign to that. While the bytes are the same,
+ * receivers obey one of the two: the other's counters are repeated or jumped.
  *
  * Time is the tick's: what came since the tick before counts as sent at this one, less the age it
  * carries. So a log of the frames replays bit for bit, however fast it is read. A sender that knows
@@ -130,8 +130,8 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
  * first frame is its tick frame
  * @param frame [AUVID_NODE_COMMANDS] written: to be sent at once. @param count written: how many
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no tick yet: no frames);
- * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (no tick, so no tick frame: nothing but a command of zero
- * if it was exciting; an order to arm waits on). */
+ * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (no tick, so no tick frame: nothing but a command of
+ * zero if it was exciting; an order to arm waits on). */
 auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,
                                int *count);
 

@@ -20,7 +20,7 @@
 /* A controller that starts so much later than this board; a pause in the log that is waited for
  * [us]. Shorter ones pass at once. */
 #define LATE_US 300000u
-#define PAUSE_US 100000u
+#define PAUSE_US 100000
 
 /* Interrupts without a fed watchdog, after which the run has failed: some seconds. */
 #define WATCHDOG 20000u
@@ -100,7 +100,7 @@ static void interrupt(void)
         uint32_t before_us = (uint32_t)coming.t_us;
         over = !read_frame(&coming);
         uint32_t pause_us = (uint32_t)coming.t_us - before_us;
-        due_us = pause_us > PAUSE_US ? clock_us + pause_us : 0;
+        due_us = (int32_t)pause_us > PAUSE_US ? clock_us + pause_us : 0;
         if (kind == AUVID_CAN_TICK) {
             return;
         }
