@@ -13,10 +13,10 @@
  * become one.
  *
  * AUVID_CAN_BARRIER() keeps the frame's bytes on the right side of the index that publishes them,
- * for the compiler and, between two cores, for the memory (a full fence). With gcc and
- * clang it is a fence that needs no library (dmb on ARM). Other compilers must define it: a compiler barrier suffices where
- * producer and consumer run on one core. An aligned 32-bit load or store must be one access, as it
- * is on every target with a CAN controller of 32 bits.
+ * for the compiler and, between two cores, for the memory. With gcc and clang it is a full fence
+ * that needs no library (dmb on ARM). Other compilers must define it: a compiler barrier suffices
+ * where producer and consumer run on one core. An aligned 32-bit load or store must be one access,
+ * as it is on every target with a CAN controller of 32 bits.
  *
  * Cost: a copy of 24 bytes and 20 instructions each; an abort, its checksum besides. Memory: the
  * caller's, one frame each place.

@@ -82,8 +82,8 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
 
 /** Take a frame. Use the message only when the answer is AUVID_CAN_GOOD (an abort: on any
  * authentic frame).
- * @param frame with its time of arrival. A frame stamped by the time-out or more before the last one
- * counts as one after a time-out
+ * @param frame with its time of arrival. A frame stamped by the time-out or more before the last
+ * one counts as one after a time-out
  * @param message written when the frame is authentic: good, repeated, jumped
  * @return AUVID_CAN_GOOD, _REPEATED, _JUMPED, _BAD; AUVID_CAN_FOREIGN (another message's, or a null
  * pointer: nothing done). */
