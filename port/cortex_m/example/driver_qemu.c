@@ -36,7 +36,7 @@ static auvid_can_fifo_t *queue;
 static volatile bool over; /* the log is */
 static volatile uint32_t clock_us;
 static auvid_can_frame_t coming; /* the next one of the log, when the clock is at due_us */
-static uint32_t due_us = LATE_US;
+static uint32_t due_us;
 static volatile uint32_t unfed;
 
 /* ---- bus.log ---- */
@@ -158,6 +158,7 @@ void driver_start(auvid_can_fifo_t *received)
         driver_fault("bus.log or sent.log cannot be opened");
     }
     over = !read_frame(&coming);
+    due_us = LATE_US;
     machine_timer(interrupt);
 }
 
