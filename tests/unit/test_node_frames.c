@@ -151,6 +151,49 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     TEST_ASSERT_TRUE(node.in.depth.depth_m == 6);
 }
 
+static void test_attitude_and_rates_arrive_as_they_are(void)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+    auvid_nav_state_t s;
+    begin();
+    for (uint32_t k = 1; k <= 2; ++k) {
+        a.as.imu_attitude.phi = AUVID_C(0.1);
+        a.as.imu_attitude.theta = AUVID_C(-0.2);
+        a.as.imu_attitude.psi = AUVID_C(0.3);
+        r.as.imu_rates.p = AUVID_C(0.01);
+        r.as.imu_rates.q = AUVID_C(-0.02);
+        r.as.imu_rates.r = AUVID_C(0.03);
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        step_at(k);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
+    for (int i = 0; i < 3; ++i) {
+        static const double attitude[3] = {0.1, -0.2, 0.3}, rates[3] = {0.01, -0.02, 0.03};
+        TEST_ASSERT_TRUE(fabs((double)s.attitude[i] - attitude[i]) < 0.00021);
+        TEST_ASSERT_TRUE(fabs((double)s.rates[i] - rates[i]) < 0.00026);
+    }
+}
+
+/* Half a sample is none. */
+static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
+{
+    for (int wrong = 0; wrong < 8; ++wrong) {
+        auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+        auvid_can_message_t *m = wrong < 4 ? &a : &r;
+        begin();
+        m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
+        if (wrong % 4 == 3) {
+            m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        step_at(100);
+        TEST_ASSERT_EQUAL_UINT64(0, imu_us());
+        TEST_ASSERT_EQUAL_UINT32(wrong % 4 == 3, node.counters.unknown_age);
+    }
+}
+
 static void test_a_sample_is_as_old_as_its_frame_says(void)
 {
     auvid_can_message_t m;
@@ -251,6 +294,53 @@ static void test_lost_ticks_are_counted_each(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks_missed);
     step_at(10);
     TEST_ASSERT_EQUAL_UINT32(3, node.counters.ticks_missed);
+}
+
+/* Up to a second ahead is a pause, and more a clock that was set. */
+static void test_a_clock_more_than_a_second_ahead_was_set(void)
+{
+    for (uint32_t more = 0; more < 2; ++more) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+        begin();
+        step_at(1);
+        m.as.tick.sequence = 2;
+        m.as.tick.time = 20000 + 1000000 + more;
+        TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+        TEST_ASSERT_EQUAL_UINT32(more, node.counters.clock_steps);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* it goes on a second later */
+    }
+}
+
+/* ---- init ---- */
+
+static void test_one_to_eight_thrusters_are_taken(void)
+{
+    identifier.excitation.segments = 0;
+    for (uint8_t thrusters = 0; thrusters <= AUVID_CAN_THRUSTERS + 1; ++thrusters) {
+        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+            identifier.allocation.thruster[i] = auvid_allocation_girona500.thruster[i % 5];
+        }
+        identifier.allocation.thrusters = thrusters;
+        bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+        TEST_ASSERT_EQUAL(some ? AUVID_OK : AUVID_ERR_SIZE,
+                          auvid_node_init(&node, &config, &identifier));
+        TEST_ASSERT_EQUAL(some, node.ready);
+    }
+}
+
+static void test_null_and_overlapping_identifiers_are_refused(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, NULL, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &config, NULL));
+    config.ids.slow = config.ids.fast;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_FALSE(node.ready);
+    memset(&config, 0xFF, sizeof config);
+    auvid_node_defaults(&config);
+    TEST_ASSERT_FALSE(config.excite || config.answer);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
 }
 
 /* ---- the guard's altitude ---- */
@@ -476,12 +566,17 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_value_of_a_sensor_frame_arrives);
+    RUN_TEST(test_attitude_and_rates_arrive_as_they_are);
+    RUN_TEST(test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out);
     RUN_TEST(test_a_sample_is_as_old_as_its_frame_says);
     RUN_TEST(test_samples_without_an_age_or_a_value_are_left_out);
     RUN_TEST(test_an_age_beyond_the_tick_is_the_beginning_of_time);
     RUN_TEST(test_halves_of_an_imu_sample_are_up_to_30_ms_apart);
     RUN_TEST(test_an_imu_sample_enters_once);
     RUN_TEST(test_lost_ticks_are_counted_each);
+    RUN_TEST(test_a_clock_more_than_a_second_ahead_was_set);
+    RUN_TEST(test_one_to_eight_thrusters_are_taken);
+    RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
     RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
     RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
