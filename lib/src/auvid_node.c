@@ -200,8 +200,7 @@ static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t
                                    const auvid_can_frame_t *frame, bool fresh)
 {
     switch (m->kind) {
-    case AUVID_CAN_ABORT:
-        node->arming = false;
+    case AUVID_CAN_ABORT: /* an order to arm that waits finds the guard ABORTED */
         (void)auvid_identifier_abort(&node->id);
         break;
     case AUVID_CAN_ARM:

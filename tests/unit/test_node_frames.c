@@ -140,10 +140,12 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     m = (auvid_can_message_t){.kind = AUVID_CAN_GPS};
     m.as.gps.x = 4;
     m.as.gps.y = 5;
+    m.as.gps.age = 8;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
     TEST_ASSERT_TRUE(node.in.gps.present);
     TEST_ASSERT_TRUE(node.in.gps.x_m == 4);
     TEST_ASSERT_TRUE(node.in.gps.y_m == 5);
+    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* until the tick, its age */
     m = (auvid_can_message_t){.kind = AUVID_CAN_DEPTH};
     m.as.depth.depth = 6;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
@@ -432,6 +434,26 @@ static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
     TEST_ASSERT_EQUAL(1, heard.calls);
 }
 
+static void test_a_thruster_without_feedback_gives_nothing(void)
+{
+    static const auvid_listener_t listener = {hear, nothing};
+    memset(&heard, 0, sizeof heard);
+    identifier.listener = &listener;
+    begin();
+    step_at(1);
+    for (int absent = 0; absent < 4; ++absent) {
+        auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A, .absent = 1u << absent};
+        for (int i = 0; i < 4; ++i) {
+            a.as.thruster_feedback_a.thrust[i] = AUVID_C(0.5);
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        step_at(2 + (uint32_t)absent);
+        for (int i = 0; i < 4; ++i) {
+            TEST_ASSERT_TRUE(heard.command[i] == (i == absent ? 0 : AUVID_C(0.5)));
+        }
+    }
+}
+
 static void test_thrust_that_the_recorder_refuses_is_counted(void)
 {
     identifier.allocation.thruster[0].max_N = AUVID_C(2e9);
@@ -580,6 +602,7 @@ int main(void)
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
     RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
     RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
+    RUN_TEST(test_a_thruster_without_feedback_gives_nothing);
     RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
     RUN_TEST(test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction);
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);

@@ -466,6 +466,19 @@ static void test_one_foreign_command_of_either_half_aborts(void)
     }
 }
 
+static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
+{
+    auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
+    now = idle;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&now.node.id));
+    hear(&now, &frame, 1);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_FOREIGN_COMMAND, cause(&now));
+    now = exciting; /* in SETTLING nothing is commanded any more */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&now.node.id.guard, now.node.t_us));
+    hear(&now, &frame, 1);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, state(&now));
+}
+
 static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
@@ -578,6 +591,7 @@ int main(void)
     RUN_TEST(test_a_twin_that_sends_the_same_bytes_is_not_noticed);
     RUN_TEST(test_echoes_of_the_last_four_commands_are_its_own);
     RUN_TEST(test_one_foreign_command_of_either_half_aborts);
+    RUN_TEST(test_a_foreign_command_aborts_a_guard_that_is_armed_only);
     RUN_TEST(test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more);
     RUN_TEST(test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_else);
     RUN_TEST(test_an_order_to_arm_waits_for_a_tick_that_is_one);
