@@ -77,7 +77,8 @@ enum {
     AUVID_CAN_CAUSE_YAW_RATE = 17,
     AUVID_CAN_CAUSE_DISTANCE = 18,
     AUVID_CAN_CAUSE_RUN_TIME = 19,
-    AUVID_CAN_CAUSE_SATURATION = 20
+    AUVID_CAN_CAUSE_SATURATION = 20,
+    AUVID_CAN_CAUSE_FOREIGN_COMMAND = 21
 };
 
 /** Values of `action`. */
@@ -172,7 +173,9 @@ enum {
 };
 
 /** 0x044, on event. Order to the node. Arm: excite as soon as the guard permits; disarm: end it
- * at once; stop: fade out. On event. A frame without the key is refused. */
+ * at once; stop: fade out. On event. Arm needs a counter that follows the last one; disarm and
+ * stop take thrust away whatever theirs says, but only a disarm with such a counter clears an
+ * abort. A frame without the key is refused. */
 typedef struct {
     /** What to do; 0..2 */
     uint32_t action;
