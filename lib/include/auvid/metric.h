@@ -257,8 +257,10 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 /** Go on from what is known: rows that say pi = its value within its standard error are merged with
  * those of the sets, weighted with the residual of these. Where the sets contradict them
  * (Chow's F of a DoF above 6), they are forgotten: memory.known is 0 then. Regressor path only.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE (a standard error or colour not > 0). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a bit of `known` that
+ * is no free parameter's, a value beyond 1e18, of a known parameter a standard error or colour that
+ * is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: checked, and not used). Refused:
+ * nothing changed. */
 auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory);
 
 /** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
