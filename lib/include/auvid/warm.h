@@ -27,6 +27,7 @@ extern "C" {
 /** Bytes of a record. */
 enum { AUVID_WARM_BYTES = 236 };
 
+#define auvid_warm_save AUVID_SIZED(auvid_warm_save)
 /**
  * Write the last estimate.
  * @param record [AUVID_WARM_BYTES] written when AUVID_OK
@@ -35,6 +36,7 @@ enum { AUVID_WARM_BYTES = 236 };
  */
 auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
 
+#define auvid_warm_start AUVID_SIZED(auvid_warm_start)
 /**
  * Begin with a record instead of nothing: after init, before the first set is complete.
  * @param record [bytes]
@@ -46,6 +48,7 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
  */
 auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
 
+#define auvid_warm_known AUVID_SIZED(auvid_warm_known)
 /**
  * Begin with parameters known from elsewhere (a towing tank, a calculation, a sister vehicle), as
  * with a record: after init, before the first set is complete. What is known wrongly is dropped
