@@ -97,7 +97,7 @@ static bool is_error(auvid_real_t x)
     return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
 }
 
-static auvid_status_t check(const auvid_metric_t *metric, const auvid_memory_t *memory)
+auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric, const auvid_memory_t *memory)
 {
     if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
         !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
@@ -121,7 +121,7 @@ auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_
     if (metric == NULL || memory == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check(metric, memory);
+    auvid_status_t status = auvid_metric_check_memory(metric, memory);
     if (status < 0) {
         return status;
     }

@@ -299,7 +299,7 @@ static void restore_and_go_on(uint32_t count, int seconds)
     memset(&other.id, 0xA5, sizeof other.id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other.id, bytes, count));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&other.id, bytes, count));
     for (int k = 0; k < seconds * 50; ++k) {
         chain_tick(&chain);
         chain_tick(&other);
@@ -327,7 +327,7 @@ static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
     uint32_t count = save();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     before = chain.id;
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_restore(&chain.id, bytes, count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_resume(&chain.id, bytes, count));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 

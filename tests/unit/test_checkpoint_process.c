@@ -240,7 +240,7 @@ static int go_on(const char *run_file, const char *saved_file, uint32_t from)
     config.id.search.seed = 99; /* the checkpoint knows better */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
         auvid_identifier_init(&id, &config.id) != AUVID_OK ||
-        auvid_checkpoint_restore(&id, saved, (uint32_t)size) != AUVID_OK) {
+        auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }
     for (uint32_t k = from + 1; k < run.ticks; ++k) {
@@ -332,13 +332,13 @@ static void test_an_excitation_that_was_interrupted_is_aborted(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
     uint32_t bytes = save(&id, saved);
     begin(&id);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
     step(&id, &run.tick[1020], &out); /* 0.4 s later */
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
     TEST_ASSERT_EQUAL(AUVID_GUARD_TICK, out.cause);
     TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
                              sizeof out.excitation);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
     step(&id, &run.tick[1], &out); /* a clock that began anew */
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
 }
