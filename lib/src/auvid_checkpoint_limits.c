@@ -116,6 +116,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, cycles, cycles),
     UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, segment, segment, AUVID_MAX_SEGMENTS),
     FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, second, negative),
+    VALUE(TABLE_EXCITATION, auvid_excitation_t, displacement, displacement),
     FLAG(TABLE_EXCITATION, auvid_excitation_t, running, finished),
 
     UP_TO(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
@@ -125,6 +126,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed, -1e9, 1e9),
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_ABORTED),
+    WITHIN(TABLE_GUARD, auvid_guard_t, home, home, -1e9, 1e9),
     FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
@@ -201,6 +203,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),
     DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, saturated),
+    WITHIN(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, 0.0, 1e9),
+    WITHIN(TABLE_IDENTIFIER, auvid_identifier_t, home, home, -1e9, 1e9),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, found, anew),
 

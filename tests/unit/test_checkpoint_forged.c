@@ -45,6 +45,7 @@ static auvid_row_t store[STORE];
 static auvid_vehicle_t vehicle;
 static auvid_rng_t rng;
 static uint8_t forged[MOST];
+static char what[200]; /* has been forged, for a message */
 
 void setUp(void)
 {
@@ -217,6 +218,10 @@ static void forge(const moment_t *m)
         auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
         at += auvid_rng_below(&rng, run.count) * run.row->width - run.skip;
         change_scalar(forged + AUVID_CHECKPOINT_HEAD + at, run.row->width);
+        size_t said = strlen(what);
+        (void)snprintf(what + said, sizeof what - said, "; table %u, row at %u, byte %u: %02x",
+                       run.table, (unsigned)run.row->offset, (unsigned)at,
+                       forged[AUVID_CHECKPOINT_HEAD + at]);
     }
     if (auvid_rng_below(&rng, 50) == 0) {
         forged[4 + auvid_rng_below(&rng, 20)] ^= (uint8_t)(1u << auvid_rng_below(&rng, 8));
@@ -228,7 +233,7 @@ static void forge(const moment_t *m)
 
 #define FINITE(array) auvid_all_finite(array, sizeof(array) / sizeof(auvid_real_t))
 
-static void check_published(const chain_t *c, const char *what)
+static void check_published(const chain_t *c)
 {
     const auvid_estimate_t *e = &c->id.estimate;
     const auvid_judgement_t *to = &c->id.judgement;
@@ -248,7 +253,7 @@ static void check_published(const chain_t *c, const char *what)
 }
 
 /* Ticks with work; the wrench is zero, or within what is planned. */
-static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act, const char *what)
+static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
     (void)auvid_excitation_peak(&fresh[world].excitation, peak);
@@ -261,7 +266,7 @@ static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act,
             auvid_real_t most = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
             TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= most, what);
         }
-        check_published(c, what);
+        check_published(c);
     }
 }
 
@@ -272,7 +277,6 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
     uint32_t taken = 0, refused = 0;
     record_all();
     for (uint32_t n = 0; n < forgeries; ++n) {
-        char what[64];
         world_t world = (world_t)(n / 16 % WORLDS);
         const moment_t *m = &moment[world][n / 48 % moments[world]];
         bool resumes = n % 4 == 0;
@@ -293,11 +297,11 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         chain = m->chain;
         chain.id = restored;
         chain.waiting = false;
-        check_published(&chain, what);
+        check_published(&chain);
         bool longer = ++taken % stride == 0;
-        check_ticks(&chain, world, 8, resumes, what);
+        check_ticks(&chain, world, 8, resumes);
         chain.waiting = true; /* and now it may */
-        check_ticks(&chain, world, longer ? 800 : 8, true, what);
+        check_ticks(&chain, world, longer ? 800 : 8, true);
     }
     (void)alarm(0);
     printf("%u forgeries of %u checkpoints: %u refused, %u taken, %u of them for a set\n",
