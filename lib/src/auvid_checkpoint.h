@@ -105,7 +105,7 @@ typedef struct {
 /** Byte `at` of the body and what follows. */
 auvid_checkpoint_run_t auvid_checkpoint_locate(const auvid_checkpoint_sizes_t *sizes, uint32_t at);
 
-/** Where byte k of a scalar, from the lowest, stands in the `stride` bytes that it has in memory. */
+/** Where byte k of a scalar, from the lowest, stands in the `stride` bytes it has in memory. */
 uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k);
 
 /** Which values scalars of a struct may have. */

@@ -1,7 +1,7 @@
 /*
  * The checkpoint: which values the members of each struct may have, in the order of
- * auvid_checkpoint_layout.c. What is not named may have any value, reals any finite one. What has to
- * go together: auvid_checkpoint_validate.c.
+ * auvid_checkpoint_layout.c. What is not named may have any value, reals any finite one. What has
+ * to go together: auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint.h"
 #include "auvid_math.h"
@@ -11,11 +11,12 @@
         table, same, (uint16_t)offsetof(type, first),                                              \
             (uint16_t)(offsetof(type, last) + sizeof((type *)0)->last), low, high                  \
     }
-/* `first` .. `last`, one after the other. */
-#define WITHIN(table, type, first, last, low, high)                                                \
-    LIMIT(table, false, type, first, last, AUVID_C(low), AUVID_C(high))
+/* `first` .. `last`, one after the other: low .. high, -most .. most, 0 .. most. */
+#define RANGE(table, type, first, last, low, high)                                                 \
+    LIMIT(table, false, type, first, last, low, (auvid_real_t)(high))
+#define WITHIN(table, type, first, last, most) RANGE(table, type, first, last, -(most), most)
 #define UP_TO(table, type, first, last, most)                                                      \
-    LIMIT(table, false, type, first, last, AUVID_C(0.0), (auvid_real_t)(most))
+    RANGE(table, type, first, last, AUVID_C(0.0), most)
 #define FLAG(table, type, first, last) UP_TO(table, type, first, last, 1)
 #define DOFS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
 /* Of the model, and so of this identifier. */
@@ -23,84 +24,85 @@
     LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
 
 /* Parameters, bounds, steps: squares are finite. Costs (crs.h). Sums of squares of rows, which are
- * within 1e15. */
-#define VALUE(table, type, first, last) WITHIN(table, type, first, last, -1e18, 1e18)
-#define COST(table, type, first, last) WITHIN(table, type, first, last, -1e24, 1e24)
-#define SQUARES(table, type, first, last) WITHIN(table, type, first, last, 0.0, 1e35)
-/* Six of the longest cells. */
-#define DELAY(table, type, first, last) WITHIN(table, type, first, last, 0.0, 6.01)
+ * within 1e15. Lengths and speeds. Six of the longest cells. */
+#define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
+#define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
+#define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
+#define SIZE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
+#define DELAY(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(6.01))
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_SEARCH, auvid_search_config_t, lower, good),
     FLAG(TABLE_SEARCH, auvid_search_config_t, has_good, has_good),
     UP_TO(TABLE_SEARCH, auvid_search_config_t, population, population, AUVID_MAX_POPULATION),
-    WITHIN(TABLE_SEARCH, auvid_search_config_t, omega, omega, 0.0, 1e9),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, omega, omega, AUVID_C(1e9)),
     FLAG(TABLE_SEARCH, auvid_search_config_t, scale_by_bounds, literal_search),
 
-    WITHIN(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity, -1e9, 1e9),
+    SIZE(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity),
 
     UP_TO(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, axes, axes, 3),
     FLAG(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, alive, alive),
 
     UP_TO(TABLE_NAV, auvid_nav_t, gps_start, gps_count, AUVID_NAV_GPS_START_MAX),
     UP_TO(TABLE_NAV, auvid_nav_t, flags, flags, 2 * AUVID_NAV_IN_GAP - 1),
-    WITHIN(TABLE_NAV, auvid_nav_t, ready, ready, 1.0, 2.0),
-    WITHIN(TABLE_NAV, auvid_nav_t, position, velocity, -1e9, 1e9),
-    WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, -1e15, 1e15),
-    WITHIN(TABLE_NAV, auvid_nav_t, rotation, rotation, -1.01, 1.01),
-    WITHIN(TABLE_NAV, auvid_nav_t, attitude, attitude, -1e4, 1e4),
-    WITHIN(TABLE_NAV, auvid_nav_t, rates, rates, -100.0, 100.0),
-    WITHIN(TABLE_NAV, auvid_nav_t, turns, turns, -1e6, 1e6),
-    WITHIN(TABLE_NAV, auvid_nav_t, q, q, 1e-13, 1.01e5),
-    WITHIN(TABLE_NAV, auvid_nav_t, r, r, 1e-9, 1e7),
+    RANGE(TABLE_NAV, auvid_nav_t, ready, ready, AUVID_C(1.0), AUVID_C(2.0)),
+    SIZE(TABLE_NAV, auvid_nav_t, position, velocity),
+    WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, AUVID_C(1e15)),
+    WITHIN(TABLE_NAV, auvid_nav_t, rotation, rotation, AUVID_C(1.01)),
+    WITHIN(TABLE_NAV, auvid_nav_t, attitude, attitude, AUVID_C(1e4)),
+    WITHIN(TABLE_NAV, auvid_nav_t, rates, rates, AUVID_C(100.0)),
+    WITHIN(TABLE_NAV, auvid_nav_t, turns, turns, AUVID_C(1e6)),
+    RANGE(TABLE_NAV, auvid_nav_t, q, q, AUVID_C(1e-13), AUVID_C(1.01e5)),
+    RANGE(TABLE_NAV, auvid_nav_t, r, r, AUVID_C(1e-9), AUVID_C(1e7)),
     UP_TO(TABLE_NAV, auvid_nav_t, gate, gate, AUVID_LARGEST),
     UP_TO(TABLE_NAV, auvid_nav_t, agility, speed_limit, 100),
     UP_TO(TABLE_NAV, auvid_nav_t, metres_per_pascal, metres_per_pascal, 11),
     UP_TO(TABLE_NAV, auvid_nav_t, surface_pressure, surface_pressure, 1000000),
-    WITHIN(TABLE_NAV, auvid_nav_t, surface_depth, surface_depth, -1e5, 1e5),
-    WITHIN(TABLE_NAV, auvid_nav_t, mount, mount, -1.01, 1.01),
-    WITHIN(TABLE_NAV, auvid_nav_t, lever, lever, -1e3, 1e3),
+    WITHIN(TABLE_NAV, auvid_nav_t, surface_depth, surface_depth, AUVID_C(1e5)),
+    WITHIN(TABLE_NAV, auvid_nav_t, mount, mount, AUVID_C(1.01)),
+    WITHIN(TABLE_NAV, auvid_nav_t, lever, lever, AUVID_C(1e3)),
     UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, 2000000),
-    WITHIN(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset, -1e9, 1e9),
+    SIZE(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset),
 
     FLAG(TABLE_STREAM, auvid_recorder_stream_t, valid, valid),
 
-    WITHIN(TABLE_RECORDER, auvid_recorder_t, cfg.cell_us, cfg.cell_us, 1e3, 1e6),
-    WITHIN(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, 1e3, 1e9),
+    RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.cell_us, cfg.cell_us, AUVID_C(1e3), AUVID_C(1e6)),
+    RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, AUVID_C(1e3), AUVID_C(1e9)),
     FLAG(TABLE_RECORDER, auvid_recorder_t, cfg.input, cfg.input),
-    WITHIN(TABLE_RECORDER, auvid_recorder_t, last, mean, -2e9, 2e9),
+    WITHIN(TABLE_RECORDER, auvid_recorder_t, last, mean, AUVID_C(2e9)),
     FLAG(TABLE_RECORDER, auvid_recorder_t, running, broken),
 
     SQUARES(TABLE_SET, auvid_set_t, tau_m2, tau_m2),
-    WITHIN(TABLE_SET, auvid_set_t, exponent, exponent, -126.0, 60.0),
+    RANGE(TABLE_SET, auvid_set_t, exponent, exponent, -AUVID_C(126.0), AUVID_C(60.0)),
     DOFS(TABLE_SET, auvid_set_t, driven),
 
     SAME(TABLE_METRIC, auvid_metric_t, cfg.free, cfg.fixed),
-    WITHIN(TABLE_METRIC, auvid_metric_t, cfg.tau_max, cfg.tau_max, 1e-12, 1e12),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.tau_max, cfg.tau_max, AUVID_C(1e-12), AUVID_C(1e12)),
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.driven, cfg.driven),
-    WITHIN(TABLE_METRIC, auvid_metric_t, cfg.cell_us, cfg.cell_us, 1e3, 1e6),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.cell_us, cfg.cell_us, AUVID_C(1e3), AUVID_C(1e6)),
     UP_TO(TABLE_METRIC, auvid_metric_t, cfg.velocity_us, cfg.velocity_us, 1000000),
-    WITHIN(TABLE_METRIC, auvid_metric_t, cfg.row_cells, cfg.set_rows, 1.0, 65535.0),
-    LIMIT(TABLE_METRIC, false, auvid_metric_t, cfg.sets, cfg.sets, AUVID_C(1.0), AUVID_MAX_SETS),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.row_cells, cfg.set_rows, AUVID_C(1.0),
+          AUVID_C(65535.0)),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.sets, cfg.sets, AUVID_C(1.0), AUVID_MAX_SETS),
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.smoothing, cfg.smoothing),
-    LIMIT(TABLE_METRIC, false, auvid_metric_t, cfg.lag, cfg.lag, AUVID_C(1.0), AUVID_METRIC_LAGS),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.lag, cfg.lag, AUVID_C(1.0), AUVID_METRIC_LAGS),
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.estimate_delay, cfg.estimate_delay),
     DELAY(TABLE_METRIC, auvid_metric_t, cfg.delay_s, cfg.delay_s),
     DOFS(TABLE_METRIC, auvid_metric_t, cfg.lagged),
     SAME(TABLE_METRIC, auvid_metric_t, columns, count),
-    LIMIT(TABLE_METRIC, false, auvid_metric_t, taps, taps, AUVID_C(1.0), AUVID_MAX_TAPS),
-    LIMIT(TABLE_METRIC, false, auvid_metric_t, overlap, overlap, AUVID_C(1.0), AUVID_MAX_OVERLAP),
+    RANGE(TABLE_METRIC, auvid_metric_t, taps, taps, AUVID_C(1.0), AUVID_MAX_TAPS),
+    RANGE(TABLE_METRIC, auvid_metric_t, overlap, overlap, AUVID_C(1.0), AUVID_MAX_OVERLAP),
     SAME(TABLE_METRIC, auvid_metric_t, index, channel_at),
-    WITHIN(TABLE_METRIC, auvid_metric_t, kernel, kernel, -1e6, 1e6),
-    WITHIN(TABLE_METRIC, auvid_metric_t, spread, spread, 0.0, 0.5),
+    WITHIN(TABLE_METRIC, auvid_metric_t, kernel, kernel, AUVID_C(1e6)),
+    UP_TO(TABLE_METRIC, auvid_metric_t, spread, spread, AUVID_C(0.5)),
     VALUE(TABLE_METRIC, auvid_metric_t, accumulator, previous),
     VALUE(TABLE_METRIC, auvid_metric_t, factor, tau_mean),
     SQUARES(TABLE_METRIC, auvid_metric_t, tau_m2, tau_m2),
     VALUE(TABLE_METRIC, auvid_metric_t, merged, merged),
-    WITHIN(TABLE_METRIC, auvid_metric_t, band_weight, band_weight, 0.0, 1e3),
-    WITHIN(TABLE_METRIC, auvid_metric_t, weight, weight, 0.0, 1e24),
+    UP_TO(TABLE_METRIC, auvid_metric_t, band_weight, band_weight, AUVID_C(1e3)),
+    UP_TO(TABLE_METRIC, auvid_metric_t, weight, weight, AUVID_C(1e24)),
     FLAG(TABLE_METRIC, auvid_metric_t, share, share),
-    LIMIT(TABLE_METRIC, false, auvid_metric_t, window_length, window_length, AUVID_C(1.0),
+    RANGE(TABLE_METRIC, auvid_metric_t, window_length, window_length, AUVID_C(1.0),
           AUVID_METRIC_WINDOW),
     UP_TO(TABLE_METRIC, auvid_metric_t, at_band, at_band, AUVID_METRIC_BANDS - 1),
     UP_TO(TABLE_METRIC, auvid_metric_t, at_dof, at_dof, AUVID_DOF_COUNT),
@@ -110,9 +112,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOFS(TABLE_METRIC, auvid_metric_t, lagged),
     UP_TO(TABLE_METRIC, auvid_metric_t, change_rank, change_rank, AUVID_MAX_PARAMETERS),
 
-    WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, level, before, -1.0, 1.0),
-    WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, scale, scale, 0.0, 1e4),
-    WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, frequency_hz, frequency_hz, 0.0, 6.0),
+    WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, level, before, AUVID_C(1.0)),
+    UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, scale, scale, AUVID_C(1e4)),
+    UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, frequency_hz, frequency_hz, AUVID_C(6.0)),
     FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, cycles, cycles),
     UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, segment, segment, AUVID_MAX_SEGMENTS),
     FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, second, negative),
@@ -122,11 +124,11 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
 
     DOFS(TABLE_ADAPTIVE, auvid_adaptive_t, driving),
-    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, -1.0, 1.0),
-    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed, -1e9, 1e9),
+    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, AUVID_C(1.0)),
+    SIZE(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_ABORTED),
-    WITHIN(TABLE_GUARD, auvid_guard_t, home, home, -1e9, 1e9),
+    SIZE(TABLE_GUARD, auvid_guard_t, home, home),
     FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
@@ -155,33 +157,33 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOFS(TABLE_VALIDATION, auvid_validation_t, dofs),
     VALUE(TABLE_VALIDATION, auvid_validation_t, past, mean),
     SQUARES(TABLE_VALIDATION, auvid_validation_t, m2, sse),
-    WITHIN(TABLE_VALIDATION, auvid_validation_t, predicted, predicted, -1e9, 1e9),
+    SIZE(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
 
-    LIMIT(TABLE_CRS, false, auvid_crs_t, config.n, config.n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
-    LIMIT(TABLE_CRS, false, auvid_crs_t, config.population, config.population, AUVID_C(2.0),
+    RANGE(TABLE_CRS, auvid_crs_t, config.n, config.n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    RANGE(TABLE_CRS, auvid_crs_t, config.population, config.population, AUVID_C(2.0),
           AUVID_MAX_POPULATION),
     UP_TO(TABLE_CRS, auvid_crs_t, config.epsilon, config.epsilon, AUVID_LARGEST),
     FLAG(TABLE_CRS, auvid_crs_t, config.reduction, config.reduction),
-    WITHIN(TABLE_CRS, auvid_crs_t, config.omega, config.omega, 0.0, 1e9),
+    UP_TO(TABLE_CRS, auvid_crs_t, config.omega, config.omega, AUVID_C(1e9)),
     VALUE(TABLE_CRS, auvid_crs_t, config.lower, config.upper),
     VALUE(TABLE_CRS, auvid_crs_t, theta, theta),
     COST(TABLE_CRS, auvid_crs_t, cost, cost),
     UP_TO(TABLE_CRS, auvid_crs_t, initial_spread, last_spread, AUVID_LARGEST),
-    WITHIN(TABLE_CRS, auvid_crs_t, state, state, 1.0, 5.0),
+    RANGE(TABLE_CRS, auvid_crs_t, state, state, AUVID_C(1.0), AUVID_C(5.0)),
     FLAG(TABLE_CRS, auvid_crs_t, asked, again),
 
-    LIMIT(TABLE_LINE_CONFIG, false, auvid_line_search_config_t, n, n, AUVID_C(1.0),
-          AUVID_MAX_PARAMETERS),
+    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
     FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, literal, literal),
     UP_TO(TABLE_LINE_CONFIG, auvid_line_search_config_t, alpha0, alpha0, 1000),
     FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, sigma, sigma),
-    WITHIN(TABLE_LINE_CONFIG, auvid_line_search_config_t, delta, delta, 1.0, 100.0),
+    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, delta, delta, AUVID_C(1.0),
+          AUVID_C(100.0)),
     FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, gamma, epsilon),
     VALUE(TABLE_LINE_CONFIG, auvid_line_search_config_t, lower, start),
 
     VALUE(TABLE_LINE_SEARCH, auvid_line_search_t, theta, previous),
     UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, 4),
-    WITHIN(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, 1.0, 4.0),
+    RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, AUVID_C(1.0), AUVID_C(4.0)),
     FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, plain, plain),
     FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, asked, asked),
     COST(TABLE_LINE_SEARCH, auvid_line_search_t, cost, previous_cost),
@@ -190,7 +192,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     VALUE(TABLE_JOB, auvid_confidence_job_t, pi, pi),
     UP_TO(TABLE_JOB, auvid_confidence_job_t, index, index, AUVID_MAX_PARAMETERS - 1),
-    LIMIT(TABLE_JOB, false, auvid_confidence_job_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    RANGE(TABLE_JOB, auvid_confidence_job_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
     UP_TO(TABLE_JOB, auvid_confidence_job_t, phase, phase, 6),
     FLAG(TABLE_JOB, auvid_confidence_job_t, delayed, delayed),
 
@@ -203,11 +205,12 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),
     DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, saturated),
-    WITHIN(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, 0.0, 1e9),
-    WITHIN(TABLE_IDENTIFIER, auvid_identifier_t, home, home, -1e9, 1e9),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, AUVID_C(1e9)),
+    SIZE(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, found, anew),
 
     VALUE(TABLE_ROW, auvid_row_t, late, late),
 };
-const size_t auvid_checkpoint_limits = sizeof auvid_checkpoint_limit / sizeof auvid_checkpoint_limit[0];
+const size_t auvid_checkpoint_limits =
+    sizeof auvid_checkpoint_limit / sizeof auvid_checkpoint_limit[0];

@@ -7,17 +7,15 @@
 #include <string.h>
 
 #include "auvid_checkpoint.h"
-#include "auvid_checksum.h"
+#include "auvid_confidence.h"
 #include "auvid_identifier.h"
+#include "auvid_line_search.h"
 #include "auvid_math.h"
 #include "auvid_metric.h"
 
-/* auvid_line_search.h, auvid_crs.c, auvid_confidence.c */
-enum { MOVE_AXIS = 3, CRS_FILL = 2, CONFIDENCE_DONE = 6, NOWHERE = 255 };
-/* auvid_identifier_work.c */
-enum { BEGIN_PRICE = 100 };
-/* auvid_confidence.c: phases in which it goes from DoF to DoF */
-enum { OWN = 0, ROTATE = 1, SCATTER = 4 };
+enum { CRS_FILL = 2 };                                /* auvid_crs.c */
+enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE }; /* auvid_confidence.c */
+enum { BEGIN_PRICE = 100 };                           /* auvid_identifier_work.c */
 
 typedef struct {
     const auvid_identifier_t *id;
@@ -82,8 +80,8 @@ static bool run_is_possible(const view_t *v, const auvid_checkpoint_run_t *run, 
     }
     for (size_t l = 0; l < auvid_checkpoint_limits; ++l) {
         const auvid_checkpoint_limit_t *limit = &auvid_checkpoint_limit[l];
-        bool touches = limit->table == run->table && limit->first < row->offset + row->count * row->stride &&
-                       limit->end > first;
+        bool touches = limit->table == run->table && limit->end > first &&
+                       limit->first < row->offset + row->count * row->stride;
         for (uint32_t k = 0; touches && k < run->count; ++k) {
             size_t here = first + (size_t)k * row->stride;
             good = good && (here < limit->first || here >= limit->end ||
@@ -150,7 +148,8 @@ static bool nav_is_possible(const view_t *v)
 /* Row `row` of the set that was recorded `age` sets ago. */
 static uint32_t set_rows(const view_t *v, uint32_t age)
 {
-    uint32_t sets = WORD(metric.cfg.sets), slot = (WORD(metric.turns) + 2u * sets - 1u - age) % sets;
+    uint32_t sets = WORD(metric.cfg.sets);
+    uint32_t slot = (WORD(metric.turns) + 2u * sets - 1u - age) % sets;
     return word(v, AT(metric.set[0].rows) + slot * sizeof(auvid_set_t));
 }
 
@@ -313,7 +312,7 @@ static bool job_is_possible(const view_t *v)
                      : phase == ROTATE  ? m->count[j]
                      : phase == SCATTER ? 2u * (uint32_t)auvid_metric_order(m, (int)j) + 1u
                                         : n;
-    return phase < CONFIDENCE_DONE && WORD(confidence.at_row) < steps;
+    return phase < DONE && WORD(confidence.at_row) < steps;
 }
 
 static bool identifier_is_possible(const view_t *v)

@@ -328,7 +328,7 @@ static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(
 /* The plan and the guard's limits decide on forces: a file has no say in them. */
 static void test_plan_thrusters_and_limits_are_those_of_init(void)
 {
-    const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 40};
+    const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, strong, 30, 2, 1));
     config.guard.distance_max_m = 300;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));

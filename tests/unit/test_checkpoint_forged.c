@@ -102,7 +102,7 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
     return bytes;
 }
 
-/* Two moments of each phase of work that there is in `seconds` of the world, while it is excited. */
+/* Two moments of each phase of work that there is in `seconds` of the world, which is excited. */
 static void run(world_t world, double seconds)
 {
     static const auvid_real_t guess[AUVID_MAX_PARAMETERS] = {[AUVID_G500_M_U] = 500};

@@ -379,8 +379,9 @@ static void test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_an
         }
         id = before;
     }
-    TEST_ASSERT_EQUAL_HEX32(
-        1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING | 1u << AUVID_GUARD_SETTLING, states);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
+                                1u << AUVID_GUARD_SETTLING,
+                            states);
 }
 
 int main(int count, char **argument)

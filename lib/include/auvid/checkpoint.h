@@ -3,9 +3,10 @@
  * All of an identifier, to go on from after a restart as if there had been none: bit for bit.
  *
  * A checkpoint is a stream of bytes without pointers: little-endian, IEEE 754, widths that no
- * compiler chooses. It holds the configuration, the record, the data sets, the search under way, at
- * whatever point it is, and the state of navigation, excitation and guard. Whoever needs but the
- * parameters of the last dive takes the warm record (warm.h), of 236 bytes.
+ * compiler chooses. It holds the configuration (but for what decides on forces, which stays that
+ * of init), the record, the data sets, the search under way, at whatever point it is, and the state
+ * of navigation, excitation and guard. Whoever needs but the parameters of the last dive takes the
+ * warm record (warm.h), of 236 bytes.
  *
  * It is written in chunks of any size, so that no write to flash delays a tick. The identifier must
  * not change meanwhile: save from a copy, which a tick makes and later ticks write, or when nothing
@@ -22,10 +23,10 @@
  * For a model without regressor copy its storage (metric.rows), too, and set copy.metric.cfg.rows
  * to that.
  *
- * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte, to
- * save (17k a page of 256) and to restore, and 27k to begin. Size: 20.8 to 27.0 KB with default
- * sizes, by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the
- * cursor, 56 bytes; stack 0.3 KiB. Code: 5.9 KiB on a Cortex-M4F (-Os), none where not called.
+ * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte to save
+ * (17k a page of 256), 110 to restore, and 27k to begin. Size: 19.3 to 25.5 KB with default sizes,
+ * by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the cursor,
+ * 56 bytes; stack 0.6 KiB. Code: 11 KiB on a Cortex-M4F (-Os), none where not called.
  * Not in the paper.
  */
 #ifndef AUVID_CHECKPOINT_H
@@ -77,9 +78,9 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * excitation, and auvid_adaptive_begin must have been called here if it was there.
  *
  * Restoring never acts. A guard that was ARMED, EXCITING or SETTLING is DISARMED and the sequence
- * stopped; one that was ABORTED stays so. The identifier keeps its pointers (model, storage, what is
- * attached), and what decides on forces: the plan of the excitation, the thrusters and the guard's
- * limits are those of init. Everything else of the configuration is as it was when saved.
+ * stopped; one that was ABORTED stays so. The identifier keeps its pointers (model, storage, what
+ * is attached), and what decides on forces: the plan of the excitation, the thrusters and the
+ * guard's limits are those of init. Everything else of the configuration is as it was when saved.
  *
  * The checksum tells damage from data, not auvid's data from somebody else's. So each number of the
  * checkpoint is held against the values that it may have, and those that belong together against
