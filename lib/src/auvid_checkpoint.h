@@ -111,8 +111,8 @@ uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k);
 /** Which values scalars of a struct may have. */
 typedef struct {
     uint8_t table;
-    bool same;             /**< those that the identifier has already; low and high are not read */
-    uint16_t first, end;   /**< bytes of the struct */
+    bool same;              /**< those that the identifier has already; low and high are not read */
+    uint32_t first, end;    /**< bytes of the struct */
     auvid_real_t low, high; /**< low < 0 in whole numbers: they have a sign */
 } auvid_checkpoint_limit_t;
 extern const auvid_checkpoint_limit_t auvid_checkpoint_limit[];

@@ -8,8 +8,8 @@
 
 #define LIMIT(table, same, type, first, last, low, high)                                           \
     {                                                                                              \
-        table, same, (uint16_t)offsetof(type, first),                                              \
-            (uint16_t)(offsetof(type, last) + sizeof((type *)0)->last), low, high                  \
+        table, same, (uint32_t)offsetof(type, first),                                              \
+            (uint32_t)(offsetof(type, last) + sizeof((type *)0)->last), low, high                  \
     }
 /* `first` .. `last`, one after the other: low .. high, -most .. most, 0 .. most. */
 #define RANGE(table, type, first, last, low, high)                                                 \
