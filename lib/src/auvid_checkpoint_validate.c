@@ -13,9 +13,10 @@
 #include "auvid_math.h"
 #include "auvid_metric.h"
 
-enum { CRS_FILL = 2 };                                /* auvid_crs.c */
-enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE }; /* auvid_confidence.c */
-enum { BEGIN_PRICE = 100 };                           /* auvid_identifier_work.c */
+/* As auvid_crs.c, auvid_confidence.c and auvid_identifier_work.c have them for themselves. */
+enum { CRS_FILL = 2 };
+enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
+enum { BEGIN_PRICE = 100 };
 
 typedef struct {
     const auvid_identifier_t *id;
@@ -321,7 +322,8 @@ static bool identifier_is_possible(const view_t *v)
     uint32_t work = parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE);
     bool asks = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST;
     bool simulates = (parts & PART_SIMULATED) != 0;
-    bool good = WORD(paid) <= BEGIN_PRICE + 1u && (!asks || searching) &&
+    bool good = parts < 2u * PART_ADAPTIVE && WORD(paid) <= BEGIN_PRICE + 1u &&
+                (!asks || searching) &&
                 ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
                 (!simulates || identifier_vehicle(v->id)->acceleration != NULL);
     if (phase == AUVID_WORK_CONFIDENCE) {
