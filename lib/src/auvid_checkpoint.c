@@ -30,31 +30,17 @@ enum { LAYOUT = 4, MODEL = 8, PARTS = 12, ROWS = 16, BYTES = 20 };
 
 typedef auvid_checkpoint_row_t row_t;
 
-/* Bytes that each struct takes in the stream. */
-typedef struct {
-    uint32_t parts;
-    uint32_t of[TABLE_COUNT];
-} sizes_t;
+typedef auvid_checkpoint_sizes_t sizes_t;
+typedef auvid_checkpoint_run_t run_t;
 
-static uint32_t element_bytes(const sizes_t *sizes, const row_t *row)
-{
-    return row->width != 0 ? row->width : sizes->of[row->table];
-}
-
-static uint32_t row_bytes(const sizes_t *sizes, const row_t *row)
-{
-    bool there = row->parts == 0 || (row->parts & sizes->parts) != 0;
-    return there ? row->count * element_bytes(sizes, row) : 0u;
-}
-
-static void measure(sizes_t *sizes, uint32_t parts)
+void auvid_checkpoint_measure(sizes_t *sizes, uint32_t parts)
 {
     sizes->parts = parts;
     for (int t = 0; t < TABLE_COUNT; ++t) {
         const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
         uint32_t bytes = 0;
         for (uint32_t i = 0; i < table->rows; ++i) {
-            bytes += row_bytes(sizes, &table->row[i]);
+            bytes += auvid_checkpoint_bytes(sizes, &table->row[i]);
         }
         sizes->of[t] = bytes;
     }
@@ -113,7 +99,7 @@ static uint32_t checksum_of_model(const auvid_identifier_t *id)
 static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes, uint8_t *head)
 {
     uint32_t rows = rows_of(id);
-    measure(sizes, parts);
+    auvid_checkpoint_measure(sizes, parts);
     auvid_put_word(head, MAGIC);
     auvid_put_word(head + LAYOUT, checksum_of_layout());
     auvid_put_word(head + MODEL, checksum_of_model(id));
@@ -125,19 +111,9 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 
 /* ---- the body ---- */
 
-/* Scalars that lie in memory at equal distances. */
-typedef struct {
-    bool stored; /* in the storage of rows, else in the identifier */
-    size_t offset;
-    const row_t *row;
-    uint32_t count;
-    uint32_t skip; /* bytes of the first that are done */
-} run_t;
-
-/* Byte `at` of the body and what follows. */
-static run_t locate(const sizes_t *sizes, uint32_t at)
+run_t auvid_checkpoint_locate(const sizes_t *sizes, uint32_t at)
 {
-    run_t run = {false, 0, NULL, 0, 0};
+    run_t run = {false, 0, 0, NULL, 0, 0};
     int table = TABLE_IDENTIFIER;
     if (at >= sizes->of[TABLE_IDENTIFIER]) {
         at -= sizes->of[TABLE_IDENTIFIER];
@@ -149,30 +125,30 @@ static run_t locate(const sizes_t *sizes, uint32_t at)
     do {
         const row_t *row = auvid_checkpoint_table[table].row;
         for (;; ++row) {
-            uint32_t bytes = row_bytes(sizes, row);
+            uint32_t bytes = auvid_checkpoint_bytes(sizes, row);
             if (at < bytes) {
                 break;
             }
             at -= bytes;
         }
-        uint32_t index = at / element_bytes(sizes, row);
-        at %= element_bytes(sizes, row);
+        uint32_t index = at / auvid_checkpoint_element(sizes, row);
+        at %= auvid_checkpoint_element(sizes, row);
         run.offset += row->offset + (size_t)index * row->stride;
         run.row = row;
         run.count = row->count - index;
+        run.table = (uint8_t)table;
         table = row->table;
     } while (run.row->width == 0);
     run.skip = at;
     return run;
 }
 
-/* Where byte k, from the lowest, of a scalar stands. */
-static uint8_t *byte_of(uint8_t *scalar, uint32_t stride, uint32_t k)
+uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
 {
     const uint16_t one = 1;
     uint8_t lowest;
     memcpy(&lowest, &one, 1);
-    return scalar + (lowest == 1 ? k : stride - 1u - k);
+    return lowest == 1 ? k : stride - 1u - k;
 }
 
 /* Up to `most` bytes of the body from `at` on, into `to` or, where that is null, out of `from`.
@@ -180,7 +156,7 @@ static uint8_t *byte_of(uint8_t *scalar, uint32_t stride, uint32_t k)
 static uint32_t copy(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
                      uint8_t *to, const uint8_t *from)
 {
-    run_t run = locate(sizes, at);
+    run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
     /* what is written is the caller's own, not constant */
     uint8_t *memory = (run.stored ? (uint8_t *)id->metric.cfg.rows : (uint8_t *)id) + run.offset;
@@ -190,7 +166,7 @@ static uint32_t copy(const auvid_identifier_t *id, const sizes_t *sizes, uint32_
             memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
         }
         for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
-            uint8_t *byte = byte_of(memory, row->stride, k);
+            uint8_t *byte = memory + auvid_checkpoint_byte(row->stride, k);
             if (to != NULL) {
                 to[done] = *byte;
             } else {
@@ -233,7 +209,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         return AUVID_ERR_STATE;
     }
     sizes_t sizes;
-    measure(&sizes, cursor->head[PARTS]);
+    auvid_checkpoint_measure(&sizes, cursor->head[PARTS]);
     while (*bytes < room && cursor->at < cursor->bytes) {
         uint8_t *to = chunk + *bytes;
         uint32_t at = cursor->at, done = 1;
@@ -278,12 +254,12 @@ static auvid_status_t check(const auvid_identifier_t *id, const uint8_t *checkpo
     }
     bool whole =
         auvid_get_word(own + BYTES) == bytes && auvid_get_word(checkpoint + BYTES) == bytes;
-    bool adapts = id->adapt != NULL || (sizes->parts & PART_ADAPTIVE) == 0;
+    bool adapts = (id->adapt != NULL) == ((sizes->parts & PART_ADAPTIVE) != 0);
     return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
 }
 
-auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
-                                        uint32_t bytes)
+auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,
+                                       uint32_t bytes)
 {
     if (id == NULL || checkpoint == NULL) {
         return AUVID_ERR_NULL;
@@ -298,6 +274,10 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
     }
     auvid_metric_t *m = &id->metric;
     uint32_t body = bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
+    status = auvid_checkpoint_validate(id, &sizes, checkpoint + AUVID_CHECKPOINT_HEAD, body);
+    if (status != AUVID_OK) {
+        return status;
+    }
     memset(&id->prediction, 0, sizeof id->prediction); /* what may be dead is zero */
     memset(m->window, 0, sizeof m->window);
     const size_t in_turn = offsetof(auvid_identifier_t, config); /* the union at the end */
@@ -308,9 +288,20 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
     if ((sizes.parts & PART_SIMULATED) != 0) {
         id->prediction.vehicle = identifier_vehicle(id);
     }
-    if ((sizes.parts & PART_ADAPTIVE) == 0) {
-        id->adapt = NULL; /* the sequence is not to be played as an envelope */
-    }
     (void)auvid_metric_remember(m, &m->memory); /* the function that goes with it */
     return AUVID_OK;
+}
+
+auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
+                                        uint32_t bytes)
+{
+    auvid_status_t status = auvid_checkpoint_resume(id, checkpoint, bytes);
+    if (status == AUVID_OK) {
+        auvid_guard_state_t state = id->guard.state;
+        if (state != AUVID_GUARD_DONE && state != AUVID_GUARD_ABORTED) {
+            (void)auvid_guard_disarm(&id->guard);
+        }
+        id->excitation.running = id->excitation.stopping = id->starting = false;
+    }
+    return status;
 }

@@ -1,7 +1,9 @@
 /*
  * The checkpoint: what it holds, struct by struct. All members are here but pointers, which the
- * identifier that is restored into has already, and memory that is dead between calls. A test
- * (tests/validation/test_checkpoint.sh) names what is missing.
+ * identifier that is restored into has already, memory that is dead between calls, and what decides
+ * on forces: the plan of the excitation, the thrusters and the guard's limits are those that the
+ * identifier was initialised with. A test (tests/validation/test_checkpoint.sh) names what is
+ * missing. Which values members may have: auvid_checkpoint_limits.c.
  */
 #include "auvid_checkpoint.h"
 #include "auvid_math.h"
@@ -11,30 +13,32 @@
 #define SIZE(type, member) sizeof(((type *)0)->member)
 #define BYTES(type, first, last) (offsetof(type, last) + SIZE(type, last) - offsetof(type, first))
 #define WHOLE(bytes, unit) ((bytes) / sizeof(char[(bytes) % sizeof(unit) == 0 ? 1 : -1]))
-#define SOME(type, unit, first, last, parts)                                                       \
+#define SOME(type, unit, first, last, parts, finite)                                               \
     {                                                                                              \
         offsetof(type, first), (uint32_t)(WHOLE(BYTES(type, first, last), unit) / sizeof(unit)),   \
-            (uint32_t)sizeof(unit), (uint8_t)sizeof(unit), 0, parts                                \
+            (uint32_t)sizeof(unit), (uint8_t)sizeof(unit), 0, parts, finite                        \
     }
-#define SPAN(type, unit, first, last) SOME(type, unit, first, last, 0)
-#define REALS(type, first, last) SOME(type, auvid_real_t, first, last, 0)
+#define SPAN(type, unit, first, last) SOME(type, unit, first, last, 0, false)
+#define REALS(type, first, last) SOME(type, auvid_real_t, first, last, 0, true)
+/* Costs and residuals, which need not be finite where a model fails. */
+#define COSTS(type, first, last) SOME(type, auvid_real_t, first, last, 0, false)
 /* Flags are bytes, too. */
-#define BYTE(type, first, last) SOME(type, uint8_t, first, last, 0)
+#define BYTE(type, first, last) SOME(type, uint8_t, first, last, 0, false)
 /* An enumeration, in a byte: how wide it is in memory is the compiler's choice. */
 #define ENUM(type, member)                                                                         \
     {                                                                                              \
-        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 1, 0, 0                           \
+        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 1, 0, 0, false                    \
     }
 #define STRUCT_OF(type, member, table, parts)                                                      \
     {                                                                                              \
-        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 0, table, parts                   \
+        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 0, table, parts, false            \
     }
 #define STRUCT(type, member, table) STRUCT_OF(type, member, table, 0)
 /* An array of structs. */
 #define STRUCTS(type, member, table)                                                               \
     {                                                                                              \
         offsetof(type, member), (uint32_t)(SIZE(type, member) / SIZE(type, member[0])),            \
-            (uint32_t)SIZE(type, member[0]), 0, table, 0                                           \
+            (uint32_t)SIZE(type, member[0]), 0, table, 0, false                                    \
     }
 
 typedef auvid_checkpoint_row_t row_t;
@@ -123,8 +127,11 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint16_t, rows, rows),
     STRUCTS(auvid_metric_t, set, TABLE_SET),
     SPAN(auvid_metric_t, uint32_t, turns, turns),
-    REALS(auvid_metric_t, merged, squares),
-    SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL),
+    REALS(auvid_metric_t, merged, band_weight),
+    COSTS(auvid_metric_t, band_sse, z),
+    REALS(auvid_metric_t, candidate, weight),
+    COSTS(auvid_metric_t, sum, squares),
+    SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL, false),
     REALS(auvid_metric_t, share, share),
     SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
     SPAN(auvid_metric_t, uint16_t, at_row, paid),
@@ -134,30 +141,11 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint16_t, dof_rows, dof_rows),
     REALS(auvid_metric_t, delay_s, delay_s),
     BYTE(auvid_metric_t, lagged, lagged),
-    REALS(auvid_metric_t, constant, sse),
+    REALS(auvid_metric_t, constant, constant),
+    COSTS(auvid_metric_t, cost, sse),
     SPAN(auvid_metric_t, uint32_t, sets_recorded, sets_recorded),
-    REALS(auvid_metric_t, predicted, change),
+    COSTS(auvid_metric_t, predicted, change),
     BYTE(auvid_metric_t, change_rank, change_rank),
-};
-
-static const row_t thruster[] = {
-    REALS(auvid_thruster_t, wrench, max_N),
-    ENUM(auvid_thruster_t, law),
-    REALS(auvid_thruster_t, gain_forward, gain_backward),
-};
-
-static const row_t allocation[] = {
-    STRUCTS(auvid_allocation_t, config.thruster, TABLE_THRUSTER),
-    BYTE(auvid_allocation_t, config.thrusters, config.priority),
-    REALS(auvid_allocation_t, inverse, inverse),
-    BYTE(auvid_allocation_t, actuated, rank),
-};
-
-static const row_t segment[] = {
-    ENUM(auvid_segment_t, dof),
-    ENUM(auvid_segment_t, kind),
-    REALS(auvid_segment_t, pause_s, hold_max_s),
-    BYTE(auvid_segment_t, sines, pairs),
 };
 
 static const row_t channel[] = {
@@ -167,16 +155,11 @@ static const row_t channel[] = {
 };
 
 static const row_t excitation[] = {
-    STRUCTS(auvid_excitation_t, config.segment, TABLE_SEGMENT),
-    BYTE(auvid_excitation_t, config.segments, config.segments),
-    REALS(auvid_excitation_t, config.duration_s, config.fade_s),
-    SPAN(auvid_excitation_t, uint64_t, config.seed, config.seed),
-    REALS(auvid_excitation_t, config.leash, config.leash),
     STRUCTS(auvid_excitation_t, channel, TABLE_CHANNEL),
-    SPAN(auvid_excitation_t, uint32_t, duration_us, pause_us),
     REALS(auvid_excitation_t, displacement, displacement),
-    SPAN(auvid_excitation_t, uint32_t, fade_us, repetition),
-    SPAN(auvid_excitation_t, uint64_t, repeated_us, stop_us),
+    SPAN(auvid_excitation_t, uint32_t, repetition, repetition),
+    SPAN(auvid_excitation_t, uint64_t, repeated_us, repeated_us),
+    SPAN(auvid_excitation_t, uint64_t, start_us, stop_us),
     BYTE(auvid_excitation_t, running, finished),
 };
 
@@ -193,21 +176,16 @@ static const row_t adaptive[] = {
     SPAN(auvid_adaptive_t, uint32_t, estimate, rng),
     SPAN(auvid_adaptive_t, uint64_t, run_us, run_us),
     SPAN(auvid_adaptive_t, uint32_t, from_us, hold_us),
-    REALS(auvid_adaptive_t, before, leash),
+    REALS(auvid_adaptive_t, before, low_owed),
 };
 
 static const row_t guard[] = {
     ENUM(auvid_guard_t, state),
     STRUCT(auvid_guard_t, trip, TABLE_TRIP),
     STRUCT(auvid_guard_t, refused, TABLE_TRIP),
-    REALS(auvid_guard_t, cfg.depth_min_m, cfg.distance_max_m),
-    SPAN(auvid_guard_t, uint32_t, cfg.run_max_s, cfg.alive_us),
-    REALS(auvid_guard_t, cfg.calm_speed, cfg.calm_rate),
-    SPAN(auvid_guard_t, uint32_t, cfg.calm_us, cfg.off),
-    BYTE(auvid_guard_t, cfg.altitude_required, cfg.water_lock),
     SPAN(auvid_guard_t, uint64_t, t_us, alive_us),
     REALS(auvid_guard_t, home, home),
-    BYTE(auvid_guard_t, stepped, ready),
+    BYTE(auvid_guard_t, stepped, altitude_known),
 };
 
 static const row_t confidence[] = {
@@ -264,7 +242,8 @@ static const row_t crs[] = {
     REALS(auvid_crs_t, config.lower, config.upper),
     REALS(auvid_crs_t, theta, cost),
     SPAN(auvid_crs_t, uint16_t, order, order),
-    REALS(auvid_crs_t, trial, last_spread),
+    COSTS(auvid_crs_t, trial, trial),
+    REALS(auvid_crs_t, initial_spread, last_spread),
     SPAN(auvid_crs_t, uint32_t, rng, most_rejections),
     SPAN(auvid_crs_t, uint16_t, filled, worst),
     BYTE(auvid_crs_t, state, again),
@@ -288,8 +267,8 @@ static const row_t optimizer[] = {
     STRUCT_OF(auvid_optimizer_t, crs, TABLE_CRS, PART_GLOBAL),
     STRUCT_OF(auvid_optimizer_t, line_search, TABLE_LINE_SEARCH, PART_LOCAL),
     STRUCT(auvid_optimizer_t, local, TABLE_LINE_CONFIG),
-    SOME(auvid_optimizer_t, auvid_real_t, cost, cost, PART_LOCAL),
-    SOME(auvid_optimizer_t, uint32_t, evaluations, attempts, PART_LOCAL),
+    SOME(auvid_optimizer_t, auvid_real_t, cost, cost, PART_LOCAL, true),
+    SOME(auvid_optimizer_t, uint32_t, evaluations, attempts, PART_LOCAL, false),
     BYTE(auvid_optimizer_t, phase, phase),
 };
 
@@ -322,7 +301,6 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, nav, TABLE_NAV),
     STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),
     STRUCT(auvid_identifier_t, metric, TABLE_METRIC),
-    STRUCT(auvid_identifier_t, allocation, TABLE_ALLOCATION),
     STRUCT(auvid_identifier_t, excitation, TABLE_EXCITATION),
     STRUCT(auvid_identifier_t, adaptive, TABLE_ADAPTIVE),
     STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
@@ -330,7 +308,7 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, trusted, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, judgement, TABLE_JUDGEMENT),
     STRUCT_OF(auvid_identifier_t, prediction, TABLE_VALIDATION, PART_SIMULATED),
-    REALS(auvid_identifier_t, predicted, predicted),
+    COSTS(auvid_identifier_t, predicted, predicted),
     SPAN(auvid_identifier_t, uint64_t, t_us, t_us),
     SPAN(auvid_identifier_t, uint32_t, knot, work_most),
     BYTE(auvid_identifier_t, phase, place),
@@ -366,9 +344,6 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_RECORDER] = TABLE(recorder),
     [TABLE_SET] = TABLE(set),
     [TABLE_METRIC] = TABLE(metric),
-    [TABLE_THRUSTER] = TABLE(thruster),
-    [TABLE_ALLOCATION] = TABLE(allocation),
-    [TABLE_SEGMENT] = TABLE(segment),
     [TABLE_CHANNEL] = TABLE(channel),
     [TABLE_EXCITATION] = TABLE(excitation),
     [TABLE_ADAPTIVE] = TABLE(adaptive),

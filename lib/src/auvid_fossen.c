@@ -237,7 +237,8 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
 #endif
 #define FOSSEN_MODEL(title)                                                                        \
     {                                                                                              \
-        .name = title, .parameters = AUVID_FOSSEN_COUNT, .parameter = fossen_parameter,            \
+        .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_FOSSEN_COUNT,                 \
+        .parameter = fossen_parameter,                                                             \
         .columns = {[AUVID_SURGE] = FORCES | BIT(X_U) | BIT(X_UU) | COUPLED | CONSTANT(X_0),       \
                     [AUVID_SWAY] = FORCES | BIT(Y_V) | BIT(Y_VV) | COUPLED | CONSTANT(Y_0),        \
                     [AUVID_HEAVE] = FORCES | BIT(Z_W) | BIT(Z_WW) | COUPLED | CONSTANT(Z_0),       \

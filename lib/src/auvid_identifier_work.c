@@ -260,6 +260,7 @@ static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
         break;
     case AUVID_WORK_IDLE:
     default:
+        id->phase = AUVID_WORK_IDLE;
         break;
     }
     return status;

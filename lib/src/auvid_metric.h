@@ -147,6 +147,10 @@ static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
 
+/** Could this be known of the metric's model? Statuses of auvid_metric_remember. */
+auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric,
+                                         const auvid_memory_t *memory);
+
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
 

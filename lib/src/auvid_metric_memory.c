@@ -16,6 +16,12 @@
 /* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
 #define LIMIT AUVID_C(6.0)
 
+/* Larger values are no parameters (crs.h), larger entries of a row no rows (as when recording). */
+#define LARGEST_VALUE AUVID_C(1e18)
+#define LARGEST_ENTRY AUVID_C(1e15)
+/* Standard errors and colours are between the inverse of this and this. */
+#define LARGEST_ERROR AUVID_C(2e30)
+
 /* Parameters of DoF j's own that are remembered: bit k, by column. */
 static uint32_t columns_known(const auvid_metric_t *m, int j)
 {
@@ -35,6 +41,9 @@ static void rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
     row[k] = noise / m->memory.sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         row[m->count[j] + d] = row[k] * m->memory.pi[i];
+    }
+    if (auvid_all_within(row + k, (size_t)(n - k), LARGEST_ENTRY) != AUVID_OK) {
+        return; /* its squares would not be finite */
     }
     auvid_triangle_add(m->merged + m->factor_at[j], n, k, row);
 }
@@ -83,14 +92,13 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+static bool is_error(auvid_real_t x)
 {
-    if (metric == NULL || memory == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (!auvid_metric_has_regressor(metric)) {
-        return AUVID_ERR_MODEL;
-    }
+    return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
+}
+
+auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric, const auvid_memory_t *memory)
+{
     if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
         !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
         !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
@@ -99,9 +107,26 @@ auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         int j = (int)metric->cfg.vehicle->parameter[i].dof;
         if ((memory->known >> i & 1u) &&
-            !(memory->sigma[i] > AUVID_C(0.0) && memory->colour[j] > AUVID_C(0.0))) {
+            !(is_error(memory->sigma[i]) && is_error(memory->colour[j]))) {
             return AUVID_ERR_RANGE;
         }
+    }
+    bool good = (memory->known & ~auvid_metric_free_of(metric, UINT8_MAX)) == 0 &&
+                auvid_all_within(memory->pi, AUVID_MAX_PARAMETERS, LARGEST_VALUE) == AUVID_OK;
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+{
+    if (metric == NULL || memory == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_metric_check_memory(metric, memory);
+    if (status < 0) {
+        return status;
+    }
+    if (!auvid_metric_has_regressor(metric)) {
+        return AUVID_ERR_MODEL;
     }
     metric->memory = *memory;
     metric->recall = memory->known == 0 ? NULL : recall;

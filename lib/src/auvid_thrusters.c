@@ -146,6 +146,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     th->cfg = *cfg;
     memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
     auvid_vehicle_t *vehicle = &th->vehicle;
+    vehicle->built_for = AUVID_BUILD;
     vehicle->name = cfg->hull->name;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;

@@ -14,10 +14,15 @@
 
 #include "auvid_math.h"
 
+const uint8_t auvid_build = 1;
+
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
 {
     if (vehicle == NULL || vehicle->parameter == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (vehicle->built_for != AUVID_BUILD) {
+        return AUVID_ERR_SIZE;
     }
     if (vehicle->parameters < 1 || vehicle->parameters > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
@@ -217,7 +222,8 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
 #endif
 #define G500_MODEL(title, form_)                                                                   \
     {                                                                                              \
-        .name = title, .parameters = AUVID_G500_COUNT, .parameter = g500_parameter,                \
+        .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_G500_COUNT,                   \
+        .parameter = g500_parameter,                                                               \
         .columns = {[AUVID_SURGE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(X_U) |         \
                                     BIT(X_UU) | BIAS(X_0),                                         \
                     [AUVID_SWAY] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Y_V) |          \

@@ -164,6 +164,10 @@ static bool read_functions(const char *name)
     unsigned long long at;
     function_t f = {0};
     while (file != NULL && fscanf(file, "%llx %c %99s%*[^\n]", &at, &kind, f.name) == 3) {
+        char *sizes = strstr(f.name, "_f32"); /* of AUVID_SIZED() */
+        if (sizes != NULL && !strncmp(f.name, "auvid_", 6)) {
+            *sizes = '\0';
+        }
         f.at = at & ~1ull; /* Thumb's mark */
         if (strchr("tTwW", kind) != NULL && f.name[0] != '$' && n_functions < FUNCTIONS - 1) {
             functions[n_functions++] = f;

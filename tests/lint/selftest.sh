@@ -56,6 +56,7 @@ text() {
     printf '#include "auvid/types.h"\n' >tree/lib/src/auvid_math.h
     printf '#define AUVID_VERSION_%s\n' 'MAJOR 1' 'MINOR 2' 'PATCH 3' 'STRING "1.2.3"' \
         >tree/lib/include/auvid/config.h
+    printf '#ifndef AUVID_MAX_X\n#endif\n' >>tree/lib/include/auvid/config.h
     printf '## [1.2.3] - unreleased\n' >tree/CHANGELOG.md
     printf '%s\n' "$@" >snippet
     cp snippet "tree/$file"
@@ -80,6 +81,13 @@ text columns tools/long.c "$(printf '%101s' x)"
 text length tools/long.c 'int f(void)' '{' "$(yes '    x();' | head -n 61)" '}'
 text path tools/where.c 'open("/home''/somebody/x");'
 text version CHANGELOG.md '## [1.2.4] - unreleased'
+link_name() { # RULE DEFINE: a function of a struct that AUVID_MAX_X is in, renamed like this
+    text "$1" lib/include/auvid/nav.h 'typedef struct {' '    auvid_real_t x[1 + AUVID_MAX_X];' \
+        '} auvid_x_t;' "$2" 'void auvid_x_take(const auvid_x_t *x);'
+}
+link_name '' '#define auvid_x_take AUVID_SIZED1(auvid_x_take, AUVID_MAX_X)'
+link_name 'link name' '#define auvid_x_take AUVID_SIZED0(auvid_x_take)'
+link_name 'link name' ''
 text target Makefile '.PHONY: all' 'all:' '	true'
 
 # Compilers: what the object rules leave to the flags of lint.sh.

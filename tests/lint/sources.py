@@ -11,6 +11,7 @@ Prints one line a breach; exit status 1 when there is any.
   length      no function over 60 lines
   path        no path of somebody's own machine
   version     config.h and the newest entry of CHANGELOG.md agree
+  link name   what depends on config.h, in a public header, has the sizes in its link-time name
   target      every target of the Makefile is described for `make help`
 """
 import pathlib
@@ -171,6 +172,47 @@ def check_targets(makefile):
             yield "target", f"`{target}` has no ## comment"
 
 
+SIZE = re.compile(r"^#ifndef (AUVID_\w+)$", re.M)
+
+
+def dependencies(headers):
+    """{type: the sizes of config.h, and auvid_real_t, that its own size depends on}"""
+    code = without_comments("\n".join(headers.values()))
+    sizes = set(SIZE.findall(headers["config.h"])) | {"auvid_real_t"}
+    bodies = dict(re.findall(r"^#define (AUVID_\w+) ((?:[^\n]*\\\n)*[^\n]*)", code, re.M))
+    struct = re.compile(r"^typedef (?:struct|union)(?: \w+)? \{\n(.*?)^\} (\w+);", re.M | re.S)
+    bodies |= {name: body for body, name in struct.findall(code)}
+    bodies |= {size: "" for size in sizes}
+    held = {}  # a pointer's target does not count
+    for name, body in bodies.items():
+        members = [m for m in body.split(";") if "*" not in re.sub(r"\[[^]]*\]", "", m)]
+        words = re.findall(r"\w+", body if name.startswith("AUVID_") else " ".join(members))
+        held[name] = set(words) & bodies.keys()
+    found = {name: {name} & sizes for name in bodies}
+    while True:
+        more = {name: found[name].union(*(found[inner] for inner in held[name])) for name in bodies}
+        if more == found:
+            return {name: found[name] for name in bodies if name.startswith("auvid_")}
+        found = more
+
+
+def check_link_names(headers):
+    """Functions and variables of types that depend on config.h: which lack a size in their name?"""
+    types = dependencies(headers)
+    every = re.findall(r"define AUVID_SIZED\(name\)(.*?)\n\n", headers["config.h"], re.S)
+    for text in headers.values():
+        code = without_comments(text)
+        sized = re.compile(r"^#define (auvid_\w+)\s+\\?\s*(AUVID_SIZED.*\))$", re.M)
+        macros = dict(sized.findall(code))
+        for declaration, name in re.findall(
+                r"^(?!typedef|static)([a-z][^;{}#]*?\b(auvid_\w+)(?:[(\[][^;{}]*)?;)", code, re.M):
+            macro = macros.get(name, "")
+            has = set(re.findall(r"\w+", every[0] if "AUVID_SIZED(" in macro else macro))
+            needs = set().union(*(types.get(word, ()) for word in re.findall(r"\w+", declaration)))
+            if needs - {"auvid_real_t"} - has or (needs and not macro):
+                yield "link name", f"{name} depends on {', '.join(sorted(needs))}"
+
+
 def main():
     breaches = []
 
@@ -184,6 +226,9 @@ def main():
             continue
         note(path, check_file(path, text))
     config, changelog = root / "lib/include/auvid/config.h", root / "CHANGELOG.md"
+    headers = {path.name: path.read_text() for path in sorted(config.parent.glob("*.h"))}
+    if config.exists():
+        note(config.parent, check_link_names(headers))
     if config.exists() and changelog.exists():
         note(changelog, check_version(config.read_text(), changelog.read_text()))
     if (root / "Makefile").exists():

@@ -1,47 +1,175 @@
 #!/usr/bin/env bash
-# A caller built with other sizes, or the other arithmetic, than the library must fail to link.
-# Needs the library's objects in build/release (`make test` builds them first).
+# What was built with other sizes, or the other arithmetic, than the library must fail to link,
+# whatever it uses of it. Needs the library's objects in build/release (`make test` builds them).
 set -uo pipefail
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+config=lib/include/auvid/config.h
 
-cat >"$scratch/caller.c" <<'END'
-#include "auvid/identifier.h"
+# What a translation unit may use of auvid, each in a file of its own.
+cat >"$scratch/main.c" <<'END_C'
+extern int use(void);
 int main(void)
+{
+    return use();
+}
+END_C
+cat >"$scratch/init.c" <<'END_C'
+#include "auvid/identifier.h"
+int use(void);
+int use(void)
 {
     return auvid_identifier_init(NULL, NULL) == AUVID_ERR_NULL ? 0 : 1;
 }
-END
-
-links() {
-    gcc -std=c11 -Werror -Ilib/include "$@" -o "$scratch/caller" "$scratch/caller.c" \
-        build/release/lib/src/*.o >"$scratch/output" 2>&1
+END_C
+cat >"$scratch/step.c" <<'END_C'
+#include "auvid/identifier.h"
+int use(void);
+int use(void)
+{
+    static auvid_output_t out;
+    return auvid_identifier_step(NULL, NULL, &out) == AUVID_ERR_NULL ? 0 : 1;
 }
-
-refused() {
-    ! links "$@" && grep -q 'undefined reference to .auvid_identifier_init_' "$scratch/output"
+END_C
+cat >"$scratch/defaults.c" <<'END_C'
+#include "auvid/identifier.h"
+int use(void);
+int use(void)
+{
+    static auvid_identifier_config_t config;
+    auvid_identifier_defaults(&config, NULL);
+    return 0;
 }
+END_C
+cat >"$scratch/model.c" <<'END_C'
+#include "auvid/vehicle.h"
+int use(void);
+static void residual(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                     auvid_real_t *to)
+{
+    (void)context;
+    to[AUVID_SURGE] = pi[0] * sample->nu_dot[AUVID_SURGE] - sample->tau[AUVID_SURGE];
+}
+static const auvid_parameter_t parameter = {.name = "m", .dof = AUVID_SURGE};
+static const auvid_vehicle_t mine = {.built_for = AUVID_BUILD,
+                                     .parameters = 1,
+                                     .parameter = &parameter,
+                                     .columns = {[AUVID_SURGE] = 1},
+                                     .residual = residual};
+int use(void)
+{
+    return auvid_vehicle_check(&mine) == AUVID_OK ? 0 : 1;
+}
+END_C
+cat >"$scratch/model.cpp" <<'END_C'
+#include "auvid/vehicle.h"
+extern "C" int use(void);
+static void residual(const void *, const auvid_sample_t *sample, const auvid_real_t *pi,
+                     auvid_real_t *to)
+{
+    to[AUVID_SURGE] = pi[0] * sample->nu_dot[AUVID_SURGE] - sample->tau[AUVID_SURGE];
+}
+static const auvid_parameter_t parameter = {"m", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS};
+static const auvid_vehicle_t mine = {AUVID_BUILD, "mine", 1, &parameter, {1}, 0, residual,
+                                     nullptr, nullptr, nullptr, 0};
+int use(void)
+{
+    return auvid_vehicle_check(&mine) == AUVID_OK ? 0 : 1;
+}
+END_C
+cat >"$scratch/step.cpp" <<'END_C'
+#include "auvid/auvid.h"
+extern "C" int use(void);
+int use(void)
+{
+    static auvid_output_t out;
+    return auvid_identifier_step(nullptr, nullptr, &out) == AUVID_ERR_NULL ? 0 : 1;
+}
+END_C
 
 # report WHAT: "ok" or "not ok" by the last command's status.
 report() {
     if [ $? = 0 ]; then echo "ok - $1"; else echo "not ok - $1"; fi
 }
 
-links && "$scratch/caller"
-report "a caller built like the library links and runs"
+# compile FILE OUTPUT FLAGS...: a translation unit.
+compile() {
+    local file=$1 output=$2 compiler=(gcc -std=c11)
+    shift 2
+    [ "${file##*.}" = c ] || compiler=(g++ -std=c++14)
+    "${compiler[@]}" -Wall -Wextra -Werror -Ilib/include "$@" -c -o "$output" "$file"
+}
+
+# Ways to build and link: the compiler's flags, the linker's, and the library.
+dead=(-Os -ffunction-sections -fdata-sections)
+ar rc "$scratch/objects.a" build/release/lib/src/*.o
+mkdir "$scratch/sections" "$scratch/lto"
+# build NAME FLAGS...: the library into $scratch/NAME.a
+build() {
+    printf '%s\0' lib/src/*.c | (cd "$scratch/$1" && shift &&
+        xargs -0 -P "$(nproc)" -I {} gcc -std=c11 -I"$OLDPWD/lib/include" "$@" -c "$OLDPWD/{}")
+    gcc-ar rc "$scratch/$1.a" "$scratch/$1"/*.o
+}
+build sections "${dead[@]}"
+build lto -O1 -flto
+
+# links WAY FILE FLAGS...: does main, with FILE built with FLAGS, link? As $scratch/program.
+links() {
+    local way=$1 file=$2 flags=() linker=() library=()
+    shift 2
+    case $way in
+    objects) library=(build/release/lib/src/*.o) ;;
+    archive) library=("$scratch/objects.a") ;;
+    sections) flags=("${dead[@]}") linker=(-Wl,--gc-sections) library=("$scratch/sections.a") ;;
+    lto) flags=(-O1 -flto) linker=(-O1 -flto=1) library=("$scratch/lto.a") ;;
+    esac
+    compile "$scratch/main.c" "$scratch/main.o" "${flags[@]}" &&
+        compile "$scratch/$file" "$scratch/file.o" "${flags[@]}" "$@" &&
+        g++ "${linker[@]}" -o "$scratch/program" "$scratch/main.o" "$scratch/file.o" \
+            "${library[@]}" >"$scratch/output" 2>&1
+}
+
+refused() {
+    ! links "$@" && grep -q 'undefined reference to .auvid_' "$scratch/output"
+}
+
+for file in init.c step.c defaults.c model.c model.cpp step.cpp; do
+    for way in objects archive sections lto; do
+        links $way $file && "$scratch/program"
+        report "$file, $way: built like the library it links and runs"
+        refused $way $file -DAUVID_MAX_THRUSTERS=6
+        report "$file, $way: built with fewer thrusters it does not link"
+    done
+done
 
 # The sizes the identifier depends on: those in the AUVID_SIZED macro, each one larger (more
 # commands would want more columns: one fewer).
-config=lib/include/auvid/config.h
-sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' $config |
+sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' "$config" |
     grep -oE 'AUVID_(MAX_[A-Z_]*|REGRESSOR_ONLY)')
-for size in $sizes; do
-    value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 }
-        END { print value }' $config)
-    step=1
-    [ "$size" != AUVID_MAX_COMMANDS ] || step=-1
-    refused "-D$size=$((value + step))"
-    report "$size differs: does not link"
+for file in step.c model.c; do
+    for size in $sizes; do
+        value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 }
+            END { print value }' $config)
+        step=1
+        [ "$size" != AUVID_MAX_COMMANDS ] || step=-1
+        refused archive $file "-D$size=$((value + step))"
+        report "$file: $size differs: does not link"
+    done
+    refused archive $file -DAUVID_REAL_DOUBLE
+    report "$file: double beside float: does not link"
 done
-refused -DAUVID_REAL_DOUBLE
-report "double calls float: does not link"
+
+# The whole library in the caller's own translation unit, beside a file with other sizes.
+{
+    printf '#include "%s"\n' "$PWD"/lib/src/auvid_vehicle.c "$PWD"/lib/src/auvid_math.c
+    cat "$scratch/main.c"
+} >"$scratch/unity.c"
+unity() {
+    gcc -std=c11 -Os -Ilib/include -c -o "$scratch/unity.o" "$scratch/unity.c" &&
+        compile "$scratch/model.c" "$scratch/file.o" "$@" &&
+        gcc -o "$scratch/program" "$scratch/unity.o" "$scratch/file.o" >"$scratch/output" 2>&1
+}
+unity && "$scratch/program"
+report "a unity build links and runs"
+! unity -DAUVID_MAX_COMMANDS=7 && grep -q 'undefined reference to .auvid_build' "$scratch/output"
+report "a unity build and a model of other sizes do not link"

@@ -71,6 +71,7 @@ static void residual(const void *, const auvid_sample_t *s, const auvid_real_t *
 static auvid_vehicle_t dead_band_vehicle()
 {
     auvid_vehicle_t vehicle = {};
+    vehicle.built_for = AUVID_BUILD;
     vehicle.name = "surge with dead band";
     vehicle.parameters = PARAMETERS;
     vehicle.parameter = parameter;

@@ -1,5 +1,6 @@
 /* The checkpoint: what it takes, what it refuses, and that an identifier goes on from it. That the
  * same holds in another process, with sensors and excitation: test_checkpoint_process.c. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -305,6 +306,81 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
+/* Stages of a run, whatever led there. */
+static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(void)
+{
+    for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
+        bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        id.guard.state = (auvid_guard_state_t)state;
+        id.starting = id.excitation.running = id.excitation.stopping = watched;
+        bytes = save(&id, saved, sizeof saved);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(watched ? AUVID_GUARD_DISARMED : state, id.guard.state);
+        TEST_ASSERT_FALSE(id.starting || id.excitation.running || id.excitation.stopping);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(state, id.guard.state);
+        TEST_ASSERT_EQUAL(watched, id.starting && id.excitation.running && id.excitation.stopping);
+    }
+}
+
+/* The plan and the guard's limits decide on forces: a file has no say in them. */
+static void test_plan_thrusters_and_limits_are_those_of_init(void)
+{
+    const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, strong, 30, 2, 1));
+    config.guard.distance_max_m = 300;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, weak, 30, 2, 1));
+    config.guard.distance_max_m = 30;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_peak(&id.excitation, peak));
+    TEST_ASSERT_EQUAL_MEMORY(weak, peak, sizeof peak);
+    TEST_ASSERT_TRUE(id.guard.cfg.distance_max_m < 31);
+}
+
+static void test_work_in_an_unknown_phase_ends(void)
+{
+    id.phase = UINT8_MAX;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&id, BUDGET));
+    TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.phase);
+}
+
+/* As auvid_checkpoint_begin would write them, had memory been damaged before. */
+static void test_what_cannot_be_is_refused(void)
+{
+    static auvid_identifier_t good;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+#define IMPOSSIBLE(assignment)                                                                     \
+    other = good;                                                                                  \
+    other.assignment;                                                                              \
+    bytes = save(&other, saved, sizeof saved);                                                     \
+    check_refused(AUVID_ERR_RANGE, saved, bytes)
+    IMPOSSIBLE(phase = UINT8_MAX);
+    IMPOSSIBLE(guard.state = (auvid_guard_state_t)17);
+    IMPOSSIBLE(metric.cfg.sets = 0);
+    IMPOSSIBLE(metric.cfg.set_rows = 60000);
+    IMPOSSIBLE(metric.rows = SET_ROWS);
+    IMPOSSIBLE(metric.taps = AUVID_MAX_TAPS + 1);
+    IMPOSSIBLE(metric.overlap = 0);
+    IMPOSSIBLE(metric.channel_at[2] = 500);
+    IMPOSSIBLE(metric.index[0] = 200);
+    IMPOSSIBLE(metric.set[3].exponent[0] = 100);
+    IMPOSSIBLE(metric.set[3].driven = 1); /* and not a row */
+    IMPOSSIBLE(metric.factor[0][0] = AUVID_C(1e30));
+    IMPOSSIBLE(nav.gps_count = 200);
+    IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
+    IMPOSSIBLE(adaptive.factor[0] = AUVID_C(1000.0));
+#undef IMPOSSIBLE
+    bytes = save(&good, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
 static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
 {
     auvid_checkpoint_t cursor;
@@ -350,6 +426,10 @@ int main(void)
     RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
+    RUN_TEST(test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched);
+    RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
+    RUN_TEST(test_work_in_an_unknown_phase_ends);
+    RUN_TEST(test_what_cannot_be_is_refused);
     RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
     RUN_TEST(test_calls_out_of_order_are_refused);
     return UNITY_END();

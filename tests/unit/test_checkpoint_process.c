@@ -240,7 +240,7 @@ static int go_on(const char *run_file, const char *saved_file, uint32_t from)
     config.id.search.seed = 99; /* the checkpoint knows better */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
         auvid_identifier_init(&id, &config.id) != AUVID_OK ||
-        auvid_checkpoint_restore(&id, saved, (uint32_t)size) != AUVID_OK) {
+        auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }
     for (uint32_t k = from + 1; k < run.ticks; ++k) {
@@ -332,15 +332,56 @@ static void test_an_excitation_that_was_interrupted_is_aborted(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
     uint32_t bytes = save(&id, saved);
     begin(&id);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
     step(&id, &run.tick[1020], &out); /* 0.4 s later */
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
     TEST_ASSERT_EQUAL(AUVID_GUARD_TICK, out.cause);
     TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
                              sizeof out.excitation);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
     step(&id, &run.tick[1], &out); /* a clock that began anew */
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
+}
+
+/* Armed, exciting, settling: a program that restores has not been asked to act. */
+static void test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew(void)
+{
+    auvid_output_t out;
+    uint32_t states = 0;
+    record(false);
+    begin(&id);
+    for (uint32_t k = 1; k < run.ticks; ++k) {
+        step(&id, &run.tick[k], &out);
+        if ((states >> id.guard.state & 1u) != 0 && k % 1000 != 0) {
+            continue;
+        }
+        static auvid_identifier_t before;
+        auvid_guard_state_t state = id.guard.state;
+        bool latched = state == AUVID_GUARD_DONE || state == AUVID_GUARD_ABORTED;
+        states |= 1u << state;
+        before = id;
+        uint32_t bytes = save(&id, saved);
+        begin(&id);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(latched ? state : AUVID_GUARD_DISARMED, id.guard.state);
+        for (uint32_t i = k + 1; i < k + 50 && i < run.ticks; ++i) {
+            (void)auvid_identifier_step(&id, &run.tick[i].in, &out);
+            TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
+                                     sizeof out.excitation);
+        }
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&id));
+        if (state == AUVID_GUARD_EXCITING && k + 50 < run.ticks) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
+            (void)auvid_identifier_step(&id, &run.tick[k + 50].in, &out);
+            TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
+            TEST_ASSERT_EQUAL_UINT64(run.tick[k + 50].in.t_us, id.excitation.start_us);
+        }
+        id = before;
+    }
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
+                                1u << AUVID_GUARD_SETTLING,
+                            states);
 }
 
 int main(int count, char **argument)
@@ -362,6 +403,7 @@ int main(int count, char **argument)
     UNITY_BEGIN();
     RUN_TEST(test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit);
     RUN_TEST(test_an_excitation_that_was_interrupted_is_aborted);
+    RUN_TEST(test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew);
     int status = UNITY_END();
     (void)remove(path);
     (void)remove(saved_path);

@@ -468,7 +468,8 @@ static void failing_residual(const void *context, const auvid_sample_t *s, const
     e[AUVID_SURGE] = (auvid_real_t)NAN;
 }
 
-static auvid_vehicle_t user_vehicle = {.name = "surge",
+static auvid_vehicle_t user_vehicle = {.built_for = AUVID_BUILD,
+                                       .name = "surge",
                                        .parameters = USER_PARAMETERS,
                                        .parameter = user_parameter,
                                        .columns = {[AUVID_SURGE] = 7},

@@ -39,7 +39,8 @@ static void regressor(const void *context, const auvid_sample_t *s, auvid_regres
     x[X_UU] = -(u > 0 ? u : -u) * u;
 }
 
-static const auvid_vehicle_t hull = {.name = "surge",
+static const auvid_vehicle_t hull = {.built_for = AUVID_BUILD,
+                                     .name = "surge",
                                      .parameters = HULL,
                                      .parameter = parameter,
                                      .columns = {[AUVID_SURGE] = (1u << HULL) - 1},

@@ -42,7 +42,8 @@ static void residual(const void *context, const auvid_sample_t *s, const auvid_r
                      pi[X_UU] * speed * u - thrust(s->command[0], pi) - thrust(s->command[1], pi);
 }
 
-static const auvid_vehicle_t vehicle = {.name = "surge with dead band",
+static const auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
+                                        .name = "surge with dead band",
                                         .parameters = PARAMETERS,
                                         .parameter = parameter,
                                         .columns = {[AUVID_SURGE] = (1u << PARAMETERS) - 1},

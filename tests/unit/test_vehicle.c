@@ -314,6 +314,17 @@ static void test_check_refuses_null_pointers(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_vehicle_check(&model));
 }
 
+static void test_check_refuses_a_model_that_was_not_built_for_these_sizes(void)
+{
+    static const uint8_t foreign = 1;
+    model.built_for = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_vehicle_check(&model));
+    model.built_for = &foreign;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_vehicle_check(&model));
+    model.built_for = AUVID_BUILD;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
+}
+
 static void test_check_refuses_no_parameter_or_too_many(void)
 {
     model.parameters = 0;
@@ -450,6 +461,7 @@ int main(void)
     RUN_TEST(test_check_accepts_the_models_of_the_library);
     RUN_TEST(test_check_accepts_a_model_of_the_most_parameters);
     RUN_TEST(test_check_refuses_null_pointers);
+    RUN_TEST(test_check_refuses_a_model_that_was_not_built_for_these_sizes);
     RUN_TEST(test_check_refuses_no_parameter_or_too_many);
     RUN_TEST(test_check_refuses_a_model_without_function);
     RUN_TEST(test_check_refuses_a_model_without_dof);

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "auvid/warm.h"
+#include "auvid_checksum.h"
+#include "auvid_math.h"
 #include "binomial.h"
 #include "chain.h"
 #include "unity.h"
@@ -208,6 +210,133 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(&chain.id, NULL));
 }
 
+/* ---- a record whose content is wrong and whose checksum is right ---- */
+
+enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+/* The same model with its regressor, or without. */
+static void choose_path(bool residual)
+{
+    static auvid_row_t rows[(AUVID_MAX_SETS + 1) * 60];
+    static auvid_vehicle_t vehicle;
+    vehicle = auvid_girona500;
+    vehicle.regressor = residual ? NULL : vehicle.regressor;
+    vehicle.residual = residual ? predict : vehicle.residual;
+    config.id.vehicle = &vehicle;
+    config.id.metric.rows = residual ? rows : NULL;
+}
+
+static void correct_checksum(void)
+{
+    auvid_put_word(record + CHECK, ~auvid_checksum(UINT32_MAX, record, CHECK));
+}
+
+static void check_forged(auvid_status_t status, int at, uint32_t word)
+{
+    uint32_t before = auvid_get_word(record + at);
+    auvid_put_word(record + at, word);
+    correct_checksum();
+    check_refused(status, record, sizeof record);
+    auvid_put_word(record + at, before);
+    correct_checksum();
+}
+
+static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor(void)
+{
+    const uint32_t nan = 0x7fc00000u, infinite = 0x7f800000u, huge = 0x7f000000u;
+    dive();
+    for (int residual = 0; residual < 2; ++residual) {
+        choose_path(residual != 0);
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, nan);
+        check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, infinite);
+        check_forged(AUVID_ERR_RANGE, VALUE + 4 * AUVID_G500_X_U, huge);
+        check_forged(AUVID_ERR_NOT_FINITE, SIGMA, nan);
+        check_forged(AUVID_ERR_RANGE, SIGMA, 0); /* of two parameters */
+        check_forged(AUVID_ERR_RANGE, SIGMA, 0xbf80bf80u);
+        check_forged(AUVID_ERR_NOT_FINITE, COLOUR, nan);
+        check_forged(AUVID_ERR_RANGE, COLOUR, 0);
+        check_forged(AUVID_ERR_RANGE, COLOUR, 0xbf800000u);
+        check_forged(AUVID_ERR_RANGE, KNOWN, 0x80001fffu);            /* no such parameter */
+        check_forged(AUVID_ERR_RANGE, KNOWN, 1u << AUVID_G500_X_0);   /* a fixed one */
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    }
+}
+
+static bool publishes_finite_numbers(const auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = &id->estimate;
+    const auvid_judgement_t *to = &id->judgement;
+    return auvid_all_finite(e->pi, N) && auvid_is_finite(e->cost) &&
+           auvid_all_finite(e->delay_s, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->r2_force, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.sigma, N) &&
+           auvid_all_finite(e->confidence.noise, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.residual, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->variance_ratio, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->change, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->r2_velocity, AUVID_DOF_COUNT);
+}
+
+/* One to four bytes, also those that make a number NaN, infinite or huge. */
+static void forge(auvid_rng_t *rng)
+{
+    static const uint8_t telling[] = {0x00, 0xff, 0x7f, 0x80, 0xfe, 0x01};
+    for (uint32_t k = 0; k <= auvid_rng_below(rng, 4); ++k) {
+        uint32_t at = KNOWN + auvid_rng_below(rng, CHECK - KNOWN);
+        bool any = auvid_rng_below(rng, 2) == 0;
+        record[at] = any ? (uint8_t)auvid_rng_below(rng, 256)
+                         : telling[auvid_rng_below(rng, sizeof telling)];
+    }
+    correct_checksum();
+}
+
+/* Of those taken, one in so many goes through a set, which is held against it. */
+static void test_a_forged_record_is_refused_or_harmless(void)
+{
+    const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
+    static uint8_t genuine[AUVID_WARM_BYTES];
+    uint32_t taken = 0, driven = 0;
+    auvid_rng_t rng;
+    auvid_rng_seed(&rng, 1);
+    dive();
+    memcpy(genuine, record, sizeof genuine);
+    for (uint32_t n = 0; n < forgeries; ++n) {
+        if (n % 1000 == 0) {
+            choose_path(n / 1000 % 2 == 1);
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        }
+        memcpy(record, genuine, sizeof record);
+        forge(&rng);
+        if (auvid_warm_start(&chain.id, record, sizeof record) != AUVID_OK) {
+            TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+            continue;
+        }
+        TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
+        if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
+            ++driven;
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+            while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
+                chain_tick(&chain);
+                TEST_ASSERT_TRUE(chain.id.work_last <= AUVID_DEFAULT_BUDGET);
+            }
+            TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    }
+    printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
+           (unsigned)taken, (unsigned)driven);
+    TEST_ASSERT_TRUE(taken > forgeries / 20 && driven > 0);
+}
+
 /* The paper's vehicle, as a towing tank might have told of it. */
 static void tank(auvid_real_t *pi, auvid_real_t *sigma)
 {
@@ -395,6 +524,8 @@ int main(void)
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor);
+    RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);
     RUN_TEST(test_parameters_known_without_sense_are_refused);
     RUN_TEST(test_memory_that_makes_no_sense_is_refused);

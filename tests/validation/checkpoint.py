@@ -4,7 +4,8 @@
 usage: checkpoint.py LIBRARY.so
 Names and places come from the library's debugging information. Each member (of an array the first
 and the last element) is changed in a live identifier: the checkpoint must be another one then, and
-restored into an untouched identifier it must bring the change. Pointers must not be in it.
+restored into an untouched identifier it must bring the change, or be refused as impossible.
+Pointers must not be in it.
 Prints a line "not ok" for each that is missing, or one "ok".
 """
 import ctypes
@@ -14,6 +15,10 @@ from auvid_validation.dwarf import Binding
 
 # Dead between calls: unions whose other member is saved, and the configuration, which init copies.
 DEAD = ("config", "metric.regressor", "confidence.regressor")
+# What decides on forces stays that of init.
+KEPT = ("allocation.", "excitation.config.", "excitation.duration_us", "excitation.pause_us",
+        "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "adaptive.leash",
+        "guard.cfg.", "guard.ready")
 # What may refuse another identifier: what the model and its storage are.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
@@ -26,6 +31,7 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle", "adapt")
 SET_ROWS = 2
 ROOM = 1 << 18
+IMPOSSIBLE = -6
 
 
 def leaves(kind, path="", at=0):
@@ -64,8 +70,21 @@ class Subject:
         self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
 
     def pose(self, phase, search):
+        """A search for two values, or its result's confidence, in a state that may be."""
+        ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
         self.id.phase, self.id.searching = phase, phase == ASK
-        self.id.optimizer.phase = search
+        self.id.metric.driven = self.id.metric.dof_rows[0] = self.id.active = 1
+        if phase == CONFIDENCE:
+            self.id.confidence.n = 1
+            return
+        optimizer = self.id.optimizer
+        optimizer.phase = search
+        used = optimizer.crs if search == GLOBAL else optimizer.line_search
+        used.state, used.config.n, optimizer.local.n, optimizer.local.delta = 1, 2, 2, 2
+        if search == GLOBAL:
+            used.config.population = 3
+        else:
+            used.config.delta = 2
 
     def save(self):
         cursor, chunk = self.lib.auvid_checkpoint_t(), (ctypes.c_uint8 * ROOM)()
@@ -75,7 +94,7 @@ class Subject:
         return bytes(chunk[:size.value])
 
     def restore(self, saved):
-        return self.lib.auvid_checkpoint_restore(
+        return self.lib.auvid_checkpoint_resume(
             self.id, (ctypes.c_uint8 * len(saved)).from_buffer_copy(saved), len(saved))
 
 
@@ -95,7 +114,7 @@ def wrong(subject, whole, path, at, pointer):
     status = subject.restore(saved)
     brought = memory[at] == changed
     ctypes.memmove(memory, before, len(before))
-    refused = status != 0 and path.split("[")[0] in MODEL
+    refused = status == IMPOSSIBLE or (status != 0 and path.split("[")[0] in MODEL)
     return None if refused or (status == 0 and brought) else f"is not restored ({status!r})"
 
 
@@ -103,10 +122,11 @@ def main():
     subject, looked, bad = Subject(sys.argv[1]), 0, []
     for whole, name in ((subject.id, ""), (subject.rows, "rows")):
         for path, at, pointer in leaves(type(whole), name):
-            if path.startswith(DEAD) or path in FOLLOWED:
+            if path.startswith(DEAD + KEPT) or path in FOLLOWED:
                 continue
             _, phase, search = next(live for live in LIVE if path.startswith(live[0]))
             subject.pose(phase, search)
+            assert subject.restore(subject.save()) == 0
             looked += 1
             if what := wrong(subject, whole, path, at, pointer):
                 bad.append(f"not ok - {sys.argv[1]}: {path} {what}")

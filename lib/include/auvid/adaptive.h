@@ -60,9 +60,11 @@ typedef struct {
     uint64_t seed;       /**< of signs and holds; default 1; zero is a seed like any other */
 } auvid_adaptive_config_t;
 
+#define auvid_adaptive_defaults AUVID_SIZED0(auvid_adaptive_defaults)
 /** Fill *cfg with the defaults named at its fields. Null is ignored. */
 void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
 
+#define auvid_adaptive_begin AUVID_SIZED(auvid_adaptive_begin)
 /**
  * Excite adaptively from the next auvid_identifier_excite on: takes the place of the sequence that
  * was configured, if any. A DoF that no thruster moves is left out.

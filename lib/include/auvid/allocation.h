@@ -96,6 +96,7 @@ extern const auvid_allocation_config_t auvid_allocation_girona500;
 extern const auvid_allocation_config_t auvid_allocation_bluerov2_heavy;
 #endif
 
+#define auvid_allocation_defaults AUVID_SIZED1(auvid_allocation_defaults, AUVID_MAX_THRUSTERS)
 /** No thruster, all gains 1, linear, yaw first. config: not null, else nothing is done. */
 void auvid_allocation_defaults(auvid_allocation_config_t *config);
 
@@ -109,6 +110,7 @@ void auvid_allocation_defaults(auvid_allocation_config_t *config);
 auvid_status_t auvid_allocation_init(auvid_allocation_t *a,
                                      const auvid_allocation_config_t *config);
 
+#define auvid_allocation_solve AUVID_SIZED1(auvid_allocation_solve, AUVID_MAX_THRUSTERS)
 /**
  * Distribute a wrench over the thrusters.
  * @param wrench 6: asked for [N, Nm], |.| <= 1e9. A part in a DoF that is not in a->actuated is
@@ -121,6 +123,7 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
                                       const auvid_real_t wrench[AUVID_DOF_COUNT],
                                       auvid_allocation_result_t *result);
 
+#define auvid_allocation_wrench AUVID_SIZED1(auvid_allocation_wrench, AUVID_MAX_THRUSTERS)
 /**
  * The wrench of given thruster forces, tau = T f.
  * @param force_N as many as there are thrusters [N]; need not be within the limits (feedback).
@@ -130,6 +133,7 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
 auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                        auvid_real_t wrench[AUVID_DOF_COUNT]);
 
+#define auvid_allocation_command AUVID_SIZED1(auvid_allocation_command, AUVID_MAX_THRUSTERS)
 /**
  * Commands of the thrusters for given forces, the inverse of auvid_allocation_force.
  * @param force_N, command as many as there are thrusters; may be the same array.
@@ -138,6 +142,7 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
 auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                         auvid_real_t *command);
 
+#define auvid_allocation_force AUVID_SIZED1(auvid_allocation_force, AUVID_MAX_THRUSTERS)
 /**
  * Forces of the thrusters under given commands, by each one's law; limits are not applied.
  * @param command, force_N as many as there are thrusters; may be the same array.
@@ -147,6 +152,7 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
 auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
                                       auvid_real_t *force_N);
 
+#define auvid_allocation_capacity AUVID_SIZED1(auvid_allocation_capacity, AUVID_MAX_THRUSTERS)
 /**
  * The largest wrench in one DoF alone that keeps within the limits.
  * @param dof      0..5.
@@ -157,6 +163,7 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
 auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_t dof,
                                          auvid_real_t *negative, auvid_real_t *positive);
 
+#define auvid_allocation_check AUVID_SIZED1(auvid_allocation_check, AUVID_MAX_THRUSTERS)
 /**
  * Can the thrusters make every combination of signs of an excitation at once, on top of a standing
  * wrench? For each thruster i: T+_i hold +- sum_j |T+_ij| peak_j within its limits.

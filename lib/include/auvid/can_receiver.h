@@ -80,6 +80,7 @@ typedef struct {
 auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can_kind_t kind,
                                        uint32_t timeout_us, const auvid_can_ids_t *ids);
 
+#define auvid_can_receiver_take AUVID_SIZED0(auvid_can_receiver_take)
 /** Take a frame. Use the message only when the answer is AUVID_CAN_GOOD (an abort: on any
  * authentic frame).
  * @param frame with its time of arrival. A frame stamped by the time-out or more before the last
@@ -113,10 +114,12 @@ typedef struct {
 auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thrusters,
                                       const auvid_can_ids_t *ids);
 
+#define auvid_can_command_take AUVID_SIZED0(auvid_can_command_take)
 /** Take a frame, any of the bus. @return as auvid_can_receiver_take. */
 auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
                                          const auvid_can_frame_t *frame);
 
+#define auvid_can_command_thrust AUVID_SIZED0(auvid_can_command_thrust)
 /** Thrust commanded at now_us, for the thruster drivers. All are zero unless each half that this
  * vehicle needs has had a good frame within AUVID_CAN_COMMAND_TIMEOUT_US. The halves may be of
  * neighbouring ticks when a frame is lost. A stamp ahead of now_us by AUVID_CAN_COMMAND_TIMEOUT_US

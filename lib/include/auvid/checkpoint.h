@@ -3,9 +3,10 @@
  * All of an identifier, to go on from after a restart as if there had been none: bit for bit.
  *
  * A checkpoint is a stream of bytes without pointers: little-endian, IEEE 754, widths that no
- * compiler chooses. It holds the configuration, the record, the data sets, the search under way, at
- * whatever point it is, and the state of navigation, excitation and guard. Whoever needs but the
- * parameters of the last dive takes the warm record (warm.h), of 236 bytes.
+ * compiler chooses. It holds the configuration (but for what decides on forces, which stays that
+ * of init), the record, the data sets, the search under way, at whatever point it is, and the state
+ * of navigation, excitation and guard. Whoever needs but the parameters of the last dive takes the
+ * warm record (warm.h), of 236 bytes.
  *
  * It is written in chunks of any size, so that no write to flash delays a tick. The identifier must
  * not change meanwhile: save from a copy, which a tick makes and later ticks write, or when nothing
@@ -22,10 +23,10 @@
  * For a model without regressor copy its storage (metric.rows), too, and set copy.metric.cfg.rows
  * to that.
  *
- * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte, to
- * save (17k a page of 256) and to restore, and 27k to begin. Size: 20.8 to 27.0 KB with default
- * sizes, by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the
- * cursor, 56 bytes; stack 0.3 KiB. Code: 5.9 KiB on a Cortex-M4F (-Os), none where not called.
+ * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte to save
+ * (17k a page of 256), 110 to restore, and 27k to begin. Size: 19.3 to 25.5 KB with default sizes,
+ * by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the cursor,
+ * 56 bytes; stack 0.6 KiB. Code: 11 KiB on a Cortex-M4F (-Os), none where not called.
  * Not in the paper.
  */
 #ifndef AUVID_CHECKPOINT_H
@@ -73,20 +74,36 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 #define auvid_checkpoint_restore AUVID_SIZED(auvid_checkpoint_restore)
 /** Go on from a checkpoint: into an identifier that init has accepted for the same model, with the
- * same storage for its rows. Everything else of the configuration is as it was when saved. Pointers
- * remain as they are: model, storage, what is attached. Warm records are part of the checkpoint; so
- * is adaptive excitation, if auvid_adaptive_begin has been called here, too.
+ * same storage for its rows. Prior records are part of the checkpoint; so is the state of adaptive
+ * excitation, and auvid_adaptive_begin must have been called here if it was there.
  *
- * Time must go on: a step before the saved `t_us` is refused. An excitation that was under way goes
- * on only if the next tick comes within the guard's max_tick_us; else the guard aborts.
+ * Restoring never acts. A guard that was ARMED, EXCITING or SETTLING is DISARMED and the sequence
+ * stopped; one that was ABORTED stays so. The identifier keeps its pointers (model, storage, what
+ * is attached), and what decides on forces: the plan of the excitation, the thrusters and the
+ * guard's limits are those of init. Everything else of the configuration is as it was when saved.
+ *
+ * The checksum tells damage from data, not auvid's data from somebody else's. So each number of the
+ * checkpoint is held against the values that it may have, and those that belong together against
+ * each other. What passes keeps the identifier within its memory and its budgets; whether the data
+ * in it were ever measured, nobody can tell.
+ *
+ * Time must go on: a step before the saved `t_us` is refused.
  * @param checkpoint [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or auvid_adaptive_begin was
- * called there and not here); AUVID_ERR_CHECKSUM (damaged, cut, or no checkpoint); AUVID_ERR_SIZE
+ * called either there or here); AUVID_ERR_CHECKSUM (damaged, cut, or no checkpoint); AUVID_ERR_SIZE
  * (of a library of another version or of other sizes, or of another number of rows of storage);
- * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values). Refused
- * ones change nothing. */
+ * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
+ * AUVID_ERR_RANGE (undamaged, and yet auvid has not written it: a number is not finite, out of its
+ * range, or does not go with the others). Refused ones change nothing. */
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
                                         uint32_t bytes);
+
+#define auvid_checkpoint_resume AUVID_SIZED(auvid_checkpoint_resume)
+/** The same, and it may act: the guard and the excitation are as they were when saved. For replays
+ * and tests, where no thruster listens. An excitation that was under way goes on if the next tick
+ * comes within the guard's max_tick_us; else the guard aborts. */
+auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,
+                                       uint32_t bytes);
 
 #ifdef __cplusplus
 }

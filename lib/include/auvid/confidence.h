@@ -113,6 +113,7 @@ typedef struct {
     bool delayed; /* some delay was estimated: what it costs is being found */
 } auvid_confidence_job_t;
 
+#define auvid_confidence_begin AUVID_SIZED(auvid_confidence_begin)
 /** Begin. The metric must stay as it is until it is done.
  * @param metric merged, and measured at pi last (regressor path) or linearised there
  * (residual path)
@@ -122,12 +123,14 @@ typedef struct {
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                             const auvid_real_t *pi, auvid_real_t dry_mass_kg);
 
+#define auvid_confidence_limits AUVID_SIZED(auvid_confidence_limits)
 /** Tell, after begin, what limited the search; else there was nothing. Null is ignored.
  * @param lower, upper [n] its bounds
  * @param capped it has not converged: nothing is identifiable */
 void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
                              const auvid_real_t *upper, bool capped);
 
+#define auvid_confidence_work AUVID_SIZED(auvid_confidence_work)
 /** Go on with it.
  * @param metric as at begin
  * @param budget units of work left, reduced by those used: 6 to 50 for each row of a triangle
@@ -138,6 +141,7 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
 /** Short English phrase for a note; never null; empty for AUVID_NOTE_NONE. */
 const char *auvid_note_str(auvid_note_t note);
 
+#define auvid_confidence_missing AUVID_SIZED1(auvid_confidence_missing, AUVID_MAX_PARAMETERS)
 /** What motion, or choice, is missing, in words: "yaw: nothing moved it; excite it with steps held
  * 4-8 s and sines of 0.1-0.3 Hz".
  * @param confidence of an estimate, or null when there is none yet

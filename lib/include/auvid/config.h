@@ -7,8 +7,9 @@
  * -DAUVID_USER_CONFIG='"my_auvid_config.h"'. A wrong value stops the build with a sentence.
  *
  * The library and its caller must agree on all of this. They are checked: the sizes are part of the
- * link-time name of each init function whose struct depends on them, so a caller built with other
- * sizes fails to link instead of corrupting memory.
+ * link-time name of each function whose arguments depend on them, and of what a vehicle model
+ * points to (AUVID_BUILD), so what was built with other sizes fails to link instead of corrupting
+ * memory.
  *
  * Values must be plain decimal integers (no parentheses, no arithmetic): they become part of names.
  */
@@ -155,8 +156,8 @@
 #error "auvid: AUVID_MAX_SEGMENTS must be 1..64"
 #endif
 
-/* The link-time name of an init function carries what its struct depends on. AUVID_SIZED1(f, A)
- * becomes f_f32_A or f_f64_A, and so on. */
+/* The link-time name of a function carries what its arguments depend on: tests/lint/sources.py
+ * finds one that does not. AUVID_SIZED1(f, A) becomes f_f32_A or f_f64_A, and so on. */
 #ifdef AUVID_REAL_DOUBLE
 #define AUVID_SIZED0(name) name##_f64
 #define AUVID_SIZED1_(name, a) name##_f64_##a

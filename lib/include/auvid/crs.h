@@ -84,10 +84,13 @@ typedef struct {
     bool again;                  /**< S has been complete: its evaluation is an extra */
 } auvid_crs_t;
 
+#define auvid_crs_defaults                                                                         \
+    AUVID_SIZED2(auvid_crs_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Fill *config with the defaults for n parameters; the box, which has none, is set to zeros.
  * Null is ignored. Cost: a memset. */
 void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n);
 
+#define auvid_crs_check AUVID_SIZED2(auvid_crs_check, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Would auvid_crs_init take this configuration? Its statuses. Cost: O(n). */
 auvid_status_t auvid_crs_check(const auvid_crs_config_t *config);
 
@@ -104,6 +107,8 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config);
 #define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config);
 
+#define auvid_crs_add_point                                                                        \
+    AUVID_SIZED2(auvid_crs_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * Put a known good point into the initial population, in the place of a random one.
  * @param theta  n values in the box [parameter's unit].
@@ -114,6 +119,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
  */
 auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
 
+#define auvid_crs_ask AUVID_SIZED2(auvid_crs_ask, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The next point whose cost is wanted (Algorithm 1, lines 4, 9-15). Asking again before telling
  * gives the same point and counts nothing.
@@ -127,6 +133,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
  */
 auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta);
 
+#define auvid_crs_tell AUVID_SIZED2(auvid_crs_tell, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The cost of the point last asked for (Algorithm 1, lines 5 and 17-20).
  * @param cost  any value; NaN, infinities and values beyond +-AUVID_CRS_COST_FAILED count as
@@ -136,6 +143,8 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta);
  */
 auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost);
 
+#define auvid_crs_reevaluate                                                                       \
+    AUVID_SIZED2(auvid_crs_reevaluate, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The data have changed: all costs are stale. The coming asks return the points of S again, the
  * best first, then the search goes on; the initial spread in phi is taken anew. A point asked for
@@ -145,6 +154,7 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost);
  */
 auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs);
 
+#define auvid_crs_best AUVID_SIZED2(auvid_crs_best, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The best point of S, of those whose cost is known.
  * @param cost  may be null; its cost. While S is evaluated again, the old cost of the old best

@@ -71,6 +71,7 @@ typedef struct {
  */
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down);
 
+#define auvid_current_bounds AUVID_SIZED1(auvid_current_bounds, AUVID_MAX_PARAMETERS)
 /**
  * Bounds for a search: of the current, and of the hull what its signs demand. Without these, drags
  * that drive the vehicle in a current against the true one are a second, worse optimum, from which

@@ -152,9 +152,13 @@ typedef struct {
 #define auvid_excitation_init                                                                      \
     AUVID_SIZED2(auvid_excitation_init, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 
+#define auvid_excitation_defaults                                                                  \
+    AUVID_SIZED2(auvid_excitation_defaults, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /** Fill *config with the defaults named at its fields. config: not null, else nothing is done. */
 void auvid_excitation_defaults(auvid_excitation_config_t *config);
 
+#define auvid_excitation_plan                                                                      \
+    AUVID_SIZED2(auvid_excitation_plan, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Fill a sequence for identification: sets of set_s seconds, in turn random steps and a sum of
  * sines, independently per DoF. Steps: held 4-8 s (shorter, set_s / 4 to set_s / 2, when
@@ -177,6 +181,8 @@ auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
                                      const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                      auvid_real_t set_s, uint32_t sets, uint64_t seed);
 
+#define auvid_excitation_schedule                                                                  \
+    AUVID_SIZED2(auvid_excitation_schedule, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * The same with pauses, and with one degree of freedom after the other where asked: steps of each
  * in turn, then sines of each in turn.
@@ -201,6 +207,8 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
 auvid_status_t auvid_excitation_init(auvid_excitation_t *e,
                                      const auvid_excitation_config_t *config);
 
+#define auvid_excitation_start                                                                     \
+    AUVID_SIZED2(auvid_excitation_start, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Begin the run at t_us, from its first segment and with the random choices of the seed. A run in
  * progress is begun anew, without a fade-out.
@@ -208,12 +216,16 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e,
  */
 auvid_status_t auvid_excitation_start(auvid_excitation_t *e, uint64_t t_us);
 
+#define auvid_excitation_stop                                                                      \
+    AUVID_SIZED2(auvid_excitation_stop, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Fade out from t_us on, over fade_s, and end. Without effect when idle or already stopping.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK (t_us before the last call's: ignored).
  */
 auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 
+#define auvid_excitation_step                                                                      \
+    AUVID_SIZED2(auvid_excitation_step, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * The wrench at t_us.
  * @param t_us   not before the last call's time; the same time (and displacement) gives the same
@@ -226,6 +238,8 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
                                      auvid_real_t wrench[AUVID_DOF_COUNT]);
 
+#define auvid_excitation_steer                                                                     \
+    AUVID_SIZED2(auvid_excitation_steer, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Tell where the vehicle is, before the step; until told again it is taken to stay there.
  * @param displacement 6: from where the run began, turned into present body axes [m]; for roll,
@@ -235,10 +249,14 @@ auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
 auvid_status_t auvid_excitation_steer(auvid_excitation_t *e,
                                       const auvid_real_t displacement[AUVID_DOF_COUNT]);
 
+#define auvid_excitation_progress                                                                  \
+    AUVID_SIZED2(auvid_excitation_progress, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /** Part of the run that is over at the last step, 0..1; 0 before the first start, 1 when finished.
  * 0 for null. */
 auvid_real_t auvid_excitation_progress(const auvid_excitation_t *e);
 
+#define auvid_excitation_peak                                                                      \
+    AUVID_SIZED2(auvid_excitation_peak, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Largest |wrench| per DoF that the sequence may reach.
  * @param peak 6, written [N, Nm], >= 0.

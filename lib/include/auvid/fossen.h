@@ -101,6 +101,7 @@ extern const auvid_vehicle_t auvid_fossen;
  * ("An open-source benchmark simulator: control of a BlueROV2 underwater robot", J. Mar. Sci. Eng.
  * 10) have them, in fresh water. */
 extern const auvid_vehicle_t auvid_bluerov2_heavy;
+#define auvid_bluerov2_heavy_benzon AUVID_SIZED0(auvid_bluerov2_heavy_benzon)
 extern const auvid_real_t auvid_bluerov2_heavy_benzon[AUVID_FOSSEN_COUNT];
 
 #endif

@@ -190,6 +190,7 @@ typedef struct {
     bool ready;            /* initialised */
 } auvid_guard_t;
 
+#define auvid_guard_defaults AUVID_SIZED0(auvid_guard_defaults)
 /** Fill *cfg with the defaults named at its fields. Null is ignored. */
 void auvid_guard_defaults(auvid_guard_config_t *cfg);
 
@@ -200,6 +201,7 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg);
  * On < 0 *g is as before. */
 auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg);
 
+#define auvid_guard_arm AUVID_SIZED0(auvid_guard_arm)
 /** DISARMED or DONE -> ARMED, here and now: home is where the vehicle is. A sign of life, too.
  * @param t_us now [us]: the next step must not be before. @param in as it is now
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or in another state: stays
@@ -207,31 +209,38 @@ auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cf
  * broken already). For the last two g->refused tells which; nothing else has changed. */
 auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in);
 
+#define auvid_guard_excite AUVID_SIZED0(auvid_guard_excite)
 /** ARMED -> EXCITING. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not ARMED). */
 auvid_status_t auvid_guard_excite(auvid_guard_t *g, uint64_t t_us);
 
+#define auvid_guard_finished AUVID_SIZED0(auvid_guard_finished)
 /** EXCITING -> SETTLING: the excitation has come to its end, by itself or faded out (the operator's
  * normal end: the excitation fades, still EXCITING and watched, and then this is called).
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not EXCITING). */
 auvid_status_t auvid_guard_finished(auvid_guard_t *g, uint64_t t_us);
 
+#define auvid_guard_abort AUVID_SIZED0(auvid_guard_abort)
 /** Operator's abort: -> ABORTED from anywhere, also from DISARMED, so that an arm on its way is
  * refused. An earlier cause stays. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not
  * initialised). */
 auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us);
 
+#define auvid_guard_abort_for AUVID_SIZED0(auvid_guard_abort_for)
 /** The same for another cause than the operator. @param cause told in `trip`, value and limit 0
  * @return likewise; AUVID_ERR_RANGE (no cause: nothing is done). */
 auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guard_cause_t cause);
 
+#define auvid_guard_disarm AUVID_SIZED0(auvid_guard_disarm)
 /** -> DISARMED from anywhere; clears the latch and the cause.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_guard_disarm(auvid_guard_t *g);
 
+#define auvid_guard_alive AUVID_SIZED0(auvid_guard_alive)
 /** A sign of life from the operator. @param t_us when [us]; an earlier one than the last is
  * ignored. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK. */
 auvid_status_t auvid_guard_alive(auvid_guard_t *g, uint64_t t_us);
 
+#define auvid_guard_step AUVID_SIZED0(auvid_guard_step)
 /** One tick. Does nothing in DISARMED, DONE and ABORTED.
  * @param t_us later than the step before, not before arm; else a breach.
  * @param in null is a breach.

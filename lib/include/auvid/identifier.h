@@ -335,10 +335,12 @@ typedef struct auvid_identifier {
     };
 } auvid_identifier_t;
 
+#define auvid_identifier_defaults AUVID_SIZED(auvid_identifier_defaults)
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. Null is ignored. */
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
 
+#define auvid_identifier_literal AUVID_SIZED(auvid_identifier_literal)
 /** Change *cfg to our reading of the paper's metric: states smoothed, every tick, wrench raw. */
 void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 
@@ -354,6 +356,7 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
+#define auvid_identifier_arm AUVID_SIZED(auvid_identifier_arm)
 /** Let the guard watch: from now on a breach aborts. Needs a step with fresh sensors behind it, so
  * call it until it is done, and then auvid_identifier_excite; nothing acts by itself later.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no excitation configured, or
@@ -361,22 +364,27 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
  * why is in guard.refused). */
 auvid_status_t auvid_identifier_arm(auvid_identifier_t *id);
 
+#define auvid_identifier_excite AUVID_SIZED(auvid_identifier_excite)
 /** Begin the excitation with the next step.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (the guard is not ARMED). */
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
 
+#define auvid_identifier_stop AUVID_SIZED(auvid_identifier_stop)
 /** The normal end: the excitation fades out, then the guard is SETTLING and at last DONE.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
 auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
 
+#define auvid_identifier_abort AUVID_SIZED(auvid_identifier_abort)
 /** The emergency stop: zero from the next step on, without a fade, latched; from any state.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_identifier_abort(auvid_identifier_t *id);
 
+#define auvid_identifier_disarm AUVID_SIZED(auvid_identifier_disarm)
 /** Back to DISARMED, from any state: clears the latch. An excitation under way ends without a fade.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id);
 
+#define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)
 /** One control tick. Bad sensor samples are dropped and named in out->events; the tick goes on.
  * @param out always written whole (unless null)
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_TIME_BACK,
@@ -385,6 +393,7 @@ auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id);
 auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
                                      auvid_output_t *out);
 
+#define auvid_identifier_motion AUVID_SIZED(auvid_identifier_motion)
 /** Record motion that is known from elsewhere (a navigation of one's own, a log) instead of sensors
  * through step. Takes every complete cell of the record, up to AUVID_RECORDER_CELLS.
  * @param attitude [3] rad, psi unwrapped; @param nu [6]
@@ -394,19 +403,23 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
+#define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
 /** Record the applied wrench from t_us on (command may be null). Statuses as above; at most
  * AUVID_CELLS_PER_STEP cells. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 
+#define auvid_identifier_close AUVID_SIZED(auvid_identifier_close)
 /** Complete the data set under way, at the end of a dive or log.
  * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (left out: see AUVID_EVENT_NOT_DRIVEN);
  * AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (it is empty). */
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 
+#define auvid_identifier_attach AUVID_SIZED(auvid_identifier_attach)
 /** Hand every further cell of the record to a comparison (null: no more). It is not copied. */
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation);
 
+#define auvid_identifier_work AUVID_SIZED(auvid_identifier_work)
 /** Optimize with what time is left.
  * @param budget units of work; 0 does nothing
  * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used

@@ -105,6 +105,7 @@ typedef struct {
     bool asked;                     /**< a point is out, its cost not yet told */
 } auvid_line_search_t;
 
+#define auvid_line_search_defaults AUVID_SIZED1(auvid_line_search_defaults, AUVID_MAX_PARAMETERS)
 /** Fill *config with the defaults for n parameters; box, scale and start are set to zeros.
  * Null is ignored. Cost: a memset. */
 void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
@@ -123,6 +124,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
                                       const auvid_line_search_config_t *config);
 
+#define auvid_line_search_ask AUVID_SIZED1(auvid_line_search_ask, AUVID_MAX_PARAMETERS)
 /**
  * The next point whose cost is wanted; first the start itself. Asking again before telling gives
  * the same point and counts nothing.
@@ -137,6 +139,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
  */
 auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *theta);
 
+#define auvid_line_search_tell AUVID_SIZED1(auvid_line_search_tell, AUVID_MAX_PARAMETERS)
 /**
  * The cost of the point last asked for (Algorithm 2, lines 7-21).
  * @param cost  any value; NaN, infinities and values beyond +-AUVID_LINE_SEARCH_COST_FAILED count
@@ -147,6 +150,8 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
  */
 auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost);
 
+#define auvid_line_search_reevaluate                                                               \
+    AUVID_SIZED1(auvid_line_search_reevaluate, AUVID_MAX_PARAMETERS)
 /**
  * The data have changed: the iterate's cost is stale. The next ask returns the iterate; then a
  * sweep begins with all steps at least alpha0 / 10. A point asked for and not told is dropped. A
@@ -155,6 +160,7 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
  */
 auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls);
 
+#define auvid_line_search_best AUVID_SIZED1(auvid_line_search_best, AUVID_MAX_PARAMETERS)
 /**
  * The best point so far.
  * @param cost  may be null; its cost (after auvid_line_search_reevaluate the old one, until told).

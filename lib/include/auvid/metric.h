@@ -216,10 +216,12 @@ typedef struct auvid_metric {
     /**@}*/
 } auvid_metric_t;
 
+#define auvid_metric_defaults AUVID_SIZED(auvid_metric_defaults)
 /** Fill *cfg for the Girona500 model: how the filter was chosen stands in auvid_metric.c. Null is
  * ignored. */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
 
+#define auvid_metric_literal AUVID_SIZED(auvid_metric_literal)
 /** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed,
  * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. Null
  * is ignored. */
@@ -234,6 +236,7 @@ void auvid_metric_literal(auvid_metric_config_t *cfg);
  * AUVID_ERR_MODEL (residual path without storage; or left out, see AUVID_REGRESSOR_ONLY). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
+#define auvid_metric_add AUVID_SIZED(auvid_metric_add)
 /** Take the next cell of an unbroken record.
  * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
  * under way is void); AUVID_SET_IDLE (the ring is as before); AUVID_ERR_NULL;
@@ -241,29 +244,37 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
  * model's regressor is not finite, or beyond 1e15, are left out and not counted. Cost: above. */
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
 
+#define auvid_metric_gap AUVID_SIZED(auvid_metric_gap)
 /** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
 void auvid_metric_gap(auvid_metric_t *metric);
 
+#define auvid_metric_close AUVID_SIZED(auvid_metric_close)
 /** Complete the set early.
  * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (see add); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has
  * no row: nothing done). */
 auvid_status_t auvid_metric_close(auvid_metric_t *metric);
 
+#define auvid_metric_drop AUVID_SIZED(auvid_metric_drop)
 /** Forget the completed set recorded `age` sets ago (0: the last). Merge afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the
  * ring, or forgotten before). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 
+#define auvid_metric_remember AUVID_SIZED(auvid_metric_remember)
 /** Go on from what is known: rows that say pi = its value within its standard error are merged with
  * those of the sets, weighted with the residual of these. Where the sets contradict them
  * (Chow's F of a DoF above 6), they are forgotten: memory.known is 0 then. Regressor path only.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE (a standard error or colour not > 0). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a bit of `known` that
+ * is no free parameter's, a value beyond 1e18, of a known parameter a standard error or colour that
+ * is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: checked, and not used). Refused:
+ * nothing changed. */
 auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory);
 
+#define auvid_metric_merge_begin AUVID_SIZED(auvid_metric_merge_begin)
 /** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
 void auvid_metric_merge_begin(auvid_metric_t *metric);
 
+#define auvid_metric_merge AUVID_SIZED(auvid_metric_merge)
 /** Go on with it.
  * @param budget units of work left, reduced by those used. The whole takes three passes over all
  * rows of all sets and bands, at four units a row, in the second at one, and eight for each DoF
@@ -271,38 +282,45 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
  * set, or no DoF driven in any); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 
+#define auvid_metric_cost_begin AUVID_SIZED(auvid_metric_cost_begin)
 /** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored.
  * Null is ignored, too.
  * @param delay_s residual path: the common delay, 0..6 cells; not read in the regressor path. */
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
+#define auvid_metric_cost AUVID_SIZED(auvid_metric_cost)
 /** Go on with it.
  * @param budget as in merge: one unit for each row of R, or vehicle->work for each stored sample
  * @return AUVID_OK (metric->cost written); AUVID_PENDING; AUVID_ERR_NULL. A cost that is not finite
  * is returned as such: the optimizer treats it as very bad. */
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 
+#define auvid_metric_measure_begin AUVID_SIZED(auvid_metric_measure_begin)
 /** Begin to measure the residuals of pi [n] for each DoF, unweighted (for R2). */
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
+#define auvid_metric_predict_begin AUVID_SIZED(auvid_metric_predict_begin)
 /** Begin to predict the newest set, before it is merged: measure pi's residuals on it alone. Go on
  * with auvid_metric_measure, which then writes `predicted` besides. The bands are weighted as at
  * the last merge. Null is ignored. */
 void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
+#define auvid_metric_judge_begin AUVID_SIZED(auvid_metric_judge_begin)
 /** Begin to compare the newest sets with the others, before they are merged: does each DoF's
  * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
  * last merge. What was merged is lost: merge afterwards. Null is ignored. */
 void auvid_metric_judge_begin(auvid_metric_t *metric);
 
+#define auvid_metric_judge AUVID_SIZED(auvid_metric_judge)
 /** Go on with it.
  * @param budget four units for each row of each set, and of the newest two once more
  * @return AUVID_OK (`change` and `change_rank` written: U of all sets - U of the others - U of the
  * newest, U the part of the wrench that no pi explains); AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
 
+#define auvid_metric_linearise_begin AUVID_SIZED(auvid_metric_linearise_begin)
 /** Residual path: begin to make of each of the newest `sets` sets the triangles that a model with
  * the derivatives of this one at pi would have, for judge and for confidence.h. The derivatives are
  * central differences over 1 % of each parameter (at least 1e-4, 1e-3 where it is zero) and 10 ms
@@ -311,6 +329,7 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
 void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                   auvid_real_t delay_s, uint8_t sets);
 
+#define auvid_metric_linearise AUVID_SIZED(auvid_metric_linearise)
 /** Go on with it, and when all sets of the ring are done, merge their triangles.
  * @param budget vehicle->work units for each call of the model: 2 n + 3 for each row and each row
  * of the window over which residuals are smoothed, on rows about one standard deviation of that
@@ -318,22 +337,28 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
  * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 
+#define auvid_metric_longest_delay AUVID_SIZED(auvid_metric_longest_delay)
 /** Longest delay that can be had in the residual path [s]: 6 cells; 0 for null. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
+#define auvid_metric_measure AUVID_SIZED(auvid_metric_measure)
 /** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
  * AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
+#define auvid_metric_newest AUVID_SIZED(auvid_metric_newest)
 /** The set completed last; never null. */
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
 
+#define auvid_metric_driven_sets AUVID_SIZED(auvid_metric_driven_sets)
 /** How many sets of the ring drive DoF j, without the newest `newest`. */
 int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest);
 
+#define auvid_metric_active AUVID_SIZED(auvid_metric_active)
 /** Free parameters whose own DoF is driven: bit i. Valid after merge. */
 uint32_t auvid_metric_active(const auvid_metric_t *metric);
 
+#define auvid_metric_searched AUVID_SIZED(auvid_metric_searched)
 /** Parameters to search for: the active ones, and in the regressor path those free ones with
  * `fixed` zero that only the equations of other, driven DoF contain (a vehicle that turns under way
  * drifts sideways: m_v v r acts on surge, whether or not sway is driven). Left at zero, they would
@@ -341,18 +366,21 @@ uint32_t auvid_metric_active(const auvid_metric_t *metric);
  * after merge. */
 uint32_t auvid_metric_searched(const auvid_metric_t *metric);
 
+#define auvid_metric_scale AUVID_SIZED(auvid_metric_scale)
 /** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
  * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in
  * the residual path. Null is ignored.
  * @param scale [n] */
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
+#define auvid_metric_r2 AUVID_SIZED(auvid_metric_r2)
 /** Coefficient of determination of the smoothed wrench after a finished measurement:
  * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven, and where the
  * model's residuals are not finite. Null is ignored.
  * @param r2 [6] */
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 
+#define auvid_metric_least_squares AUVID_SIZED(auvid_metric_least_squares)
 /** The least-squares optimum in closed form: an oracle for tests and a diagnostic for users of
  * models that are linear; the identifier does not use it.
  * @param active parameters to solve for (bit i), of the free ones; others keep their value in pi

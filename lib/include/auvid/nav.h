@@ -226,6 +226,7 @@ typedef struct {
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
 } auvid_nav_t;
 
+#define auvid_nav_defaults AUVID_SIZED0(auvid_nav_defaults)
 /** Fill *config with the defaults named at its fields. Null: nothing is done. */
 void auvid_nav_defaults(auvid_nav_config_t *config);
 
@@ -236,6 +237,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config);
 #define auvid_nav_init AUVID_SIZED0(auvid_nav_init)
 auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config);
 
+#define auvid_nav_imu AUVID_SIZED0(auvid_nav_imu)
 /** Predict to a new time with a new attitude (Eq. 5). The first call sets time and attitude only.
  *
  * Deviation from the paper: Q is scaled by reference_tick / t, so that an irregular tick does not
@@ -285,6 +287,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * sample does not enter, nothing has changed but the sensor's diagnostics (and nothing at all for
  * AUVID_ERR_NULL and AUVID_ERR_STATE). */
 
+#define auvid_nav_dvl AUVID_SIZED0(auvid_nav_dvl)
 /** Correct with a DVL sample: turned into the body frame, omega x lever removed with the rates at
  * the sample's time, any subset of its axes.
  *
@@ -307,15 +310,18 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * Cost: see the top of the file. */
 auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample);
 
+#define auvid_nav_depth AUVID_SIZED0(auvid_nav_depth)
 /** Correct with a depth. The first sample sets z.
  * @param t_us when it was measured [us]. @param depth_m positive down [m], |.| <= 1e5.
  * @return the common statuses. */
 auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m);
 
+#define auvid_nav_pressure AUVID_SIZED0(auvid_nav_pressure)
 /** Correct with a pressure: auvid_nav_depth() of (pressure - surface_pressure) / (density gravity).
  * @param pressure_pa absolute [Pa]. @return as auvid_nav_depth(). */
 auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa);
 
+#define auvid_nav_gps AUVID_SIZED0(auvid_nav_gps)
 /** Correct with a GPS fix, at the surface only. Position starts from the median of the first
  * gps_start fixes, each compared with the dead-reckoned position of its time, so the vehicle may
  * move meanwhile.
@@ -324,10 +330,12 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
  *         AUVID_PENDING: kept for the median. */
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m);
 
+#define auvid_nav_state AUVID_SIZED0(auvid_nav_state)
 /** Read the state. @param state written whole.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE: no auvid_nav_imu() yet. */
 auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state);
 
+#define auvid_nav_covariance AUVID_SIZED0(auvid_nav_covariance)
 /** Read the covariance of [x y z u v w]. @param p 6 x 6, written whole, exactly symmetric.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE: not initialised. */
 auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6]);

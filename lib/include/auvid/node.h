@@ -118,6 +118,7 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_identifier_config_t *identifier);
 
+#define auvid_node_take AUVID_SIZED(auvid_node_take)
 /** Take a frame off the bus. Its time of arrival is not read.
  * @return AUVID_OK; AUVID_TICK (a tick has opened: call step); AUVID_UNUSED (not a message that a
  * node listens to); AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused: checksum, length,
@@ -125,6 +126,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
  * one has come; counted). */
 auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame);
 
+#define auvid_node_step AUVID_SIZED(auvid_node_step)
 /** One tick: sense, navigate, record, and what the excitation commands.
  * @param t_us null: the time of the tick frame taken last; else this node gives the clock, and the
  * first frame is its tick frame
@@ -135,9 +137,11 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
 auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,
                                int *count);
 
+#define auvid_node_work AUVID_SIZED(auvid_node_work)
 /** Optimize. @param budget as in auvid_identifier_work. @return likewise. */
 auvid_status_t auvid_node_work(auvid_node_t *node, uint32_t budget);
 
+#define auvid_node_report AUVID_SIZED(auvid_node_report)
 /** What is due to be reported in this tick.
  * @param load of the tick's length that its work took [%], for health and tick_done; saturated at
  * 255
@@ -146,6 +150,7 @@ auvid_status_t auvid_node_work(auvid_node_t *node, uint32_t budget);
 auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame,
                                  int *count);
 
+#define auvid_node_halt AUVID_SIZED(auvid_node_halt)
 /** A command of zero for every thruster: to be sent when the program ends or loses its tick.
  * Nothing (count 0) unless the last step commanded thrust. A guard that is armed, exciting or
  * settling aborts; one that is not stays as it is, and an order to arm that waits is cancelled.

@@ -72,6 +72,8 @@ typedef struct {
     uint8_t phase; /**< auvid_optimizer_phase_t */
 } auvid_optimizer_t;
 
+#define auvid_optimizer_defaults                                                                   \
+    AUVID_SIZED2(auvid_optimizer_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Fill *config with the defaults of both phases for n parameters; the box is set to zeros.
  * Null is ignored. Cost: a memset. */
 void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
@@ -88,9 +90,13 @@ void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
                                     const auvid_optimizer_config_t *config);
 
+#define auvid_optimizer_add_point                                                                  \
+    AUVID_SIZED2(auvid_optimizer_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Put a known good point into the first population; statuses of auvid_crs_add_point. */
 auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
 
+#define auvid_optimizer_ask                                                                        \
+    AUVID_SIZED2(auvid_optimizer_ask, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The next point whose cost is wanted. Asking again before telling gives the same point.
  * @param theta  n values are written on AUVID_OK, none otherwise [parameter's unit]; in the box.
@@ -103,6 +109,8 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  */
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
 
+#define auvid_optimizer_tell                                                                       \
+    AUVID_SIZED2(auvid_optimizer_tell, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The cost of the point last asked for.
  * @param cost  any value; what is not finite or beyond +-AUVID_CRS_COST_FAILED counts as that.
@@ -110,6 +118,8 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
  */
 auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost);
 
+#define auvid_optimizer_reevaluate                                                                 \
+    AUVID_SIZED2(auvid_optimizer_reevaluate, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The data have changed: costs are stale. In the global phase the population is evaluated again,
  * later the iterate, whose steps are lengthened; the phase that is at work goes on, and a local
@@ -118,9 +128,13 @@ auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t c
  */
 auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer);
 
+#define auvid_optimizer_phase                                                                      \
+    AUVID_SIZED2(auvid_optimizer_phase, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Which search is at work; AUVID_OPTIMIZER_GLOBAL for null. */
 auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer);
 
+#define auvid_optimizer_best                                                                       \
+    AUVID_SIZED2(auvid_optimizer_best, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * The best point so far. Its cost never rises but after auvid_optimizer_reevaluate.
  * @param cost  may be null; its cost.
@@ -135,6 +149,8 @@ typedef struct {
     uint32_t attempts;    /**< points made in both, rejected ones and those without room too */
 } auvid_optimizer_work_t;
 
+#define auvid_optimizer_work                                                                       \
+    AUVID_SIZED2(auvid_optimizer_work, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Work done since init; zeros for null. Cost: constant. */
 auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
 

@@ -78,6 +78,7 @@ void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 /** Start empty. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (a field out of its range). */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
 
+#define auvid_recorder_attitude AUVID_SIZED1(auvid_recorder_attitude, AUVID_MAX_COMMANDS)
 /** Attitude and rates at t_us.
  * @param attitude [3] phi theta psi [rad], psi unwrapped
  * @param rates [3] p q r [rad/s]
@@ -88,15 +89,18 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 
+#define auvid_recorder_velocity AUVID_SIZED1(auvid_recorder_velocity, AUVID_MAX_COMMANDS)
 /** Body velocity u v w [m/s] through the water at t_us, [3]. Statuses and cost as above. */
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity);
 
+#define auvid_recorder_motion AUVID_SIZED1(auvid_recorder_motion, AUVID_MAX_COMMANDS)
 /** Both at t_us: attitude [3] and nu [6], u v w p q r. Statuses as above; where one of the two is
  * refused, neither is taken. */
 auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
                                      const auvid_real_t *attitude, const auvid_real_t *nu);
 
+#define auvid_recorder_input AUVID_SIZED1(auvid_recorder_input, AUVID_MAX_COMMANDS)
 /** Applied wrench from t_us on.
  * @param tau [6] N, Nm: of all sources, not only auvid's
  * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; null: zeros
@@ -104,6 +108,7 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command);
 
+#define auvid_recorder_pop AUVID_SIZED1(auvid_recorder_pop, AUVID_MAX_COMMANDS)
 /** Take the next complete cell. A cell is complete when all streams have passed the second cell
  * after it.
  * @return AUVID_OK (*sample written); AUVID_EMPTY; AUVID_GAP (once for each break; *sample

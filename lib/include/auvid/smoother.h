@@ -58,6 +58,7 @@ typedef struct {
 #define auvid_smoother_coefficients AUVID_SIZED0(auvid_smoother_coefficients)
 #define auvid_smoother_init AUVID_SIZED1(auvid_smoother_init, AUVID_MAX_HALF_WIDTH)
 
+#define auvid_smoother_defaults AUVID_SIZED1(auvid_smoother_defaults, AUVID_MAX_HALF_WIDTH)
 /** Fill *config with the defaults above, less where AUVID_MAX_HALF_WIDTH allows less. A null
  * pointer is ignored. */
 void auvid_smoother_defaults(auvid_smoother_config_t *config);
@@ -90,6 +91,7 @@ auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, ui
 auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
                                    const auvid_smoother_config_t *config);
 
+#define auvid_smoother_reset AUVID_SIZED1(auvid_smoother_reset, AUVID_MAX_HALF_WIDTH)
 /**
  * Forget all samples and start a new record with the same configuration.
  *
@@ -97,6 +99,7 @@ auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
  */
 auvid_status_t auvid_smoother_reset(auvid_smoother_t *smoother);
 
+#define auvid_smoother_push AUVID_SIZED1(auvid_smoother_push, AUVID_MAX_HALF_WIDTH)
 /**
  * Give the next sample. Outputs that were ready and not taken are given up.
  *
@@ -106,6 +109,7 @@ auvid_status_t auvid_smoother_reset(auvid_smoother_t *smoother);
  */
 auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x);
 
+#define auvid_smoother_take AUVID_SIZED1(auvid_smoother_take, AUVID_MAX_HALF_WIDTH)
 /**
  * Take one output, in the order of the samples.
  *
@@ -115,6 +119,7 @@ auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x);
  */
 auvid_status_t auvid_smoother_take(auvid_smoother_t *smoother, uint64_t *sample, auvid_real_t *y);
 
+#define auvid_smoother_end AUVID_SIZED1(auvid_smoother_end, AUVID_MAX_HALF_WIDTH)
 /**
  * The record is complete: makes the last h outputs ready. Then only take and reset go on.
  *

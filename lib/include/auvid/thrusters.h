@@ -129,6 +129,8 @@ typedef struct {
     auvid_thrusters_state_t state; /**< of the log */
 } auvid_thrusters_t;
 
+#define auvid_thrusters_defaults                                                                   \
+    AUVID_SIZED2(auvid_thrusters_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** Fill *cfg with the defaults. Null is ignored. */
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 
@@ -143,6 +145,7 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg);
 
+#define auvid_thrusters_configure AUVID_SIZED(auvid_thrusters_configure)
 /** Make the identifier's configuration that of this model: after auvid_identifier_defaults for
  * &thrusters->vehicle, and after metric (rows, sets, free, fixed) and recorder are as they shall
  * be. Sets cfg->listener, the box of the thrusters' parameters (change it afterwards where you know
@@ -155,6 +158,8 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
+#define auvid_thrusters_command                                                                    \
+    AUVID_SIZED2(auvid_thrusters_command, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:
  * the identifier calls it.
  * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
@@ -162,6 +167,8 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command);
 
+#define auvid_thrusters_wrench                                                                     \
+    AUVID_SIZED2(auvid_thrusters_wrench, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** Mean wrench B x over a row, as the model has it.
  * @param t_us middle of the row
  * @param pi [n] of thrusters->vehicle

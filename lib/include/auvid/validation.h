@@ -62,13 +62,19 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
                                      const auvid_real_t *delay_s, uint32_t lagged,
                                      auvid_real_t cell_s);
 
+#define auvid_validation_add                                                                       \
+    AUVID_SIZED2(auvid_validation_add, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (cell
  * ignored: the record has a hole now, say `gap`). */
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample);
 
+#define auvid_validation_gap                                                                       \
+    AUVID_SIZED2(auvid_validation_gap, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** The record was broken. Null is ignored. */
 void auvid_validation_gap(auvid_validation_t *validation);
 
+#define auvid_validation_r2                                                                        \
+    AUVID_SIZED2(auvid_validation_r2, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
 /** R2 = 1 - sum (y - y_predicted)^2 / sum (y - mean y)^2 of each integrated DoF; 0 for others.
  * @param r2 [6]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (fewer than two cells). */

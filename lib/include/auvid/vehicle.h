@@ -4,7 +4,8 @@
  *
  * A model is one constant struct: names of its parameters, which parameters stand in which
  * equation, and up to three functions. The Girona500 model of the paper (Eq. 12-15) is here;
- * any other vehicle is a struct and a function of the user's.
+ * any other vehicle is a struct and a function of the user's. The struct begins with
+ * `.built_for = AUVID_BUILD`.
  *
  * - `residual` is enough for any model, linear in its parameters or not, differentiable or not.
  * - `regressor`, for models linear in their parameters, makes a cost evaluation some thirty times
@@ -48,8 +49,15 @@ typedef struct {
     auvid_real_t row[AUVID_DOF_COUNT][AUVID_MAX_PARAMETERS];
 } auvid_regressor_t;
 
+#define auvid_build AUVID_SIZED(auvid_build)
+/** What AUVID_BUILD points to; its value says nothing. Its link-time name has all of config.h in
+ * it, so a model that was compiled with other sizes does not link. */
+extern const uint8_t auvid_build;
+#define AUVID_BUILD (&auvid_build)
+
 /** A vehicle model. All pointers must outlive every user of the model. */
 typedef struct {
+    const uint8_t *built_for;           /**< AUVID_BUILD */
     const char *name;                   /**< for people */
     uint8_t parameters;                 /**< n, 1..AUVID_MAX_PARAMETERS */
     const auvid_parameter_t *parameter; /**< [n] */
@@ -83,17 +91,20 @@ typedef struct {
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.
- * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its table null); AUVID_ERR_PARAMETERS (n out of
- * range); AUVID_ERR_MODEL (neither residual nor regressor, no DoF modelled, a mask names a
+ * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its table null); AUVID_ERR_SIZE (built_for is null,
+ * or not AUVID_BUILD: the model may have been compiled with other sizes); AUVID_ERR_PARAMETERS (n
+ * out of range); AUVID_ERR_MODEL (neither residual nor regressor, no DoF modelled, a mask names a
  * parameter >= n, a parameter's dof is not modelled). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 
+#define auvid_vehicle_residual AUVID_SIZED1(auvid_vehicle_residual, AUVID_MAX_COMMANDS)
 /** Predicted minus applied wrench (Eq. 2, Eq. 11) by whichever function the model has.
  * @param residual [6] N, Nm; 0 in DoF that are not modelled
  * No check of its arguments: for inner loops. Cost: one call of the model. */
 void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t *sample,
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT]);
 
+#define auvid_kinematics AUVID_SIZED0(auvid_kinematics)
 /** eta_dot = J(eta) nu (Eq. 1; Fossen 2011, Eq. 2.53).
  * @param phi, theta, psi attitude [rad], each up to +-1e4
  * @param nu [6] body velocity
@@ -143,6 +154,7 @@ extern const auvid_vehicle_t auvid_girona500;
 extern const auvid_vehicle_t auvid_girona500_printed;
 /** Without the coupling terms of C(nu) nu: each DoF by itself. */
 extern const auvid_vehicle_t auvid_girona500_decoupled;
+#define auvid_girona500_paper AUVID_SIZED1(auvid_girona500_paper, AUVID_MAX_PARAMETERS)
 /** The paper's 13 estimates (Section IV), biases 0. [AUVID_G500_COUNT] */
 extern const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT];
 #endif

@@ -27,6 +27,7 @@ extern "C" {
 /** Bytes of a record. */
 enum { AUVID_WARM_BYTES = 236 };
 
+#define auvid_warm_save AUVID_SIZED(auvid_warm_save)
 /**
  * Write the last estimate.
  * @param record [AUVID_WARM_BYTES] written when AUVID_OK
@@ -35,24 +36,27 @@ enum { AUVID_WARM_BYTES = 236 };
  */
 auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
 
+#define auvid_warm_start AUVID_SIZED(auvid_warm_start)
 /**
  * Begin with a record instead of nothing: after init, before the first set is complete.
  * @param record [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
  * AUVID_ERR_SIZE (not AUVID_WARM_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
- * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values). Refused
- * ones change nothing.
+ * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
+ * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (its checksum is right, and yet a value in it is not finite
+ * or not one that auvid_metric_remember takes). Refused ones change nothing.
  */
 auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
 
+#define auvid_warm_known AUVID_SIZED(auvid_warm_known)
 /**
  * Begin with parameters known from elsewhere (a towing tank, a calculation, a sister vehicle), as
  * with a record: after init, before the first set is complete. What is known wrongly is dropped
  * like a record of another vehicle; the more often the smaller the errors that are claimed.
- * @param pi [n] parameters in the model's order; fixed ones are not read
- * @param sigma [n] their standard errors, > 0, below 1e30; a large one for a mere guess
+ * @param pi [n] parameters in the model's order, within +-1e18; fixed ones are not read
+ * @param sigma [n] their standard errors, above 5e-31, below 1e30; a large one for a mere guess
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (as above); AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE (a sigma out of its range). Refused ones change nothing.
+ * AUVID_ERR_RANGE (a value or a sigma out of its range). Refused ones change nothing.
  */
 auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
                                 const auvid_real_t *sigma);
