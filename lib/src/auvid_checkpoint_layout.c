@@ -52,6 +52,7 @@ static const row_t knot[] = {
     SPAN(auvid_nav_knot_t, uint64_t, t_us, t_us),
     REALS(auvid_nav_knot_t, velocity, velocity),
     SPAN(auvid_nav_knot_t, uint32_t, sequence, sequence),
+    BYTE(auvid_nav_knot_t, measured, measured),
 };
 
 static const row_t diagnostics[] = {
@@ -65,6 +66,8 @@ static const row_t diagnostics[] = {
 static const row_t nav[] = {
     STRUCT(auvid_nav_t, ground, TABLE_KNOT),
     STRUCT(auvid_nav_t, water, TABLE_KNOT),
+    SPAN(auvid_nav_t, uint64_t, horizontal_us, complete_us),
+    BYTE(auvid_nav_t, horizontal, complete),
     STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
     SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
     BYTE(auvid_nav_t, gps_start, gps_count),

@@ -96,10 +96,11 @@ static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identi
         status = auvid_allocation_init(&id->allocation, &cfg->allocation);
     }
     if (status >= 0 && cfg->excitation.segments > 0) {
+        auvid_real_t peak[AUVID_DOF_COUNT];
         status = auvid_excitation_init(&id->excitation, &cfg->excitation);
+        (void)auvid_excitation_peak(&id->excitation, peak);
+        id->excites_heave = peak[AUVID_HEAVE] > AUVID_C(0.0);
         if (status >= 0 && cfg->allocation.thrusters > 0) {
-            auvid_real_t peak[AUVID_DOF_COUNT];
-            (void)auvid_excitation_peak(&id->excitation, peak);
             status = auvid_allocation_check(&id->allocation, peak, NULL);
         }
     }

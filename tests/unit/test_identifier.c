@@ -164,6 +164,8 @@ static void water_world(uint64_t seed)
     chain_defaults(&config, seed, SETS, 0.0);
     config.sim.dvl_lock = SIM_LOCK_WATER;
     config.id.guard.water_lock = true;
+    config.id.guard.off =
+        AUVID_GUARD_BIT(AUVID_GUARD_SPEED) | AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
     config.sim.current[0] = 0.3;
     config.sim.current[1] = -0.2;
 }
