@@ -29,7 +29,7 @@ static void look(const auvid_identifier_t *id, bool saturated, auvid_guard_input
     in->imu.known = true;
     in->ground = (auvid_guard_seen_t){id->nav.horizontal_us, id->nav.horizontal};
     in->velocity = in->ground;
-    if (id->excites_heave) {
+    if (id->excitation.heaves) {
         in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
     }
     in->depth = seen_by(&id->nav, AUVID_NAV_DEPTH);

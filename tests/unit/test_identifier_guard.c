@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "auvid/adaptive.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -208,6 +209,26 @@ static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
     wrong = HEAVE_ONLY;
     check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+}
+
+/* The adaptive excitation takes the place of a plan without heave. */
+static void test_heave_must_be_measured_where_the_adaptive_excitation_drives_it(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
+    auvid_adaptive_config_t adaptive;
+    auvid_adaptive_defaults(&adaptive);
+    memcpy(adaptive.amplitude, amplitude, sizeof amplitude);
+    (void)auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    for (int heave = 0; heave < 2; ++heave) {
+        wrong = 0;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        adaptive.amplitude[AUVID_HEAVE] = (auvid_real_t)(60 * heave);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &adaptive));
+        chain_run(&chain, BEFORE_S);
+        wrong = NO_HEAVE;
+        chain_run(&chain, 5.0);
+        TEST_ASSERT_EQUAL(heave ? AUVID_GUARD_ABORTED : AUVID_GUARD_EXCITING, chain.out.guard);
+    }
 }
 
 static void test_water_lock_leaves_speed_and_distance_over_ground_unknown(void)
@@ -659,6 +680,7 @@ int main(void)
     RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_1_2_m_s);
     RUN_TEST(test_heave_must_be_measured_where_it_is_excited);
     RUN_TEST(test_heave_need_not_be_measured_where_it_is_not_excited);
+    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_drives_it);
     RUN_TEST(test_water_lock_leaves_speed_and_distance_over_ground_unknown);
     RUN_TEST(test_depth_is_lost);
     RUN_TEST(test_altitude_is_lost);

@@ -147,7 +147,7 @@ static void test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_on
     const double eighth = 3.14159265358979 / 4;
     for (unsigned valid = 1; valid <= 7; ++valid) {
         TEST_ASSERT_EQUAL_HEX8(valid, measured_by(valid, 0, 0));
-        /* turned by a quarter: its x is the body's y; its z is rolled to the body's -y, and so on */
+        /* turned by a quarter: its x is the body's y; or rolled: its z is the body's -y */
         unsigned swapped = (valid >> 1 & 1) | (valid << 1 & 2) | (valid & 4);
         TEST_ASSERT_EQUAL_HEX8(swapped, measured_by(valid, 0, 2 * eighth));
         unsigned rolled = (valid & 1) | (valid << 1 & 4) | (valid >> 1 & 2);
@@ -155,10 +155,10 @@ static void test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_on
         /* by an eighth: x and y only together */
         unsigned both = ((valid & 3) == 3 ? 3u : 0u) | (valid & 4);
         TEST_ASSERT_EQUAL_HEX8(both, measured_by(valid, 0, eighth));
-        TEST_ASSERT_EQUAL_HEX8(valid == 7 ? 7 : valid == 1 || valid == 3 || valid == 5 ? 1 : valid == 6 ? 6 : 0,
-                               measured_by(valid, eighth, 0));
+        both = (valid & 1) | ((valid & 6) == 6 ? 6u : 0u);
+        TEST_ASSERT_EQUAL_HEX8(both, measured_by(valid, eighth, 0));
     }
-    /* mounted a degree off it still measures what it is mounted for, three degrees off it does not */
+    /* a degree off it still measures what it is mounted for, three degrees off it does not */
     TEST_ASSERT_EQUAL_HEX8(1, measured_by(AUVID_DVL_X, 0, 0.0174));
     TEST_ASSERT_EQUAL_HEX8(0, measured_by(AUVID_DVL_X, 0, 0.0523));
 }

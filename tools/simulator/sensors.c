@@ -78,8 +78,8 @@ static void dvl(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim
     }
 }
 
-/* A run of partial samples begins after a whole one with the probability that makes the share right,
- * and ends after each of its samples with one over its mean length. */
+/* A run of partial samples begins after a whole one with the probability that makes the share
+ * right, and ends after each of its samples with one over its mean length. */
 static void lose_axes(const sim_config_t *c, sim_sensor_t *s, sim_measurement_t *m)
 {
     double begins = c->dvl_partial / (1.0 - c->dvl_partial) / c->dvl_partial_run;

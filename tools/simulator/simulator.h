@@ -132,8 +132,8 @@ typedef struct {
     double dvl_m_s;        /**< rms noise of each component; default 0.007 */
     double dvl_arm_m[3];   /**< of the DVL from the body's origin [m]; default 0 */
     double dvl_yaw_rad;    /**< of the DVL's x axis from the body's x; default 0 */
-    double dvl_partial;    /**< share of samples that measure only one or two of the DVL's axes, each
-                                of these six cases as likely; 0..0.9, default 0 */
+    double dvl_partial;    /**< share of samples that measure one or two of the DVL's axes only,
+                                each of these six cases as likely; 0..0.9, default 0 */
     double dvl_partial_run; /**< how many such samples follow each other, on average, with the same
                                  axes; >= 1, default 1 */
     sim_lock_t dvl_lock;   /**< default SIM_LOCK_BOTTOM */

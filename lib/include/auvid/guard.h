@@ -117,8 +117,8 @@ typedef struct {
                                       lock, see velocity_stale_us */
     auvid_real_t yaw_rate_max;   /**< |r| is not more [rad/s]; default 1.5 */
     auvid_real_t distance_max_m; /**< nor the horizontal distance from where it was armed [m];
-                                      default 30. A GPS fix that moves the position counts. Needs bottom
-                                      lock, too */
+                                      default 30. A GPS fix that moves the position counts. Needs
+                                      bottom lock, too */
     uint32_t run_max_s;          /**< nor the time since excite [s]; default 1800 */
     uint32_t imu_stale_us;       /**< silence of the IMU [us]; default 200000 */
     uint32_t velocity_stale_us;  /**< no velocity measured [us]; default 1000000. After as long
@@ -143,8 +143,8 @@ typedef struct {
      * refused. */
     bool altitude_required;
     /** Velocity through the water, of all three axes, counts for velocity_stale_us, too. Default
-     * false: there must be bottom lock. Speed and distance over ground are not known without: switch
-     * these limits off (AUVID_GUARD_SPEED, AUVID_GUARD_DISTANCE) where bottom lock may be lost. */
+     * false: there must be bottom lock. Speed and distance over ground are not known without:
+     * switch these limits off (AUVID_GUARD_SPEED, AUVID_GUARD_DISTANCE) where it may be lost. */
     bool water_lock;
 } auvid_guard_config_t;
 

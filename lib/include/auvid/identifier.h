@@ -314,7 +314,6 @@ typedef struct auvid_identifier {
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
     auvid_real_t delay_s;                         /* its delay, where that is searched too */
     bool started;
-    bool excites_heave;          /* the configured excitation does: all three velocities count */
     bool starting;               /* the excitation: with the next step */
     bool saturated;              /* the excitation's own allocation was, in the last step */
     auvid_guard_seen_t altitude; /* last sample taken */
