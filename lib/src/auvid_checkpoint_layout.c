@@ -56,6 +56,7 @@ static const row_t knot[] = {
     SPAN(auvid_nav_knot_t, uint64_t, t_us, t_us),
     REALS(auvid_nav_knot_t, velocity, velocity),
     SPAN(auvid_nav_knot_t, uint32_t, sequence, sequence),
+    BYTE(auvid_nav_knot_t, measured, measured),
 };
 
 static const row_t diagnostics[] = {
@@ -69,6 +70,8 @@ static const row_t diagnostics[] = {
 static const row_t nav[] = {
     STRUCT(auvid_nav_t, ground, TABLE_KNOT),
     STRUCT(auvid_nav_t, water, TABLE_KNOT),
+    SPAN(auvid_nav_t, uint64_t, horizontal_us, complete_us),
+    BYTE(auvid_nav_t, horizontal, complete),
     STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
     SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
     BYTE(auvid_nav_t, gps_start, gps_count),
@@ -95,7 +98,7 @@ static const row_t recorder[] = {
     REALS(auvid_recorder_t, last, mean),
     SPAN(auvid_recorder_t, uint64_t, origin_us, origin_us),
     SPAN(auvid_recorder_t, uint32_t, opened, next),
-    BYTE(auvid_recorder_t, running, broken),
+    BYTE(auvid_recorder_t, measured, broken),
 };
 
 static const row_t set[] = {
@@ -123,8 +126,9 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint16_t, factor_at, channel_at),
     REALS(auvid_metric_t, kernel, previous),
     SPAN(auvid_metric_t, uint32_t, cells, since_gap),
+    BYTE(auvid_metric_t, successive, missing),
     REALS(auvid_metric_t, factor, tau_m2),
-    SPAN(auvid_metric_t, uint16_t, rows, rows),
+    SPAN(auvid_metric_t, uint16_t, rows, lost),
     STRUCTS(auvid_metric_t, set, TABLE_SET),
     SPAN(auvid_metric_t, uint32_t, turns, turns),
     REALS(auvid_metric_t, merged, band_weight),
@@ -134,6 +138,7 @@ static const row_t metric[] = {
     SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL, false),
     REALS(auvid_metric_t, share, share),
     SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
+    BYTE(auvid_metric_t, window_of, window_of),
     SPAN(auvid_metric_t, uint16_t, at_row, paid),
     BYTE(auvid_metric_t, window_length, pass),
     REALS(auvid_metric_t, linear_delay_s, linear_delay_s),
@@ -191,7 +196,7 @@ static const row_t guard[] = {
 static const row_t confidence[] = {
     REALS(auvid_confidence_t, sigma, bound),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
-    BYTE(auvid_confidence_t, note, sets),
+    BYTE(auvid_confidence_t, note, lost),
     REALS(auvid_confidence_t, noise, residual),
 };
 
@@ -218,6 +223,7 @@ static const row_t judgement[] = {
 static const row_t sample[] = {
     SPAN(auvid_sample_t, uint64_t, t_us, t_us),
     REALS(auvid_sample_t, phi, command),
+    BYTE(auvid_sample_t, missing, missing),
 };
 
 static const row_t validation[] = {
@@ -228,8 +234,9 @@ static const row_t validation[] = {
     STRUCT(auvid_validation_t, last, TABLE_SAMPLE),
     REALS(auvid_validation_t, past, past),
     SPAN(auvid_validation_t, uint32_t, since_gap, since_gap),
+    BYTE(auvid_validation_t, running, running),
     REALS(auvid_validation_t, mean, sse),
-    SPAN(auvid_validation_t, uint32_t, cells, cells),
+    SPAN(auvid_validation_t, uint32_t, compared, cells),
     REALS(auvid_validation_t, predicted, predicted),
 };
 

@@ -73,12 +73,17 @@ static void find_own(job_t *c, int j)
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    uint32_t lost = 0, all = 0;
     for (int age = 0; age < m->cfg.sets; ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         bool linear = auvid_metric_has_regressor(m);
-        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : linear ? set->rows : set->windows;
+        uint32_t some = linear ? set->rows_of[j] : set->windows[j];
+        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : some;
         c->rows[j] += (auvid_real_t)rows;
+        lost += rows > 0 ? (uint32_t)set->lost + set->rows - set->rows_of[j] : 0u;
+        all += rows > 0 ? (uint32_t)set->lost + set->rows : 0u;
     }
+    c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
     for (int i = 0; i < count; ++i) {
         const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
         auvid_real_t e = -m->z[at + i];

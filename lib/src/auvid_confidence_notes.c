@@ -106,7 +106,7 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         if (set->driven >> j & 1) {
             wrench += set->tau_m2[j];
-            rows += (auvid_real_t)set->rows;
+            rows += (auvid_real_t)set->rows_of[j];
         }
     }
     for (int k = 0; k < m->count[j]; ++k) {

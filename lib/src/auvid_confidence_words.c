@@ -215,6 +215,24 @@ static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_v
     }
 }
 
+/* The DoF that lost the largest part of its rows. */
+static int least_recorded(const auvid_confidence_t *c)
+{
+    int most = 0;
+    for (int j = 1; j < AUVID_DOF_COUNT; ++j) {
+        most = c->lost[j] > c->lost[most] ? j : most;
+    }
+    return most;
+}
+
+static void add_lost(writer_t *w, int dof, unsigned lost)
+{
+    const char number[3] = {(char)('0' + lost / 10 % 10), (char)('0' + lost % 10), '\0'};
+    add_dof(w, (auvid_dof_t)dof);
+    add(w, number);
+    add(w, " % of the rows were lost to gaps in the record");
+}
+
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
                                         const auvid_vehicle_t *vehicle, uint32_t free,
                                         unsigned which, char *text, size_t size)
@@ -232,6 +250,11 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
             add_sentence(&w, confidence, vehicle, i);
             return AUVID_OK;
         }
+    }
+    int dof = confidence == NULL ? 0 : least_recorded(confidence);
+    if (confidence != NULL && confidence->lost[dof] >= AUVID_CONFIDENCE_LOST && which == 0) {
+        add_lost(&w, dof, confidence->lost[dof]);
+        return AUVID_OK;
     }
     return AUVID_FINISHED;
 }

@@ -102,6 +102,9 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->context = current;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         vehicle->columns[j] |= hull->columns[j] != 0 ? bits : 0u;
+        if (hull->reads[j] != 0) { /* the current turns against the vehicle */
+            vehicle->reads[j] |= 1u << AUVID_ROLL | 1u << AUVID_PITCH | 1u << AUVID_YAW;
+        }
     }
     current->hull = hull;
     memcpy(current->parameter, hull->parameter, (size_t)n * sizeof *component);

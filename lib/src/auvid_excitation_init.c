@@ -103,6 +103,9 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
     e->sequence_us = sequence_us;
     e->run_us = run_us;
     e->fade_us = (uint32_t)auvid_excitation_us(config->fade_s);
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    (void)auvid_excitation_peak(e, peak);
+    e->heaves = peak[AUVID_HEAVE] > AUVID_C(0.0);
     for (uint32_t i = 0; i < config->segments; ++i) {
         e->duration_us[i] = (uint32_t)auvid_excitation_us(config->segment[i].duration_s);
         e->pause_us[i] = (uint32_t)auvid_excitation_us(config->segment[i].pause_s);

@@ -235,6 +235,10 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
 #else
 #define CONSTANT(name) 0u
 #endif
+/* Linear velocities in the moments: each moment's own cross product, and with couplings all. */
+#define ROTATES (1u << AUVID_ROLL | 1u << AUVID_PITCH | 1u << AUVID_YAW)
+#define MOVES (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE)
+#define WITHOUT(dof) ((AUVID_MAX_PARAMETERS >= 26 ? MOVES : MOVES & ~(1u << (dof))) | ROTATES)
 #define FOSSEN_MODEL(title)                                                                        \
     {                                                                                              \
         .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_FOSSEN_COUNT,                 \
@@ -249,7 +253,13 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
                     [AUVID_YAW] = BIT(M_U) | BIT(M_V) | INERTIAS | BIT(X_G) | BIT(Y_G) |           \
                                   BIT(N_R) | BIT(N_RR) | COUPLED | CONSTANT(N_0)},                 \
         .free = AUVID_FOSSEN_FREE, .regressor = fossen_regressor,                                  \
-        .acceleration = fossen_acceleration                                                        \
+        .acceleration = fossen_acceleration,                                                       \
+        .reads = {[AUVID_SURGE] = MOVES | ROTATES,                                                 \
+                  [AUVID_SWAY] = MOVES | ROTATES,                                                  \
+                  [AUVID_HEAVE] = MOVES | ROTATES,                                                 \
+                  [AUVID_ROLL] = WITHOUT(AUVID_SURGE),                                             \
+                  [AUVID_PITCH] = WITHOUT(AUVID_SWAY),                                             \
+                  [AUVID_YAW] = WITHOUT(AUVID_HEAVE)}                                              \
     }
 
 const auvid_vehicle_t auvid_fossen = FOSSEN_MODEL("Fossen, 6 DoF");

@@ -170,6 +170,13 @@ static bool any_silent(const auvid_guard_t *g, auvid_guard_trip_t *trip,
             silent(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
 }
 
+/* A limit of motion over ground: without a fresh measurement it is not known to be kept. */
+static bool beyond(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                   bool fresh, auvid_real_t value, auvid_real_t limit)
+{
+    return above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
+}
+
 /* Does the motion break a limit? */
 static bool any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                          const auvid_guard_input_t *in)
@@ -177,17 +184,18 @@ static bool any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
     const auvid_guard_config_t *cfg = &g->cfg;
     const auvid_real_t *v = in->velocity_ground;
     bool altitude = is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
+    bool ground = is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
     return below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
            above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
            (altitude &&
             below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
            above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
            above(g, trip, AUVID_GUARD_PITCH, auvid_abs(in->pitch), cfg->pitch_max_rad) ||
-           above(g, trip, AUVID_GUARD_SPEED, norm(v[0], v[1], v[2]), cfg->speed_max) ||
+           beyond(g, trip, AUVID_GUARD_SPEED, ground, norm(v[0], v[1], v[2]), cfg->speed_max) ||
            above(g, trip, AUVID_GUARD_YAW_RATE, auvid_abs(in->rates[2]), cfg->yaw_rate_max) ||
-           above(g, trip, AUVID_GUARD_DISTANCE,
-                 norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
-                 cfg->distance_max_m);
+           beyond(g, trip, AUVID_GUARD_DISTANCE, ground,
+                  norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
+                  cfg->distance_max_m);
 }
 
 /* Do the time of the run and the time spent saturated break one? */

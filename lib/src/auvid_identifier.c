@@ -118,7 +118,11 @@ static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifie
 {
     auvid_status_t status = auvid_nav_init(&id->nav, &cfg->nav);
     if (status >= 0) {
-        status = auvid_recorder_init(&id->recorder, &cfg->recorder);
+        auvid_recorder_config_t recorder = cfg->recorder;
+        if (recorder.gap_us == 0) {
+            recorder.gap_us = auvid_recorder_gap(cfg->metric.velocity_us);
+        }
+        status = auvid_recorder_init(&id->recorder, &recorder);
     }
     if (status >= 0) {
         status = init_metric(&id->metric, cfg);
@@ -184,7 +188,7 @@ static void record_velocity(auvid_identifier_t *id)
     const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
     if (!id->velocity_every_tick && knot->sequence != id->knot) {
         id->knot = knot->sequence;
-        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity);
+        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity, knot->measured);
     }
 }
 
@@ -246,7 +250,8 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }
     if (id->velocity_every_tick && (state.flags & fresh)) {
-        (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity);
+        (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity,
+                                      id->nav.ground.measured);
     }
     record_velocity(id);
     if (!(state.flags & fresh)) {

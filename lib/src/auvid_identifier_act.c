@@ -27,12 +27,16 @@ static void look(const auvid_identifier_t *id, bool saturated, auvid_guard_input
     }
     in->imu.t_us = state.t_us;
     in->imu.known = true;
-    in->velocity = seen_by(&id->nav, AUVID_NAV_DVL_BOTTOM);
+    in->ground = (auvid_guard_seen_t){id->nav.horizontal_us, id->nav.horizontal};
+    in->velocity = in->ground;
+    if (id->excitation.heaves) {
+        in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
+    }
     in->depth = seen_by(&id->nav, AUVID_NAV_DEPTH);
-    auvid_guard_seen_t water = seen_by(&id->nav, AUVID_NAV_DVL_WATER);
-    if (id->guard.cfg.water_lock && water.known &&
-        (!in->velocity.known || water.t_us > in->velocity.t_us)) {
-        in->velocity = water;
+    const auvid_nav_knot_t *water = &id->nav.water;
+    if (id->guard.cfg.water_lock && water->sequence > 0 &&
+        (!in->velocity.known || water->t_us > in->velocity.t_us)) {
+        in->velocity = (auvid_guard_seen_t){water->t_us, true};
     }
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);

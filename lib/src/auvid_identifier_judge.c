@@ -101,7 +101,8 @@ static void note_prediction(auvid_identifier_t *id)
     to->changed = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t residual = id->estimate.confidence.residual[j];
-        auvid_real_t ratio = m->predicted[j] / ((auvid_real_t)set->rows * residual * residual);
+        auvid_real_t rows = (auvid_real_t)set->rows_of[j];
+        auvid_real_t ratio = m->predicted[j] / (rows * residual * residual);
         to->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
         to->change[j] = AUVID_C(0.0);
     }

@@ -33,6 +33,7 @@ void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvi
     m->at_set = m->at_dof = 0;
     m->at_row = 0;
     m->window_rows = 0;
+    memset(m->window_of, 0, sizeof m->window_of);
     m->sum = m->compensation = m->squares = AUVID_C(0.0);
 }
 
@@ -95,10 +96,16 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
 static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+    uint8_t without = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
     if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
         m->window_rows = 0;
+        memset(m->window_of, 0, sizeof m->window_of);
     }
     m->window_us = sample.t_us;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
+        m->window_of[j] = (uint8_t)((without >> j & 1) != 0 ? 0 : rows);
+    }
     auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
                            m->window[m->window_rows % m->window_length]);
     ++m->window_rows;
@@ -129,7 +136,7 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if (set->driven >> j & 1) {
+                if ((set->driven >> j & 1) != 0 && m->window_of[j] == m->window_length) {
                     auvid_real_t e = smoothed_residual(m, j);
                     squares += m->weight[j] * e * e;
                     m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);

@@ -113,8 +113,18 @@ static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real
     }
 }
 
-/* The derivatives are complete: into the triangles. */
-static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set)
+/* The DoF that the window ending with row r of the set of that age lacks a velocity of. */
+static uint8_t without_window(const auvid_metric_t *m, int age, int r)
+{
+    uint8_t missing = 0;
+    for (int k = 0; k < m->window_length; ++k) {
+        missing |= row_before(m, age, r, k)->sample.missing;
+    }
+    return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
+}
+
+/* The derivatives are complete: into the triangles, but for the DoF `without`. */
+static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
 {
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
     for (int j = 0; j < AUVID_DOF_COUNT;
@@ -122,6 +132,10 @@ static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set)
         auvid_real_t *z = m->z + m->channel_at[j];
         int count = m->count[j];
         if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        if ((without >> j & 1) != 0) {
+            auvid_clear(z, (size_t)auvid_metric_order(m, j));
             continue;
         }
         z[count] = -z[count];
@@ -132,14 +146,14 @@ static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set)
     if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK) {
         return;
     }
-    ++set->windows;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_real_t *z = m->z + m->channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         int count = m->count[j];
-        if (auvid_metric_order(m, j) == 0) {
+        if (auvid_metric_order(m, j) == 0 || (without >> j & 1) != 0) {
             continue;
         }
+        ++set->windows[j];
         memcpy(row, z, (size_t)count * sizeof *row);
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
@@ -177,7 +191,7 @@ static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
             }
             add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->share[k], v);
         }
-        finish_window(m, set);
+        finish_window(m, set, without_window(m, m->at_set, m->at_row));
     }
     return true;
 }
@@ -195,7 +209,7 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
         auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
         if (m->at_row == 0 && m->at_part == 0) {
             memset(m->factor, 0, sizeof m->factor);
-            set->windows = 0;
+            memset(set->windows, 0, sizeof set->windows);
         }
         if (!linearise_set(m, set, budget)) {
             return AUVID_PENDING;

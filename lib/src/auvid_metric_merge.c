@@ -293,7 +293,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         m->driven |= set->driven;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            unsigned rows = (set->driven >> j & 1) ? set->rows : 0u;
+            unsigned rows = (set->driven >> j & 1) ? set->rows_of[j] : 0u;
             m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);
         }
     }

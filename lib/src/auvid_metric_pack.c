@@ -76,6 +76,8 @@ void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
     auvid_set_t *set = &m->set[auvid_metric_slot(m, -1)];
     memset(set, 0, sizeof *set);
     set->rows = m->rows;
+    memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
+    set->lost = m->lost;
     set->driven = driven;
     memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
     if (auvid_metric_has_regressor(m)) {

@@ -116,14 +116,33 @@ AUVID_INLINE void add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t
     }
 }
 
+/* Velocities that were not measured in a cell with a weight in the row. */
+static void note_missing(auvid_metric_t *m, uint32_t slot, uint32_t age, uint8_t missing)
+{
+    for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
+        bool counts = auvid_metric_smooths_motion(m) ||
+                      auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
+        m->missing[slot][moment] |= counts ? missing : 0u;
+    }
+}
+
+/* The DoF that have no row, because the model reads what is missing. */
+static uint8_t without_row(const auvid_metric_t *m, uint32_t slot)
+{
+    unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][0]);
+    unsigned moments = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][1]);
+    return (uint8_t)((forces & 7u) | (moments & ~7u));
+}
+
 /* Add weight * channel to row under construction `slot`; `age` cells have gone into it before.
  * known: null, where it is zero. */
 static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
-                            const auvid_real_t *channel, const auvid_real_t *known)
+                            const auvid_real_t *channel, const auvid_real_t *known, uint8_t missing)
 {
     const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
     int wrench = section(m, 1), moments = section(m, 2), end = m->channel_at[AUVID_DOF_COUNT];
     auvid_real_t *row = m->accumulator[slot];
+    note_missing(m, slot, age, missing);
     add_scaled(row, force, channel, wrench);
     add_scaled(row + wrench, force + spread_weight(m, age), channel + wrench, moments - wrench);
     if (auvid_abs(moment) > AUVID_C(0.0)) { /* its kernel is shorter */
@@ -144,6 +163,7 @@ static void accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
     auvid_real_t smooth = m->kernel[0][age];
     auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
     auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
+    note_missing(m, slot, age, s->missing);
     row[0] += smooth * s->phi;
     row[1] += smooth * s->theta;
     row[2] += smooth * s->psi;
@@ -158,7 +178,7 @@ static void accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
 static void watch_wrench(auvid_metric_t *m, int j, auvid_real_t tau)
 {
     auvid_real_t off = tau - m->tau_mean[j];
-    m->tau_mean[j] += off / (auvid_real_t)m->rows;
+    m->tau_mean[j] += off / (auvid_real_t)++m->rows_of[j];
     m->tau_m2[j] += off * (tau - m->tau_mean[j]);
 }
 
@@ -184,7 +204,7 @@ static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
     uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
     const auvid_real_t *previous =
         m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
-    for (int band = 0; band < AUVID_METRIC_BANDS && m->since_gap >= lag; ++band) {
+    for (int band = 0; band < AUVID_METRIC_BANDS && m->successive[j] >= lag; ++band) {
         auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
         for (int i = 0; i < n; ++i) {
@@ -193,19 +213,34 @@ static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
         auvid_triangle_add(m->factor[band] + m->factor_at[j], n, 0, sum);
     }
     memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
+    m->successive[j] = (uint8_t)(m->successive[j] + (m->successive[j] < AUVID_METRIC_LAGS));
 }
 
-/* A row of the regressor path: into the triangles. One in which the regressor failed does not
- * count: its wrench would pass for explained. */
-static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid_real_t *known)
+static void lose_rows(auvid_metric_t *m, uint32_t rows)
+{
+    uint32_t lost = m->lost + rows;
+    m->lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
+}
+
+/* Some DoF has taken a row, or none. */
+static AUVID_APART void count_row(auvid_metric_t *m, bool taken)
+{
+    m->rows = (uint16_t)(m->rows + taken);
+    lose_rows(m, !taken);
+}
+
+/* A row of the regressor path: into the triangles, but for the DoF `without`. One in which the
+ * regressor failed does not count: its wrench would pass for explained. */
+static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid_real_t *known,
+                     uint8_t without)
 {
     const auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
     if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK ||
         auvid_all_within(known, AUVID_DOF_COUNT, LARGEST_ENTRY) != AUVID_OK) {
-        m->since_gap = 0;
+        memset(m->successive, 0, sizeof m->successive);
         return;
     }
-    ++m->rows;
+    bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         int count = m->count[j];
@@ -216,6 +251,13 @@ static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
+        if ((without >> j & 1) != 0) {
+            m->successive[j] = 0;
+            motion += count;
+            wrench += AUVID_METRIC_DELAYS;
+            continue;
+        }
+        any = true;
         watch_wrench(m, j, *wrench);
         memcpy(row, motion, (size_t)count * sizeof *row);
         motion += count;
@@ -224,6 +266,7 @@ static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid
         }
         rotate_row(m, j, row);
     }
+    count_row(m, any);
     ++m->since_gap;
 }
 
@@ -244,29 +287,37 @@ static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     (void)row_channels(m, y, late, channel, m->known[slot]);
 }
 
-/* A row of the residual path: into the store. */
-static void store_row(auvid_metric_t *m, uint64_t t_us, const auvid_real_t *channel)
+/* A row of the residual path: into the store, unless no equation of the model can use it. */
+static void store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
+    const auvid_real_t *channel = m->accumulator[slot];
     auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
-    sample_from_channels(channel, t_us, &store->sample);
-    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
-    ++m->rows;
+    uint8_t without = without_row(m, slot);
+    bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        watch_wrench(m, j, channel[MOTION_TAU + j]);
+        bool has_row = (without >> j & 1) == 0;
+        any = any || (has_row && m->cfg.vehicle->columns[j] != 0);
+        if (has_row) {
+            watch_wrench(m, j, channel[MOTION_TAU + j]);
+        }
     }
+    sample_from_channels(channel, t_us, &store->sample);
+    store->sample.missing = m->missing[slot][0];
+    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+    count_row(m, any);
 }
 
 /* A row is complete. */
 static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (!auvid_metric_has_regressor(m)) {
-        store_row(m, t_us, m->accumulator[slot]);
+        store_row(m, t_us, slot);
         return;
     }
     if (auvid_metric_is_literal(&m->cfg)) {
         form_row(m, t_us, slot);
     }
-    take_row(m, m->accumulator[slot], m->known[slot]);
+    take_row(m, m->accumulator[slot], m->known[slot], without_row(m, slot));
 }
 
 auvid_status_t auvid_metric_close(auvid_metric_t *metric)
@@ -282,7 +333,8 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t least = m->cfg.driven * m->cfg.tau_max[j];
         bool is_driven =
-            m->cfg.vehicle->columns[j] != 0 && m->tau_m2[j] > least * least * (auvid_real_t)m->rows;
+            m->cfg.vehicle->columns[j] != 0 &&
+            m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
         driven = (uint8_t)(driven | (unsigned)is_driven << j);
     }
     bool kept = auvid_metric_free_of(m, driven) != 0;
@@ -291,6 +343,8 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     }
     ++m->sets_recorded;
     m->rows = 0;
+    memset(m->rows_of, 0, sizeof m->rows_of);
+    m->lost = 0;
     memset(m->factor, 0, sizeof m->factor);
     memset(m->tau_mean, 0, sizeof m->tau_mean);
     memset(m->tau_m2, 0, sizeof m->tau_m2);
@@ -321,7 +375,7 @@ static AUVID_APART void add_equations(auvid_metric_t *m, const auvid_sample_t *s
     evaluate(m, sample, y);
     bool any = row_channels(m, y, late, channel, known);
     for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
-        accumulate_rows(m, slot, age, channel, any ? known : NULL);
+        accumulate_rows(m, slot, age, channel, any ? known : NULL, sample->missing);
         slot = slot > 0 ? slot - 1u : m->overlap - 1u;
     }
 }
@@ -337,6 +391,7 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     if (n % step == 0) {
         auvid_clear(m->accumulator[slot], AUVID_MAX_COLUMNS);
         auvid_clear(m->known[slot], AUVID_DOF_COUNT);
+        memset(m->missing[slot], 0, sizeof m->missing[slot]);
     }
     if (auvid_metric_smooths_motion(m)) {
         add_motion(m, sample, n, slot);
@@ -377,8 +432,11 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
 void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
+        uint32_t cells = PAST - 1u + metric->taps - 1u; /* before the first row */
+        cells = metric->cells < cells ? metric->cells : cells;
+        lose_rows(metric, cells / metric->cfg.row_cells);
         metric->cells = 0;
-        metric->since_gap = 0;
+        memset(metric->successive, 0, sizeof metric->successive);
     }
 }
 

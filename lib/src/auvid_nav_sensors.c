@@ -215,8 +215,27 @@ AUVID_INLINE auvid_status_t take(auvid_nav_t *nav, auvid_nav_measurement_t *m, b
     return AUVID_OK;
 }
 
-static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t velocity[3])
+/* Body axes in the span of the valid axes of the instrument: bit i. The part of axis i outside the
+ * span is what the others, M_ij, have of it. */
+static uint8_t measured_axes(const auvid_nav_t *nav, unsigned valid)
 {
+    const auvid_real_t most = AUVID_NAV_MEASURED_SINE * AUVID_NAV_MEASURED_SINE;
+    unsigned measured = 0;
+    for (int i = 0; i < 3; ++i) {
+        auvid_real_t outside = AUVID_C(0.0);
+        for (int j = 0; j < 3; ++j) {
+            auvid_real_t part = (valid >> j & 1) != 0 ? AUVID_C(0.0) : nav->mount[i][j];
+            outside += part * part;
+        }
+        measured |= (unsigned)(outside <= most) << i;
+    }
+    return (uint8_t)measured;
+}
+
+static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t velocity[3],
+                     uint8_t measured)
+{
+    knot->measured = measured;
     knot->t_us = t_us;
     memcpy(knot->velocity, velocity, sizeof knot->velocity);
     ++knot->sequence;
@@ -252,7 +271,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us
         return status;
     }
     if (water && !m.directed) {
-        tie_knot(&nav->water, m.t_us, m.z);
+        tie_knot(&nav->water, m.t_us, m.z, AUVID_DVL_ALL);
     }
     if (apart) {
         return AUVID_UNUSED;
@@ -260,7 +279,16 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_WATER_AIDED);
     raise_flag(nav, AUVID_NAV_VELOCITY_KNOWN | (water ? AUVID_NAV_WATER_AIDED : 0u));
     if (!water) {
-        tie_knot(&nav->ground, m.t_us, nav->velocity);
+        uint8_t measured = measured_axes(nav, valid);
+        tie_knot(&nav->ground, m.t_us, nav->velocity, measured);
+        if ((measured & 3u) == 3u) {
+            nav->horizontal_us = m.t_us;
+            nav->horizontal = true;
+        }
+        if (measured == AUVID_DVL_ALL) {
+            nav->complete_us = m.t_us;
+            nav->complete = true;
+        }
     }
     return AUVID_OK;
 }

@@ -3,7 +3,8 @@
  *
  * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps; the
  * integral of a straight line over an overlap is its value in the middle times the length. Cells
- * live in a ring; a cell is zeroed when the first stream enters it.
+ * live in a ring; a cell is zeroed when the first stream enters it. u, v and w are a stream each;
+ * one that is lost (not valid) takes part again from the next whole cell on.
  */
 #include "auvid/recorder.h"
 
@@ -11,18 +12,30 @@
 
 #include "auvid_math.h"
 
-enum { ATTITUDE, VELOCITY, INPUT, STREAMS };
+enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
 
-/* Channels of each stream in a cell: phi theta psi p q r | u v w | tau, commands. */
-static const uint8_t first_channel[STREAMS + 1] = {0, 6, 9, AUVID_RECORDER_CHANNELS};
+/* Channels of each stream in a cell: phi theta psi p q r | u | v | w | tau, commands. */
+static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER_CHANNELS};
+
+/* Cells without one of the velocities, the others measured, after which it is lost: some are left
+ * of the ring for the samples' delay. */
+enum { LONGEST_LAG = AUVID_RECORDER_CELLS - 8 };
 
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
 
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
 {
     if (cfg != NULL) {
-        *cfg = (auvid_recorder_config_t){.cell_us = 100000, .gap_us = 500000};
+        *cfg = (auvid_recorder_config_t){.cell_us = 100000};
     }
+}
+
+uint32_t auvid_recorder_gap(uint32_t velocity_us)
+{
+    if (velocity_us >= 200000) {
+        return 1000000;
+    }
+    return velocity_us > 100000 ? 5u * velocity_us : 500000;
 }
 
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
@@ -30,39 +43,49 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     if (recorder == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || cfg->gap_us < cfg->cell_us ||
-        cfg->gap_us > 1000000000 ||
+    uint32_t gap_us = cfg->gap_us == 0 ? auvid_recorder_gap(0) : cfg->gap_us;
+    if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || gap_us < cfg->cell_us ||
+        gap_us > 1000000000 ||
         (cfg->input != AUVID_INPUT_HOLD && cfg->input != AUVID_INPUT_LINEAR)) {
         return AUVID_ERR_RANGE;
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
+    recorder->cfg.gap_us = gap_us;
     return AUVID_OK;
 }
 
-/* End the record. Streams that have spoken lately take part in the next one. */
-static void break_record(auvid_recorder_t *rec)
+static bool is_velocity(int s)
 {
-    rec->broken = rec->broken || rec->running;
-    rec->running = false;
+    return s >= VELOCITY && s < INPUT;
 }
 
-/* Begin a record at the latest of the streams' last samples, once all have one that is not older
- * than a gap. */
+/* Unless there is one, begin a record at the latest of the streams' last samples, once all have one
+ * that is not older than a gap; of the velocities one is enough. */
 static void begin_record(auvid_recorder_t *rec)
 {
     uint64_t origin = 0;
-    for (int s = 0; s < STREAMS; ++s) {
-        if (!rec->stream[s].valid) {
-            return;
-        }
-        origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
+    bool moves = false;
+    if (rec->running) {
+        return;
     }
     for (int s = 0; s < STREAMS; ++s) {
-        if (origin - rec->stream[s].t_us > rec->cfg.gap_us) {
-            rec->stream[s].valid = false;
+        if (rec->stream[s].valid) {
+            origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
+        } else if (!is_velocity(s)) {
             return;
         }
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        auvid_recorder_stream_t *st = &rec->stream[s];
+        st->valid = st->valid && origin - st->t_us <= rec->cfg.gap_us;
+        moves = moves || (is_velocity(s) && st->valid);
+        if (!st->valid && !is_velocity(s)) {
+            return;
+        }
+    }
+    if (!moves) {
+        return;
     }
     for (int s = 0; s < STREAMS; ++s) {
         rec->stream[s].filled_us = origin;
@@ -92,9 +115,9 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
             return false;
         }
         auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
-        if (st->cell == rec->opened) {
-            memset(mean, 0, sizeof rec->mean[0]);
-            ++rec->opened;
+        for (; rec->opened <= st->cell; ++rec->opened) { /* one that was lost may be ahead */
+            memset(rec->mean[rec->opened % AUVID_RECORDER_CELLS], 0, sizeof rec->mean[0]);
+            rec->measured[rec->opened % AUVID_RECORDER_CELLS] = 0;
         }
         auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
         /* where the middle of the overlap lies between the two samples, 0..1 */
@@ -105,34 +128,56 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
             mean[first_channel[s] + i] += weight * (last[i] + part * (value[i] - last[i]));
         }
         st->filled_us = to;
-        st->cell += to == cell_end;
+        if (to == cell_end) {
+            unsigned bit = is_velocity(s) ? 1u << (s - VELOCITY) : 0u;
+            uint8_t *measured = &rec->measured[st->cell % AUVID_RECORDER_CELLS];
+            *measured = (uint8_t)(*measured | bit);
+            ++st->cell;
+        }
     }
     return true;
 }
 
-static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+/* A sample of a stream, checked. */
+static void take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
-    int channels = first_channel[s + 1] - first_channel[s];
-    auvid_status_t status = auvid_all_within(value, (size_t)channels, AUVID_RECORDER_LARGEST);
-    if (status < 0) {
-        return status;
+    if (rec->running && !st->valid) { /* a velocity that was lost */
+        bool inside = t_us >= rec->origin_us; /* or a late one of before the record */
+        st->cell =
+            inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
+        st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
+    } else if (rec->running &&
+               (t_us - st->t_us > rec->cfg.gap_us || !integrate(rec, s, t_us, value))) {
+        rec->broken = true;
+        rec->running = false;
     }
+    memcpy(&rec->last[first_channel[s]], value,
+           (size_t)(first_channel[s + 1] - first_channel[s]) * sizeof value[0]);
+    st->t_us = t_us;
+    st->valid = true;
+}
+
+static auvid_status_t check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
+{
     if (st->valid && t_us <= st->t_us) {
         return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
     }
-    if (st->valid && t_us - st->t_us > rec->cfg.gap_us) {
-        break_record(rec);
-    } else if (rec->running && !integrate(rec, s, t_us, value)) {
-        break_record(rec);
+    return AUVID_OK;
+}
+
+static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    size_t channels = (size_t)(first_channel[s + 1] - first_channel[s]);
+    auvid_status_t status = auvid_all_within(value, channels, AUVID_RECORDER_LARGEST);
+    if (status == AUVID_OK) {
+        status = check_time(&rec->stream[s], t_us);
     }
-    memcpy(&rec->last[first_channel[s]], value, (size_t)channels * sizeof value[0]);
-    st->t_us = t_us;
-    st->valid = true;
-    if (!rec->running) {
+    if (status == AUVID_OK) {
+        take(rec, s, t_us, value);
         begin_record(rec);
     }
-    return AUVID_OK;
+    return status;
 }
 
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
@@ -148,12 +193,45 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
 }
 
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
-                                       const auvid_real_t *velocity)
+                                       const auvid_real_t *velocity, unsigned measured)
 {
-    if (recorder == NULL || velocity == NULL) {
+    auvid_recorder_t *rec = recorder;
+    if (rec == NULL || velocity == NULL) {
         return AUVID_ERR_NULL;
     }
-    return feed(recorder, VELOCITY, t_us, velocity);
+    auvid_status_t status = measured > 7u ? AUVID_ERR_RANGE : AUVID_OK;
+    uint32_t silence_us[3], least_us = UINT32_MAX;
+    for (int i = 0; i < 3; ++i) {
+        const auvid_recorder_stream_t *st = &rec->stream[VELOCITY + i];
+        if (status == AUVID_OK && (measured >> i & 1u) != 0) {
+            status = auvid_all_within(velocity + i, 1, AUVID_RECORDER_LARGEST);
+        }
+        if (status == AUVID_OK) {
+            status = check_time(st, t_us);
+        }
+        uint64_t us = t_us - st->t_us;
+        silence_us[i] = st->valid && us < UINT32_MAX ? (uint32_t)us : UINT32_MAX;
+        least_us = silence_us[i] < least_us ? silence_us[i] : least_us;
+    }
+    if (status != AUVID_OK || measured == 0) {
+        return status != AUVID_OK ? status : AUVID_UNUSED;
+    }
+    /* after a silence of all three the record breaks, as after that of any stream */
+    bool goes_on = rec->running && least_us <= rec->cfg.gap_us;
+    for (int i = 0; i < 3; ++i) {
+        bool is_measured = (measured >> i & 1u) != 0;
+        bool lost = is_measured ? silence_us[i] > rec->cfg.gap_us
+                                : silence_us[i] >= rec->cfg.gap_us ||
+                                      silence_us[i] >= LONGEST_LAG * rec->cfg.cell_us;
+        if (goes_on && lost) {
+            rec->stream[VELOCITY + i].valid = false;
+        }
+        if (is_measured) {
+            take(rec, VELOCITY + i, t_us, velocity + i);
+        }
+    }
+    begin_record(rec);
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
@@ -163,15 +241,14 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
         return AUVID_ERR_NULL;
     }
     /* what would refuse the velocity once the attitude is taken */
-    const auvid_recorder_stream_t *velocity = &recorder->stream[VELOCITY];
     auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
-    if (status == AUVID_OK && velocity->valid && t_us <= velocity->t_us) {
-        status = t_us == velocity->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    for (int i = 0; i < 3 && status == AUVID_OK; ++i) {
+        status = check_time(&recorder->stream[VELOCITY + i], t_us);
     }
     if (status == AUVID_OK) {
         status = auvid_recorder_attitude(recorder, t_us, attitude, nu + AUVID_ROLL);
     }
-    return status == AUVID_OK ? auvid_recorder_velocity(recorder, t_us, nu) : status;
+    return status == AUVID_OK ? auvid_recorder_velocity(recorder, t_us, nu, 7u) : status;
 }
 
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
@@ -204,7 +281,8 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
         return AUVID_GAP;
     }
     for (int s = 0; s < STREAMS; ++s) {
-        if (!rec->running || rec->stream[s].cell <= rec->next + 2) {
+        bool lost = is_velocity(s) && !rec->stream[s].valid;
+        if (!rec->running || (!lost && rec->stream[s].cell <= rec->next + 2)) {
             return AUVID_EMPTY;
         }
     }
@@ -226,6 +304,9 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
         sample->tau[j] = mean[TAU + j];
     }
     memcpy(sample->command, &mean[COMMAND], sizeof sample->command);
+    for (uint32_t k = rec->next - 2; k <= rec->next + 2; ++k) {
+        sample->missing |= (uint8_t)(~rec->measured[k % AUVID_RECORDER_CELLS] & 7u);
+    }
     ++rec->next;
     return AUVID_OK;
 }

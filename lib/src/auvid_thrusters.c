@@ -153,6 +153,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->residual = residual;
     vehicle->context = th;
     memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);
+    memcpy(vehicle->reads, cfg->hull->reads, sizeof vehicle->reads);
     uint32_t all = (uint32_t)(((uint64_t)1 << n) - 1u);
     vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
     for (int g = 0; g < groups; ++g) {
@@ -255,11 +256,13 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     if (row_us > UINT32_MAX || cfg->metric.velocity_us > 1000000) {
         return AUVID_ERR_RANGE;
     }
+    uint32_t gap_us = cfg->recorder.gap_us;
+    gap_us = gap_us == 0 ? auvid_recorder_gap(cfg->metric.velocity_us) : gap_us;
     auvid_thrusters_grid_t grid = {
         .row_us = (uint32_t)row_us,
         .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
         .lead = lead,
-        .bridged = cfg->recorder.gap_us / period + lead};
+        .bridged = gap_us / period + lead};
     if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }

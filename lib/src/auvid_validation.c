@@ -167,11 +167,20 @@ static void compare(auvid_validation_t *v, const auvid_sample_t *s)
             v->predicted[j] = s->nu[j];
             continue;
         }
+        if ((s->missing >> j & 1) != 0) {
+            continue;
+        }
         auvid_real_t off = s->nu[j] - v->mean[j], e = s->nu[j] - v->predicted[j];
-        v->mean[j] += off / (auvid_real_t)v->cells;
+        v->mean[j] += off / (auvid_real_t)++v->compared[j];
         v->m2[j] += off * (s->nu[j] - v->mean[j]);
         v->sse[j] += e * e;
     }
+}
+
+/* Do the integrated equations read one of these velocities? */
+static bool lacks(const auvid_validation_t *v, uint32_t missing)
+{
+    return (auvid_vehicle_unmeasured(v->vehicle, (uint8_t)missing) & v->dofs) != 0;
 }
 
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample)
@@ -188,17 +197,20 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     auvid_validation_t *v = validation;
     ++v->since_gap;
     memcpy(v->past[v->since_gap % AUVID_VALIDATION_PAST], sample->tau, sizeof sample->tau);
-    if (v->since_gap == WARM_UP) {
+    if (lacks(v, sample->missing & ~v->dofs)) { /* of what comes from the record */
+        v->running = false;
+    } else if (!v->running && v->since_gap >= WARM_UP && !lacks(v, sample->missing)) {
         memcpy(v->predicted, sample->nu, sizeof v->predicted);
         memcpy(v->wrench, v->last.tau, sizeof v->wrench);
-    } else if (v->since_gap > WARM_UP) {
+        v->running = true;
+    } else if (v->running) {
         auvid_real_t tau[AUVID_DOF_COUNT];
         wrench_of_half(v, AUVID_C(1.0), tau);
         half_cell(v, sample, AUVID_C(0.0), tau);
         wrench_of_half(v, AUVID_C(0.0), tau);
         half_cell(v, sample, AUVID_C(0.5), tau);
     }
-    if (v->since_gap >= WARM_UP) {
+    if (v->running) {
         compare(v, sample);
     }
     v->last = *sample;
@@ -209,6 +221,7 @@ void auvid_validation_gap(auvid_validation_t *validation)
 {
     if (validation != NULL) {
         validation->since_gap = 0;
+        validation->running = false;
     }
 }
 

@@ -32,7 +32,11 @@ auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
     }
     uint32_t all = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        unsigned reads = vehicle->reads[j];
         all |= vehicle->columns[j];
+        if (reads != 0 && (reads >> AUVID_DOF_COUNT != 0 || (reads >> j & 1u) == 0)) {
+            return AUVID_ERR_MODEL;
+        }
     }
     if (all == 0 || (uint64_t)all >> vehicle->parameters != 0) {
         return AUVID_ERR_MODEL;
@@ -44,6 +48,16 @@ auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
         }
     }
     return AUVID_OK;
+}
+
+uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing)
+{
+    unsigned dofs = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT && missing != 0; ++j) {
+        unsigned reads = vehicle->reads[j];
+        dofs |= (unsigned)(reads == 0 || (reads & missing) != 0) << j;
+    }
+    return (uint8_t)dofs;
 }
 
 void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t *sample,
@@ -220,7 +234,20 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
 #else
 #define BIAS(name) 0u
 #endif
-#define G500_MODEL(title, form_)                                                                   \
+/* What the coupled equations read, see the top of the file; each its own besides. */
+#define READ(dof) (1u << AUVID_##dof)
+#define MOVES (READ(SURGE) | READ(SWAY))
+#define READS_COUPLED                                                                              \
+    .reads = {[AUVID_SURGE] = MOVES | READ(HEAVE) | READ(PITCH) | READ(YAW),                       \
+              [AUVID_SWAY] = MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH) | READ(YAW),           \
+              [AUVID_HEAVE] = MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH),                      \
+              [AUVID_YAW] = MOVES | READ(YAW)}
+#define READS_OWN                                                                                  \
+    .reads = {[AUVID_SURGE] = READ(SURGE),                                                         \
+              [AUVID_SWAY] = READ(SWAY),                                                           \
+              [AUVID_HEAVE] = READ(HEAVE),                                                         \
+              [AUVID_YAW] = READ(YAW)}
+#define G500_MODEL(title, form_, reads_)                                                           \
     {                                                                                              \
         .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_G500_COUNT,                   \
         .parameter = g500_parameter,                                                               \
@@ -233,17 +260,18 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                     [AUVID_YAW] =                                                                  \
                         BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIAS(N_0)},        \
         .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
-        .context = &(form_)                                                                        \
+        .context = &(form_), reads_                                                                \
     }
 
 static const g500_form_t g500_fossen = {.coupled = true, .printed = false};
 static const g500_form_t g500_as_printed = {.coupled = true, .printed = true};
 static const g500_form_t g500_decoupled = {.coupled = false, .printed = false};
 
-const auvid_vehicle_t auvid_girona500 = G500_MODEL("Girona500, Eq. 12-15", g500_fossen);
+const auvid_vehicle_t auvid_girona500 =
+    G500_MODEL("Girona500, Eq. 12-15", g500_fossen, READS_COUPLED);
 const auvid_vehicle_t auvid_girona500_printed =
-    G500_MODEL("Girona500, Eq. 12-15 as printed", g500_as_printed);
+    G500_MODEL("Girona500, Eq. 12-15 as printed", g500_as_printed, READS_COUPLED);
 const auvid_vehicle_t auvid_girona500_decoupled =
-    G500_MODEL("Girona500, decoupled", g500_decoupled);
+    G500_MODEL("Girona500, decoupled", g500_decoupled, READS_OWN);
 
 #endif

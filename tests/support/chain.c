@@ -70,7 +70,7 @@ void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
     in->dvl.present = dvl->has;
     in->dvl.sample.t_us = epoch_us + dvl->t_us;
     in->dvl.sample.lock = dvl->bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
-    in->dvl.sample.valid = AUVID_DVL_ALL;
+    in->dvl.sample.valid = dvl->axes;
     copy(in->dvl.sample.velocity, dvl->value, 3);
     in->depth.present = depth->has;
     in->depth.t_us = epoch_us + depth->t_us;

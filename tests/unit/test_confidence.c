@@ -602,6 +602,22 @@ static void test_every_need_has_its_words(void)
     TEST_ASSERT_EQUAL_STRING("", text);
 }
 
+static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_M_U] = AUVID_NOTE_UNCERTAIN;
+    notes.lost[AUVID_SURGE] = 5;
+    notes.lost[AUVID_HEAVE] = AUVID_CONFIDENCE_LOST - 1;
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
+    notes.lost[AUVID_HEAVE] = 37;
+    expect("heave: 37 % of the rows were lost to gaps in the record", 1);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 2, text, sizeof text));
+}
+
 static void test_a_pair_is_told_once_and_a_dof_once(void)
 {
     memset(&notes, 0, sizeof notes);
@@ -756,6 +772,7 @@ int main(void)
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
     RUN_TEST(test_too_much_noise_makes_all_uncertain);
     RUN_TEST(test_every_need_has_its_words);
+    RUN_TEST(test_a_large_part_of_the_rows_that_gaps_cost_is_told);
     RUN_TEST(test_a_pair_is_told_once_and_a_dof_once);
     RUN_TEST(test_a_bound_is_told_with_its_value_and_with_what_depends_on_it);
     RUN_TEST(test_numbers_in_words_are_those_of_printf);

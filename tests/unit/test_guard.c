@@ -29,6 +29,7 @@ static void all_is_well(void)
     memset(&in, 0, sizeof in);
     see(&in.imu);
     see(&in.velocity);
+    see(&in.ground);
     see(&in.depth);
     see(&in.altitude);
     see(&in.applied);
@@ -306,6 +307,33 @@ static void test_no_velocity_is_accepted(void)
 {
     check_silence(&in.velocity, AUVID_GUARD_VELOCITY_STALE, 1000000);
     check_cannot_arm(&in.velocity, AUVID_GUARD_VELOCITY_STALE);
+}
+
+/* Velocity through the water is measured, but no bottom lock for longer than velocity_stale_us. */
+static void test_speed_and_distance_are_limits_only_where_they_are_measured(void)
+{
+    const auvid_guard_cause_t cause[2] = {AUVID_GUARD_SPEED, AUVID_GUARD_DISTANCE};
+    const double limit[2] = {1.5, 30};
+    cfg.water_lock = true;
+    for (int k = 0; k < 2; ++k) {
+        for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
+            go((auvid_guard_state_t)state);
+            in.ground.t_us = now - 1000000u + TICK;
+            TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step());
+            in.imu.t_us = in.velocity.t_us = now;
+            TEST_ASSERT_FALSE(step());
+            check_latched(cause[k], (double)AUVID_LARGEST, limit[k]);
+        }
+        all_is_well();
+        in.ground.known = false;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in));
+        TEST_ASSERT_EQUAL(cause[k], g.refused.cause);
+        cfg.off |= AUVID_GUARD_BIT(cause[k]);
+    }
+    go(AUVID_GUARD_EXCITING);
+    in.ground.known = false;
+    TEST_ASSERT_TRUE(step());
 }
 
 static void test_no_depth_is_accepted(void)
@@ -822,6 +850,7 @@ int main(void)
     RUN_TEST(test_a_run_may_be_longer_than_32_bits_of_microseconds);
     RUN_TEST(test_the_imu_is_silent);
     RUN_TEST(test_no_velocity_is_accepted);
+    RUN_TEST(test_speed_and_distance_are_limits_only_where_they_are_measured);
     RUN_TEST(test_no_depth_is_accepted);
     RUN_TEST(test_the_altitude_is_lost);
     RUN_TEST(test_no_applied_wrench_is_recorded);

@@ -5,12 +5,23 @@
 #include <math.h>
 #include <string.h>
 
+#include "auvid/adaptive.h"
 #include "chain.h"
 #include "unity.h"
 
 #define BEFORE_S 12.0 /* of excitation before anything goes wrong */
 
-enum { NO_IMU = 1, NO_DVL = 2, NO_DEPTH = 4, NO_ALTITUDE = 8, SATURATED = 16, NAN_IMU = 32 };
+enum {
+    NO_IMU = 1,
+    NO_DVL = 2,
+    NO_DEPTH = 4,
+    NO_ALTITUDE = 8,
+    SATURATED = 16,
+    NAN_IMU = 32,
+    HEAVE_ONLY = 64, /* of the DVL's axes one is valid */
+    NO_HEAVE = 128,
+    WATER = 256 /* the DVL has no bottom lock */
+};
 
 static chain_t chain;
 static chain_config_t config;
@@ -18,9 +29,20 @@ static unsigned wrong; /* what goes wrong, now */
 
 static void spoil(chain_t *c, auvid_input_t *in)
 {
-    (void)c;
     in->imu.present = in->imu.present && !(wrong & NO_IMU);
     in->dvl.present = in->dvl.present && !(wrong & NO_DVL);
+    if (wrong & HEAVE_ONLY) {
+        in->dvl.sample.valid &= AUVID_DVL_Z;
+    }
+    if (wrong & NO_HEAVE) {
+        in->dvl.sample.valid &= AUVID_DVL_X | AUVID_DVL_Y;
+    }
+    if (wrong & WATER) {
+        in->dvl.sample.lock = AUVID_DVL_WATER;
+        for (int i = 0; i < 3; ++i) {
+            in->dvl.sample.velocity[i] = (auvid_real_t)c->sim.truth.nu[i];
+        }
+    }
     in->depth.present = in->depth.present && !(wrong & NO_DEPTH);
     in->altitude.present = in->altitude.present && !(wrong & NO_ALTITUDE);
     in->saturated = (wrong & SATURATED) != 0;
@@ -136,6 +158,97 @@ static void test_the_dvl_loses_the_bottom(void)
     begin();
     chain.sim.config.dvl_lock = SIM_LOCK_WATER;
     (void)check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+}
+
+/* One axis of the DVL goes on measuring, in a current. The excitation ends before dead reckoning
+ * has led the vehicle far from where it is taken to be. */
+static void check_one_axis_in_a_current(double current, double within_m, double within_m_s)
+{
+    config.sim.current[0] = current;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 3.0);
+    wrong = HEAVE_ONLY;
+    int ticks = check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+    TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
+    chain_begin(&chain, &config); /* again, to look at the truth where it ends */
+    wrong = 0;
+    chain_run(&chain, 3.0);
+    wrong = HEAVE_ONLY;
+    chain_run(&chain, ticks * 0.02);
+    const sim_truth_t *t = &chain.sim.truth;
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
+    TEST_ASSERT_TRUE(hypot(t->position[0], t->position[1]) < within_m);
+    TEST_ASSERT_TRUE(hypot(t->ground[0], t->ground[1]) < within_m_s);
+}
+
+static void test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_0_8_m_s(void)
+{
+    check_one_axis_in_a_current(0.8, 5.0, 1.5);
+}
+
+static void test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_1_2_m_s(void)
+{
+    check_one_axis_in_a_current(1.2, 7.0, 1.5);
+}
+
+static void test_heave_must_be_measured_where_it_is_excited(void)
+{
+    begin();
+    wrong = NO_HEAVE;
+    int ticks = check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+    TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
+}
+
+static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
+    (void)auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    begin();
+    wrong = NO_HEAVE;
+    chain_run(&chain, 20.0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    wrong = HEAVE_ONLY;
+    check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
+}
+
+/* The adaptive excitation takes the place of a plan without heave. */
+static void test_heave_must_be_measured_where_the_adaptive_excitation_drives_it(void)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
+    auvid_adaptive_config_t adaptive;
+    auvid_adaptive_defaults(&adaptive);
+    memcpy(adaptive.amplitude, amplitude, sizeof amplitude);
+    (void)auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    for (int heave = 0; heave < 2; ++heave) {
+        wrong = 0;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        adaptive.amplitude[AUVID_HEAVE] = (auvid_real_t)(60 * heave);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &adaptive));
+        chain_run(&chain, BEFORE_S);
+        wrong = NO_HEAVE;
+        chain_run(&chain, 5.0);
+        TEST_ASSERT_EQUAL(heave ? AUVID_GUARD_ABORTED : AUVID_GUARD_EXCITING, chain.out.guard);
+    }
+}
+
+static void test_water_lock_leaves_speed_and_distance_over_ground_unknown(void)
+{
+    config.id.guard.water_lock = true;
+    begin();
+    wrong = WATER;
+    int ticks = check_aborts(AUVID_GUARD_SPEED, 2);
+    TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
+    config.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED);
+    begin();
+    wrong = WATER;
+    check_aborts(AUVID_GUARD_DISTANCE, 2);
+    config.id.guard.off |= AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    begin();
+    wrong = WATER;
+    chain_run(&chain, 20.0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    wrong = WATER | NO_HEAVE; /* a part of a water lock is none */
+    check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
 }
 
 static void test_depth_is_lost(void)
@@ -563,6 +676,12 @@ int main(void)
     RUN_TEST(test_the_imu_tells_what_is_not_finite);
     RUN_TEST(test_the_dvl_is_lost);
     RUN_TEST(test_the_dvl_loses_the_bottom);
+    RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_0_8_m_s);
+    RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_1_2_m_s);
+    RUN_TEST(test_heave_must_be_measured_where_it_is_excited);
+    RUN_TEST(test_heave_need_not_be_measured_where_it_is_not_excited);
+    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_drives_it);
+    RUN_TEST(test_water_lock_leaves_speed_and_distance_over_ground_unknown);
     RUN_TEST(test_depth_is_lost);
     RUN_TEST(test_altitude_is_lost);
     RUN_TEST(test_without_an_altimeter_all_goes_well);

@@ -361,7 +361,7 @@ static void test_motion_is_refused_as_a_whole_where_one_half_is(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
         if (ahead) {
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&chain.id.recorder, 3000, nu));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&chain.id.recorder, 3000, nu, 7u));
         } else {
             TEST_ASSERT_EQUAL(AUVID_OK,
                               auvid_recorder_attitude(&chain.id.recorder, 3000, attitude, nu));

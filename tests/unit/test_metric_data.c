@@ -384,6 +384,57 @@ static void test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides(void)
     auvid_metric_gap(NULL);
 }
 
+/* Two sets of cells in which a velocity is not measured for 2 s in every 20, and a guess stands in
+ * its place. */
+static void feed_guesses(int velocity, bool told)
+{
+    world_t w = world_of(&cfg);
+    start();
+    for (int k = 0; metric.sets_recorded < 2; ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        if (k % 200 < 20) {
+            s.nu[velocity] += 1;
+            s.nu_dot[velocity] -= 2;
+            s.missing = (uint8_t)(told ? 1u << velocity : 0u);
+        }
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+}
+
+static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing(void)
+{
+    for (int velocity = 0; velocity < 3; ++velocity) {
+        feed_guesses(velocity, true);
+        assert_least_squares_find_truth(AUVID_G500_FREE);
+        feed_guesses(velocity, false);
+        merge_all(&metric);
+        TEST_ASSERT_TRUE(cost_of(&metric, truth) + (double)metric.constant > 1e-4);
+    }
+    feed_guesses(AUVID_HEAVE, true); /* yaw does not read it */
+    const auvid_set_t *set = auvid_metric_newest(&metric);
+    TEST_ASSERT_EQUAL_UINT16(60, set->rows);
+    TEST_ASSERT_EQUAL_UINT16(60, set->rows_of[AUVID_YAW]);
+    TEST_ASSERT_EQUAL_UINT16(0, set->lost);
+    for (int j = 0; j < 3; ++j) {
+        /* of 40 rows in 20 s those whose 41 cells, or 43 for their ends, meet the 20: 12 */
+        TEST_ASSERT_UINT16_WITHIN(3, 60 - 60 * 12 / 40, set->rows_of[j]);
+    }
+    merge_all(&metric);
+    TEST_ASSERT_EQUAL_UINT16(120, metric.dof_rows[AUVID_YAW]);
+    TEST_ASSERT_UINT16_WITHIN(6, 84, metric.dof_rows[AUVID_HEAVE]);
+}
+
+static void test_rows_that_gaps_in_the_record_cost_are_counted(void)
+{
+    world_t w = world_of(&cfg);
+    start();
+    feed(&metric, &w, 0, cells_of(&cfg, 30));
+    auvid_metric_gap(&metric);
+    TEST_ASSERT_EQUAL(1, feed(&metric, &w, 333, cells_of(&cfg, 30)));
+    uint32_t cost = (uint32_t)(cells_of(&cfg, 1) - 1) / cfg.row_cells;
+    TEST_ASSERT_EQUAL_UINT16(cost, auvid_metric_newest(&metric)->lost);
+}
+
 static void test_cell_that_is_not_finite_is_ignored(void)
 {
     world_t w = world_of(&cfg);
@@ -487,6 +538,8 @@ int main(void)
     RUN_TEST(test_response_before_its_command_is_taken_as_no_delay);
     RUN_TEST(test_given_delay_is_used_as_it_is);
     RUN_TEST(test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides);
+    RUN_TEST(test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing);
+    RUN_TEST(test_rows_that_gaps_in_the_record_cost_are_counted);
     RUN_TEST(test_cell_that_is_not_finite_is_ignored);
     RUN_TEST(test_rows_the_model_cannot_make_are_left_out);
     RUN_TEST(test_rows_the_model_never_can_make_do_not_count_as_explained);

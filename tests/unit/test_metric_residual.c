@@ -169,6 +169,43 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
     TEST_ASSERT_DOUBLE_WITHIN(100, 20 * 100, sse[1]);
 }
 
+/* Guesses of heave for 1 s in every 10: what is read of them is no residual of any equation. */
+static void test_residuals_of_what_was_not_measured_do_not_count(void)
+{
+    double cost[2];
+    for (int told = 0; told < 2; ++told) {
+        cells_defaults();
+        cfg.sets = 2;
+        use_residual_path(2, 120);
+        start();
+        world_t w = world_of(&cfg);
+        for (int k = 0; metric.sets_recorded < 2; ++k) {
+            auvid_sample_t s = cell_at(&w, k * w.cell_s);
+            if (k % 100 < 10) {
+                s.nu[AUVID_HEAVE] += 1;
+                s.missing = (uint8_t)(told ? 1u << AUVID_HEAVE : 0u);
+            }
+            TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+        }
+        merge_all(&metric);
+        cost[told] = cost_of(&metric, truth);
+        uint32_t budget = UINT32_MAX;
+        auvid_metric_linearise_begin(&metric, truth, 0, 2);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+        const auvid_set_t *set = auvid_metric_newest(&metric);
+        /* of 240 cells 20 or 30, in rows of two */
+        TEST_ASSERT_UINT16_WITHIN(told ? 3 : 0, told ? 108 : 120, set->rows_of[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_UINT16(120, set->rows_of[AUVID_YAW]);
+        if (told) {
+            TEST_ASSERT_TRUE(set->windows[AUVID_SURGE] < set->windows[AUVID_YAW]);
+        } else {
+            TEST_ASSERT_EQUAL_UINT16(set->windows[AUVID_YAW], set->windows[AUVID_SURGE]);
+        }
+    }
+    TEST_ASSERT_TRUE(cost[1] < 1e-5);
+    TEST_ASSERT_TRUE(cost[0] > 1e-2);
+}
+
 static void test_rows_are_stored_inside_the_storage_alone(void)
 {
     cfg.sets = 3;
@@ -223,6 +260,7 @@ int main(void)
     RUN_TEST(test_residual_path_has_its_minimum_in_the_delay_too);
     RUN_TEST(test_a_record_whose_times_are_rounded_is_still_one_record);
     RUN_TEST(test_residuals_are_not_smoothed_over_a_gap);
+    RUN_TEST(test_residuals_of_what_was_not_measured_do_not_count);
     RUN_TEST(test_rows_are_stored_inside_the_storage_alone);
     RUN_TEST(test_residual_path_has_neither_least_squares_nor_scale);
     RUN_TEST(test_cost_that_is_not_finite_is_returned_as_such);

@@ -132,6 +132,61 @@ static void test_part_of_the_axes_moves_only_what_it_measures(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 
+/* The axes of an instrument turned by `yaw` and rolled by `roll` that a part of it measures. */
+static unsigned measured_by(unsigned valid, double roll, double yaw)
+{
+    cfg.dvl_euler[0] = real(roll);
+    cfg.dvl_euler[2] = real(yaw);
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, (uint8_t)valid, 0.1, 0.2, 0.3));
+    return nav.ground.measured;
+}
+
+static void test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_ones(void)
+{
+    const double eighth = 3.14159265358979 / 4;
+    for (unsigned valid = 1; valid <= 7; ++valid) {
+        TEST_ASSERT_EQUAL_HEX8(valid, measured_by(valid, 0, 0));
+        /* turned by a quarter: its x is the body's y; or rolled: its z is the body's -y */
+        unsigned swapped = (valid >> 1 & 1) | (valid << 1 & 2) | (valid & 4);
+        TEST_ASSERT_EQUAL_HEX8(swapped, measured_by(valid, 0, 2 * eighth));
+        unsigned rolled = (valid & 1) | (valid << 1 & 4) | (valid >> 1 & 2);
+        TEST_ASSERT_EQUAL_HEX8(rolled, measured_by(valid, 2 * eighth, 0));
+        /* by an eighth: x and y only together */
+        unsigned both = ((valid & 3) == 3 ? 3u : 0u) | (valid & 4);
+        TEST_ASSERT_EQUAL_HEX8(both, measured_by(valid, 0, eighth));
+        both = (valid & 1) | ((valid & 6) == 6 ? 6u : 0u);
+        TEST_ASSERT_EQUAL_HEX8(both, measured_by(valid, eighth, 0));
+    }
+    /* a degree off it still measures what it is mounted for, three degrees off it does not */
+    TEST_ASSERT_EQUAL_HEX8(1, measured_by(AUVID_DVL_X, 0, 0.0174));
+    TEST_ASSERT_EQUAL_HEX8(0, measured_by(AUVID_DVL_X, 0, 0.0523));
+}
+
+static void test_time_of_horizontal_and_of_complete_velocity_over_ground_is_kept(void)
+{
+    start();
+    TEST_ASSERT_FALSE(nav.horizontal || nav.complete);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X | AUVID_DVL_Z, 0, 0, 0));
+    TEST_ASSERT_FALSE(nav.horizontal || nav.complete);
+    tick(20000);
+    uint64_t first = now;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X | AUVID_DVL_Y, 0, 0, 0));
+    TEST_ASSERT_TRUE(nav.horizontal && !nav.complete);
+    tick(20000);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_Z, 0, 0, 0));
+    TEST_ASSERT_EQUAL_UINT64(first, nav.horizontal_us);
+    tick(20000);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0, 0, 0));
+    TEST_ASSERT_TRUE(nav.complete);
+    TEST_ASSERT_EQUAL_UINT64(now, nav.horizontal_us);
+    TEST_ASSERT_EQUAL_UINT64(now, nav.complete_us);
+    tick(20000);
+    (void)give(AUVID_DVL_WATER, AUVID_DVL_ALL, 0, 0, 0);
+    TEST_ASSERT_EQUAL_UINT64(now - 20000, nav.complete_us);
+    TEST_ASSERT_EQUAL_HEX8(AUVID_DVL_ALL, nav.water.measured);
+}
+
 static void test_parts_of_a_turned_instrument_add_up_to_the_whole(void)
 {
     const double v[3] = {0.8, -0.3, 0.4};
@@ -334,6 +389,8 @@ int main(void)
     RUN_TEST(test_instrument_upside_down_reads_sway_and_heave_negated);
     RUN_TEST(test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates);
     RUN_TEST(test_part_of_the_axes_moves_only_what_it_measures);
+    RUN_TEST(test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_ones);
+    RUN_TEST(test_time_of_horizontal_and_of_complete_velocity_over_ground_is_kept);
     RUN_TEST(test_parts_of_a_turned_instrument_add_up_to_the_whole);
     RUN_TEST(test_no_valid_axis_is_no_sample);
     RUN_TEST(test_sample_faster_than_the_limit_is_refused);

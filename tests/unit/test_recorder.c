@@ -53,7 +53,7 @@ static auvid_status_t feed(int stream, uint64_t t_us, double x)
     case ATTITUDE:
         return auvid_recorder_attitude(&recorder, t_us, a, a + 3);
     case VELOCITY:
-        return auvid_recorder_velocity(&recorder, t_us, a);
+        return auvid_recorder_velocity(&recorder, t_us, a, 7u);
     default:
         return auvid_recorder_input(&recorder, t_us, a, b);
     }
@@ -246,7 +246,7 @@ static void test_null_commands_are_zeros(void)
     for (uint32_t k = 0; k <= 60; ++k) {
         uint64_t t_us = T0 + 10000ull * k;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_attitude(&recorder, t_us, x, x));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, t_us, x));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, t_us, x, 7u));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_input(&recorder, t_us, x, NULL));
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
@@ -435,6 +435,156 @@ static void test_stream_heard_long_before_the_others_does_not_begin_a_record(voi
     TEST_ASSERT_TRUE(latest_us > T0 + 3000000);
 }
 
+/* ---- velocity measured in part ---- */
+
+typedef struct {
+    int cells, gaps;
+    uint8_t missing[200]; /* by cell, from T0 on */
+    auvid_sample_t sample[200];
+} heard_t;
+static heard_t heard[2];
+
+/* 15 s: all else at 50 Hz, velocity at 5 Hz, 20 ms late; `measured` of the k-th sample. */
+static void hear(heard_t *to, uint32_t gap_us, unsigned (*measured)(int k))
+{
+    cfg.gap_us = gap_us;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    memset(to, 0, sizeof *to);
+    for (int k = 0; k <= 750; ++k) {
+        uint64_t t_us = T0 + 20000ull * (uint64_t)k;
+        if (k % 10 == 1) {
+            int number = k / 10;
+            auvid_real_t v[3];
+            for (int i = 0; i < 3; ++i) { /* what is not measured must not be read */
+                bool is = (measured(number) >> i & 1u) != 0;
+                v[i] = is ? (auvid_real_t)sin(0.3 * number + i) : (auvid_real_t)NAN;
+            }
+            auvid_status_t status =
+                auvid_recorder_velocity(&recorder, t_us - 20000, v, measured(number));
+            TEST_ASSERT_EQUAL(measured(number) == 0 ? AUVID_UNUSED : AUVID_OK, status);
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, t_us, sin(0.01 * k)));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, t_us, cos(0.01 * k)));
+        auvid_sample_t s;
+        auvid_status_t status;
+        while ((status = auvid_recorder_pop(&recorder, &s)) != AUVID_EMPTY) {
+            to->gaps += status == AUVID_GAP;
+            if (status == AUVID_OK) {
+                uint32_t number = (uint32_t)(s.t_us - T0) / 100000u;
+                to->missing[number] = s.missing;
+                to->sample[number] = s;
+                ++to->cells;
+            }
+        }
+    }
+}
+
+static unsigned always(int k)
+{
+    (void)k;
+    return 7;
+}
+
+static unsigned no_sway_from_20_to_29(int k)
+{
+    return k >= 20 && k < 30 ? 5 : 7;
+}
+
+static unsigned no_sway_in_20_and_21(int k)
+{
+    return k == 20 || k == 21 ? 5 : 7;
+}
+
+static unsigned heave_only_until_10(int k)
+{
+    return k < 10 ? 4 : 7;
+}
+
+static unsigned nothing_in_20_and_21(int k)
+{
+    return k == 20 || k == 21 ? 0 : 7;
+}
+
+static void test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_no_record(void)
+{
+    hear(&heard[0], 0, always);
+    hear(&heard[1], 0, no_sway_from_20_to_29);
+    TEST_ASSERT_EQUAL(0, heard[1].gaps);
+    for (int n = 2; n < 145; ++n) {
+        const auvid_sample_t *whole = &heard[0].sample[n], *part = &heard[1].sample[n];
+        /* samples 0.2 s apart; unknown from number 19 (3.8 s) to number 30 (6 s), and two cells
+         * beside for the accelerations; it takes part again from a whole cell on */
+        bool known = n < 36 || n > 62;
+        TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[n]);
+        TEST_ASSERT_EQUAL_HEX8(known ? 0 : 2, heard[1].missing[n]);
+        for (int i = 0; i < 3; ++i) {
+            bool same = memcmp(&whole->nu[i], &part->nu[i], sizeof part->nu[i]) == 0 &&
+                        memcmp(&whole->nu_dot[i], &part->nu_dot[i], sizeof part->nu[i]) == 0;
+            TEST_ASSERT_TRUE(same || (i == 1 && !known));
+            TEST_ASSERT_TRUE(auvid_is_finite(part->nu[i]) && auvid_is_finite(part->nu_dot[i]));
+        }
+    }
+}
+
+static void test_a_velocity_runs_straight_over_samples_that_do_not_measure_it(void)
+{
+    hear(&heard[0], 1000000, no_sway_in_20_and_21);
+    hear(&heard[1], 1000000, nothing_in_20_and_21);
+    TEST_ASSERT_EQUAL(0, heard[0].gaps + heard[1].gaps);
+    for (int n = 2; n < 145; ++n) {
+        TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[n] | heard[1].missing[n]);
+        TEST_ASSERT_TRUE(heard[0].sample[n].nu[1] == heard[1].sample[n].nu[1]);
+    }
+}
+
+static void test_a_record_begins_with_one_velocity(void)
+{
+    hear(&heard[0], 0, heave_only_until_10);
+    TEST_ASSERT_EQUAL(0, heard[0].gaps);
+    TEST_ASSERT_EQUAL_HEX8(3, heard[0].missing[10]);
+    TEST_ASSERT_EQUAL_HEX8(3, heard[0].missing[20]);
+    TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[24]);
+    TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[144]);
+}
+
+/* A late sample may be from before the record's beginning. */
+static void test_a_velocity_heard_first_late_takes_part_from_the_beginning(void)
+{
+    const auvid_real_t v[3] = {1, 2, 3};
+    auvid_sample_t s;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, T0, v, 4));
+    for (uint64_t t_us = T0 + 100000; t_us <= T0 + 1200000; t_us += 20000) {
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, t_us, 0));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, t_us, 0));
+        if ((t_us - T0) % 200000 == 100000) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, t_us - 50000, v, 7));
+        }
+    }
+    for (int k = 0; k < 5; ++k) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_pop(&recorder, &s));
+        TEST_ASSERT_EQUAL_HEX8(0, s.missing);
+    }
+}
+
+static void test_velocity_refuses_more_than_three_axes(void)
+{
+    const auvid_real_t v[3] = {0};
+    before = recorder;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_recorder_velocity(&recorder, T0, v, 8));
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_recorder_velocity(&recorder, T0, v, 0));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &recorder, sizeof recorder);
+}
+
+static void test_default_gap_is_five_velocity_samples_between_half_a_second_and_one(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(500000, auvid_recorder_gap(0));
+    TEST_ASSERT_EQUAL_UINT32(500000, auvid_recorder_gap(100000));
+    TEST_ASSERT_EQUAL_UINT32(750000, auvid_recorder_gap(150000));
+    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(200000));
+    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(1000000));
+    TEST_ASSERT_EQUAL_UINT32(500000, recorder.cfg.gap_us);
+}
+
 static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
 {
     reset_counts();
@@ -503,7 +653,7 @@ static void test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact(void)
         nu[0] = -x[0];
         uint64_t t_us = t0 + 10000ull * k;
         bool ok = auvid_recorder_attitude(&recorder, t_us, x, x + 3) == AUVID_OK &&
-                  auvid_recorder_velocity(&recorder, t_us, nu) == AUVID_OK &&
+                  auvid_recorder_velocity(&recorder, t_us, nu, 7u) == AUVID_OK &&
                   auvid_recorder_input(&recorder, t_us, x, NULL) == AUVID_OK;
         TEST_ASSERT_TRUE(ok);
         while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
@@ -554,7 +704,8 @@ static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void
         for (int k = 0; k < 6; ++k) {
             x[k] = (auvid_real_t)bad[i];
             refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_attitude(&recorder, t_us, x, x + 3));
-            refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_velocity(&recorder, t_us, x + k / 3 * 3));
+            refuse(AUVID_ERR_NOT_FINITE,
+                   auvid_recorder_velocity(&recorder, t_us, x + k / 3 * 3, 7u));
             refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_input(&recorder, t_us, x, NULL));
             x[k] = 0;
         }
@@ -575,7 +726,7 @@ static void test_numbers_out_of_all_proportion_are_refused_and_change_nothing(vo
         x[0] = x[5] = bad[i];
         command[AUVID_MAX_COMMANDS - 1] = bad[i];
         refuse(AUVID_ERR_RANGE, auvid_recorder_attitude(&recorder, t_us, x, x + 3));
-        refuse(AUVID_ERR_RANGE, auvid_recorder_velocity(&recorder, t_us, x));
+        refuse(AUVID_ERR_RANGE, auvid_recorder_velocity(&recorder, t_us, x, 7u));
         refuse(AUVID_ERR_RANGE, auvid_recorder_input(&recorder, t_us, x, NULL));
         x[0] = x[5] = 0;
         refuse(AUVID_ERR_RANGE, auvid_recorder_input(&recorder, t_us, x, command));
@@ -590,8 +741,8 @@ static void test_null_pointers_are_refused(void)
     refuse(AUVID_ERR_NULL, auvid_recorder_attitude(NULL, 1, x, x));
     refuse(AUVID_ERR_NULL, auvid_recorder_attitude(&recorder, 1, NULL, x));
     refuse(AUVID_ERR_NULL, auvid_recorder_attitude(&recorder, 1, x, NULL));
-    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(NULL, 1, x));
-    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(&recorder, 1, NULL));
+    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(NULL, 1, x, 7u));
+    refuse(AUVID_ERR_NULL, auvid_recorder_velocity(&recorder, 1, NULL, 7u));
     refuse(AUVID_ERR_NULL, auvid_recorder_input(NULL, 1, x, x));
     refuse(AUVID_ERR_NULL, auvid_recorder_input(&recorder, 1, NULL, x));
     refuse(AUVID_ERR_NULL, auvid_recorder_pop(NULL, &s));
@@ -655,6 +806,12 @@ int main(void)
     RUN_TEST(test_silence_of_one_stream_breaks_the_record_for_all);
     RUN_TEST(test_stream_that_stops_for_good_breaks_the_record_once);
     RUN_TEST(test_stream_heard_long_before_the_others_does_not_begin_a_record);
+    RUN_TEST(test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_no_record);
+    RUN_TEST(test_a_velocity_runs_straight_over_samples_that_do_not_measure_it);
+    RUN_TEST(test_a_record_begins_with_one_velocity);
+    RUN_TEST(test_a_velocity_heard_first_late_takes_part_from_the_beginning);
+    RUN_TEST(test_velocity_refuses_more_than_three_axes);
+    RUN_TEST(test_default_gap_is_five_velocity_samples_between_half_a_second_and_one);
     RUN_TEST(test_cells_nobody_takes_are_lost_and_told_as_a_gap);
     RUN_TEST(test_record_after_a_gap_knows_nothing_of_the_one_before);
     RUN_TEST(test_gap_leaves_the_sample_untouched);

@@ -351,6 +351,42 @@ static void test_after_a_gap_the_prediction_starts_again_from_what_is_measured(v
     auvid_validation_gap(NULL);
 }
 
+/* Guesses in the place of what was not measured: where it would start, and while it runs. */
+static void test_velocities_that_were_not_measured_are_neither_started_from_nor_compared(void)
+{
+    for (int k = 0; k < CELLS; ++k) {
+        if (k < 40 || k % 10 == 0) {
+            cell[k].nu[AUVID_SWAY] = 3;
+            cell[k].missing = 1u << AUVID_SWAY;
+        }
+    }
+    start(0, NULL, 0);
+    play(0, CELLS);
+    TEST_ASSERT_TRUE(worst() < 1e-7);
+    TEST_ASSERT_EQUAL_UINT32(CELLS - 41, validation.cells); /* cell 40 is the tenth, too */
+    for (int k = 0; k < CELLS; ++k) {
+        cell[k].missing = 0;
+    }
+    start(0, NULL, 0); /* untold, they are believed */
+    play(0, CELLS);
+    TEST_ASSERT_TRUE(worst() > 1e-2);
+}
+
+/* Sway comes from the record, and surge reads it. */
+static void test_simulation_starts_again_after_a_velocity_from_the_record_is_missing(void)
+{
+    for (int k = 300; k < 320; ++k) {
+        cell[k].nu[AUVID_SWAY] = 3;
+        cell[k].missing = 1u << AUVID_SWAY;
+    }
+    start(1u << AUVID_SURGE, NULL, 0);
+    play(0, CELLS);
+    auvid_real_t r2[6];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&validation, r2));
+    TEST_ASSERT_TRUE(1 - (double)r2[AUVID_SURGE] < 1e-5);
+    TEST_ASSERT_EQUAL_UINT32(CELLS - WARM_UP + 1 - 20, validation.cells);
+}
+
 static void test_parameters_that_make_the_simulation_diverge_give_no_nan(void)
 {
     static const double bad[3] = {1e3, 1e8, 1e30};
@@ -501,6 +537,8 @@ int main(void)
     RUN_TEST(test_delay_of_a_part_of_a_cell_lies_between_its_neighbours);
     RUN_TEST(test_lag_passes_the_wrench_through_a_first_order_element);
     RUN_TEST(test_after_a_gap_the_prediction_starts_again_from_what_is_measured);
+    RUN_TEST(test_velocities_that_were_not_measured_are_neither_started_from_nor_compared);
+    RUN_TEST(test_simulation_starts_again_after_a_velocity_from_the_record_is_missing);
     RUN_TEST(test_parameters_that_make_the_simulation_diverge_give_no_nan);
     RUN_TEST(test_commands_act_in_their_own_half_of_the_step);
     RUN_TEST(test_init_refuses_what_it_cannot_use_and_changes_nothing);

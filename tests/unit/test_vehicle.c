@@ -353,6 +353,49 @@ static void test_check_refuses_a_mask_that_names_a_parameter_too_many(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
 }
 
+/* What a row does not read may be anything; what it reads matters, its own velocity in each. */
+static void check_reads(const auvid_vehicle_t *vehicle)
+{
+    auvid_regressor_t as_is = rows_of(vehicle);
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        auvid_sample_t keep = sample;
+        sample.nu[i] += 3;
+        sample.nu_dot[i] += 5;
+        auvid_regressor_t moved = rows_of(vehicle);
+        sample = keep;
+        uint8_t without = auvid_vehicle_unmeasured(vehicle, (uint8_t)(1u << i));
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool same = memcmp(as_is.row[j], moved.row[j], sizeof moved.row[j]) == 0;
+            bool modelled = vehicle->columns[j] != 0;
+            TEST_ASSERT_TRUE(!modelled || same || (without >> j & 1) != 0);
+            TEST_ASSERT_TRUE(!modelled || i != j || (without >> j & 1) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX8(0, auvid_vehicle_unmeasured(vehicle, 0));
+}
+
+static void test_models_state_all_velocities_that_each_equation_reads(void)
+{
+    check_reads(&auvid_girona500);
+    check_reads(&auvid_girona500_printed);
+    check_reads(&auvid_girona500_decoupled);
+    TEST_ASSERT_EQUAL_HEX8(7, auvid_vehicle_unmeasured(&auvid_girona500, 1u << AUVID_HEAVE) & 0x27);
+    TEST_ASSERT_EQUAL_HEX8(
+        4, auvid_vehicle_unmeasured(&auvid_girona500_decoupled, 1u << AUVID_HEAVE) & 0x27);
+    memset(model.reads, 0, sizeof model.reads);
+    TEST_ASSERT_EQUAL_HEX8(0x3F, auvid_vehicle_unmeasured(&model, 1u << AUVID_HEAVE)); /* all */
+}
+
+static void test_check_refuses_reads_of_a_velocity_too_many_or_without_the_own(void)
+{
+    model.reads[AUVID_SURGE] = 1u << AUVID_SURGE;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
+    model.reads[AUVID_SURGE] = 1u << AUVID_SURGE | 1u << 6;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
+    model.reads[AUVID_SURGE] = 1u << AUVID_SWAY;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
+}
+
 static void test_check_refuses_a_parameter_of_a_dof_that_is_not_modelled(void)
 {
     model.columns[AUVID_YAW] = 0;
@@ -466,6 +509,8 @@ int main(void)
     RUN_TEST(test_check_refuses_a_model_without_function);
     RUN_TEST(test_check_refuses_a_model_without_dof);
     RUN_TEST(test_check_refuses_a_mask_that_names_a_parameter_too_many);
+    RUN_TEST(test_models_state_all_velocities_that_each_equation_reads);
+    RUN_TEST(test_check_refuses_reads_of_a_velocity_too_many_or_without_the_own);
     RUN_TEST(test_check_refuses_a_parameter_of_a_dof_that_is_not_modelled);
     RUN_TEST(test_level_vehicle_heading_east_moves_east);
     RUN_TEST(test_vehicle_with_its_nose_up_climbs_and_rolls_by_its_yaw_rate);

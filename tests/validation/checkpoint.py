@@ -17,8 +17,8 @@ from auvid_validation.dwarf import Binding
 DEAD = ("config", "metric.regressor", "confidence.regressor")
 # What decides on forces stays that of init.
 KEPT = ("allocation.", "excitation.config.", "excitation.duration_us", "excitation.pause_us",
-        "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "adaptive.leash",
-        "guard.cfg.", "guard.ready")
+        "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
+        "adaptive.leash", "guard.cfg.", "guard.ready")
 # What may refuse another identifier: what the model and its storage are.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")

@@ -107,6 +107,24 @@ static void test_units_and_kinds_go_with_the_degree_of_freedom(void)
     }
 }
 
+static void test_what_an_equation_does_not_read_may_be_anything(void)
+{
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        auvid_sample_t s = random_motion();
+        auvid_regressor_t y[2];
+        memset(y, 0, sizeof y);
+        auvid_fossen.regressor(auvid_fossen.context, &s, &y[0]);
+        s.nu[i] += 3;
+        s.nu_dot[i] += 5;
+        auvid_fossen.regressor(auvid_fossen.context, &s, &y[1]);
+        uint8_t without = auvid_vehicle_unmeasured(&auvid_fossen, (uint8_t)(1u << i));
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool same = memcmp(y[0].row[j], y[1].row[j], sizeof y[0].row[j]) == 0;
+            TEST_ASSERT_EQUAL(!same, without >> j & 1);
+        }
+    }
+}
+
 static void test_masks_name_exactly_the_columns_that_motion_fills(void)
 {
     uint32_t filled[AUVID_DOF_COUNT] = {0};
@@ -302,6 +320,7 @@ int main(void)
     RUN_TEST(test_the_model_is_valid);
     RUN_TEST(test_names_say_which_sums_are_meant);
     RUN_TEST(test_units_and_kinds_go_with_the_degree_of_freedom);
+    RUN_TEST(test_what_an_equation_does_not_read_may_be_anything);
     RUN_TEST(test_masks_name_exactly_the_columns_that_motion_fills);
     RUN_TEST(test_the_sizes_in_the_header_are_those_of_the_free_parameters);
     RUN_TEST(test_any_subset_may_be_free);

@@ -81,7 +81,7 @@ bool replay_record(const csv_log_t *log, const replay_t *replay, const auvid_rec
         auvid_status_t status = AUVID_OK;
         read_instant(log, replay, i, turns, &now);
         (void)auvid_recorder_attitude(&recorder, now.t_us, now.attitude, now.nu + AUVID_ROLL);
-        (void)auvid_recorder_velocity(&recorder, now.t_us, now.nu);
+        (void)auvid_recorder_velocity(&recorder, now.t_us, now.nu, 7u);
         (void)auvid_recorder_input(&recorder, now.t_us, now.wrench, NULL);
         while (status == AUVID_OK || status == AUVID_GAP) {
             if (!grow(cells, &room)) {

@@ -12,6 +12,11 @@
 
 bool sim_sensors_init(sim_t *sim)
 {
+    const sim_config_t *config = &sim->config;
+    if (!(config->dvl_partial >= 0.0 && config->dvl_partial <= 0.9) ||
+        !(config->dvl_partial_run >= 1.0 && config->dvl_partial_run < 1e6)) {
+        return false;
+    }
     for (int i = 0; i < SIM_SENSORS; ++i) {
         const sim_sensor_config_t *c = &sim->config.sensor[i];
         sim_sensor_t *s = &sim->sensor[i];
@@ -73,6 +78,24 @@ static void dvl(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim
     }
 }
 
+/* A run of partial samples begins after a whole one with the probability that makes the share
+ * right, and ends after each of its samples with one over its mean length. */
+static void lose_axes(const sim_config_t *c, sim_sensor_t *s, sim_measurement_t *m)
+{
+    double begins = c->dvl_partial / (1.0 - c->dvl_partial) / c->dvl_partial_run;
+    if (c->dvl_partial > 0.0) {
+        if (s->axes != 0 && sim_rng_uniform(&s->loss) * c->dvl_partial_run < 1.0) {
+            s->axes = 0;
+        } else if (s->axes == 0 && sim_rng_uniform(&s->loss) < begins) {
+            s->axes = (uint8_t)(1 + (int)(6.0 * sim_rng_uniform(&s->loss)));
+        }
+    }
+    m->axes = s->axes == 0 ? 7 : s->axes;
+    for (int i = 0; i < 3; ++i) {
+        m->value[i] = (m->axes >> i & 1) != 0 ? m->value[i] : 0.0;
+    }
+}
+
 static void depth(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
 {
     const double *a = c->depth_arm_m;
@@ -106,6 +129,9 @@ void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t
             between(at.ground, before->ground, now->ground, part, 3);
             measure[i](&sim->config, &at, &s->noise, &m);
             bool lost = sim_rng_uniform(&s->loss) < sim->config.sensor[i].dropout;
+            if (i == SIM_DVL) {
+                lose_axes(&sim->config, s, &m);
+            }
             if (m.has && !lost && s->count < SIM_QUEUE) {
                 s->queue[(s->head + s->count++) % SIM_QUEUE] = m;
             }

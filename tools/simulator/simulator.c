@@ -132,6 +132,7 @@ void sim_defaults(sim_config_t *config)
                       .imu_angle_rad = 0.2 * degree,
                       .imu_rate_rad_s = 0.1 * degree,
                       .dvl_m_s = 0.007,
+                      .dvl_partial_run = 1.0,
                       .dvl_range_m = 40.0,
                       .depth_m = 0.015,
                       .gps_m = 1.5,

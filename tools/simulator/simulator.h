@@ -132,6 +132,10 @@ typedef struct {
     double dvl_m_s;        /**< rms noise of each component; default 0.007 */
     double dvl_arm_m[3];   /**< of the DVL from the body's origin [m]; default 0 */
     double dvl_yaw_rad;    /**< of the DVL's x axis from the body's x; default 0 */
+    double dvl_partial;    /**< share of samples that measure one or two of the DVL's axes only,
+                                each of these six cases as likely; 0..0.9, default 0 */
+    double dvl_partial_run; /**< how many such samples follow each other, on average, with the same
+                                 axes; >= 1, default 1 */
     sim_lock_t dvl_lock;   /**< default SIM_LOCK_BOTTOM */
     double dvl_range_m;    /**< for SIM_LOCK_ALTITUDE; default 40 */
     double depth_m;        /**< rms noise; default 0.015 */
@@ -156,6 +160,7 @@ typedef struct {
      * GPS: north, east [m]. */
     double value[6];
     bool bottom; /**< DVL: over ground (else through the water) */
+    uint8_t axes; /**< DVL: bit i: axis i was measured, else value[i] is zero */
 } sim_measurement_t;
 
 /** What a tick gives. */
@@ -185,6 +190,7 @@ typedef struct {
     uint64_t period_us, next_us, age_us;
     sim_measurement_t queue[SIM_QUEUE];
     unsigned head, count;
+    uint8_t axes; /* DVL: those that it measures now; 0: all */
 } sim_sensor_t;
 
 typedef struct {

@@ -78,6 +78,9 @@ typedef struct {
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< what the note says of it; else 0 */
     uint8_t sets;                             /**< data sets that it is made of */
+    uint8_t lost[AUVID_DOF_COUNT];            /**< rows of these that gaps in the record, or in a
+                                                   velocity that the DoF's equation reads, cost [%];
+                                                   0 for DoF that are not driven */
     auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
                                               make the parameters as uncertain [N, Nm]; 0: DoF not
                                               driven */
@@ -141,9 +144,13 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
 /** Short English phrase for a note; never null; empty for AUVID_NOTE_NONE. */
 const char *auvid_note_str(auvid_note_t note);
 
+/** Rows lost to gaps from which on auvid_confidence_missing says so [%]. */
+#define AUVID_CONFIDENCE_LOST 20
+
 #define auvid_confidence_missing AUVID_SIZED1(auvid_confidence_missing, AUVID_MAX_PARAMETERS)
 /** What motion, or choice, is missing, in words: "yaw: nothing moved it; excite it with steps held
- * 4-8 s and sines of 0.1-0.3 Hz".
+ * 4-8 s and sines of 0.1-0.3 Hz". The last sentence, where there is reason for it, says which part
+ * of the rows was lost to gaps, in the DoF with the largest.
  * @param confidence of an estimate, or null when there is none yet
  * @param vehicle its model
  * @param free bit i: parameter i was to be identified (0: all)

@@ -147,6 +147,7 @@ typedef struct {
     bool running;                               /**< started and not finished */
     bool stopping;                              /**< stop was called in this run */
     bool finished;                              /**< a run has ended, and none was begun since */
+    bool heaves;                                /**< some segment excites heave */
 } auvid_excitation_t;
 
 #define auvid_excitation_init                                                                      \

@@ -74,7 +74,7 @@ typedef enum {
     AUVID_GUARD_TICK,           /**< a tick longer than max_tick_us [s] */
     AUVID_GUARD_LINK,           /**< no auvid_guard_alive for alive_us [s] */
     AUVID_GUARD_IMU_STALE,      /**< age of the newest sample [s] */
-    AUVID_GUARD_VELOCITY_STALE, /**< likewise */
+    AUVID_GUARD_VELOCITY_STALE, /**< likewise: of the newest that measured what is excited */
     AUVID_GUARD_DEPTH_STALE,    /**< likewise; where a depth limit is on */
     AUVID_GUARD_ALTITUDE_STALE, /**< likewise; where the altitude limit is on and one was known */
     AUVID_GUARD_APPLIED_STALE,  /**< likewise; EXCITING only: the excitation acts unrecorded */
@@ -83,9 +83,10 @@ typedef enum {
     AUVID_GUARD_ALTITUDE,       /**< [m] */
     AUVID_GUARD_ROLL,           /**< |phi| [rad] */
     AUVID_GUARD_PITCH,          /**< |theta| [rad] */
-    AUVID_GUARD_SPEED,          /**< over ground, all three axes [m/s] */
+    AUVID_GUARD_SPEED,          /**< over ground, all three axes [m/s]; AUVID_LARGEST: not known */
     AUVID_GUARD_YAW_RATE,       /**< |r| [rad/s] */
-    AUVID_GUARD_DISTANCE,       /**< horizontal, from where it was armed [m] */
+    AUVID_GUARD_DISTANCE,       /**< horizontal, from where it was armed [m]; AUVID_LARGEST: not
+                                     known */
     AUVID_GUARD_RUN_TIME,       /**< since excite, EXCITING only [s] */
     AUVID_GUARD_SATURATION,     /**< thrusters saturated without interruption for [s] */
     AUVID_GUARD_FOREIGN_COMMAND, /**< somebody else commands the thrusters (node.h); value and
@@ -112,13 +113,17 @@ typedef struct {
     auvid_real_t altitude_min_m; /**< above the bottom, not less [m]; default 2 */
     auvid_real_t roll_max_rad;   /**< |phi| is not more [rad]; default 0.6 */
     auvid_real_t pitch_max_rad;  /**< |theta| is not more [rad]; default 0.6 */
-    auvid_real_t speed_max;      /**< speed over ground is not more [m/s]; default 1.5 */
+    auvid_real_t speed_max;      /**< speed over ground is not more [m/s]; default 1.5. Needs bottom
+                                      lock, see velocity_stale_us */
     auvid_real_t yaw_rate_max;   /**< |r| is not more [rad/s]; default 1.5 */
     auvid_real_t distance_max_m; /**< nor the horizontal distance from where it was armed [m];
-                                      default 30. A GPS fix that moves the position counts */
+                                      default 30. A GPS fix that moves the position counts. Needs
+                                      bottom lock, too */
     uint32_t run_max_s;          /**< nor the time since excite [s]; default 1800 */
     uint32_t imu_stale_us;       /**< silence of the IMU [us]; default 200000 */
-    uint32_t velocity_stale_us;  /**< no velocity accepted [us]; default 1000000 */
+    uint32_t velocity_stale_us;  /**< no velocity measured [us]; default 1000000. After as long
+                                      without a measurement of horizontal velocity over ground,
+                                      speed and distance are not known: a breach of these limits */
     uint32_t depth_stale_us;     /**< no depth accepted [us]; default 1000000 */
     uint32_t altitude_stale_us;  /**< no altitude [us]; default 1000000 */
     uint32_t applied_stale_us;   /**< no applied wrench recorded [us]; default 1000000 */
@@ -137,8 +142,9 @@ typedef struct {
      * is not watched; once one was known, losing it is a breach. True: without one arming is
      * refused. */
     bool altitude_required;
-    /** Velocity through the water counts as velocity too. Default false: there must be bottom lock,
-     * because speed and distance over ground are not known without. */
+    /** Velocity through the water, of all three axes, counts for velocity_stale_us, too. Default
+     * false: there must be bottom lock. Speed and distance over ground are not known without:
+     * switch these limits off (AUVID_GUARD_SPEED, AUVID_GUARD_DISTANCE) where it may be lost. */
     bool water_lock;
 } auvid_guard_config_t;
 
@@ -150,7 +156,9 @@ typedef struct {
 
 /** What a step looks at. Written by the caller. Not finite where a limit is on: a breach of it. */
 typedef struct {
-    auvid_guard_seen_t imu, velocity, depth, altitude, applied;
+    auvid_guard_seen_t imu, depth, altitude, applied;
+    auvid_guard_seen_t velocity; /**< newest sample that measured the velocities that count */
+    auvid_guard_seen_t ground;   /**< newest that measured horizontal velocity over ground */
     auvid_real_t position[3];        /**< north, east, down [m] */
     auvid_real_t roll, pitch;        /**< [rad] */
     auvid_real_t velocity_ground[3]; /**< u v w over ground [m/s] */
@@ -164,7 +172,7 @@ typedef struct {
     auvid_guard_cause_t cause;
     auvid_real_t
         value; /**< measured; in the unit of the cause. AUVID_LARGEST: age of what was never
-                             known */
+                             known, or a speed or distance that is not known now */
     auvid_real_t limit; /**< that it breaks */
     uint64_t t_us;      /**< of the step that saw it */
 } auvid_guard_trip_t;

@@ -29,6 +29,9 @@
  * none is taken unless the data determine it. In the residual path one shift, common to wrench
  * and commands, is searched together with the parameters.
  *
+ * Where a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
+ * window, the equation has no row; the others have theirs. So each DoF counts its own rows.
+ *
  * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
  * (they would pull its parameters to zero with a small formal error). A set in which no DoF with a
  * free parameter is driven does not enter the ring: an idle vehicle keeps what it has learnt.
@@ -123,7 +126,10 @@ typedef int16_t auvid_share_t;
 typedef struct {
     auvid_real_t tau_m2[AUVID_DOF_COUNT]; /* sum of squares of the rows' wrench about its mean */
     uint16_t rows;                        /**< in it; 0: there is no such set */
-    uint16_t windows; /* residual path: rows of its triangles; see auvid_metric_linearise */
+    uint16_t rows_of[AUVID_DOF_COUNT];    /**< those of each DoF: all that it reads was measured */
+    uint16_t lost;                     /**< rows of all DoF that gaps cost, beside `rows` */
+    uint16_t windows[AUVID_DOF_COUNT]; /* residual path: rows of its triangles; see
+                                          auvid_metric_linearise */
     auvid_share_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
     int8_t exponent[AUVID_MAX_COLUMNS];                         /* by channel */
     uint8_t driven; /**< bit j: DoF j is driven */
@@ -161,12 +167,17 @@ typedef struct auvid_metric {
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
     uint32_t cells;                                              /* since the record began */
-    uint32_t since_gap;                                          /* rows since then */
+    uint32_t since_gap;                                          /* rows; the last of `previous` */
+    uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
+    uint8_t missing[AUVID_MAX_OVERLAP][2]; /* velocities not measured in cells of a row under
+                                              construction, of forces and of moments: bit i */
     /* the set being recorded */
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; for
                                                                   auvid_metric_linearise, too */
     auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
     uint16_t rows; /**< so far */
+    uint16_t rows_of[AUVID_DOF_COUNT];
+    uint16_t lost; /* rows of all DoF that gaps in the record, or in velocities, cost */
 
     /* evaluation */
     auvid_set_t set[AUVID_MAX_SETS];       /* the ring */
@@ -188,6 +199,7 @@ typedef struct auvid_metric {
     };
     auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
     uint32_t window_rows; /* since a gap */
+    uint8_t window_of[AUVID_DOF_COUNT]; /* of each DoF, since a gap of its own, ..window_length */
     uint16_t at_row;      /* progress */
     uint16_t at_part, paid;
     uint8_t window_length;

@@ -140,11 +140,16 @@ typedef struct {
         when it did not enter, or did so by lockout */
 } auvid_nav_diagnostics_t;
 
+/** Sine of the largest angle between a body axis and the span of the valid axes of the DVL at which
+ * the axis still counts as measured: at most this part of the velocity is missing then. */
+#define AUVID_NAV_MEASURED_SINE AUVID_C(0.02)
+
 /** Velocity at a DVL sample's own time: what a recorder should take. Written by the filter. */
 typedef struct {
     uint64_t t_us;            /**< the sample's time [us], strictly increasing */
     auvid_real_t velocity[3]; /**< u v w, body frame, of the body's origin [m/s] */
     uint32_t sequence;        /**< 0: none yet; raised by one with each new knot */
+    uint8_t measured;         /**< bit i: the sample measured velocity[i]; else that is predicted */
 } auvid_nav_knot_t;
 
 /** Bits of auvid_nav_state_t.flags. */
@@ -177,6 +182,9 @@ typedef struct {
 typedef struct {
     auvid_nav_knot_t ground; /**< the filter's velocity just after the last accepted bottom lock */
     auvid_nav_knot_t water;  /**< velocity of the last good water lock with all axes valid */
+    uint64_t horizontal_us;  /**< last bottom lock that passed and measured u and v [us] */
+    uint64_t complete_us;    /**< last bottom lock that passed and measured u, v and w [us] */
+    bool horizontal, complete; /**< there was one */
     auvid_nav_diagnostics_t diagnostics[AUVID_NAV_SENSOR_COUNT]; /**< by auvid_nav_sensor_t */
     uint16_t imu_time;    /**< auvid_nav_imu refused: time back or the same */
     uint16_t imu_invalid; /**< auvid_nav_imu refused: not finite or out of range */
@@ -298,6 +306,9 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * the sample's time, and so is the filter's: to it a velocity stays constant along body axes that
  * turn (Eq. 5), and no sample is turned on to the present attitude. A knot is thus along the axes
  * of its own time.
+ *
+ * A body axis is measured where it lies in the span of the valid axes of the instrument, to
+ * AUVID_NAV_MEASURED_SINE: an instrument turned by 45 degrees with one valid axis measures none.
  *
  * Bottom lock enters the filter and sets the knot `ground`. Water lock sets the knot `water` (when
  * all axes are valid) and stays out of the filter while bottom lock is fresh: AUVID_UNUSED. When no

@@ -18,7 +18,11 @@
  * stream that lags further behind than the cells kept, which must therefore span the time between
  * its samples.
  *
- * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.7 KiB
+ * A velocity sample may measure a part of u, v and w. Each of them runs straight between its own
+ * samples. One that is not measured for `gap_us`, or for AUVID_RECORDER_CELLS - 8 cells, while
+ * another one is, does not break the record: the cells without it say so (sample.missing).
+ *
+ * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.8 KiB
  * with default sizes.
  */
 #ifndef AUVID_RECORDER_H
@@ -45,13 +49,13 @@ typedef enum {
 
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
-    uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, <= 1e9,
-                                 default 500000. A DVL slower than 2.5 Hz needs more: 900000 at
-                                 2 Hz, or every sample would break the record */
+    uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, <= 1e9. Default
+                                 0: auvid_recorder_gap of the metric's velocity_us in the identifier
+                                 (1 s for a DVL at 5 Hz), else 500000 */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
-/** One of the three streams. Private. */
+/** One of the streams: attitude; u, v, w; input. Private. */
 typedef struct {
     uint64_t t_us;      /* last sample's time */
     uint64_t filled_us; /* integrated up to here */
@@ -62,17 +66,22 @@ typedef struct {
 /** The recorder. All fields private. */
 typedef struct {
     auvid_recorder_config_t cfg;
-    auvid_recorder_stream_t stream[3];
+    auvid_recorder_stream_t stream[5];
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
     uint64_t origin_us; /* start of cell 0 */
     uint32_t opened;    /* cells begun so far */
     uint32_t next;      /* cell to be popped next */
+    uint8_t measured[AUVID_RECORDER_CELLS]; /* bit i: velocity i in all of the cell */
     bool running, broken;
 } auvid_recorder_t;
 
 /** Fill *cfg with the defaults. Null is ignored. */
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
+
+/** Default of gap_us for velocity samples velocity_us apart [us]: five of them are bridged, but
+ * 0.5 s at least and 1 s at most. */
+uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
 #define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_COMMANDS)
 /** Start empty. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (a field out of its range). */
@@ -90,9 +99,13 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 
 #define auvid_recorder_velocity AUVID_SIZED1(auvid_recorder_velocity, AUVID_MAX_COMMANDS)
-/** Body velocity u v w [m/s] through the water at t_us, [3]. Statuses and cost as above. */
+/** Body velocity through the water at t_us.
+ * @param velocity [3] u v w [m/s]
+ * @param measured bit i: velocity[i] was measured, 0..7; the others are not read
+ * Statuses and cost as above; AUVID_ERR_RANGE for `measured`, too; AUVID_UNUSED: nothing was
+ * measured, nothing changed. */
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
-                                       const auvid_real_t *velocity);
+                                       const auvid_real_t *velocity, unsigned measured);
 
 #define auvid_recorder_motion AUVID_SIZED1(auvid_recorder_motion, AUVID_MAX_COMMANDS)
 /** Both at t_us: attitude [3] and nu [6], u v w p q r. Statuses as above; where one of the two is

@@ -112,6 +112,7 @@ typedef struct {
     auvid_real_t nu_dot[AUVID_DOF_COUNT];      /**< their time derivatives [m/s2, rad/s2] */
     auvid_real_t tau[AUVID_DOF_COUNT];         /**< applied wrench X Y Z [N] K M N [Nm] */
     auvid_real_t command[AUVID_MAX_COMMANDS];  /**< applied thruster commands, user's unit */
+    uint8_t missing; /**< bit j: nu[j] and nu_dot[j] were not measured here; 0: all were */
 } auvid_sample_t;
 
 /** Is x neither NaN nor infinite? Needs no library; not defeated by compiler flags we accept. */

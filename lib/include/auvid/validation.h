@@ -6,7 +6,10 @@
  * The equations of motion are integrated under the recorded wrench; attitude and the velocities
  * that the model does not cover come from the record, as in the paper. The integration starts from
  * the velocity measured in the eighth cell, when the wrench is known at every delay; so it does
- * again after a gap. Commands, for models of the thrusters, are taken as they come: not delayed.
+ * again after a gap. It starts where all velocities that the integrated equations read were
+ * measured (sample.missing), and again after a cell without one that comes from the record; a
+ * velocity that was not measured is not compared. Commands, for models of the thrusters, are taken
+ * as they come: not delayed.
  *
  * Called for each cell of the record, by the identifier (attach it) or by the user's own loop.
  * Cost: 16 calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t), 560
@@ -37,8 +40,10 @@ typedef struct {
     auvid_sample_t last;                                       /* the cell before */
     auvid_real_t past[AUVID_VALIDATION_PAST][AUVID_DOF_COUNT]; /* wrench, newest at `cells` */
     uint32_t since_gap;                                        /* cells in the running piece */
+    bool running;                                              /* it is simulated */
     auvid_real_t mean[AUVID_DOF_COUNT], m2[AUVID_DOF_COUNT], sse[AUVID_DOF_COUNT];
-    uint32_t cells;                          /**< cells compared so far */
+    uint32_t compared[AUVID_DOF_COUNT];      /* cells in which this velocity was measured */
+    uint32_t cells;                          /**< cells simulated so far */
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< simulated velocity at the last cell */
 } auvid_validation_t;
 

@@ -88,14 +88,24 @@ typedef struct {
     uint16_t work; /**< units of work that one call of `residual` costs, each about 250 instructions
                         of a Cortex-M4F; default (zero): 1. Where that is more than the budget of a
                         tick, several pay for a call, which the last of them makes */
+
+    /** Bit i of reads[j]: the equation of DoF j reads nu[i] or nu_dot[i]; 0: all six. Where one of
+     * them is not measured, the equation gives no rows; others do. A bit too many costs rows, a bit
+     * missing lets guesses in. */
+    uint8_t reads[AUVID_DOF_COUNT];
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.
  * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its table null); AUVID_ERR_SIZE (built_for is null,
  * or not AUVID_BUILD: the model may have been compiled with other sizes); AUVID_ERR_PARAMETERS (n
  * out of range); AUVID_ERR_MODEL (neither residual nor regressor, no DoF modelled, a mask names a
- * parameter >= n, a parameter's dof is not modelled). Cost: O(n). */
+ * parameter >= n, a parameter's dof is not modelled; `reads` of a DoF names a velocity >= 6, or not
+ * the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
+
+/** The DoF whose equations read one of the velocities `missing` (bit i: nu[i]): bit j. No check of
+ * its argument. Cost: O(1). */
+uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing);
 
 #define auvid_vehicle_residual AUVID_SIZED1(auvid_vehicle_residual, AUVID_MAX_COMMANDS)
 /** Predicted minus applied wrench (Eq. 2, Eq. 11) by whichever function the model has.

@@ -96,7 +96,7 @@ def recorder(lib):
         if name == "attitude":
             assert lib.auvid_recorder_attitude(r, int(t), x[:3].copy(), x[3:].copy()) == 0
         elif name == "velocity":
-            assert lib.auvid_recorder_velocity(r, int(t), x) == 0
+            assert lib.auvid_recorder_velocity(r, int(t), x, 7) == 0
         else:
             assert lib.auvid_recorder_input(r, int(t), x, None) == 0
         sample = lib.auvid_sample_t()
