@@ -12,7 +12,7 @@ import pytest
 from auvid_validation.cli import main
 from auvid_validation.library import program, root
 from auvid_validation.recorded import Log, Model, as_csv
-from auvid_validation.report import whiteness
+from auvid_validation.report import agreement, whiteness
 
 TANK = pathlib.Path(root(), os.environ.get("AUVID_TANK_DATA", "../shared/data/bluerov2_tank"))
 
@@ -116,6 +116,40 @@ def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
 
 def test_both_needs_two_logs(logs, tmp_path, capsys):
     assert report(tmp_path, logs / "train.csv", "--both")[0] == 2
+
+
+def test_the_two_logs_of_one_vehicle_agree_and_of_a_changed_one_do_not(logs, tmp_path):
+    names, *rows = [line.split(",") for line in (logs / "test.csv").read_text().splitlines()]
+    wrench = [name[-2:] in ("_N", "Nm") for name in names]
+    doubled = [[str(2 * float(x)) if w else x for x, w in zip(row, wrench)] for row in rows]
+    other = tmp_path / "other.csv"  # of a vehicle twice as heavy, and with twice the drag
+    other.write_text("".join(",".join(row) + "\n" for row in [names, *doubled]))
+    for name, differ in ((logs / "test.csv", set()), (other, {"m_u", "m_v", "m_w", "m_r"})):
+        status, path = report(tmp_path, logs / "train.csv", "--validate", name, "--both")
+        page, (a, b) = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
+        said = re.search(r"<h2>Do the two logs agree\?</h2><p>(Yes|No): (.*?)</p>", page)
+        apart = {p["name"] for p, q in zip(a["fit"]["parameters"], b["fit"]["parameters"])
+                 if abs(p["estimate"] - q["estimate"]) > 2.1 * np.hypot(p["sigma"], q["sigma"])}
+        assert not status and differ <= apart and bool(apart) == (said[1] == "No")
+        assert apart == {p["name"] for p in a["fit"]["parameters"]
+                         if re.search(rf"\b{p['name']}\b", said[2])}
+
+
+def estimates(log, **of):
+    """What agreement() reads of a log: (estimate, standard error) of each parameter."""
+    return {"log": log, "fit": {"parameters": [
+        {"name": name, "estimate": one[0], "sigma": one[1]} for name, one in of.items()]}}
+
+
+def test_agreement_is_judged_by_the_joint_half_width():
+    a = estimates("a.csv", m_u=(250.0, 3.0), X_u=(-42.0, 2.0), m_r=(75.0, None))
+    near = estimates("b.csv", X_u=(-51.0, 4.0), m_u=(256.0, 3.0), m_r=(90.0, 1.0))
+    far = estimates("b.csv", X_u=(-52.0, 4.0), m_u=(256.0, 3.0), m_r=(90.0, 1.0))
+    assert "Yes: " in agreement([a, near]) and "all 2 parameters" in agreement([a, near])
+    assert "No: X_u differs" in agreement([a, far])
+    assert "m_r" not in agreement([a, far])
+    nothing = agreement([a, estimates("b.csv", m_r=(75.0, 1.0))])
+    assert "Yes" not in nothing and "No: " not in nothing and "cannot be told" in nothing
 
 
 def test_white_noise_is_white_and_what_lasts_is_not():
