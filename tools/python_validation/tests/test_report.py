@@ -79,13 +79,13 @@ BAD = {
                             lambda b: b.replace(b"\n0.220000,", b"\nnan,", 1)),
     "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
-        for line in b.splitlines())),
+        for line in b.splitlines()) + b"\n"),
     "w_mps never changes": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else b",".join(
             b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
-        for line in b.splitlines())),
-    "the row ends": ("x.csv", "train.csv", lambda b: b[:50000]),
-    "cut off": ("x.log", "bus.log", lambda b: b[:100000]),
+        for line in b.splitlines()) + b"\n"),
+    "the row ends": ("x.csv", "train.csv", lambda b: b[:50000] + b"\n"),
+    "is no line of": ("x.log", "bus.log", lambda b: b[:100000] + b"\n(1.0\n"),
     "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
     "x.blf: is cut off": ("x.blf", "bus.blf", lambda b: b[:-2000]),
     "no frame in it": ("x.asc", "bus.asc", lambda b: b"no log\n"),
@@ -108,8 +108,25 @@ def test_a_log_that_begins_with_a_byte_order_mark_is_read(logs, tmp_path):
     assert not report(tmp_path / "out", marked)[0]
 
 
+@pytest.mark.parametrize("name", ["train.csv", "bus.log"])
+def test_a_log_cut_off_in_its_last_line_is_used_up_to_there_with_a_warning(
+        name, logs, tmp_path, capsys):
+    cut = change(logs / name, tmp_path / name, lambda b: b[:-5])
+    assert not report(tmp_path / "out", cut)[0]
+    assert "warning: " in (said := capsys.readouterr().err) and "cut off" in said
+
+
+def test_can_fd_frames_in_a_log_are_skipped(logs, tmp_path):
+    with can.Logger(str(tmp_path / "fd.asc")) as to:
+        for frame in can.LogReader(str(logs / "bus.log")):
+            to(frame)
+            to(can.Message(frame.timestamp, 0x404, False, is_fd=True, data=bytes(64)))
+    assert as_csv(tmp_path / "fd.asc", tmp_path).read_bytes() == \
+        as_csv(logs / "bus.asc", tmp_path).read_bytes()
+
+
 def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
-    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"\n".join(b.splitlines()[:6]))
+    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"".join(b.splitlines(True)[:6]))
     status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
     assert status == 2 and "s.csv: nothing to validate on" in capsys.readouterr().err
 
