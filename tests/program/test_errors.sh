@@ -78,9 +78,11 @@ log 't_s;u_mps;X_N' '0;0;0' '0,1;0;0'
 check "semicolons between the columns" refuses \
     'log.csv:1:1: no column t_s .*separated by semicolons; .*by commas' fit log.csv
 log "$(printf 't_s\tu_mps\tX_N')" "$(printf '0\t0\t0')"
-check "tabs between the columns" refuses 'no column t_s .*separated by tabs; .*by commas' fit log.csv
+check "tabs between the columns" refuses \
+    'no column t_s .*separated by tabs; .*by commas' fit log.csv
 log "u_mps,$(seq -s , 1 400)" 0 1
-check "a list of many columns is cut" refuses 'its columns are: u_mps, 1, 2, .*, \.\.\.$' fit log.csv
+check "a list of many columns is cut" refuses \
+    'its columns are: u_mps, 1, 2, .*, \.\.\.$' fit log.csv
 log t_s,X_N 0,0 1,1
 check "a force without its velocity" refuses \
     'log.csv:1:1: no column u_mps in the header, but X_N: ' fit log.csv
@@ -102,7 +104,8 @@ check "  in roll, too, where the model has it" refuses 'no column p_radps in the
     fit log.csv --model fossen
 check "  and not where it has none" exits 1 fit log.csv
 log t_s,u_mps,cmd_surge,cmd_yaw 0,0,0,0 1,1,1,1
-check "a command without its rate" refuses 'no column r_radps in the header, but cmd_yaw' fit log.csv
+check "a command without its rate" refuses \
+    'no column r_radps in the header, but cmd_yaw' fit log.csv
 log t_s,u_mps 0,0 1,1
 check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
 check "  it is told which there are for six degrees of freedom" \

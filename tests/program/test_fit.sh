@@ -125,7 +125,8 @@ in_degrees "attitude in degrees" 'scale(D, *ANGLES)' \
 in_degrees "attitude in degrees, of a vehicle that hardly pitches" \
     'scale(D, *ANGLES); scale(0.1, "phi_rad", "theta_rad"); drop("p_radps", "q_radps")' \
     'degrees.csv: psi_rad .*degrees.*radians'
-in_degrees "attitude in degrees, slow" 'scale(D, *ANGLES); scale(0.1, *ANGLES); scale(0.1, *RATES)' \
+in_degrees "attitude in degrees, slow" \
+    'scale(D, *ANGLES); scale(0.1, *ANGLES); scale(0.1, *RATES)' \
     'degrees.csv: psi_rad .*degrees.*radians'
 in_degrees "attitude in degrees, rates missing" \
     'scale(D, *ANGLES); drop(*RATES); drop("N_Nm", "theta_rad")

@@ -9,8 +9,9 @@ if [ "$(uname -s)" != Linux ]; then
     finish
 fi
 
-# interrupted STATUS SECONDS ARGUMENTS...: as exits, with SIGINT so many seconds after the first tick
-# was logged. Leaves in `began` and `ended` how many ticks the log had and the time before and after.
+# interrupted STATUS SECONDS ARGUMENTS...: as exits, with SIGINT so many seconds after the first
+# logged tick. `began`: ticks in the log, time before and after counting them; `ended`: time before
+# and after the end.
 interrupted() {
     local wanted=$1 after=$2 status=0 node before
     shift 2

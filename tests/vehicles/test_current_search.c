@@ -56,7 +56,7 @@ static void identify(uint64_t seed, const double c[2])
         world_tick(&world);
         (void)world_work(&world, AUVID_DEFAULT_BUDGET);
     }
-    finish_work(id, AUVID_DEFAULT_BUDGET);
+    finish_work(&world.node[1].id, AUVID_DEFAULT_BUDGET);
     TEST_ASSERT_EQUAL_UINT32(SETS, id->estimate.sets);
     TEST_ASSERT_FALSE(id->estimate.capped);
 }

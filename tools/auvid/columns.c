@@ -53,7 +53,8 @@ static bool same_without_case(const char *a, const char *b)
 }
 
 /* How far a name is from a column's, as a part of its letters [%]; 100: not like it. One letter in
- * three may differ but the first; a word before the unit is enough, and so is a name without unit. */
+ * three may differ, but not the first. The word before the unit is enough, and a name without unit.
+ */
 static int unlikeness(const char *name, const char *column)
 {
     char a[LETTERS], b[LETTERS];

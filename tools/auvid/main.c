@@ -103,8 +103,8 @@ static const char replay_help[] =
 static const char columns_help[] =
     "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
-    "cmd_roll cmd_pitch cmd_yaw. An input needs the velocity or rate of its degree of freedom; other\n"
-    "missing columns count as zero. A degree of freedom without a varying input is left out.\n"
+    "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
+    "as zero. Angles are in radians. A degree of freedom without a varying input is left out.\n"
     "\n";
 static const char exit_help[] =
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";

@@ -126,7 +126,8 @@ def test_can_fd_frames_in_a_log_are_skipped(logs, tmp_path):
 
 
 def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
-    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"".join(b.splitlines(True)[:6]))
+    short = change(logs / "test.csv", tmp_path / "s.csv",
+                   lambda b: b"".join(b.splitlines(True)[:6]))
     status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
     assert status == 2 and "s.csv: nothing to validate on" in capsys.readouterr().err
 
