@@ -5,7 +5,7 @@
 #include <linux/can.h>
 #include <string.h>
 
-enum { LINE = 128 }; /* the longest line we understand has 63 characters */
+enum { LINE = 256 }; /* the longest line we understand, a CAN FD frame's, has 190 characters */
 
 static const char hex_digits[] = "0123456789ABCDEF";
 
@@ -66,8 +66,30 @@ static const char *read_head(const char **at, uint64_t *t_us, char name[16])
     return NULL;
 }
 
-/* "id#data", with a trailing " R" or " T": NULL, or what is wrong with it. */
-static const char *read_frame(const char *at, bus_frame_t *frame)
+/* The end of a line, with a trailing " R" or " T". */
+static bool is_end(const char *at)
+{
+    return at[at[0] == ' ' && (at[1] == 'R' || at[1] == 'T') ? 2 : 0] == '\0';
+}
+
+/* Flags and data of a CAN FD frame. */
+static const char *skip_fd(const char *at)
+{
+    uint32_t flags, byte;
+    int bytes = 0;
+
+    if (!read_hex(&at, 1, &flags)) {
+        return "holds a CAN FD frame without flags";
+    }
+    while (bytes < 64 && read_hex(&at, 2, &byte)) {
+        bytes++;
+    }
+    return is_end(at) ? NULL : "has CAN FD data that is not 0 to 64 bytes of two digits";
+}
+
+/* "id#data", with a trailing " R" or " T": NULL, or what is wrong with it. *fd: "id##flags data",
+ * of which nothing is kept. */
+static const char *read_frame(const char *at, bus_frame_t *frame, bool *fd)
 {
     const size_t digits = strcspn(at, "#");
     uint32_t id, byte;
@@ -75,12 +97,13 @@ static const char *read_frame(const char *at, bus_frame_t *frame)
     if ((digits != 3 && digits != 8) || !read_hex(&at, (int)digits, &id) || *at++ != '#') {
         return "has no id of 3 or 8 digits before a '#'";
     }
-    if (*at == '#') {
-        return "holds a CAN FD frame; only classic CAN is understood";
-    }
+    *fd = *at == '#';
     if (id & CAN_RTR_FLAG || (digits == 3 && id > CAN_SFF_MASK) ||
         (id & CAN_EFF_FLAG && digits == 8)) {
         return "has an id that no frame can have";
+    }
+    if (*fd) {
+        return skip_fd(at + 1);
     }
     if (id & CAN_ERR_FLAG) {
         frame->flags = BUS_FRAME_ERROR;
@@ -98,10 +121,7 @@ static const char *read_frame(const char *at, bus_frame_t *frame)
     while (!(frame->flags & BUS_FRAME_RTR) && frame->length < 8 && read_hex(&at, 2, &byte)) {
         frame->data[frame->length++] = (uint8_t)byte;
     }
-    if (at[0] == ' ' && (at[1] == 'R' || at[1] == 'T')) {
-        at += 2;
-    }
-    return *at == '\0' ? NULL : "has data that is not 0 to 8 bytes of two digits";
+    return is_end(at) ? NULL : "has data that is not 0 to 8 bytes of two digits";
 }
 
 /* Reads lines up to the next frame of our interface. 1, 0 at the end, or a status. */
@@ -110,9 +130,9 @@ static int read_next(bus_candump_t *self, bus_frame_t *frame)
     char line[LINE], name[16];
 
     while (fgets(line, sizeof line, self->file) != NULL) {
-        const char *at = line, *wrong = "is cut off (without it the log can be used),"
-                                        " or is no line of 'candump -L'";
+        const char *at = line, *wrong = "is no line of 'candump -L'";
         size_t length = strlen(line);
+        bool fd = false;
 
         self->line++;
         memset(frame, 0, sizeof *frame);
@@ -121,15 +141,19 @@ static int read_next(bus_candump_t *self, bus_frame_t *frame)
             line[length] = '\0';
             wrong = read_head(&at, &frame->t_us, name);
             if (wrong == NULL) {
-                wrong = read_frame(at, frame);
+                wrong = read_frame(at, frame, &fd);
             }
+        } else if (feof(self->file) && !ferror(self->file)) {
+            return bus_fail(&self->bus, 0, "%s:%llu: the last line is cut off; it is left out",
+                            self->path, (unsigned long long)self->line);
         }
         if (wrong != NULL) {
             self->bus.statistics.malformed++;
             return bus_fail(&self->bus, BUS_BROKEN, "%s:%llu: %s", self->path,
                             (unsigned long long)self->line, wrong);
         }
-        if (self->interface[0] == '\0' || strcmp(self->interface, name) == 0) {
+        self->fd_frames += fd;
+        if (!fd && (self->interface[0] == '\0' || strcmp(self->interface, name) == 0)) {
             return 1;
         }
     }

@@ -5,8 +5,9 @@
  *
  * which can-utils, cantools, python-can and SavvyCAN read too. Ids of 29 bits have eight digits,
  * error frames too with bit 29 set, remote requests are `123#R` or `123#R8`. A trailing R or T
- * (received, sent) is ignored. Anything else is refused with its line number: CAN FD, a log of
- * another program, a line that was cut off. The frames before it have been handed out by then.
+ * (received, sent) is ignored. CAN FD frames (`123##1112233`) are counted and skipped. A last line
+ * without a line end may be cut off: the log ends before it (BUS_END), and bus.text says so.
+ * Anything else is refused with its line number. The frames before it have been handed out by then.
  */
 #ifndef BUS_CANDUMP_H
 #define BUS_CANDUMP_H
@@ -22,6 +23,7 @@ typedef struct {
     char interface[16]; /* reading: take only this one's frames, "" for all; writing: the name */
     bool writing;
     uint64_t line;      /* lines read or written */
+    uint64_t fd_frames; /* CAN FD frames skipped */
     uint64_t offset_us; /* writing: added to each t_us */
     uint64_t now_us;    /* of the last frame, in the log's time */
 } bus_candump_t;

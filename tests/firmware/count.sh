@@ -7,5 +7,5 @@ set -euo pipefail
 top=$(realpath "$(dirname "$0")/../..")
 board=$top/port/cortex_m/board.sh
 "$("$board" "$1" tools)nm" --defined-only "$2" >functions
-timeout 600 "$board" "$1" run "$2" \
+timeout 1200 "$board" "$1" run "$2" \
     -plugin "$top/build/firmware/count_plugin.so,functions=functions,out=count"

@@ -7,7 +7,7 @@ program=build/release/tests/unit/test_checkpoint
 host=$($program | grep checksum)
 for board in m4f m0plus; do
     image=build/firmware/$board-O2/tests/unit/test_checkpoint.elf
-    there=$(timeout 600 port/cortex_m/board.sh "$board" run "$image" 2>&1 | grep checksum) || true
+    there=$(timeout 1200 port/cortex_m/board.sh "$board" run "$image" 2>&1 | grep checksum) || true
     if [ "$there" = "$host" ]; then
         echo "ok - $board: $there, as on the host"
     else

@@ -53,7 +53,7 @@ run() {
     shift
     mkdir -p "$work/$name"
     ln -s ../bus.log "$work/$name/bus.log"
-    if (cd "$work/$name" && timeout 120 "$@") >"$work/$name/said" 2>&1; then
+    if (cd "$work/$name" && timeout 600 "$@") >"$work/$name/said" 2>&1; then
         compare "$name" || true
     else
         echo "not ok $name: $(tail -n 2 "$work/$name/said")"

@@ -162,7 +162,10 @@ static void test_foreign_lines_are_refused_with_their_number(void **state)
         "time,id,data",                           /* a table */
         "  can0  123   [2]  11 22",               /* candump without -L */
         " (1.000000)  can0  123   [2]  11 22",    /* candump -ta */
-        "(1.000000) can0 123##1112233",           /* CAN FD */
+        "(1.000000) can0 123##",                  /* CAN FD without its flags */
+        "(1.000000) can0 123##1112",              /* CAN FD, half a byte */
+        "(1.000000) can0 8FF##1",                 /* CAN FD, 12 bits */
+        "(1.000000) can0 123##1R",                /* CAN FD has no remote request */
         "(1.000000) can0 123#112",                /* half a byte */
         "(1.000000) can0 123#001122334455667788", /* nine bytes */
         "(1.000000) can0 123#1122_9",             /* length code 9 */
@@ -194,8 +197,8 @@ static void test_foreign_lines_are_refused_with_their_number(void **state)
     }
 }
 
-/* Cut anywhere, the log gives its whole lines and then a refusal. */
-static void test_a_log_that_was_cut_off_is_refused_at_its_last_line(void **state)
+/* Cut anywhere, the log gives its whole lines, and then says at its end that it was cut. */
+static void test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line(void **state)
 {
     static const char whole[] = "(1.000000) can0 123#1122334455667788\n";
     char text[2 * sizeof whole] = "";
@@ -205,11 +208,35 @@ static void test_a_log_that_was_cut_off_is_refused_at_its_last_line(void **state
     for (length = sizeof whole; length < 2 * (sizeof whole - 1); length++) {
         (void)snprintf(text, sizeof text, "%s%s", whole, whole);
         text[length] = '\0';
-        check_reading(text, 1, BUS_BROKEN);
-        assert_non_null(strstr(bus->text, ":2: is cut off"));
+        check_reading(text, 1, BUS_END);
+        assert_non_null(strstr(bus->text, ":2: the last line is cut off"));
+        assert_int_equal(bus->statistics.received, 1);
     }
     (void)snprintf(text, sizeof text, "%s%s", whole, whole);
     check_reading(text, 2, BUS_END);
+    assert_string_equal(bus->text, "");
+}
+
+/* CAN FD frames of others may be on the bus, as extended and remote frames may. */
+static void test_can_fd_frames_are_skipped_and_counted(void **state)
+{
+    char text[400], longest[129];
+
+    (void)state;
+    memset(longest, 'A', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    (void)snprintf(text, sizeof text,
+                   "(1.000000) can0 123#11\n(1.000000) can0 123##1\n"
+                   "(1.000000) can0 1ABCDEF0##5112233 R\n(0000000001.000000) can0 123##1%s\r\n"
+                   "(2.000000) can0 123#22\n",
+                   longest);
+    check_reading(text, 2, BUS_END);
+    assert_int_equal(frames[1].t_us, 2000000);
+    assert_int_equal(bus->statistics.received, 2);
+    assert_int_equal(bus->statistics.malformed, 0);
+    assert_int_equal(candump.fd_frames, 3);
+    (void)snprintf(text, sizeof text, "(1.000000) can0 123##1%sAA\n", longest);
+    check_reading(text, 0, BUS_BROKEN); /* 65 bytes */
 }
 
 static void test_a_long_line_is_refused(void **state)
@@ -298,7 +325,8 @@ int main(void)
         TEST(test_a_line_looks_as_candump_writes_it),
         TEST(test_lines_of_other_versions_are_understood),
         TEST(test_foreign_lines_are_refused_with_their_number),
-        TEST(test_a_log_that_was_cut_off_is_refused_at_its_last_line),
+        TEST(test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line),
+        TEST(test_can_fd_frames_are_skipped_and_counted),
         TEST(test_a_long_line_is_refused),
         TEST(test_an_empty_log_is_refused),
         TEST(test_a_log_that_is_not_there_is_refused),

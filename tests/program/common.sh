@@ -7,11 +7,17 @@ cd "$(mktemp -d)" || exit 1
 trap 'rm -rf "$PWD"' EXIT
 failed=0
 
-# check NAME COMMAND...: one test; it passes when the command succeeds.
+# check NAME COMMAND...: one test; it passes when the command, run in a shell of its own that stops
+# at the first failure, succeeds. Not inside `if`: there that shell would not stop.
 check() {
-    local name=$1
+    local name=$1 status
     shift
-    if "$@" >check.log 2>&1; then
+    (
+        set -e
+        "$@"
+    ) >check.log 2>&1
+    status=$?
+    if [ "$status" = 0 ]; then
         echo "ok - $name"
     else
         echo "not ok - $name"

@@ -149,8 +149,35 @@ check "a record that was cut off" cold 'no warm record' short.avw
 check "a damaged record" cold 'a damaged record' torn.avw
 check "a record that cannot be written" exits 2 \
     node --bus memory --excite --sets 1 --save none/x.avw
-head -c 100000 run.log >cut.log
-check "a log that was cut off" refuses 'cut.log:[0-9]+: is cut off' replay cut.log
+# used NAME PATTERN LOG: it replays, and one line on stderr says what was left out.
+used() {
+    "$AUVID" replay "$2" --sets 1 --json >used.out 2>used.err
+    cat used.err
+    [ "$(wc -l <used.err)" = 1 ] && grep -Eq "$1" used.err &&
+        is used.out 'assert d["status"] == "ok"'
+}
+head -n -1 run.log >whole.log
+{ cat whole.log && printf '(9999.000000) memory 404#11'; } >cut.log
+check "a log that was cut off is used up to its last whole line" \
+    used 'warning: cut.log:[0-9]+: the last line is cut off' cut.log
+exits 0 replay whole.log --sets 1 --json
+check "  as if the cut line were not there" cmp out used.out
+check "a log cut within its only line" refuses 'no frame of auvid' replay <(printf '(1.000000) ca')
+# what is of other nodes on the bus
+sed '5i (0.000000) memory 404##1112233\n(0.000000) memory 00000404#11\n(0.000000) memory 404#R8' \
+    run.log >others.log
+check "CAN FD, extended and remote frames of others are skipped" exits 0 replay others.log --sets 2
+check "  no frame differs" grep -q ' 0 different' out
+check "  and none is refused" grep -q ' 0 refused' out
+# flips a digit of the first DVL frame's data, and doubles the second
+awk '/ 404#/ { ++n } n == 1 && / 404#/ { sub(/.$/, /0$/ ? "1" : "0") } { print }
+    n == 2 && / 404#/ { print; ++n }' run.log >refused.log
+"$AUVID" replay refused.log --sets 2 >refused.out 2>refused.err
+check "refused frames are reported" grep -Eq ' 2 refused' refused.out
+causes='warning: .*refused.log: 2 frames of auvid are refused: 1 with a wrong.*, 1 repeated, 0 '
+check "  with their causes" grep -Eq "$causes" refused.err
+"$AUVID" replay refused.log --sets 2 --json >refused.json 2>refused.err
+check "  with --json, too" grep -q ': 2 frames of auvid are refused' refused.err
 printf 't_s,u\n0,1\n' >other.log
 check "a file of another kind" refuses 'other.log:1: is no line of' replay other.log
 printf '(1.000000) can0 123#00\n' >foreign.log

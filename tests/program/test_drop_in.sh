@@ -66,11 +66,26 @@ END
         cmake --build found/build && found/build/user | grep -q '^0 8$'
 }
 
+# pkg_config PREFIX BYTES: the library installed there, by its auvid.pc, has reals of so many bytes.
 pkg_config() {
-    PKG_CONFIG_PATH=$(echo "$PWD"/usr/lib*/pkgconfig "$PWD"/usr/lib/*/pkgconfig | tr ' ' :)
+    PKG_CONFIG_PATH=$(echo "$PWD/$1"/lib*/pkgconfig "$PWD/$1"/lib/*/pkgconfig | tr ' ' :)
     export PKG_CONFIG_PATH
     # shellcheck disable=SC2046
-    "$CC" user.c $(pkg-config --cflags --libs auvid) -o user && ./user | grep -q '^0 8$'
+    "$CC" user.c $(pkg-config --cflags --libs auvid) -o user && ./user | grep -q "^0 $2\$"
+}
+
+# What a user gets who chooses nothing: default sizes, float, an optimized library.
+installed_plain() {
+    cmake -S "$ROOT/lib" -B plain -DCMAKE_INSTALL_PREFIX="$PWD/plain_usr" &&
+        cmake --build plain --verbose >plain.log && cmake --install plain &&
+        grep -q -- ' -O[23] .*auvid_identifier\.c' plain.log
+}
+
+# A user's own choice of build type stands, and a project that adds the library keeps its own.
+build_type() {
+    cmake -S "$ROOT/lib" -B debug -DCMAKE_BUILD_TYPE=Debug &&
+        grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Debug$' debug/CMakeCache.txt &&
+        grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=$' sub/build/CMakeCache.txt
 }
 
 for flags in -O0 '-O3 -Wall -Wextra -funsigned-char -fshort-enums' '-Os -std=gnu17 -flto' \
@@ -81,5 +96,8 @@ done
 check "called from C++" cplusplus
 check "CMake: add_subdirectory, other sizes" subdirectory
 check "CMake: install, find_package, double precision" installed
-check "pkg-config: the same" pkg_config
+check "pkg-config: the same" pkg_config usr 8
+check "CMake: install without a choice is optimized" installed_plain
+check "pkg-config: install without definitions" pkg_config plain_usr 4
+check "CMake: another build type, and that of a project around it, are left alone" build_type
 exit "$failed"

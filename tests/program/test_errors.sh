@@ -70,9 +70,42 @@ check "a header and no row" refuses 'log.csv:1:1: there is a header and no row' 
 log "$header" 0,0,0
 check "one row" refuses 'log.csv:2:1: there is only one row' fit log.csv
 log u_mps,X_N 0,0 1,1
-check "no column t_s" refuses 'log.csv:1:1: no column t_s' fit log.csv
+check "no column t_s" refuses 'log.csv:1:1: no column t_s .*its columns are: u_mps, X_N$' \
+    fit log.csv
+log t,u_mps,X_N 0,0,0 1,1,1
+check "  one that resembles it is named" refuses 'no column t_s .*; t resembles it$' fit log.csv
+log 't_s;u_mps;X_N' '0;0;0' '0,1;0;0'
+check "semicolons between the columns" refuses \
+    'log.csv:1:1: no column t_s .*separated by semicolons; .*by commas' fit log.csv
+log "$(printf 't_s\tu_mps\tX_N')" "$(printf '0\t0\t0')"
+check "tabs between the columns" refuses \
+    'no column t_s .*separated by tabs; .*by commas' fit log.csv
+log "u_mps,$(seq -s , 1 400)" 0 1
+check "a list of many columns is cut" refuses \
+    'its columns are: u_mps, 1, 2, .*, \.\.\.$' fit log.csv
 log t_s,X_N 0,0 1,1
-check "a force without its velocity" refuses 'log.csv:1:1: no column u_mps' fit log.csv
+check "a force without its velocity" refuses \
+    'log.csv:1:1: no column u_mps in the header, but X_N: ' fit log.csv
+log t_s,u_ms,X_N 0,0,0 1,1,1
+check "  a column that resembles it is named" refuses 'but X_N: .*; u_ms resembles it$' fit log.csv
+for other in 'u_mps [m/s]' 'U_MPS' 'u'; do
+    log "t_s,$other,X_N" 0,0,0 1,1,1
+    check "  so is '$other'" refuses ' resembles it$' fit log.csv
+done
+for other in v_mps x_m speed; do
+    log "t_s,$other,X_N" 0,0,0 1,1,1
+    check "  but not $other" refuses "X_N: [^;]*$" fit log.csv
+done
+log t_s,u_mps,N_Nm 0,0,0 1,1,1
+check "a moment without its rate" refuses 'log.csv:1:1: no column r_radps in the header, but N_Nm' \
+    fit log.csv
+log t_s,u_mps,X_N,K_Nm 0,0,0,0 1,1,1,1
+check "  in roll, too, where the model has it" refuses 'no column p_radps in the header, but K_Nm' \
+    fit log.csv --model fossen
+check "  and not where it has none" exits 1 fit log.csv
+log t_s,u_mps,cmd_surge,cmd_yaw 0,0,0,0 1,1,1,1
+check "a command without its rate" refuses \
+    'no column r_radps in the header, but cmd_yaw' fit log.csv
 log t_s,u_mps 0,0 1,1
 check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
 check "  it is told which there are for six degrees of freedom" \
@@ -103,7 +136,7 @@ log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
 check "time that stands still" refuses 'log.csv:4:3: t_s: time does not advance' fit log.csv
 log "$header" 0,0,0 2e9,0,0
 check "a gap of decades" refuses 'log.csv:3:1: t_s: more than 1e9 s' fit log.csv
-log "$header" 0,0,0 0.1,0
+log "$header" 0,0,0 0.1,0 0.2,0,0
 check "a row too short" refuses 'log.csv:3:6: the row ends after 2 of 3 columns' fit log.csv
 log "$header" 0,0,0 0.1,0,0,0
 check "a row too long" refuses 'log.csv:3:9: the row has more than 3 columns' fit log.csv
@@ -126,6 +159,24 @@ check "standard output that is full" full fit good.csv --json
 
 check "--help" exits 0 --help
 check "  names the options" grep -q -- '--disturbance' out
+cp out help
+exits 0 help
+check "help is the same" cmp out help
+for command in demo fit node vehicle replay; do
+    check "help $command" exits 0 help "$command"
+    check "  says how it is used" grep -q "^usage: auvid $command " out
+    check "  and its options only" test "$(grep -c "^options of .*$command" out)" = \
+        "$(grep -c '^options of ' out)"
+    cp out of_command
+    exits 0 "$command" --help
+    check "$command --help is the same" cmp out of_command
+    # every line that is in it is a line of the whole help
+    check "  part of the whole" test -z "$(sed 's/^usage: /       /' out | grep -vxF -f help |
+        grep -v "^       auvid $command")"
+done
+check "help fit tells the columns" grep -q '^columns of a log' <("$AUVID" help fit)
+check "help of what is no command" refuses "help: unknown command 'fly': use .*demo" help fly
+check "help of two commands" refuses "help: unexpected argument 'fit'" help demo fit
 check "--version" exits 0 --version
 version=$(sed -n 's/#define AUVID_VERSION_STRING "\(.*\)"/\1/p' "$ROOT/lib/include/auvid/config.h")
 check "  is that of the library" grep -qx "auvid $version" out

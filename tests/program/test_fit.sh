@@ -63,6 +63,15 @@ change 'h = h[::-1]; r = [y[::-1] for y in r]' <train.csv >order.csv
 check "columns may stand in any order" same order.csv
 change 'h.append("note"); r = [y + [1e99] for y in r]' <train.csv >more.csv
 check "other columns are not looked at" same more.csv
+check "  but listed" grep -qx 'auvid: more.csv: ignored columns: note' err
+check "  once" test "$(wc -l <err)" = 1
+change 'h = ["u_ms" if n == "u_mps" else n for n in h]; drop("X_N")' <train.csv >misspelt.csv
+exits 0 fit misspelt.csv --json >misspelt.said
+check "a column that resembles a missing one is named" grep -qx \
+    'auvid: misspelt.csv: ignored columns: u_ms (u_ms resembles u_mps)' err
+change 'h.append("cmd_surge"); r = [y + [0.5] for y in r]' <train.csv >two_kinds.csv
+check "commands beside forces are not used" same two_kinds.csv
+check "  and listed" grep -qx 'auvid: two_kinds.csv: ignored columns: cmd_surge' err
 sed '1s/^/\xef\xbb\xbf/; s/$/\r/; s/,/ , /' train.csv >windows.csv
 printf '\n\n' >>windows.csv
 check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
@@ -79,6 +88,55 @@ check "roll may be wrapped" is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("upside.json"))["parameters"]}
 assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
     {n: P[n]["estimate"] / first[n] for n in TRUTH}'
+change 'for y in r: y[C["psi_rad"]] += 300' <train.csv >turned.csv
+check "yaw may begin after many turns" same turned.csv
+
+# ---- a log that was cut off in its last line ----
+head -n -1 train.csv >whole.csv
+exits 0 fit whole.csv --json
+cp out whole.json
+last=$(tail -n 1 train.csv)
+for keep in 1 20 $((${#last} - 3)) "${#last}"; do # the last: whole, but who could know
+    { cat whole.csv && printf '%s' "${last:0:keep}"; } >cut.csv
+    check "cut after $keep characters of its last line: used up to there" exits 0 fit cut.csv --json
+    check "  like the log without that line" cmp out whole.json
+    check "  with a warning" grep -Eqx \
+        'auvid: warning: cut.csv:[0-9]+: the last line .*cut off: .*left out' err
+done
+check "a test log may be cut, too" exits 0 fit train.csv --json --validate cut.csv
+check "  with a warning" grep -q 'auvid: warning: cut.csv:' err
+
+# ---- degrees ----
+degrees='
+def scale(k, *names):
+    for y in r:
+        for n in names: y[C[n]] *= k
+ANGLES, RATES = ("phi_rad", "theta_rad", "psi_rad"), ("p_radps", "q_radps", "r_radps")
+D = 180 / math.pi
+'
+# in_degrees NAME CODE PATTERN: a log changed by this code is refused with this message.
+in_degrees() {
+    change "$degrees$2" <train.csv >degrees.csv
+    check "$1" refuses "$3" fit degrees.csv
+    check "  in the test log, too" refuses "$3" fit train.csv --validate degrees.csv
+}
+in_degrees "attitude in degrees" 'scale(D, *ANGLES)' \
+    'degrees.csv: theta_rad .*degrees.*radians'
+in_degrees "attitude in degrees, of a vehicle that hardly pitches" \
+    'scale(D, *ANGLES); scale(0.1, "phi_rad", "theta_rad"); drop("p_radps", "q_radps")' \
+    'degrees.csv: psi_rad .*degrees.*radians'
+in_degrees "attitude in degrees, slow" \
+    'scale(D, *ANGLES); scale(0.1, *ANGLES); scale(0.1, *RATES)' \
+    'degrees.csv: psi_rad .*degrees.*radians'
+in_degrees "attitude in degrees, rates missing" \
+    'scale(D, *ANGLES); drop(*RATES); drop("N_Nm", "theta_rad")
+C = {n: i for i, n in enumerate(h)}
+for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 300) % 360' 'psi_rad jumps by .*degrees.*radians'
+in_degrees "rates in deg/s" 'scale(D, *RATES)' 'degrees.csv: .*r_radps .*deg/s.*rad/s'
+in_degrees "rates in deg/s, slow" 'scale(D, *RATES); scale(0.1, *ANGLES); scale(0.1, *RATES)' \
+    'degrees.csv: r_radps .*deg/s.*rad/s'
+in_degrees "both in degrees" 'scale(D, *ANGLES); scale(D, *RATES)' 'degrees.csv: .*degrees'
+in_degrees "rates in deg/s, attitude missing" 'scale(D, *RATES); drop(*ANGLES)' 'r_radps .*rad/s'
 python3 -c '
 import csv, sys
 rows = list(csv.reader(open("train.csv")))

@@ -126,7 +126,10 @@ static void tick(void)
 static void restart(void)
 {
     save();
-    while (!save_on()) {
+    for (int turns = 0; !save_on(); ++turns) {
+        if (turns > 1000) {
+            fault("the checkpoint does not end");
+        }
     }
     memset(&id, 0, sizeof id);
     control_init();

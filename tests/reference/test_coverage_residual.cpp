@@ -119,6 +119,7 @@ static void identify(uint64_t seed, double disturbance_N)
         const double wrench[6] = {
             2 * thrust(double(command), truth), 0, -world.parameter[SIM_WB], 0, 0, 0};
         sim_step(&sim, nullptr, wrench, &sensed);
+        TEST_ASSERT_TRUE(sim.truth.t_us < (SETS + 2) * 30000000u);
         chain_sense(&sensed, 0, &in);
         if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
             excited = auvid_identifier_excite(&id) == AUVID_OK;

@@ -1,5 +1,7 @@
 #include "chain.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define TICKS_PER_S (1000000 / SIM_TICK_US)
@@ -104,6 +106,10 @@ void chain_tick(chain_t *chain)
     sim_output_t seen;
     auvid_input_t in;
     double wrench[AUVID_DOF_COUNT];
+    if (chain->tick >= CHAIN_MOST_TICKS) {
+        puts("chain:FAIL: what is waited for does not come");
+        exit(1);
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         wrench[j] = (double)chain->wrench[j];
     }

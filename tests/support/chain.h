@@ -69,7 +69,9 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
 /** What the simulator's sensors gave, as the identifier takes it. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
 
-/** One tick. */
+/** One tick. After CHAIN_MOST_TICKS, a day, the program ends: so does a loop that waits for what
+ * never comes. */
+#define CHAIN_MOST_TICKS 4320000u
 void chain_tick(chain_t *chain);
 
 /** Ticks of so many seconds. */

@@ -152,7 +152,7 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
     while (at < cursor.bytes) {
         uint32_t part = 1 + auvid_rng_below(&rng, 1000);
-        TEST_ASSERT_TRUE(auvid_checkpoint_next(&cursor, to + at, &part) >= 0);
+        TEST_ASSERT_TRUE(auvid_checkpoint_next(&cursor, to + at, &part) >= 0 && part > 0);
         at += part;
     }
     return at;

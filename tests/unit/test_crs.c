@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "auvid/crs.h"
+#include "finish.h"
 #include "unity.h"
 
 static auvid_crs_t crs;
@@ -206,11 +207,13 @@ static void test_a_known_point_enters_the_population_and_bad_ones_are_refused(vo
 static void test_the_trial_is_the_weighted_reflection_of_algorithm_1(void)
 {
     int trials = 0;
+    uint32_t turns = 0;
     config.population = 20;
     config.epsilon = AUVID_C(1e-3);
     init();
     double spread0 = 0.0;
     while (trials < 300) {
+        finish_turn(&turns, 1000000);
         auvid_status_t status = auvid_crs_ask(&crs, theta);
         if (status == AUVID_FINISHED) {
             break;
@@ -329,7 +332,8 @@ static void test_it_finishes_when_the_spread_is_reduced_as_asked(void)
     config.epsilon = 0;
     init();
     auvid_real_t spread = 0, first = 0;
-    while (auvid_crs_ask(&crs, theta) != AUVID_FINISHED) {
+    for (uint32_t turns = 0; auvid_crs_ask(&crs, theta) != AUVID_FINISHED;) {
+        finish_turn(&turns, 10000000);
         if (crs.asked) {
             auvid_crs_tell(&crs, sphere(theta));
         }
@@ -400,13 +404,16 @@ static void test_a_trial_in_the_box_ends_the_run_of_rejections(void)
 static void test_a_trial_as_dear_as_the_worst_is_not_taken(void)
 {
     static auvid_real_t before[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS];
+    uint32_t turns = 0;
     init();
     while (crs.evaluations < 16) {
+        finish_turn(&turns, 1000000);
         auvid_crs_ask(&crs, theta);
         auvid_crs_tell(&crs, sphere(theta));
     }
     memcpy(before, crs.theta, sizeof before);
     while (crs.evaluations < 30) {
+        finish_turn(&turns, 1000000);
         if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
             auvid_crs_tell(&crs, crs.cost[crs.worst]);
         }
@@ -451,8 +458,10 @@ static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_the
 {
     auvid_real_t points[16][4], cost;
     int found[16] = {0};
+    uint32_t turns = 0;
     init();
     while (crs.evaluations < 100) {
+        finish_turn(&turns, 1000000);
         if (auvid_crs_ask(&crs, theta) == AUVID_OK) {
             auvid_crs_tell(&crs, sphere(theta));
         }

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "auvid/optimizer.h"
+#include "finish.h"
 #include "ls_problem.h"
 #include "unity.h"
 
@@ -52,8 +53,9 @@ static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, k
     if (known != NOTHING) {
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_add_point(&optimizer, theta));
     }
-    for (;;) {
+    for (uint32_t turns = 0;;) {
         auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
+        finish_turn(&turns, 10000000);
         if (status == AUVID_OK) {
             float pi[LS_N];
             for (int i = 0; i < LS_N; ++i) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "auvid/excitation.h"
+#include "finish.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -283,8 +284,9 @@ static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_init(&excitation, &plan));
     auvid_excitation_start(&excitation, 0);
     begin();
-    for (;;) {
+    for (uint32_t turns = 0;;) {
         auvid_real_t asked[6];
+        finish_turn(&turns, 1000000);
         double wrench[6];
         if (auvid_excitation_step(&excitation, sim.truth.t_us, asked) == AUVID_FINISHED) {
             break;
@@ -583,7 +585,9 @@ static void first_dvl(void)
 {
     without_noise();
     begin();
+    uint32_t turns = 0;
     do {
+        finish_turn(&turns, 1000000);
         sim_step(&sim, NULL, NULL, &out);
     } while (!out.sensor[SIM_DVL].has);
 }

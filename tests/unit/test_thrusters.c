@@ -11,6 +11,7 @@
 #include "auvid/thrusters.h"
 #include "binomial.h"
 #include "chain.h"
+#include "finish.h"
 #include "unity.h"
 
 /* A hull of one axis, surge; what other axes do to it is known. */
@@ -589,10 +590,8 @@ static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16
         (void)auvid_identifier_work(&id, budget);
         TEST_ASSERT_TRUE(id.work_last <= budget);
     }
-    while (auvid_identifier_work(&id, UINT32_MAX) == AUVID_PENDING) {
-    }
-    while (auvid_identifier_work(&ideal, UINT32_MAX) == AUVID_PENDING) {
-    }
+    finish_work(&id, UINT32_MAX);
+    finish_work(&ideal, UINT32_MAX);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     TEST_ASSERT_EQUAL_HEX32(FREE | 15u << HULL, id.estimate.identified);
     TEST_ASSERT_FALSE(id.estimate.capped);
@@ -709,8 +708,7 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
 /* Data of a set under way and a search under way; then work until it is done. */
 static uint32_t search_on(auvid_identifier_t *on)
 {
-    while (auvid_identifier_work(on, 1000) == AUVID_PENDING) {
-    }
+    finish_work(on, 1000);
     return on->estimate.number;
 }
 

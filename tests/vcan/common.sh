@@ -66,9 +66,10 @@ word() {
     grep -o "\<$1=[^ ]*" "$2" | cut -d = -f 2
 }
 
-# within SECONDS COMMAND...: waits until the command succeeds.
+# within SECONDS COMMAND...: waits until the command succeeds, so long on an idle machine: here five
+# times as long.
 within() {
-    local end=$((SECONDS + $1))
+    local end=$((SECONDS + 5 * $1))
     shift
     until "$@"; do
         [ "$SECONDS" -lt "$end" ] || return 1

@@ -10,7 +10,7 @@
 # below build/. Standard output, error and exit status come back; the current directory is kept; of
 # the environment only PATH, HOME, CI, AUVID* and VCAN*.
 # The command finds VCAN_INSIDE set, to `namespace` or `machine`.
-#   VCAN_TIMEOUT=120      seconds until everything is stopped (status 124)
+#   VCAN_TIMEOUT=600      seconds until everything is stopped (status 124)
 #   VCAN_VIRTUAL=1        the virtual machine even where it is not needed
 #   VCAN_CONTROLLERS=0    so many emulated SJA1000 controllers, can0..., on one bus and left down;
 #                         there are none outside the virtual machine
@@ -27,7 +27,7 @@ die() {
 
 top=$(cd "$(dirname "$0")/../.." && pwd -P)
 vm=$top/third_party/vm
-limit=${VCAN_TIMEOUT:-120}
+limit=${VCAN_TIMEOUT:-600}
 controllers=${VCAN_CONTROLLERS:-0}
 
 # A namespace of our own leaves the machine's interfaces alone, and its tests leave nothing behind.

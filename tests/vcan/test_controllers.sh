@@ -2,7 +2,7 @@
 # Two emulated controllers (SJA1000) on one bus at 500 kbit/s, both directions at once.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 export VCAN_CONTROLLERS=2
-[ -z "${AUVID_TEST_LONG:-}" ] || export VCAN_TIMEOUT=600
+[ -z "${AUVID_TEST_LONG:-}" ] || export VCAN_TIMEOUT=3000
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The node and the simulated vehicle as two processes on a bus, with can-utils and cantools beside.
 AUVID=$(realpath "${AUVID:-build/auvid}")
-export VCAN_TIMEOUT=230
-[ -z "${AUVID_TEST_LONG:-}" ] || VCAN_TIMEOUT=1800
+export VCAN_TIMEOUT=1150
+[ -z "${AUVID_TEST_LONG:-}" ] || VCAN_TIMEOUT=9000
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 

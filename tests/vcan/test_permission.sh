@@ -19,7 +19,7 @@ unprivileged() {
     setpriv --reuid 65534 --regid 65534 --clear-groups --bounding-set=-all \
         prlimit --rtprio=0 --memlock=0 "$AUVID" node --bus vcan0 --realtime >out 2>err &
     node=$!
-    for _ in $(seq 100); do
+    for _ in $(seq 500); do
         grep -q 'no tick frame' err && break
         sleep 0.1
     done

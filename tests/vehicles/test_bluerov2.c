@@ -20,6 +20,7 @@
 #include "auvid/averaged.h"
 #include "auvid/fossen.h"
 #include "chain.h"
+#include "finish.h"
 #include "unity.h"
 
 enum { N = AUVID_FOSSEN_COUNT, SETS = 8, SET_S = 90, TICKS_PER_S = 1000000 / SIM_TICK_US };
@@ -139,8 +140,7 @@ static void identify(uint64_t seed, const auvid_vehicle_t *vehicle)
     for (int k = 0; k < (SETS * SET_S + 6) * TICKS_PER_S; ++k) {
         tick(&hover, force);
     }
-    while (auvid_identifier_work(&id, 1000) == AUVID_PENDING) {
-    }
+    finish_work(&id, 1000);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_FOSSEN_FREE, id.estimate.identified);
 }

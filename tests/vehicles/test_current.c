@@ -12,6 +12,7 @@
 
 #include "auvid/current.h"
 #include "binomial.h"
+#include "finish.h"
 #include "unity.h"
 #include "world.h"
 
@@ -244,8 +245,7 @@ static void finish(void)
         TEST_ASSERT_EQUAL_HEX32(0, world.node[1].events & AUVID_EVENT_CHANGED);
     }
     for (int i = 0; i < 2; ++i) {
-        while (auvid_identifier_work(&world.node[i].id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
-        }
+        finish_work(&world.node[i].id, AUVID_DEFAULT_BUDGET);
         TEST_ASSERT_EQUAL_UINT32(SETS, world.node[i].id.estimate.sets);
     }
     TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, world.node[0].id.guard.state);

@@ -9,6 +9,7 @@
 #include "auvid/current.h"
 #include "auvid_metric.h"
 #include "binomial.h"
+#include "finish.h"
 #include "unity.h"
 #include "world.h"
 
@@ -51,12 +52,12 @@ static void identify(uint64_t seed, const double c[2])
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_TRUE(world_listen(&world, &cfg));
     id = &world.node[1].id;
-    while (id->metric.sets_recorded < SETS) {
+    while (id->metric.sets_recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);
         (void)world_work(&world, AUVID_DEFAULT_BUDGET);
     }
-    while (auvid_identifier_work(&world.node[1].id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
-    }
+    finish_work(&world.node[1].id, AUVID_DEFAULT_BUDGET);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id->estimate.sets);
     TEST_ASSERT_FALSE(id->estimate.capped);
 }
 

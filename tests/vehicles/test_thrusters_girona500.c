@@ -10,6 +10,7 @@
 #include "auvid/thrusters.h"
 #include "binomial.h"
 #include "chain.h"
+#include "finish.h"
 #include "unity.h"
 
 enum { THRUSTERS = 5, SETS = 8, SET_S = 30, PERIOD_US = 40000 };
@@ -131,8 +132,7 @@ static void identify(uint64_t seed)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, commanded));
     }
     TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets_recorded);
-    while (auvid_identifier_work(&id, UINT32_MAX) == AUVID_PENDING) {
-    }
+    finish_work(&id, UINT32_MAX);
 }
 
 /* Relative error of parameter i, printed in a campaign. */

@@ -25,6 +25,7 @@ typedef struct {
     auvid_can_frame_t sent[WAITING]; /* a ring */
     uint32_t first, count;
     uint32_t ours, same, different; /* frames; estimates among them */
+    uint32_t refused[AUVID_CAN_FOREIGN + 1]; /* by the receiver's state; GOOD: late ticks */
 } run_t;
 
 static bool is_estimate(const auvid_can_frame_t *frame)
@@ -95,7 +96,12 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
     }
     if (is_estimate(frame)) {
         compare(run, frame);
-    } else if (auvid_node_take(&run->node, frame) == AUVID_TICK) {
+        return;
+    }
+    auvid_status_t status = auvid_node_take(&run->node, frame);
+    if (status == AUVID_ERR_CHECKSUM) {
+        ++run->refused[run->node.receiver[auvid_can_kind(NULL, frame->id)].state];
+    } else if (status == AUVID_TICK) {
         write_row(run);
         (void)auvid_node_step(&run->node, NULL, out, &count);
         (void)auvid_node_work(&run->node, AUVID_DEFAULT_BUDGET);
@@ -149,6 +155,22 @@ static int begin(run_t *run)
     return 0;
 }
 
+/* Tell on stderr what was left out of the log. */
+static void tell_left_out(const run_t *run)
+{
+    const uint32_t *refused = run->refused;
+    if (run->log.bus.text[0] != '\0') {
+        complain_warning("%s", run->log.bus.text);
+    }
+    if (run->node.counters.refused > 0) {
+        complain_warning("%s: %u frames of auvid are refused: %u with a wrong checksum, length or "
+                         "value, %u repeated, %u after a gap of their counter, %u late ticks",
+                         run->options->log, (unsigned)run->node.counters.refused,
+                         (unsigned)refused[AUVID_CAN_BAD], (unsigned)refused[AUVID_CAN_REPEATED],
+                         (unsigned)refused[AUVID_CAN_JUMPED], (unsigned)refused[AUVID_CAN_GOOD]);
+    }
+}
+
 static int report(const run_t *run)
 {
     static result_t result;
@@ -158,10 +180,10 @@ static int report(const run_t *run)
     } else {
         printf("auvid %s replay of %s\n\n", AUVID_VERSION_STRING, run->options->log);
         report_result(&result, NULL);
-        printf("  log   %u frames of auvid, %u ticks; estimate frames: %u as in the log, %u "
-               "different\n",
-               (unsigned)run->ours, (unsigned)run->node.counters.ticks, (unsigned)run->same,
-               (unsigned)run->different);
+        printf("  log   %u frames of auvid, %u refused, %u ticks; estimate frames: %u as in the "
+               "log, %u different\n",
+               (unsigned)run->ours, (unsigned)run->node.counters.refused,
+               (unsigned)run->node.counters.ticks, (unsigned)run->same, (unsigned)run->different);
     }
     return run->different > 0 ? 1 : report_exit(&result);
 }
@@ -187,8 +209,11 @@ int bus_replay(const options_t *options)
         } else if (writes) {
             csv_discard(&run->csv);
         }
+        if (status == 0) {
+            tell_left_out(run);
+            status = report(run);
+        }
         (void)run->log.bus.close(&run->log.bus);
-        status = status == 0 ? report(run) : status;
     }
     free(run);
     return status;

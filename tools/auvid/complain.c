@@ -3,18 +3,31 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-void complain_line(const char *format, ...)
+static void print_line(const char *kind, const char *format, va_list arguments)
 {
     char line[512];
-    va_list arguments;
-    va_start(arguments, format);
     (void)vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
     for (char *c = line; *c != '\0'; ++c) {
         if ((unsigned char)*c < ' ' || *c == 127) {
             *c = '?'; /* a line break in a file's name or in a field */
         }
     }
     (void)fflush(stdout);
-    fprintf(stderr, "auvid: %s\n", line);
+    fprintf(stderr, "auvid: %s%s\n", kind, line);
+}
+
+void complain_line(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("", format, arguments);
+    va_end(arguments);
+}
+
+void complain_warning(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    print_line("warning: ", format, arguments);
+    va_end(arguments);
 }

@@ -11,7 +11,10 @@
 /** Print "auvid: <message>" as exactly one line, whatever the arguments hold. */
 void complain_line(const char *format, ...);
 
-/** The same; its value is EXIT_REFUSED: return complain(...); */
+/** Print "auvid: warning: <message>" likewise: the program goes on. */
+void complain_warning(const char *format, ...);
+
+/** As complain_line; its value is EXIT_REFUSED: return complain(...); */
 #define complain(...) (complain_line(__VA_ARGS__), EXIT_REFUSED)
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "columns.h"
 #include "complain.h"
 
 #define LARGEST 1e6      /* of a value: squares of it must fit a float */
@@ -22,6 +23,7 @@ typedef struct {
     size_t line;     /* number of the line at hand, from 1 */
     char *start;     /* of that line */
     size_t length;   /* of that line */
+    bool whole;      /* it has a line end */
     int fields;      /* in the header */
     int *column;     /* [fields] the log's column, or -1 */
     size_t room;     /* rows there is memory for */
@@ -78,7 +80,8 @@ static char *next_line(reader_t *r)
         r->start = r->at;
         ++r->line;
         char *end = r->at + strcspn(r->at, "\n");
-        r->at = *end == '\n' ? end + 1 : end;
+        r->whole = *end == '\n';
+        r->at = r->whole ? end + 1 : end;
         *end = '\0';
         if (end > r->start && end[-1] == '\r') {
             end[-1] = '\0';
@@ -123,38 +126,122 @@ static int known_column(const char *name)
     return -1;
 }
 
+static void add_name(csv_list_t list, const char *name)
+{
+    static const char rest[] = ", ...";
+    size_t used = strlen(list), end = sizeof rest - 1;
+    const char *comma = used > 0 ? ", " : "";
+    bool full = used >= end && strcmp(list + used - end, rest) == 0;
+    bool fits = used + strlen(comma) + strlen(name) + sizeof rest <= sizeof(csv_list_t);
+    if (!full) {
+        (void)snprintf(list + used, sizeof(csv_list_t) - used, "%s%s", fits ? comma : rest,
+                       fits ? name : "");
+    }
+}
+
+int csv_missing(const csv_log_t *log, int column, const char *why)
+{
+    const char *like = log->like[column];
+    return complain("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
+                    csv_name[column], why, like[0] != '\0' ? "; " : "", like,
+                    like[0] != '\0' ? " resembles it" : "");
+}
+
+void csv_ignore(csv_log_t *log, int column)
+{
+    add_name(log->ignored, csv_name[column]);
+}
+
+void csv_notes(const csv_log_t *log)
+{
+    csv_list_t like = "";
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        if (log->like[c][0] != '\0') {
+            char pair[64];
+            (void)snprintf(pair, sizeof pair, "%s resembles %s", log->like[c], csv_name[c]);
+            add_name(like, pair);
+        }
+    }
+    if (log->cut > 0) {
+        complain_warning("%s:%zu: the last line has no line end and may be cut off: it is left out",
+                         log->path, log->cut);
+    }
+    if (log->ignored[0] != '\0') {
+        complain_line("%s: ignored columns: %s%s%s%s", log->path, log->ignored,
+                      like[0] != '\0' ? " (" : "", like, like[0] != '\0' ? ")" : "");
+    }
+}
+
+/* What stands between the columns if it is not commas; else null. */
+static const char *other_separator(const char *line)
+{
+    int commas = 0, semicolons = 0, tabs = 0;
+    for (; *line != '\0'; ++line) {
+        commas += *line == ',';
+        semicolons += *line == ';';
+        tabs += *line == '\t';
+    }
+    return semicolons > commas ? "semicolons" : tabs > commas ? "tabs" : NULL;
+}
+
+static int read_name(reader_t *r, const char *field, int *column)
+{
+    csv_log_t *log = r->log;
+    int like = columns_like(field);
+    *column = known_column(field);
+    add_name(log->columns, field);
+    if (*column < 0) {
+        add_name(log->ignored, field);
+        if (like >= 0) {
+            (void)snprintf(log->like[like], sizeof log->like[like], "%s", field);
+        }
+        return 0;
+    }
+    if (log->has[*column]) {
+        return complain("%s:%zu:%zu: there is a second column %s", log->path, r->line,
+                        column_of(r, field), field);
+    }
+    log->has[*column] = true;
+    return 0;
+}
+
 static int read_header(reader_t *r)
 {
-    const char *path = r->log->path;
+    csv_log_t *log = r->log;
     if (strncmp(r->at, "\xef\xbb\xbf", 3) == 0) {
         r->at += 3; /* a byte order mark */
     }
     char *rest = next_line(r);
     if (rest == NULL) {
-        return complain("%s:1:1: the file is empty", path);
+        return complain("%s:1:1: the file is empty", log->path);
     }
+    const char *separator = other_separator(rest);
+    log->header = r->line;
     r->fields = 1;
     for (const char *c = rest; *c != '\0'; ++c) {
         r->fields += *c == ',';
     }
     r->column = malloc((size_t)r->fields * sizeof r->column[0]);
     if (r->column == NULL) {
-        return out_of_memory(path);
+        return out_of_memory(log->path);
     }
     for (int i = 0; i < r->fields; ++i) {
-        char *field = next_field(&rest);
-        int column = known_column(field);
-        r->column[i] = column;
-        if (column >= 0 && r->log->has[column]) {
-            return complain("%s:%zu:%zu: there is a second column %s", path, r->line,
-                            column_of(r, field), field);
-        }
-        if (column >= 0) {
-            r->log->has[column] = true;
+        if (read_name(r, next_field(&rest), &r->column[i]) != 0) {
+            return EXIT_REFUSED;
         }
     }
-    return r->log->has[CSV_T] ? 0
-                              : complain("%s:%zu:1: no column t_s in the header", path, r->line);
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        log->like[c][0] = log->has[c] ? '\0' : log->like[c][0];
+    }
+    if (!log->has[CSV_T]) {
+        char why[sizeof(csv_list_t) + 64];
+        (void)snprintf(why, sizeof why, separator != NULL ? ": its columns are separated by %s; "
+                                                            "separate them by commas"
+                                                          : "; its columns are: %s",
+                       separator != NULL ? separator : log->columns);
+        return csv_missing(log, CSV_T, why);
+    }
+    return 0;
 }
 
 /* One field into the row. */
@@ -221,6 +308,10 @@ static int read_rows(reader_t *r)
 {
     csv_log_t *log = r->log;
     for (char *line = next_line(r); line != NULL; line = next_line(r)) {
+        if (!r->whole) {
+            log->cut = r->line;
+            break;
+        }
         if (log->rows == r->room) {
             r->room = r->room == 0 ? 1024 : 2 * r->room;
             csv_row_t *more = realloc(log->row, r->room * sizeof *more);

@@ -28,18 +28,35 @@ typedef struct {
     double value[CSV_COLUMNS];
 } csv_row_t;
 
+/** Names with commas between; "..." at the end if there is no room for all. */
+typedef char csv_list_t[200];
+
 /** A log in memory. */
 typedef struct {
     const char *path;
     bool has[CSV_COLUMNS];
+    char like[CSV_COLUMNS][24]; /* an ignored column whose name resembles this missing one; or "" */
+    csv_list_t columns, ignored;
+    size_t header; /* number of its line, from 1 */
+    size_t cut;    /* number of the last line if it was cut off and is left out; else 0 */
     csv_row_t *row;
     size_t rows;
 } csv_log_t;
 
 /** Read a log: t_s must be there and increase, there must be two rows at least, every number must
- * be finite and within +-1e6. Other columns are not looked at. Returns 0, or EXIT_REFUSED after one
- * line on stderr (nothing to free then). */
+ * be finite and within +-1e6. Other columns are ignored. A last line without a line end may be cut
+ * off and is left out. Returns 0, or EXIT_REFUSED after one line on stderr (nothing to free then).
+ */
 int csv_read(csv_log_t *log, const char *path);
+
+/** Complain that a column is missing. `why`: the rest of the sentence. Returns EXIT_REFUSED. */
+int csv_missing(const csv_log_t *log, int column, const char *why);
+
+/** Count a column of the log among the ignored ones. */
+void csv_ignore(csv_log_t *log, int column);
+
+/** Tell on stderr what was left out: a line cut off, ignored columns and what they resemble. */
+void csv_notes(const csv_log_t *log);
 
 /** Give the memory back. */
 void csv_free(csv_log_t *log);

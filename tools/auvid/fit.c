@@ -14,6 +14,7 @@
 #include "replay.h"
 #include "report.h"
 #include "statistics.h"
+#include "units.h"
 
 /* Rows further apart end the record, and it begins anew. */
 #define GAP_US 500000u
@@ -116,18 +117,32 @@ static bool has_inputs(const csv_log_t *log, const auvid_vehicle_t *model, input
     return any;
 }
 
-/* A force needs its velocity in the log; a missing rate counts as zero, so its moment is left out.
- */
-static int check_columns(const csv_log_t *log, const replay_t *replay)
+/* A force needs its velocity in the log, and a moment its rate. */
+static int check_columns(const csv_log_t *log, const job_t *job)
 {
-    for (int j = 0; j <= AUVID_HEAVE; ++j) {
-        int input = replay_inputs(replay->kind) + j, velocity = CSV_NU + j;
-        if (log->has[input] && !log->has[velocity]) {
-            return complain("%s:1:1: no column %s in the header, but %s", log->path,
-                            csv_name[velocity], csv_name[input]);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int input = replay_inputs(job->replay.kind) + j;
+        if (job->options->model->columns[j] != 0 && log->has[input] && !log->has[CSV_NU + j]) {
+            char why[80];
+            (void)snprintf(why, sizeof why, ", but %s: a %s needs its %s", csv_name[input],
+                           j <= AUVID_HEAVE ? "force" : "moment",
+                           j <= AUVID_HEAVE ? "velocity" : "rate");
+            return csv_missing(log, CSV_NU + j, why);
         }
     }
-    return 0;
+    return units_check(log);
+}
+
+/* Tell what of a log is not used. */
+static void tell_unused(csv_log_t *log, input_kind_t kind)
+{
+    int other = replay_inputs(kind == INPUT_WRENCH ? INPUT_COMMAND : INPUT_WRENCH);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (log->has[other + j]) {
+            csv_ignore(log, other + j);
+        }
+    }
+    csv_notes(log);
 }
 
 static int find_inputs(job_t *job)
@@ -142,7 +157,7 @@ static int find_inputs(job_t *job)
                         log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
     }
     job->replay.kind = wrench ? INPUT_WRENCH : INPUT_COMMAND;
-    return check_columns(log, &job->replay);
+    return check_columns(log, job);
 }
 
 /* Which DoF can be identified, and how large their inputs are. */
@@ -166,8 +181,6 @@ static void find_driven(job_t *job)
         }
         if (!log->has[replay_inputs(job->replay.kind) + j]) {
             job->why[j] = "no input column";
-        } else if (!log->has[CSV_NU + j]) {
-            job->why[j] = "no velocity column";
         } else if (!(largest[j] > NEGLIGIBLE * most)) {
             job->why[j] = "input is always zero";
         } else {
@@ -192,7 +205,7 @@ static int read_logs(job_t *job)
                               options->validate, options->train,
                               job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
         }
-        status = status != 0 ? status : check_columns(&job->test, &job->replay);
+        status = status != 0 ? status : check_columns(&job->test, job);
     }
     return status;
 }
@@ -344,11 +357,16 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
 
 static int run(job_t *job)
 {
+    const options_t *options = job->options;
     result_t result;
     int status = choose_free(job);
     status = status != 0 ? status : read_logs(job);
     if (status != 0) {
         return status;
+    }
+    tell_unused(&job->train, job->replay.kind);
+    if (options->validate != NULL) {
+        tell_unused(&job->test, job->replay.kind);
     }
     find_driven(job);
     auvid_identifier_t *id = choose(job);

@@ -2,6 +2,7 @@
  * auvid: identify the dynamics of an underwater vehicle, simulated (demo), recorded (fit), or on
  * a CAN bus (node, vehicle, replay: where there is the Linux port).
  */
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -11,23 +12,28 @@
 #include "options.h"
 #include "report.h"
 
-static const char help[] =
-    "auvid " AUVID_VERSION_STRING ": identify the dynamics of an underwater vehicle\n"
-    "\n"
-    "usage: auvid demo [options]             identify a simulated vehicle, and check the result\n"
-    "       auvid fit TRAIN.csv [options]    identify a vehicle from a recorded log\n"
+static const char about[] =
+    "auvid " AUVID_VERSION_STRING ": identify the dynamics of an underwater vehicle\n\n";
+
+static const struct {
+    const char *name, *usage;
+} command_help[] = {
+    {"demo", "[options]             identify a simulated vehicle, and check the result"},
+    {"fit", "TRAIN.csv [options]    identify a vehicle from a recorded log"},
 #ifdef __linux__
-    "       auvid node --bus IF [options]    identify a vehicle on a CAN bus\n"
-    "       auvid vehicle --bus IF [options] be a simulated vehicle on a CAN bus\n"
-    "       auvid replay FILE.log [options]  identify from a log of the bus (candump -L)\n"
+    {"node", "--bus IF [options]    identify a vehicle on a CAN bus"},
+    {"vehicle", "--bus IF [options] be a simulated vehicle on a CAN bus"},
+    {"replay", "FILE.log [options]  identify from a log of the bus (candump -L)"},
 #endif
-    "       auvid --help | --version\n"
-    "\n"
+};
+
+static const char demo_fit_help[] =
     "options of demo and fit\n"
     "  --seed N           of all that is random; default 1\n"
     "  --literal          our reading of the paper's metric: smoothed states, raw wrench\n"
     "  --json             print one JSON object instead of tables\n"
-    "\n"
+    "\n";
+static const char demo_help[] =
     "options of demo\n"
     "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
     "                     freedom, which holds roll and pitch\n"
@@ -47,7 +53,8 @@ static const char help[] =
     "excited),\n"
     "                     operator-abort, current (0.3 m/s, seen by bottom and by water lock),\n"
     "                     dvl-lost (for good, under way)\n"
-    "\n"
+    "\n";
+static const char fit_help[] =
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
     "  --bounds=LO,HI        of every parameter; default -1000,1000\n"
@@ -63,9 +70,8 @@ static const char help[] =
     "                        there is a model without them (girona500)\n"
     "\n";
 
-/* The rest of it: C99 has no longer strings. */
-static const char more_help[] =
 #ifdef __linux__
+static const char node_help[] =
     "options of node\n"
     "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
     "  --excite           obey arm frames and command the thrusters; default: listen only\n"
@@ -76,28 +82,91 @@ static const char more_help[] =
     "  --warm FILE        begin with it; where it cannot be used, a line says so\n"
     "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
     "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
-    "  --seed N, --vehicle NAME, --json   as above\n"
-    "\n"
+    "  --seed N, --vehicle NAME, --json   as for demo\n"
+    "\n";
+static const char vehicle_help[] =
     "options of vehicle\n"
-    "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --realtime   as above\n"
+    "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --realtime   as for node and demo\n"
     "  --lock-step        go on when the node has done its tick, not after 20 ms\n"
     "  --no-arm           nobody arms the node; default: a second after it navigates\n"
     "  --arm-again        after an abort it is disarmed, and armed a second later\n"
     "  --speed K          simulated time goes K times as fast as the clock; default 1\n"
     "  It ends when the node has been silent for 2 s.\n"
-    "\n"
+    "\n";
+static const char replay_help[] =
     "options of replay\n"
     "  --seed N, --sets K, --vehicle NAME, --warm FILE   those of the node that wrote the log\n"
     "  --csv FILE         write its motion and thrust as a log that fit reads\n"
-    "  --json             as above\n"
-    "\n"
+    "  --json             as for demo\n"
+    "\n";
 #endif
+static const char columns_help[] =
     "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
-    "cmd_roll cmd_pitch cmd_yaw. Missing attitude or rates count as zero. A degree of freedom\n"
-    "without a varying input is left out.\n"
-    "\n"
+    "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
+    "as zero. Angles are in radians. A degree of freedom without a varying input is left out.\n"
+    "\n";
+static const char exit_help[] =
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";
+
+static const struct {
+    const char *of, *text; /* the commands that it is about */
+} section[] = {{"demo fit", demo_fit_help},
+               {"demo", demo_help},
+               {"fit", fit_help},
+#ifdef __linux__
+               {"node", node_help},
+               {"vehicle", vehicle_help},
+               {"replay", replay_help},
+#endif
+               {"fit", columns_help},
+               {"demo fit node vehicle replay", exit_help}};
+
+static bool is_command(const char *name)
+{
+    for (size_t i = 0; i < sizeof command_help / sizeof command_help[0]; ++i) {
+        if (strcmp(name, command_help[i].name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The help of a command; null: of all. */
+static int print_help(const char *command)
+{
+    const char *head = "usage:";
+    if (command == NULL) {
+        fputs(about, stdout);
+    }
+    for (size_t i = 0; i < sizeof command_help / sizeof command_help[0]; ++i) {
+        if (command == NULL || strcmp(command, command_help[i].name) == 0) {
+            printf("%-6s auvid %s %s\n", head, command_help[i].name, command_help[i].usage);
+            head = "";
+        }
+    }
+    fputs(command == NULL ? "       auvid help [COMMAND] | --help | --version\n\n" : "\n", stdout);
+    for (size_t i = 0; i < sizeof section / sizeof section[0]; ++i) {
+        if (command == NULL || strstr(section[i].of, command) != NULL) {
+            fputs(section[i].text, stdout);
+        }
+    }
+    return report_finish(0);
+}
+
+/* auvid help [COMMAND] */
+static int help(int count, char **argument)
+{
+    if (count > 1) {
+        return complain("help: unexpected argument '%s'", argument[1]);
+    }
+    if (count == 1 && !is_command(argument[0])) {
+        return complain("help: unknown command '%s': use 'auvid help' for the list, or "
+                        "'auvid help demo'",
+                        argument[0]);
+    }
+    return print_help(count == 1 ? argument[0] : NULL);
+}
 
 /* The commands on a bus; -1: not one of them. */
 static int on_bus(const char *command, int count, char **argument)
@@ -131,14 +200,15 @@ int main(int count, char **argument)
     const char *command = count > 1 ? argument[1] : "";
     for (int i = 1; i < count; ++i) {
         if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) {
-            fputs(help, stdout);
-            fputs(more_help, stdout);
-            return report_finish(0);
+            return print_help(is_command(command) ? command : NULL);
         }
     }
     if (strcmp(command, "--version") == 0) {
         puts("auvid " AUVID_VERSION_STRING);
         return report_finish(0);
+    }
+    if (strcmp(command, "help") == 0) {
+        return help(count - 2, argument + 2);
     }
     int status = EXIT_REFUSED;
     if (strcmp(command, "demo") == 0) {

@@ -2,6 +2,7 @@
 import json
 import pathlib
 import subprocess
+import sys
 
 import numpy as np
 
@@ -24,6 +25,7 @@ def auvid(*arguments):
     if done.returncode == 2 or (done.returncode != 0 and not done.stdout):
         words = done.stderr.strip().splitlines() or ["the program failed"]
         raise Complaint(words[-1].removeprefix("auvid: "))
+    sys.stderr.write(done.stderr)  # warnings, and what of a log is not used
     return done.stdout
 
 
@@ -35,7 +37,7 @@ def as_candump(path, to):
         with can.LogReader(str(path)) as log, to.open("w") as file:
             for frame in log:
                 frames += 1
-                if frame.is_error_frame or frame.is_remote_frame:
+                if frame.is_error_frame or frame.is_remote_frame or frame.is_fd:
                     continue
                 digits = 8 if frame.is_extended_id else 3
                 file.write(f"({frame.timestamp:.6f}) can0 {frame.arbitration_id:0{digits}X}#"
@@ -92,7 +94,8 @@ class Log:
         self.path = pathlib.Path(path)
         with self.path.open(encoding="utf-8-sig") as file:  # as auvid fit: a mark may come first
             names = [name.strip() for name in file.readline().split(",")]
-            data = np.loadtxt(file, delimiter=",", ndmin=2, comments=None)
+            lines = [line for line in file if line.endswith("\n")]  # the last may be cut off
+            data = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
         column = dict(zip(names, data.T))
 
         def take(wanted):

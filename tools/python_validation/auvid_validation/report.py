@@ -233,16 +233,27 @@ def in_short(found):
 
 
 def agreement(found):
-    """Two logs of one vehicle should give the same parameters."""
-    rows = []
-    for a, b in zip(*(one["fit"]["parameters"] for one in found)):
-        if half_width(a) and half_width(b):
+    """Two logs of one vehicle should give the same parameters, within their joint half-widths."""
+    rows, apart = [], []
+    other = {p["name"]: p for p in found[1]["fit"]["parameters"]}
+    for a in found[0]["fit"]["parameters"]:
+        b = other.get(a["name"])
+        if b and half_width(a) and half_width(b):
             near = abs(a["estimate"] - b["estimate"]) <= np.hypot(half_width(a), half_width(b))
+            apart += [] if near else [a["name"]]
             rows.append((a["name"], rounded(a), rounded(b), "yes" if near else "no"))
-    return ("<h2>Do the two logs agree?</h2><p>No: the two estimates differ by more than their "
-            "half-widths allow; by chance, one in twenty does. More than that: something is at "
-            "work that they do not cover, such as a model that lacks something, a disturbance that "
-            "lasts, or a vehicle that was changed.</p>"
+    if not rows:
+        return ("<h2>Do the two logs agree?</h2><p>That cannot be told: no parameter is known from "
+                "both logs.</p>")
+    if not apart:
+        answer = (f"Yes: the estimates of all {len(rows)} parameters known from both logs differ "
+                  "by less than their joint half-width.")
+    else:
+        answer = (f"No: {', '.join(apart)} differ{'s' if len(apart) == 1 else ''} by more than the "
+                  f"joint half-width, {len(apart)} of {len(rows)} parameters. By chance, one in "
+                  "twenty does. If more do, the half-widths miss something: the model lacks a "
+                  "term, a disturbance lasted, or the vehicle was changed between the logs.")
+    return (f"<h2>Do the two logs agree?</h2><p>{answer}</p>"
             + table(("parameter", *(f"{one['log']} ± 95 %" for one in found), "agree"), rows))
 
 

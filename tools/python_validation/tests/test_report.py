@@ -12,7 +12,7 @@ import pytest
 from auvid_validation.cli import main
 from auvid_validation.library import program, root
 from auvid_validation.recorded import Log, Model, as_csv
-from auvid_validation.report import whiteness
+from auvid_validation.report import agreement, whiteness
 
 TANK = pathlib.Path(root(), os.environ.get("AUVID_TANK_DATA", "../shared/data/bluerov2_tank"))
 
@@ -79,13 +79,13 @@ BAD = {
                             lambda b: b.replace(b"\n0.220000,", b"\nnan,", 1)),
     "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
-        for line in b.splitlines())),
+        for line in b.splitlines()) + b"\n"),
     "w_mps never changes": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else b",".join(
             b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
-        for line in b.splitlines())),
-    "the row ends": ("x.csv", "train.csv", lambda b: b[:50000]),
-    "cut off": ("x.log", "bus.log", lambda b: b[:100000]),
+        for line in b.splitlines()) + b"\n"),
+    "the row ends": ("x.csv", "train.csv", lambda b: b[:50000] + b"\n"),
+    "is no line of": ("x.log", "bus.log", lambda b: b[:100000] + b"\n(1.0\n"),
     "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
     "x.blf: is cut off": ("x.blf", "bus.blf", lambda b: b[:-2000]),
     "no frame in it": ("x.asc", "bus.asc", lambda b: b"no log\n"),
@@ -108,14 +108,66 @@ def test_a_log_that_begins_with_a_byte_order_mark_is_read(logs, tmp_path):
     assert not report(tmp_path / "out", marked)[0]
 
 
+@pytest.mark.parametrize("name", ["train.csv", "bus.log"])
+def test_a_log_cut_off_in_its_last_line_is_used_up_to_there_with_a_warning(
+        name, logs, tmp_path, capsys):
+    cut = change(logs / name, tmp_path / name, lambda b: b[:-5])
+    assert not report(tmp_path / "out", cut)[0]
+    assert "warning: " in (said := capsys.readouterr().err) and "cut off" in said
+
+
+def test_can_fd_frames_in_a_log_are_skipped(logs, tmp_path):
+    with can.Logger(str(tmp_path / "fd.asc")) as to:
+        for frame in can.LogReader(str(logs / "bus.log")):
+            to(frame)
+            to(can.Message(frame.timestamp, 0x404, False, is_fd=True, data=bytes(64)))
+    assert as_csv(tmp_path / "fd.asc", tmp_path).read_bytes() == \
+        as_csv(logs / "bus.asc", tmp_path).read_bytes()
+
+
 def test_a_log_too_short_to_validate_on_is_told(logs, tmp_path, capsys):
-    short = change(logs / "test.csv", tmp_path / "s.csv", lambda b: b"\n".join(b.splitlines()[:6]))
+    short = change(logs / "test.csv", tmp_path / "s.csv",
+                   lambda b: b"".join(b.splitlines(True)[:6]))
     status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
     assert status == 2 and "s.csv: nothing to validate on" in capsys.readouterr().err
 
 
 def test_both_needs_two_logs(logs, tmp_path, capsys):
     assert report(tmp_path, logs / "train.csv", "--both")[0] == 2
+
+
+def test_the_two_logs_of_one_vehicle_agree_and_of_a_changed_one_do_not(logs, tmp_path):
+    names, *rows = [line.split(",") for line in (logs / "test.csv").read_text().splitlines()]
+    wrench = [name[-2:] in ("_N", "Nm") for name in names]
+    heavier = [[str(1.4 * float(x)) if w else x for x, w in zip(row, wrench)] for row in rows]
+    other = tmp_path / "other.csv"  # of a vehicle with 1.4 times the mass and drag
+    other.write_text("".join(",".join(row) + "\n" for row in [names, *heavier]))
+    for name, differ in ((logs / "test.csv", set()), (other, {"m_u", "m_v", "m_w", "m_r"})):
+        status, path = report(tmp_path, logs / "train.csv", "--validate", name, "--both")
+        page, (a, b) = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
+        said = re.search(r"<h2>Do the two logs agree\?</h2><p>(Yes|No): (.*?)</p>", page)
+        apart = {p["name"] for p, q in zip(a["fit"]["parameters"], b["fit"]["parameters"])
+                 if abs(p["estimate"] - q["estimate"]) > 2.1 * np.hypot(p["sigma"], q["sigma"])}
+        assert not status and differ <= apart and bool(apart) == (said[1] == "No")
+        assert apart == {p["name"] for p in a["fit"]["parameters"]
+                         if re.search(rf"\b{p['name']}\b", said[2])}
+
+
+def estimates(log, **of):
+    """What agreement() reads of a log: (estimate, standard error) of each parameter."""
+    return {"log": log, "fit": {"parameters": [
+        {"name": name, "estimate": one[0], "sigma": one[1]} for name, one in of.items()]}}
+
+
+def test_agreement_is_judged_by_the_joint_half_width():
+    a = estimates("a.csv", m_u=(250.0, 3.0), X_u=(-42.0, 2.0), m_r=(75.0, None))
+    near = estimates("b.csv", X_u=(-51.0, 4.0), m_u=(256.0, 3.0), m_r=(90.0, 1.0))
+    far = estimates("b.csv", X_u=(-52.0, 4.0), m_u=(256.0, 3.0), m_r=(90.0, 1.0))
+    assert "Yes: " in agreement([a, near]) and "all 2 parameters" in agreement([a, near])
+    assert "No: X_u differs" in agreement([a, far])
+    assert "m_r" not in agreement([a, far])
+    nothing = agreement([a, estimates("b.csv", m_r=(75.0, 1.0))])
+    assert "Yes" not in nothing and "No: " not in nothing and "cannot be told" in nothing
 
 
 def test_white_noise_is_white_and_what_lasts_is_not():

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# tests/run.sh: what counts as a failure.
+. "$(dirname "$0")/common.sh"
+
+# counts SUMMARY STATUS PROGRAM...: run.sh of these programs ends with this line and exit status.
+counts() {
+    local summary=$1 wanted=$2 status=0
+    shift 2
+    CI='' TEST_LOGS=$PWD/logs TEST_LIMIT=2 "$ROOT/tests/run.sh" "$@" >run.out 2>&1 || status=$?
+    cat run.out
+    [ "$status" = "$wanted" ] && [ "$(tail -n 1 run.out)" = "$summary" ]
+}
+
+# program NAME: a script of what is on standard input.
+program() {
+    { echo '#!/bin/sh' && cat; } >"$1"
+    chmod +x "$1"
+}
+program good <<<'echo "ok - one"'
+program bad <<<'echo "not ok - one"'
+program silent <<<'true'
+program crash <<<'echo "ok - one"; kill -SEGV $$'
+program hang <<<'echo "ok - one"; sleep 1000'
+program deaf <<<'trap "" TERM; echo "ok - one"; while :; do sleep 0.2; done'
+program skipping <<<'echo "ok - one # SKIP none here"'
+
+check "what passes" counts '1 passed, 0 failed' 0 "$PWD/good"
+check "what fails" counts '1 passed, 1 failed' 1 "$PWD/good" "$PWD/bad"
+check "what reports nothing" counts '0 passed, 1 failed' 1 "$PWD/silent"
+check "what crashes after a test that passed" counts '1 passed, 1 failed' 1 "$PWD/crash"
+check "what was not built" counts '0 passed, 1 failed' 1 "$PWD/none"
+check "what hangs, deaf to signals or not, is stopped" \
+    counts '2 passed, 2 failed' 1 "$PWD/hang" "$PWD/deaf"
+check "what is skipped" counts '0 passed, 0 failed, 1 skipped' 1 "$PWD/skipping"
+finish

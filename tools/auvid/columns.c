@@ -1,0 +1,85 @@
+#include "columns.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "csv.h"
+
+enum { LETTERS = 16 }; /* of the longest name that is compared, and one more */
+
+/* The letters and digits of a name, and how many come before the first other character; a unit
+ * behind it ("u [m/s]") does not count. False: too long to be like any column. */
+static bool letters(const char *name, char out[LETTERS], size_t *stem)
+{
+    size_t count = 0, i = 0, length = strcspn(name, " [(/");
+    *stem = strcspn(name, "_.- [(/");
+    for (; i < length && count < LETTERS - 1; ++i) {
+        if (isalnum((unsigned char)name[i])) {
+            out[count++] = name[i];
+        }
+    }
+    out[count] = '\0';
+    return i == length && count > 0;
+}
+
+/* Letters to insert, delete or replace to make one name of the other (Levenshtein). */
+static int distance(const char *a, const char *b)
+{
+    int row[LETTERS], columns = (int)strlen(b);
+    for (int j = 0; j <= columns; ++j) {
+        row[j] = j;
+    }
+    for (int i = 0; a[i] != '\0'; ++i) {
+        int diagonal = row[0];
+        row[0] = i + 1;
+        for (int j = 0; j < columns; ++j) {
+            int replaced = diagonal + (a[i] != b[j]);
+            int moved = 1 + (row[j] < row[j + 1] ? row[j] : row[j + 1]);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced < moved ? replaced : moved;
+        }
+    }
+    return row[columns];
+}
+
+static bool same_without_case(const char *a, const char *b)
+{
+    while (*a != '\0' && tolower((unsigned char)*a) == tolower((unsigned char)*b)) {
+        ++a;
+        ++b;
+    }
+    return *a == *b;
+}
+
+/* How far a name is from a column's, as a part of its letters [%]; 100: not like it. One letter in
+ * three may differ, but not the first. The word before the unit is enough, and a name without unit.
+ */
+static int unlikeness(const char *name, const char *column)
+{
+    char a[LETTERS], b[LETTERS];
+    size_t stem_a = 0, stem_b = 0;
+    if (!letters(name, a, &stem_a) || !letters(column, b, &stem_b)) {
+        return 100;
+    }
+    int length = (int)strlen(b), far = 100 * distance(a, b) / length;
+    bool same_stem = stem_a == stem_b && strncmp(name, column, stem_a) == 0 &&
+                     (stem_a == strlen(a) || (stem_a > 1 && strncmp(name, "cmd", 3) != 0));
+    if (same_without_case(a, b)) {
+        return 0;
+    }
+    return a[0] == b[0] && (far <= 34 || same_stem) ? far : 100;
+}
+
+int columns_like(const char *name)
+{
+    int found = -1, least = 100;
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        int far = unlikeness(name, csv_name[c]);
+        if (far < least) {
+            least = far;
+            found = c;
+        }
+    }
+    return found;
+}
