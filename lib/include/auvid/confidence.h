@@ -68,7 +68,8 @@ typedef struct {
                                                    identifiable ones */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< AUVID_NOTE_COMBINATION: the other parameter */
-    uint8_t sets;                             /**< data sets that it is made of */
+    uint8_t sets; /**< data sets whose scatter the errors are of: those of the estimate that were
+                       still in the ring when its search ended */
     auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
                                               make the parameters as uncertain [N, Nm]; 0: DoF not
                                               driven */

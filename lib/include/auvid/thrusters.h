@@ -105,6 +105,12 @@ typedef struct {
     uint32_t bridged;   /* slots filled after a silence, at most */
 } auvid_thrusters_grid_t;
 
+/** A stretch of time that the log leaves out. Private. */
+typedef struct {
+    uint64_t end_us;  /* the log goes on from here */
+    uint64_t long_us; /* its length */
+} auvid_thrusters_pause_t;
+
 /** What is in the log. Written by the thrusters; a restart takes it along, see above. */
 typedef struct {
     uint64_t end_us;                          /* up to here slots are complete */
@@ -114,6 +120,8 @@ typedef struct {
                            and so are all estimates; make command_max larger */
     auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
     auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral of the slot under way */
+    auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* the newest first */
+    uint8_t pauses;                                    /* how many */
     bool started;
 } auvid_thrusters_state_t;
 
