@@ -139,10 +139,15 @@ static void note_prediction(auvid_identifier_t *id)
     id->predicted = predicted_cost(id);
 }
 
-/* The trusted estimate's turn is over: which of the two stays? */
+/* The trusted estimate's turn is over: which of the two stays? One that knows other DoF is no
+ * substitute: its parameters of the rest are not estimates. */
 static void compare(auvid_identifier_t *id)
 {
-    if (id->predicted > MARGIN * predicted_cost(id)) {
+    bool worse = id->predicted > MARGIN * predicted_cost(id);
+    if (worse && id->estimate.driven != id->trusted.driven) {
+        return;
+    }
+    if (worse) {
         uint32_t number = id->estimate.number;
         id->estimate = id->trusted;
         id->estimate.number = number + 1;

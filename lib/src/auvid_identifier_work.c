@@ -14,6 +14,7 @@
 
 #include "auvid_identifier.h"
 #include "auvid_math.h"
+#include "auvid_metric.h"
 #include "auvid_optimizer.h"
 
 /* Units that it costs to draw a population. */
@@ -170,6 +171,10 @@ static void publish(auvid_identifier_t *id)
 
 void auvid_identifier_begin_merge(auvid_identifier_t *id)
 {
+    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: what waits is next */
+        rest(id);
+        return;
+    }
     auvid_metric_merge_begin(&id->metric);
     id->paid = 0;
     id->phase = AUVID_WORK_MERGE;
