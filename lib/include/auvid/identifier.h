@@ -11,7 +11,8 @@
  * during a search wait until it has ended; then one search takes them all. Before it is used, each
  * set is predicted by the last estimate, the oldest first: that is how a changed vehicle, and an
  * estimate worse than the one before, are noticed. For a model without regressor the delay is one
- * more parameter of the search, and one set can wait: while it does, no rows are recorded.
+ * more parameter of the search, and one set can wait: while it does, no rows are recorded. In the
+ * regressor path (sets - 1) / 2 sets can wait; of more, the oldest is lost.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, each of
@@ -183,7 +184,8 @@ enum {
     AUVID_EVENT_CHANGED = 1u << 17, /**< the vehicle has changed: older sets are dropped, a search
                                           begins without the last estimate */
     AUVID_EVENT_RESTORED = 1u << 18, /**< the last estimate predicted a new set worse than the one
-                                          accepted before, which is the estimate again */
+                                          accepted before, which is the estimate again. Not where
+                                          other DoF were driven in that one */
     AUVID_EVENT_ROWS_DROPPED = 1u << 19 /**< a search has taken so long that complete rows were
                                           dropped; counted in metric.rows_dropped. Regressor path:
                                           a waiting set. Residual path: rows of the next one */
