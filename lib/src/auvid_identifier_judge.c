@@ -84,6 +84,7 @@ void auvid_identifier_begin_judge(auvid_identifier_t *id)
         --id->unjudged;
         m->from = (uint8_t)(id->unjudged > 0 ? m->from - 1u : m->from);
     }
+    m->least = id->unjudged > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
     if (id->unjudged == 0) {
         auvid_identifier_begin_merge(id);
         return;

@@ -77,16 +77,28 @@ static auvid_set_t *place(auvid_metric_t *m, uint32_t back)
     return &m->set[(m->turns + m->cfg.sets - back) % m->cfg.sets];
 }
 
-/* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
- * those that wait the oldest is lost then, and the others move up. */
-static auvid_set_t *make_room(auvid_metric_t *m)
+/* Would the next set overwrite one that is still needed? */
+static bool is_taken(auvid_metric_t *m)
 {
     uint32_t most = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
-    bool lose = m->held ? m->waiting >= most && place(m, 0)->rows > 0 : m->waiting >= m->cfg.sets;
+    if (!m->held) {
+        return m->waiting >= m->cfg.sets;
+    }
+    return place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
+}
+
+/* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
+ * those that wait the oldest is lost then, and the others move up. Null: the new one is lost. */
+static auvid_set_t *make_room(auvid_metric_t *m)
+{
+    bool lose = is_taken(m);
     if (lose) {
-        m->rows_dropped += place(m, m->waiting)->rows;
+        m->rows_dropped += m->waiting > 0 ? place(m, m->waiting)->rows : m->rows;
     } else {
         ++m->waiting;
+    }
+    if (m->waiting == 0) {
+        return NULL;
     }
     if (lose && m->held) {
         for (uint32_t back = m->waiting; back > 1; --back) {
@@ -103,6 +115,9 @@ static auvid_set_t *make_room(auvid_metric_t *m)
 void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
 {
     auvid_set_t *set = make_room(m);
+    if (set == NULL) {
+        return;
+    }
     memset(set, 0, sizeof *set);
     set->number = m->sets_recorded + 1u;
     set->rows = m->rows;

@@ -400,7 +400,7 @@ auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us)
     }
     bool full = m->full;
     m->held = m->full = m->turned = false;
-    m->from = 0;
+    m->from = m->least = 0;
     if (!full) {
         return AUVID_OK;
     }

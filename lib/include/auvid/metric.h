@@ -198,6 +198,7 @@ typedef struct auvid_metric {
     /* see auvid_metric_hold */
     uint8_t from;        /* newest sets of the ring that do not count */
     uint8_t waiting;     /* newest sets that were completed since the ring was held last */
+    uint8_t least;       /* sets that count are not overwritten when there are so many or fewer */
     uint8_t sets_merged; /* sets with a driven DoF at the last merge */
     bool held, full, turned;
     auvid_real_t linear_delay_s; /* at which the residual path was linearised */
@@ -264,9 +265,10 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric);
  * auvid_metric_release. Sets that are completed meanwhile wait.
  *
  * Regressor path: they enter the ring at once, in the place of the oldest, but do not count. At
- * most (sets - 1) / 2 of them (at least one), or as many as there are free places, are kept: of
- * more, the oldest waiting one is lost and its rows are counted in `rows_dropped`. `turned` says
- * that a set has entered: begin the walk under way again. A search needs none: it has `merged`.
+ * most (sets - 1) / 2 of them (at least one), or as many as there are free places, are kept, and
+ * none that would leave fewer than `least` sets that count. Of more, the oldest waiting one is lost
+ * and its rows are counted in `rows_dropped`. `turned` says that a set has entered: begin the walk
+ * under way again. A search needs none: it has `merged`.
  *
  * Residual path: none enters. The set being recorded takes rows until it is full; further ones are
  * dropped and counted. NULL is a no-op.

@@ -44,7 +44,7 @@
  * outlasts a set by far: while the next one waits, neither its rows nor its commands are kept, and
  * the log goes on when it has ended. Room for it may cost the oldest set; 3 s more of slots for each
  * set keep it.
- * Memory: sizeof(auvid_thrusters_t), 0.6 KiB; and the log, two bytes for each thruster and slot:
+ * Memory: sizeof(auvid_thrusters_t), 0.7 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
  * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
  */
