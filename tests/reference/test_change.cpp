@@ -110,6 +110,7 @@ static Watch fly(uint64_t seed, double disturbance_N, const Change *change, Plan
     w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (plan.changed - 1 + part);
     chain_defaults(&config, seed, plan.sets, disturbance_N);
     config.budget = plan.budget;
+    config.id.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
     config.before = maybe_change;
     config.after = look;
     config.context = &w;
