@@ -45,7 +45,7 @@ void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, a
 /** Sets have been completed: judge the last estimate by them, oldest first, then merge. */
 void auvid_identifier_begin_sets(auvid_identifier_t *id);
 
-/** Judge the last estimate by the oldest set that has not been judged; where there is none, merge. */
+/** Judge the last estimate by the oldest set that has not been judged; if there is none, merge. */
 void auvid_identifier_begin_judge(auvid_identifier_t *id);
 
 /** Bring the sets together, then search. */

@@ -202,8 +202,8 @@ static void conclude(auvid_identifier_t *id)
     if (to->changed != 0) {
         /* It may have happened in the middle of a set: the newest, if that alone gave the alarm,
          * else the one before. */
-        for (uint8_t age = 1; age < auvid_metric_sets(&id->metric); ++age) {
-            (void)auvid_metric_drop(&id->metric, age);
+        for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
+            (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
         id->suspect = by_one > AUVID_C(1.0);
         id->anew = true;

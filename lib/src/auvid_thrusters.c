@@ -223,14 +223,14 @@ static void forget(void *context, auvid_metric_t *metric)
     const auvid_thrusters_t *th = context;
     uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
     uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
-    for (uint8_t age = 0; age < auvid_metric_sets(metric); ++age) {
+    for (int age = 0; age < auvid_metric_sets(metric); ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
         first_us = auvid_thrusters_in_log(th, first_us);
         bool lost = first_us + th->state.filled * period + SLACK_US < end_us ||
                     first_us + th->cfg.slots * period < next_us;
         if (set->rows > 0 && lost) {
-            (void)auvid_metric_drop(metric, age);
+            (void)auvid_metric_drop(metric, (uint8_t)age);
         }
     }
 }
@@ -310,8 +310,8 @@ static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
     auvid_thrusters_state_t *state = &th->state;
     const uint8_t most = sizeof state->pause / sizeof state->pause[0];
     if (state->pauses == most) {
-        uint64_t since_us = state->end_us - auvid_thrusters_in_log(th, state->pause[most - 1].end_us);
-        uint64_t slots = since_us / th->cfg.period_us;
+        uint64_t from_us = auvid_thrusters_in_log(th, state->pause[most - 1].end_us);
+        uint64_t slots = (state->end_us - from_us) / th->cfg.period_us;
         state->filled = slots < state->filled ? (uint32_t)slots : state->filled;
         --state->pauses;
     }

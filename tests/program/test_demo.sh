@@ -93,7 +93,8 @@ assert d['budget']['limit'] == $budget >= d['budget']['worst'] and d['status'] =
         'assert all(error(n) < 0.05 for n in ("m_u", "m_v", "m_w", "m_r"))'
 done
 check "a budget of nothing is refused" refuses "--budget: '0' is not a whole number" demo --budget 0
-check "a scenario has its own budget" refuses "--scenario and --budget do not go together" demo --scenario payload --budget 10
+check "a scenario has its own budget" refuses "--scenario and --budget do not go together" \
+    demo --scenario payload --budget 10
 
 exits 0 demo --json --literal --disturbance 1
 check "literal: all sets, and the last set beside them" is out '

@@ -194,7 +194,8 @@ static void record(bool residual)
     for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
         tick_t *tick = &run.tick[run.ticks];
         /* so that sets find the search at work, now and then, and a tick may end in any phase */
-        tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : residual ? 120 : 60);
+        uint32_t usual = residual ? 120 : 60;
+        tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain.config.budget = tick->budget;
         chain_tick(&chain);
         memcpy(tick->wrench, chain.wrench, sizeof tick->wrench);

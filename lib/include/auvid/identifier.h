@@ -81,9 +81,9 @@ typedef struct {
     /** Sets are complete, and those of the ring are about to be evaluated: time to drop some. From
      * work. */
     void (*set)(void *context, auvid_metric_t *metric);
-    /** Residual path: while rows are dropped because a search is under way, `command` is not called.
-     * How long commands must have been told again before the middle of the next row [us]; null: 0.
-     * From work. */
+    /** Residual path: while rows are dropped because a search is under way, `command` is not
+     * called. How long commands must have been given again before the middle of the next row [us];
+     * null: 0. From work. */
     uint64_t (*lead_us)(void *context);
 } auvid_listener_t;
 

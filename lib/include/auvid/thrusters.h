@@ -41,9 +41,9 @@
  * pays for it, up to 255 units a row (vehicle.work): a tick takes longer than its budget where more
  * than some 3000 slots of all thrusters are followed. A search takes some 340 evaluations for the
  * six parameters of one axis, 1150 for a Girona500 and its thrusters. At AUVID_DEFAULT_BUDGET one
- * outlasts a set by far: while the next one waits, neither its rows nor its commands are kept, and
- * the log goes on when it has ended. Room for it may cost the oldest set; 3 s more of slots for each
- * set keep it.
+ * outlasts a set by far. When the next set is full, neither rows nor commands are kept until the
+ * search has ended. What then leads in to the next rows may cost the oldest set: 3 s more of slots
+ * for each set keep it.
  * Memory: sizeof(auvid_thrusters_t), 0.7 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
  * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
