@@ -62,6 +62,11 @@ BOARDS := $(shell $(BOARD) list)
 FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
+# Mutation tests: the unit tests, or TESTS by name, linked with a changed file of the library.
+MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
+MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.c.o
+MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),tests/*/$(test).c*)),$(UNIT))
+MUTATED_TESTS := $(MUTATED_SOURCES:%=build/release/%.o)
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
 
@@ -149,7 +154,7 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
-	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS)
+	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS)
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
@@ -178,6 +183,14 @@ size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=writ
 	@tests/firmware/size.py $(BOARDS) >build/firmware/size.csv
 	@$(if $(filter write,$(SIZE)),cp build/firmware/size.csv tests/firmware/size.csv,\
 	    tests/firmware/baseline.py tests/firmware/size.csv build/firmware/size.csv)
+
+mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE: does a unit test fail?
+	@third_party/mutation/bin/python tests/mutation/mutate.py $(FILE) $(LINES:%=--lines %) \
+	    $(if $(LINES)$(TESTS),--part) --objects $(MUTATION_OBJECTS) --tests $(MUTATED_TESTS) \
+	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CXX) $(LDFLAGS)'
+
+mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in a venv)
+	@tests/support/setup.sh mutate
 
 bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
 	@for program in $^; do $$program || exit 1; done
@@ -213,7 +226,7 @@ clean: ## Remove build/ (third_party/ stays)
 
 .PHONY: all help demo test test-long lint size bench setup clean
 .PHONY: validate validate-setup
-.PHONY: can can-check can-setup fuzz test-vcan
+.PHONY: can can-check can-setup fuzz test-vcan mutate mutate-setup
 .PHONY: firmware firmware-setup test-firmware bench-firmware bench-eigen
 
 build/auvid: $(call objects,wide,$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT))
@@ -270,6 +283,15 @@ build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 $(FLAGS) -Wall -Wextra -Iport/linux_socketcan $(CFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call objects,release,$(PORT))
+
+build/release/tests/%.c.o: tests/%.c Makefile | setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CC) -std=c11 $(WAY_release) $(FLAGS) $(FLAGS_tests) $(CFLAGS) -MF $@.d -c -o $@ $<
+
+build/release/tests/%.cpp.o: tests/%.cpp Makefile | setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(CXX) -std=c++17 $(WAY_release) $(FLAGS) $(FLAGS_tests) -isystem $(EIGEN_DIR) \
+	    $(CXXFLAGS) -MF $@.d -c -o $@ $<
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
@@ -351,4 +373,4 @@ build/validation/%.so: $(VALIDATION) Makefile \
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
 -include $(wildcard build/firmware/*/*/*/*.d build/firmware/*/*/*/*/*.d)
--include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS))
+-include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS) $(MUTATED_TESTS))

@@ -1,7 +1,5 @@
 /*
  * Counter and time-out of a message; the command of the thrusters.
- *
- * Time differences are unsigned: a clock that went back gives a huge one, which is a time-out.
  */
 #include "auvid/can_receiver.h"
 
@@ -34,20 +32,38 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
     return status;
 }
 
+/* Neither up to a time-out old, nor less than that ahead: such a frame came while now was used. One
+ * of the two differences is huge. */
+static bool is_silent(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+{
+    uint64_t timeout = receiver->timeout_us != 0 ? receiver->timeout_us : UINT64_MAX;
+    return now_us - t_us > timeout && t_us - now_us >= timeout;
+}
+
+static bool is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+{
+    return t_us > now_us && is_silent(receiver, t_us, now_us);
+}
+
+/* After a silence there is no frame to follow; `ends`: and the last good one has ended. */
+static void look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
+{
+    if (is_silent(receiver, receiver->seen_us, now_us)) {
+        receiver->started = false;
+    }
+    if (ends && receiver->alive && is_silent(receiver, receiver->good_us, now_us)) {
+        receiver->alive = false;
+        receiver->state = AUVID_CAN_TIMED_OUT;
+        ++receiver->timed_out;
+    }
+}
+
 auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint64_t now_us)
 {
     if (receiver == NULL) {
         return AUVID_CAN_SILENT;
     }
-    uint64_t timeout = receiver->timeout_us != 0 ? receiver->timeout_us : UINT64_MAX;
-    if (now_us - receiver->seen_us > timeout) {
-        receiver->started = false;
-    }
-    if (receiver->alive && now_us - receiver->good_us > timeout) {
-        receiver->alive = false;
-        receiver->state = AUVID_CAN_TIMED_OUT;
-        ++receiver->timed_out;
-    }
+    look(receiver, now_us, true);
     return (auvid_can_state_t)receiver->state;
 }
 
@@ -81,7 +97,7 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
         frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
         return AUVID_CAN_FOREIGN;
     }
-    auvid_can_receiver_state(receiver, frame->t_us);
+    look(receiver, frame->t_us, !receiver->strict); /* a command ends by the clock, not by stamps */
     auvid_can_message_t read;
     auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &read);
     auvid_can_state_t state = AUVID_CAN_BAD;
@@ -112,8 +128,7 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
     if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
         return AUVID_ERR_RANGE;
     }
-    auvid_can_command_t fresh;
-    memset(&fresh, 0, sizeof fresh);
+    auvid_can_command_t fresh = {.halves = thrusters > HALF ? 2 : 1};
     for (int i = 0; i < 2; ++i) {
         auvid_can_kind_t kind =
             i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
@@ -124,7 +139,7 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
         }
         fresh.half[i].strict = true;
     }
-    fresh.halves = thrusters > HALF ? 2 : 1;
+    memcpy(fresh.half_before, fresh.half, sizeof fresh.half);
     *command = fresh;
     return AUVID_OK;
 }
@@ -149,6 +164,23 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
     return state;
 }
 
+/* Is this half's command a good one at now_us? What is stamped too far ahead is undone. */
+static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
+{
+    auvid_can_receiver_t *half = &command->half[i], *before = &command->half_before[i];
+    auvid_real_t *thrust = &command->thrust[HALF * i], *kept = &command->thrust_before[HALF * i];
+    if ((half->started && is_ahead(half, half->seen_us, now_us)) ||
+        (half->alive && is_ahead(half, half->good_us, now_us))) {
+        *half = *before;
+        memcpy(thrust, kept, HALF * sizeof *kept);
+        ++half->ahead;
+    }
+    look(half, now_us, true);
+    *before = *half;
+    memcpy(kept, thrust, HALF * sizeof *kept);
+    return half->alive;
+}
+
 auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t now_us,
                                         auvid_real_t thrust[AUVID_CAN_THRUSTERS])
 {
@@ -164,9 +196,7 @@ auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t n
     }
     bool good = true;
     for (int i = 0; i < command->halves; ++i) {
-        auvid_can_receiver_t *half = &command->half[i];
-        auvid_can_receiver_state(half, now_us);
-        good = good && half->alive;
+        good = is_good(command, i, now_us) && good;
     }
     if (!good) {
         return AUVID_ERR_STALE;

@@ -88,6 +88,8 @@ static uint32_t parts_of(const auvid_identifier_t *id)
     } else if (id->searching) {
         bool global = id->optimizer.phase == AUVID_OPTIMIZER_GLOBAL;
         parts |= global ? PART_GLOBAL : PART_LOCAL;
+    } else if (id->phase == AUVID_WORK_LINEARISE) {
+        parts |= PART_OPTIMUM;
     }
     return parts;
 }

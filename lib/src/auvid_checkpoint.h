@@ -15,7 +15,8 @@ enum {
     PART_GLOBAL = 4,     /**< a search is under way, global, */
     PART_LOCAL = 8,      /**< or local */
     PART_CONFIDENCE = 16, /**< a result is being assessed */
-    PART_ADAPTIVE = 32    /**< marks it only: the excitation is adaptive */
+    PART_ADAPTIVE = 32,   /**< marks it only: the excitation is adaptive */
+    PART_OPTIMUM = 64     /**< the least cost is being found */
 };
 
 /** Members that lie side by side, all of scalars of one width: `count` times `width` bytes, each
@@ -62,6 +63,7 @@ enum {
     TABLE_LINE_CONFIG,
     TABLE_LINE_SEARCH,
     TABLE_OPTIMIZER,
+    TABLE_OPTIMUM,
     TABLE_JOB,
     TABLE_SEEN,
     TABLE_IDENTIFIER,

@@ -69,13 +69,13 @@ static const row_t nav[] = {
     SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
     BYTE(auvid_nav_t, gps_start, gps_count),
     SPAN(auvid_nav_t, uint16_t, flags, flags),
-    BYTE(auvid_nav_t, ready, ready),
-    SPAN(auvid_nav_t, uint64_t, t_us, touched_us),
+    BYTE(auvid_nav_t, ready, past_next),
+    SPAN(auvid_nav_t, uint64_t, held_us, touched_us),
     REALS(auvid_nav_t, position, rates),
     SPAN(auvid_nav_t, int32_t, turns, turns),
     REALS(auvid_nav_t, q, lever),
-    SPAN(auvid_nav_t, uint32_t, max_age_us, gap_us),
-    REALS(auvid_nav_t, gps_offset, gps_offset),
+    SPAN(auvid_nav_t, uint32_t, max_age_us, past_us),
+    REALS(auvid_nav_t, past_rates, gps_offset),
 };
 
 static const row_t stream[] = {
@@ -128,9 +128,8 @@ static const row_t metric[] = {
     SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL),
     REALS(auvid_metric_t, share, share),
     SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
-    BYTE(auvid_metric_t, window_length, window_length),
-    SPAN(auvid_metric_t, uint16_t, at_row, at_part),
-    BYTE(auvid_metric_t, at_set, turned),
+    SPAN(auvid_metric_t, uint16_t, at_row, paid),
+    BYTE(auvid_metric_t, window_length, turned),
     REALS(auvid_metric_t, linear_delay_s, linear_delay_s),
     BYTE(auvid_metric_t, driven, driven),
     SPAN(auvid_metric_t, uint16_t, dof_rows, dof_rows),
@@ -213,7 +212,7 @@ static const row_t guard[] = {
 };
 
 static const row_t confidence[] = {
-    REALS(auvid_confidence_t, sigma, sigma),
+    REALS(auvid_confidence_t, sigma, bound),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
     BYTE(auvid_confidence_t, note, sets),
     REALS(auvid_confidence_t, noise, residual),
@@ -295,12 +294,20 @@ static const row_t optimizer[] = {
     BYTE(auvid_optimizer_t, phase, phase),
 };
 
+static const row_t optimum[] = {
+    REALS(auvid_bounded_ls_t, lower, work),
+    SPAN(auvid_bounded_ls_t, uint32_t, free, free),
+    BYTE(auvid_bounded_ls_t, order, row),
+};
+
 static const row_t job[] = {
     STRUCT(auvid_confidence_job_t, result, TABLE_CONFIDENCE),
     REALS(auvid_confidence_job_t, dry_mass_kg, joint),
     REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
     REALS(auvid_confidence_job_t, score, rows),
-    BYTE(auvid_confidence_job_t, place, delayed),
+    BYTE(auvid_confidence_job_t, place, index),
+    SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_bound),
+    BYTE(auvid_confidence_job_t, n, delayed),
 };
 
 static const row_t seen[] = {
@@ -338,6 +345,7 @@ static const row_t identifier[] = {
     REALS(auvid_identifier_t, cost, cost),
     BYTE(auvid_identifier_t, paid, anew),
     STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
+    STRUCT_OF(auvid_identifier_t, optimum, TABLE_OPTIMUM, PART_OPTIMUM),
     STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
 };
 
@@ -376,6 +384,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_LINE_CONFIG] = TABLE(line_config),
     [TABLE_LINE_SEARCH] = TABLE(line_search),
     [TABLE_OPTIMIZER] = TABLE(optimizer),
+    [TABLE_OPTIMUM] = TABLE(optimum),
     [TABLE_JOB] = TABLE(job),
     [TABLE_SEEN] = TABLE(seen),
     [TABLE_IDENTIFIER] = TABLE(identifier),

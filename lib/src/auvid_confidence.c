@@ -40,6 +40,7 @@
     AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
                                      determine gets an error of 1e4 times the column's own */
 #define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
+#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
 
 enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
 
@@ -272,7 +273,8 @@ static auvid_real_t pooled_variance(const job_t *c, const auvid_real_t *x)
 static void judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
-    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0);
+    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0), most = AUVID_C(0.0);
+    auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
     int partner = i;
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, c->index[i]);
@@ -284,6 +286,10 @@ static void judge(job_t *c, int i)
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
+        if ((c->at_bound >> c->index[k] & 1u) && correlation > most) {
+            found.beside = c->index[k];
+            most = correlation;
+        }
         delta -= x[k] * c->influence[k];
         partner = correlation > largest ? k : partner;
         largest = auvid_max(largest, correlation);
@@ -295,9 +301,10 @@ static void judge(job_t *c, int i)
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
-    auvid_real_t sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
-    auvid_confidence_conclude(c, i, sigma, auvid_abs(delta),
-                              largest > CORRELATED ? partner : NOWHERE);
+    found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
+    found.bias = auvid_abs(delta);
+    found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
+    auvid_confidence_conclude(c, i, &found);
 }
 
 /* ---- the machine ---- */
@@ -430,6 +437,25 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     }
     (void)seek_dof(c, 0);
     c->metric = NULL;
+}
+
+void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
+                             const auvid_real_t *upper, bool capped)
+{
+    if (job == NULL || lower == NULL || upper == NULL) {
+        return;
+    }
+    for (int k = 0; k < job->n; ++k) {
+        int p = job->index[k];
+        bool high = job->pi[p] - lower[p] > upper[p] - job->pi[p];
+        auvid_real_t bound = high ? upper[p] : lower[p];
+        if (auvid_abs(job->pi[p] - bound) < NEAR * (upper[p] - lower[p])) {
+            job->at_bound |= 1u << p;
+            job->result.partner[p] = high;
+            job->result.bound[p] = bound;
+        }
+    }
+    job->capped = capped;
 }
 
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,

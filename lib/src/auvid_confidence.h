@@ -16,9 +16,15 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j);
 /** The note of parameter i when nothing is found out about it. */
 void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i);
 
-/** Verdict on the parameter of the joint triangle's column i.
- * @param partner column of the parameter with which it is correlated, or NOWHERE */
-void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, auvid_real_t sigma,
-                               auvid_real_t bias, int partner);
+/** What is found out about a parameter. */
+typedef struct {
+    auvid_real_t sigma, bias; /**< bias >= 0 */
+    auvid_real_t moved;       /**< so far is it from where it would be without bounds */
+    uint8_t partner;          /**< the parameter with which it is correlated, or NOWHERE */
+    uint8_t beside;           /**< of those at their bounds the most correlated one, or NOWHERE */
+} auvid_finding_t;
+
+/** Verdict on the parameter of the joint triangle's column i. */
+void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found);
 
 #endif

@@ -159,29 +159,48 @@ static bool is_plausible(const auvid_confidence_job_t *c, int i)
     }
 }
 
-void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, auvid_real_t sigma,
-                               auvid_real_t bias, int partner)
+/* Does a bound, or the end of the search, decide the parameter? @return the note; 0: no */
+static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_t half,
+                             const auvid_finding_t *found)
+{
+    auvid_real_t distance = auvid_abs(c->pi[p] - c->result.bound[p]);
+    if (c->capped) {
+        return AUVID_NOTE_NOT_CONVERGED;
+    }
+    if ((c->at_bound >> p & 1u) && !(distance > half)) {
+        return AUVID_NOTE_AT_BOUND;
+    }
+    return found->beside != NOWHERE && !(auvid_abs(found->moved) <= half) ? AUVID_NOTE_BESIDE_BOUND
+                                                                          : AUVID_NOTE_NONE;
+}
+
+void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found)
 {
     int p = c->index[i];
     auvid_confidence_t *to = &c->result;
     if (to->note[p] == AUVID_NOTE_NOT_DRIVEN) {
         return; /* a by-product */
     }
+    auvid_real_t sigma = found->sigma, bias = found->bias;
     auvid_real_t total = auvid_sqrt(sigma * sigma + bias * bias);
     auvid_real_t half = HALF_WIDTH * sigma + bias;
     auvid_real_t allowed = AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(c->pi[p]);
-    to->sigma[p] = auvid_is_finite(total) ? total : AUVID_LARGEST;
+    auvid_note_t limit = limit_of(c, p, half, found);
+    to->sigma[p] = auvid_is_finite(total) && limit == AUVID_NOTE_NONE ? total : AUVID_LARGEST;
     to->note[p] = AUVID_NOTE_UNCERTAIN;
-    if (half <= allowed) {
+    if (limit != AUVID_NOTE_NONE) {
+        to->note[p] = (uint8_t)limit;
+        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
+    } else if (half <= allowed) {
         bool plausible = is_plausible(c, p);
         to->identifiable |= 1u << p;
         to->implausible |= (uint32_t)!plausible << p;
         to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
     } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
-    } else if (partner != NOWHERE) {
+    } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
-        to->partner[p] = c->index[partner];
+        to->partner[p] = found->partner;
     } else if (HALF_WIDTH * sigma <= allowed) {
         to->note[p] = AUVID_NOTE_NOISE;
     }

@@ -24,6 +24,12 @@ const char *auvid_note_str(auvid_note_t note)
         return "too little motion";
     case AUVID_NOTE_IMPLAUSIBLE:
         return "implausible value";
+    case AUVID_NOTE_AT_BOUND:
+        return "at its bound";
+    case AUVID_NOTE_BESIDE_BOUND:
+        return "depends on a parameter at its bound";
+    case AUVID_NOTE_NOT_CONVERGED:
+        return "the search has not converged";
     default:
         return "unknown note";
     }
@@ -48,6 +54,66 @@ static void add_dof(writer_t *w, auvid_dof_t dof)
     static const char *const name[AUVID_DOF_COUNT] = {
         "surge: ", "sway: ", "heave: ", "roll: ", "pitch: ", "yaw: "};
     add(w, name[dof]);
+}
+
+/* A number with up to three decimals; of one that needs more room or more decimals, nothing.
+ * @return it is there */
+static bool add_number(writer_t *w, auvid_real_t x)
+{
+    enum { PLACES = 14, DECIMALS = 3 };
+    char text[PLACES + 1] = {0}, *c = text + PLACES;
+    auvid_real_t size = auvid_abs(x);
+    if (!(size < AUVID_C(1e9)) || (size > AUVID_C(0.0) && size < AUVID_C(1e-3))) {
+        return false;
+    }
+    uint32_t whole = (uint32_t)size;
+    uint32_t rest = (uint32_t)((size - (auvid_real_t)whole) * AUVID_C(1000.0) + AUVID_C(0.5));
+    whole += rest / 1000u;
+    rest %= 1000u;
+    for (int k = 0; k < DECIMALS; ++k, rest /= 10u) {
+        if (rest % 10u != 0 || *c != '\0') {
+            *--c = (char)('0' + rest % 10u);
+        }
+    }
+    if (*c != '\0') {
+        *--c = '.';
+    }
+    do {
+        *--c = (char)('0' + whole % 10u);
+        whole /= 10u;
+    } while (whole > 0);
+    add(w, x < AUVID_C(0.0) ? "-" : "");
+    add(w, c);
+    return true;
+}
+
+/* Parameter i at its bound. */
+static void add_bound(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
+                      int i)
+{
+    add(w, parameter->name);
+    add(w, c->partner[i] != 0 ? " is at its upper bound of " : " is at its lower bound of ");
+    if (add_number(w, c->bound[i])) {
+        add(w, " ");
+    }
+    add(w, parameter->unit);
+    add(w, ": widen it");
+}
+
+/* All that depend on the parameter at its bound on which parameter i does. */
+static void add_dependents(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                           int i)
+{
+    const char *separator = " also changes ";
+    add(w, vehicle->parameter[c->partner[i]].name);
+    add(w, " at its bound");
+    for (int k = i; k < vehicle->parameters; ++k) {
+        if (c->note[k] == AUVID_NOTE_BESIDE_BOUND && c->partner[k] == c->partner[i]) {
+            add(w, separator);
+            add(w, vehicle->parameter[k].name);
+            separator = ", ";
+        }
+    }
 }
 
 /* What a parameter of its kind needs. */
@@ -90,26 +156,63 @@ static void add_pair(writer_t *w, const auvid_parameter_t *one, const auvid_para
                                           : "hold one of them fixed, or vary the motion");
 }
 
+/* Does what is to be said of parameter i say it of parameter k < i too? */
+static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, int k, int i)
+{
+    if (c == NULL || c->note[i] == AUVID_NOTE_NOT_DRIVEN) {
+        return vehicle->parameter[k].dof == vehicle->parameter[i].dof;
+    }
+    if (c->note[k] != c->note[i]) {
+        return false;
+    }
+    return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
+           (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k) ||
+           (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
+}
+
 /* Does parameter i get a sentence, and is it the first to give it? A DoF that was not driven has
- * one for all its parameters, a pair has one for both. */
+ * one for all its parameters, a pair has one for both, a bound one for all that depend on it, and a
+ * search that has not converged one. */
 static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
                     int i)
 {
-    auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_DRIVEN : (auvid_note_t)c->note[i];
-    if (free != 0 && !(free >> i & 1u)) {
+    static const uint32_t told = 1u << AUVID_NOTE_NOT_DRIVEN | 1u << AUVID_NOTE_COMBINATION |
+                                 1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
+                                 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
+                                 1u << AUVID_NOTE_NOT_CONVERGED;
+    if ((free != 0 && !(free >> i & 1u)) || (c != NULL && !(told >> (c->note[i] & 31u) & 1u))) {
         return false;
     }
     for (int k = 0; k < i; ++k) {
-        bool same = vehicle->parameter[k].dof == vehicle->parameter[i].dof &&
-                    (free == 0 || (free >> k & 1u));
-        if ((note == AUVID_NOTE_NOT_DRIVEN && same) ||
-            (note == AUVID_NOTE_COMBINATION && c->note[k] == AUVID_NOTE_COMBINATION &&
-             c->partner[i] == k)) {
+        if ((free == 0 || (free >> k & 1u)) && is_same(c, vehicle, k, i)) {
             return false;
         }
     }
-    return note == AUVID_NOTE_NOT_DRIVEN || note == AUVID_NOTE_COMBINATION ||
-           note == AUVID_NOTE_NOISE || note == AUVID_NOTE_UNCERTAIN;
+    return true;
+}
+
+/* The sentence of parameter i. */
+static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                         int i)
+{
+    const auvid_parameter_t *parameter = &vehicle->parameter[i];
+    auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_DRIVEN : (auvid_note_t)c->note[i];
+    if (note == AUVID_NOTE_NOT_CONVERGED) {
+        add(w, "the search has not converged; narrow the bounds, or give a good point");
+        return;
+    }
+    add_dof(w, parameter->dof);
+    if (note == AUVID_NOTE_NOT_DRIVEN) {
+        add(w, "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
+    } else if (note == AUVID_NOTE_COMBINATION) {
+        add_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
+    } else if (note == AUVID_NOTE_AT_BOUND) {
+        add_bound(w, c, parameter, i);
+    } else if (note == AUVID_NOTE_BESIDE_BOUND) {
+        add_dependents(w, c, vehicle, i);
+    } else {
+        add_need(w, parameter);
+    }
 }
 
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
@@ -125,19 +228,10 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
     writer_t w = {.text = text, .size = size};
     text[0] = '\0';
     for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
-        const auvid_parameter_t *parameter = &vehicle->parameter[i];
-        if (!is_told(confidence, vehicle, free, i) || which-- > 0) {
-            continue;
+        if (is_told(confidence, vehicle, free, i) && which-- == 0) {
+            add_sentence(&w, confidence, vehicle, i);
+            return AUVID_OK;
         }
-        add_dof(&w, parameter->dof);
-        if (confidence == NULL || confidence->note[i] == AUVID_NOTE_NOT_DRIVEN) {
-            add(&w, "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
-        } else if (confidence->note[i] == AUVID_NOTE_COMBINATION) {
-            add_pair(&w, parameter, &vehicle->parameter[confidence->partner[i]]);
-        } else {
-            add_need(&w, parameter);
-        }
-        return AUVID_OK;
     }
     return AUVID_FINISHED;
 }

@@ -283,7 +283,7 @@ static void trip_now(auvid_guard_t *g, const auvid_guard_trip_t *trip)
     g->trip = *trip;
 }
 
-auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us)
+auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guard_cause_t cause)
 {
     if (g == NULL) {
         return AUVID_ERR_NULL;
@@ -291,12 +291,20 @@ auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us)
     if (!g->ready) {
         return AUVID_ERR_STATE;
     }
+    if ((unsigned)cause - 1u >= AUVID_GUARD_CAUSE_COUNT - 1u) {
+        return AUVID_ERR_RANGE;
+    }
     if (g->state != AUVID_GUARD_ABORTED) {
         auvid_guard_trip_t trip;
-        begin(&trip, AUVID_GUARD_OPERATOR, t_us);
+        begin(&trip, cause, t_us);
         trip_now(g, &trip);
     }
     return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us)
+{
+    return auvid_guard_abort_for(g, t_us, AUVID_GUARD_OPERATOR);
 }
 
 auvid_status_t auvid_guard_disarm(auvid_guard_t *g)

@@ -30,6 +30,7 @@ static const char *const cause_names[AUVID_GUARD_CAUSE_COUNT] = {
     "too far from where it was armed",
     "running for too long",
     "the thrusters stayed saturated",
+    "another node commands the thrusters",
 };
 
 const char *auvid_guard_state_str(auvid_guard_state_t state)

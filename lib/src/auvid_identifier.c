@@ -52,6 +52,11 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
                 return AUVID_ERR_NOT_FINITE;
             }
+            bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) &&
+                cfg->search.upper[i] <= cfg->dry_mass_kg) {
+                return AUVID_ERR_DRY_MASS;
+            }
             search.lower[n] = cfg->search.lower[i];
             search.upper[n++] = cfg->search.upper[i];
         }
@@ -80,7 +85,8 @@ static auvid_status_t check(const auvid_identifier_config_t *cfg)
     /* in every tick there is the filter's velocity only, and that is over ground */
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
-    return status >= 0 && !velocity ? AUVID_ERR_RANGE : status;
+    bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
+    return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
 static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
@@ -173,36 +179,64 @@ static void take_cells(auvid_identifier_t *id, int most)
     }
 }
 
-/* Sensors into the filter; what it refuses becomes an event. */
-static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
+/* Velocity goes into the recorder when a DVL update has just corrected it: between updates a
+ * constant-velocity filter lags. */
+static void record_velocity(auvid_identifier_t *id)
 {
-    if (in->imu.present) {
-        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
-        bool ahead = in->imu.t_us > in->t_us && in->imu.t_us - in->t_us > id->nav.future_us;
-        if (ahead || auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
-            id->events |= AUVID_EVENT_IMU_DROPPED;
-        }
-    }
-    if (in->dvl.present) {
-        auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl.sample);
-        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DVL_DROPPED : 0u;
-    }
-    if (in->dvl_water.present) {
-        auvid_status_t status = auvid_nav_dvl(&id->nav, &in->dvl_water.sample);
-        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DVL_DROPPED : 0u;
-    }
-    if (in->depth.present) {
-        auvid_status_t status = auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m);
-        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_DEPTH_DROPPED : 0u;
-    }
-    if (in->gps.present) {
-        auvid_status_t status = auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m);
-        id->events |= status < 0 || status == AUVID_GATED ? AUVID_EVENT_GPS_DROPPED : 0u;
+    bool water = id->velocity == AUVID_VELOCITY_WATER;
+    const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
+    if (!id->velocity_every_tick && knot->sequence != id->knot) {
+        id->knot = knot->sequence;
+        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity);
     }
 }
 
-/* The filter's state into the recorder: attitude in every tick, velocity when a DVL update has just
- * corrected it (between updates a constant-velocity filter lags). */
+static void note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
+{
+    id->events |= status < 0 || status == AUVID_GATED ? event : 0u;
+}
+
+/* What became of samples that were held for the IMU. */
+static void note_held(auvid_identifier_t *id)
+{
+    const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
+    unsigned refused = id->nav.held_refused;
+    id->events |= (refused & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
+    id->events |= (refused >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
+    id->events |= (refused >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
+    record_velocity(id); /* another one may follow in this step */
+}
+
+/* Sensors into the filter; what it refuses becomes an event. */
+static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
+{
+    id->nav.until_us = in->t_us + id->nav.future_us;
+    if (in->imu.present) {
+        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
+        if (in->imu.t_us > id->nav.until_us ||
+            auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
+            id->events |= AUVID_EVENT_IMU_DROPPED;
+        } else {
+            note_held(id);
+        }
+    }
+    if (in->dvl.present) {
+        note(id, auvid_nav_dvl(&id->nav, &in->dvl.sample), AUVID_EVENT_DVL_DROPPED);
+    }
+    if (in->dvl_water.present) {
+        note(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample), AUVID_EVENT_DVL_DROPPED);
+    }
+    if (in->depth.present) {
+        note(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
+             AUVID_EVENT_DEPTH_DROPPED);
+    }
+    if (in->gps.present) {
+        note(id, auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
+             AUVID_EVENT_GPS_DROPPED);
+    }
+}
+
+/* The filter's state into the recorder: attitude in every tick. */
 static void record(auvid_identifier_t *id, const auvid_input_t *in)
 {
     auvid_nav_state_t state;
@@ -210,19 +244,14 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
         return;
     }
     bool water = id->velocity == AUVID_VELOCITY_WATER;
-    const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
     uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
     if (in->imu.present) {
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }
-    if (id->velocity_every_tick) {
-        if (state.flags & fresh) {
-            (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity);
-        }
-    } else if (knot->sequence != id->knot) {
-        id->knot = knot->sequence;
-        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity);
+    if (id->velocity_every_tick && (state.flags & fresh)) {
+        (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity);
     }
+    record_velocity(id);
     if (!(state.flags & fresh)) {
         id->events |= AUVID_EVENT_VELOCITY_STALE;
     }
@@ -292,12 +321,8 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    auvid_status_t status = auvid_recorder_motion(&id->recorder, t_us, attitude, nu);
     if (status == AUVID_OK) {
-        status = auvid_recorder_attitude(&id->recorder, t_us, attitude, nu + AUVID_ROLL);
-    }
-    if (status == AUVID_OK) {
-        status = auvid_recorder_velocity(&id->recorder, t_us, nu);
         take_cells(id, AUVID_RECORDER_CELLS);
     }
     return status;

@@ -54,6 +54,14 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id);
 /** One stretch of judging. @return AUVID_OK; AUVID_PENDING */
 auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget);
 
+/** Regressor path: begin to look for the least cost within the bounds, from the result that is in
+ * `candidate`. What the optimizer held is lost. */
+void auvid_identifier_begin_optimum(auvid_identifier_t *id);
+
+/** Continue it; raises `capped` if the result's cost is more than a thousandth above the least.
+ * @return AUVID_OK; AUVID_PENDING */
+auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);
+
 /** Simulate further cells with the last estimate. */
 void auvid_identifier_simulate(auvid_identifier_t *id);
 

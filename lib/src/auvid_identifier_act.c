@@ -37,7 +37,7 @@ static void look(const auvid_identifier_t *id, bool saturated, auvid_guard_input
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = state.attitude[0];
+    in->roll = id->nav.attitude[0]; /* not unwrapped: a whole turn is level, too */
     in->pitch = state.attitude[1];
 }
 
@@ -179,7 +179,11 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
         return AUVID_ERR_STATE;
     }
     look(id, false, &seen);
-    return auvid_guard_arm(&id->guard, id->t_us, &seen);
+    auvid_status_t status = auvid_guard_arm(&id->guard, id->t_us, &seen);
+    if (status == AUVID_OK) { /* the time of arming has been stepped: again, it stands still */
+        id->guard.stepped = id->started;
+    }
+    return status;
 }
 
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)

@@ -1,14 +1,15 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
  *
- *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> (LINEARISE) -> CONFIDENCE
+ *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
  *           ^                                                                          |
  *           +------------------- sets that were completed meanwhile <------ estimate --+
  *
  * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
  * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
  * oldest: what reads the ring begins again with those that are left. Judging is in
- * auvid_identifier_judge.c.
+ * auvid_identifier_judge.c, what LINEARISE does for a model with regressor in
+ * auvid_identifier_optimum.c.
  */
 #include <string.h>
 
@@ -180,22 +181,29 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id)
     id->phase = AUVID_WORK_MERGE;
 }
 
-/* The result's residuals, their derivatives where the model is not linear, and what they say. */
+/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
+ * they say. */
 static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_metric_t *m = &id->metric;
     auvid_status_t status = AUVID_OK;
     if (id->phase == AUVID_WORK_MEASURE) {
         status = auvid_metric_measure(m, budget);
-        if (status == AUVID_OK) {
+        if (status == AUVID_OK && identifier_residual_path(id)) {
             auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
-            id->phase = AUVID_WORK_LINEARISE;
+        } else if (status == AUVID_OK) {
+            id->searching = false;
+            auvid_identifier_begin_optimum(id);
         }
+        id->phase = status == AUVID_OK ? AUVID_WORK_LINEARISE : id->phase;
     } else if (id->phase == AUVID_WORK_LINEARISE) {
-        status = auvid_metric_linearise(m, budget);
+        status = identifier_residual_path(id) ? auvid_metric_linearise(m, budget)
+                                              : auvid_identifier_optimum(id, budget);
         if (status == AUVID_OK) {
             id->searching = false;
             auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg);
+            auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
+                                    id->capped);
             id->phase = AUVID_WORK_CONFIDENCE;
         }
     } else {

@@ -130,23 +130,29 @@ enum { AUVID_METRIC_ROTATION = 4 };
 enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_MEMORY, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 /** Pay one of the units of a step that costs so many. @return it is paid in full: take it */
-static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint8_t price)
+static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint16_t price)
 {
     --*budget;
-    m->paid = (uint8_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
+    m->paid = (uint16_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
     return m->paid == 0;
 }
 
 /** Pay for a call of the model's residual. @return it is paid in full: call it */
 static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
 {
-    uint8_t work = m->cfg.vehicle->work;
+    uint16_t work = m->cfg.vehicle->work;
     bool paid = false;
     while (!paid && *budget > 0) {
         paid = auvid_metric_pay(m, budget, work);
     }
     return paid;
 }
+
+/** Row i < count[j] of DoF j in the regressor path's cost, which is ||R pi - z||^2 over all rows
+ * of driven DoF: columns of the n parameters of `active`, then z, less what pi holds for the
+ * others. row[] has n + 1 places, and as many as the model has parameters. */
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row);
 
 /** Begin a walk. */
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);

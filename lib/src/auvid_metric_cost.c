@@ -268,6 +268,29 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
     }
 }
 
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row)
+{
+    int8_t column[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    for (int p = 0; p < m->cfg.vehicle->parameters; ++p) {
+        row[p] = AUVID_C(0.0);
+        column[p] = (active >> p & 1u) ? n++ : -1;
+    }
+    const auvid_real_t *r =
+        m->merged + m->factor_at[j] + auvid_triangle_row(auvid_metric_order(m, j), i);
+    auvid_real_t scale = auvid_sqrt(m->weight[j]);
+    int at = m->channel_at[j];
+    row[n] = scale * m->z[at + i];
+    for (int k = i; k < m->count[j]; ++k, ++r) {
+        int p = m->index[at + k];
+        if (column[p] >= 0) {
+            row[column[p]] = scale * *r;
+        } else {
+            row[n] -= scale * *r * pi[p];
+        }
+    }
+}
+
 auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
                                           auvid_real_t *pi)
 {
@@ -282,25 +305,13 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
     auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
     int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    active &= m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
-        place[i] = free && (active >> i & 1u) ? n++ : -1;
+        place[i] = (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int order = auvid_metric_order(m, j), at = m->channel_at[j];
-        auvid_real_t scale = auvid_sqrt(m->weight[j]);
-        for (int i = 0; i < m->count[j] && order > 0 && (m->driven >> j & 1); ++i) {
-            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
-            memset(x, 0, sizeof x);
-            x[n] = scale * m->z[at + i];
-            for (int k = i; k < m->count[j]; ++k) {
-                int p = m->index[at + k];
-                if (place[p] >= 0) {
-                    x[place[p]] = scale * r[k - i];
-                } else {
-                    x[n] -= scale * r[k - i] * pi[p];
-                }
-            }
+        for (int i = 0; i < m->count[j] && (m->driven >> j & 1); ++i) {
+            auvid_metric_joint_row(m, j, i, active, pi, x);
             auvid_triangle_add(joint, n + 1, 0, x);
         }
     }

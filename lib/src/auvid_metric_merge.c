@@ -191,7 +191,8 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
 {
     m->pass = pass;
     m->to_set = (uint8_t)auvid_metric_sets(m);
-    m->at_set = m->at_band = m->at_dof = m->paid = 0;
+    m->at_set = m->at_band = m->at_dof = 0;
+    m->paid = 0;
     m->at_row = 0;
     memset(m->band_sse, 0, sizeof m->band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {

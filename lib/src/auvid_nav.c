@@ -20,7 +20,6 @@
 
 #define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
 #define LARGEST_RATE AUVID_C(100.0)
-#define LARGEST_AGE_US 2000000u
 
 void auvid_nav_defaults(auvid_nav_config_t *config)
 {
@@ -95,9 +94,10 @@ static auvid_status_t check_config(const auvid_nav_config_t *c)
             }
         }
     }
-    bool good = c->dvl_max_age_us <= LARGEST_AGE_US && c->depth_max_age_us <= LARGEST_AGE_US &&
-                c->gps_max_age_us <= LARGEST_AGE_US && c->future_us <= LARGEST_AGE_US &&
-                c->stale_us > 0 && c->gps_start <= AUVID_NAV_GPS_START_MAX;
+    const uint32_t most_us = NAV_LARGEST_AGE_US;
+    bool good = c->dvl_max_age_us <= most_us && c->depth_max_age_us <= most_us &&
+                c->gps_max_age_us <= most_us && c->future_us <= most_us && c->stale_us > 0 &&
+                c->gps_start <= AUVID_NAV_GPS_START_MAX;
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
@@ -191,14 +191,13 @@ static void predict(auvid_nav_t *nav, auvid_real_t t)
     nav->vv[5] += AUVID_C(4.0) * quarter[2];
 }
 
-/* Whole turns that psi left behind when it jumped by more than half a turn. */
-static inline int32_t jumped_turns(auvid_real_t from, auvid_real_t to)
+/* Whole turns that an angle left behind when it jumped by more than half a turn. */
+static inline void count_turns(int32_t *turns, auvid_real_t from, auvid_real_t to)
 {
-    if (auvid_abs(from - to) < AUVID_C(3.0)) {
-        return 0;
+    if (!(auvid_abs(from - to) < AUVID_C(3.0))) {
+        auvid_real_t part = (from - to) * (AUVID_C(0.5) / AUVID_PI);
+        *turns += (int32_t)(part + (part < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
     }
-    auvid_real_t turns = (from - to) * (AUVID_C(0.5) / AUVID_PI);
-    return (int32_t)(turns + (turns < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
 auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
@@ -226,17 +225,23 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     uint64_t dt_us = t_us - nav->t_us;
     nav->t_us = t_us;
     auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
-    auvid_real_t psi = nav->attitude[2];
+    auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
     memcpy(nav->attitude, attitude, sizeof nav->attitude);
     memcpy(nav->rates, rates, sizeof nav->rates);
+    auvid_nav_keep_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
+    nav->held_refused = 0;
     if (!running) {
         nav->ready = NAV_RUNNING;
         nav->touched_us = t_us;
         return AUVID_OK;
     }
-    nav->turns += jumped_turns(psi, attitude[2]);
+    count_turns(&nav->turns[0], phi, attitude[0]);
+    count_turns(&nav->turns[2], psi, attitude[2]);
     predict(nav, auvid_seconds(0, dt_us));
+    if (nav->holding != 0) {
+        auvid_nav_release(nav);
+    }
     if (nav->gap_us > 0 && dt_us > nav->gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
         nav_count(&nav->imu_gaps);
@@ -256,11 +261,11 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     state->t_us = nav->t_us;
     for (int i = 0; i < 3; ++i) {
         state->position[i] = nav->position[i] + nav->residue[i];
-        state->attitude[i] = nav->attitude[i];
+        state->attitude[i] =
+            nav->attitude[i] + (auvid_real_t)nav->turns[i] * (AUVID_C(2.0) * AUVID_PI);
         state->velocity[i] = nav->velocity[i];
         state->rates[i] = nav->rates[i];
     }
-    state->attitude[2] += (auvid_real_t)nav->turns * (AUVID_C(2.0) * AUVID_PI);
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         state->flags |= nav_fresh(nav, i) ? 1u << i : 0u;

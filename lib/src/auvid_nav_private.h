@@ -14,6 +14,7 @@ enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 /* Largest values that are taken for a measurement or a setting. */
 #define NAV_LARGEST_POSITION AUVID_C(1e5)
 #define NAV_LARGEST_SPEED AUVID_C(100.0)
+#define NAV_LARGEST_AGE_US 2000000u
 
 /* Where element (i, j) of a symmetric block stands in its six numbers. */
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -144,6 +145,29 @@ auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
 /** Eq. 6 for a sample that auvid_nav_pass() let in, one scalar after the other. */
 void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
+
+/** Keep the tick's rates, unless some were kept a short while ago. Past a step of dt_us in which no
+ * late sample can lie, those from before are dropped (their times are half times, too). */
+void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us);
+
+/** Rates at the time of a late sample: straight between those kept, the oldest before all. */
+void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3]);
+
+/** A sample that is held: for callers AUVID_PENDING. */
+#define NAV_HELD AUVID_EMPTY
+
+/** What becomes of a sample that is not 0..max_age old: NAV_HELD, AUVID_UNUSED, AUVID_ERR_STALE;
+ * AUVID_OK: use it as if it were of the last tick. */
+auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                              const auvid_real_t value[3], unsigned valid);
+
+/** Take a sample of any sensor: `value` as given, `valid` of a DVL's. Status as of auvid_nav_dvl()
+ * and its like, which have checked what is theirs. */
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                const auvid_real_t value[3], unsigned valid);
+
+/** Let the held samples in whose time has come. */
+void auvid_nav_release(auvid_nav_t *nav);
 
 /** Move one axis of the position by `step` and give it a variance, whatever was known of it. */
 void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance);

@@ -7,15 +7,17 @@
 
 #include "auvid_nav_private.h"
 
-/* Refuse a sample out of its time, or fill in the time of *m. */
-AUVID_INLINE auvid_status_t admit(const auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+/* Refuse a sample out of its time, hold one ahead of it, or fill in the time of *m. */
+AUVID_INLINE auvid_status_t admit(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                  const auvid_real_t value[3], unsigned valid,
                                   auvid_nav_measurement_t *m)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
     uint64_t age_us = nav->t_us - t_us; /* huge, when it is ahead */
     if (age_us > nav->max_age_us[sensor]) {
-        if (t_us - nav->t_us > nav->future_us) {
-            return AUVID_ERR_STALE;
+        auvid_status_t status = auvid_nav_hold(nav, sensor, t_us, value, valid);
+        if (status != AUVID_OK) {
+            return status;
         }
         age_us = 0;
     }
@@ -37,6 +39,8 @@ static void raise_flag(auvid_nav_t *nav, unsigned flag)
 static auvid_status_t tally_refused(auvid_nav_diagnostics_t *d, auvid_status_t status)
 {
     switch (status) {
+    case NAV_HELD:
+        return AUVID_PENDING;
     case AUVID_UNUSED:
         nav_count(&d->unused);
         break;
@@ -71,6 +75,11 @@ static void to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned va
                     auvid_nav_measurement_t *m)
 {
     const auvid_real_t *w = nav->rates, *r = nav->lever;
+    auvid_real_t past[3];
+    if (m->age > AUVID_C(0.0)) {
+        auvid_nav_past_rates(nav, (uint32_t)(nav->t_us - m->t_us), past);
+        w = past;
+    }
     const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
                                      w[0] * r[1] - w[1] * r[0]};
     m->is_velocity = true;
@@ -213,13 +222,12 @@ static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t v
     ++knot->sequence;
 }
 
-static auvid_status_t update_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample, uint8_t sensor)
+static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                 const auvid_real_t v[3], unsigned valid)
 {
-    unsigned valid = sample->valid;
     if (valid == 0) {
         return AUVID_UNUSED;
     }
-    const auvid_real_t *v = sample->velocity;
     auvid_real_t part[3];
     if (valid != AUVID_DVL_ALL) {
         for (int j = 0; j < 3; ++j) {
@@ -230,7 +238,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sam
     auvid_nav_measurement_t m;
     auvid_status_t status = nav_within(v, nav->speed_limit);
     if (status == AUVID_OK) {
-        status = admit(nav, sensor, sample->t_us, &m);
+        status = admit(nav, sensor, t_us, v, valid, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -270,7 +278,7 @@ auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
         sample->valid > AUVID_DVL_ALL) {
         return tally(&nav->diagnostics[sensor], AUVID_ERR_RANGE);
     }
-    return tally(&nav->diagnostics[sensor], update_dvl(nav, sample, sensor));
+    return auvid_nav_update(nav, sensor, sample->t_us, sample->velocity, sample->valid);
 }
 
 static auvid_status_t check_position(const auvid_real_t *x, int n)
@@ -283,12 +291,13 @@ static auvid_status_t check_position(const auvid_real_t *x, int n)
     return AUVID_OK;
 }
 
-static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
+static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
 {
     auvid_nav_measurement_t m;
-    auvid_status_t status = check_position(&depth_m, 1);
+    auvid_status_t status = check_position(value, 1);
+    m.z[0] = value[0];
     if (status == AUVID_OK) {
-        status = admit(nav, AUVID_NAV_DEPTH, t_us, &m);
+        status = admit(nav, AUVID_NAV_DEPTH, t_us, value, 0, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -296,7 +305,6 @@ static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t
     m.is_velocity = false;
     m.first = 2;
     m.n = 1;
-    m.z[0] = depth_m;
     if ((nav->flags & AUVID_NAV_DEPTH_KNOWN) == 0) {
         (void)auvid_nav_look(nav, &m);
         nav_note_good(&nav->diagnostics[AUVID_NAV_DEPTH], t_us);
@@ -316,7 +324,8 @@ auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t dep
     if (nav->ready != NAV_RUNNING) {
         return AUVID_ERR_STATE;
     }
-    return tally(&nav->diagnostics[AUVID_NAV_DEPTH], update_depth(nav, t_us, depth_m));
+    const auvid_real_t value[3] = {depth_m};
+    return auvid_nav_update(nav, AUVID_NAV_DEPTH, t_us, value, 0);
 }
 
 auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa)
@@ -354,15 +363,14 @@ static auvid_status_t collect_fix(auvid_nav_t *nav, const auvid_nav_diagnostics_
     return AUVID_OK;
 }
 
-static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m,
-                                 auvid_real_t y_m)
+static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
 {
     auvid_nav_measurement_t m;
-    m.z[0] = x_m;
-    m.z[1] = y_m;
-    auvid_status_t status = check_position(m.z, 2);
+    auvid_status_t status = check_position(value, 2);
+    m.z[0] = value[0];
+    m.z[1] = value[1];
     if (status == AUVID_OK) {
-        status = admit(nav, AUVID_NAV_GPS, t_us, &m);
+        status = admit(nav, AUVID_NAV_GPS, t_us, value, 0, &m);
     }
     if (status != AUVID_OK) {
         return status;
@@ -394,5 +402,20 @@ auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, 
     if (nav->ready != NAV_RUNNING) {
         return AUVID_ERR_STATE;
     }
-    return tally(&nav->diagnostics[AUVID_NAV_GPS], update_gps(nav, t_us, x_m, y_m));
+    const auvid_real_t value[3] = {x_m, y_m};
+    return auvid_nav_update(nav, AUVID_NAV_GPS, t_us, value, 0);
+}
+
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                const auvid_real_t value[3], unsigned valid)
+{
+    auvid_status_t status;
+    if (sensor == AUVID_NAV_DEPTH) {
+        status = update_depth(nav, t_us, value);
+    } else if (sensor == AUVID_NAV_GPS) {
+        status = update_gps(nav, t_us, value);
+    } else {
+        status = update_dvl(nav, sensor, t_us, value, valid);
+    }
+    return tally(&nav->diagnostics[sensor], status);
 }

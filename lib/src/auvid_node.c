@@ -58,7 +58,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /* ---- frames in ---- */
 
 /* Time of a sample of this age, at the tick to come; the age is counted back in step. */
-static bool has_age(auvid_node_t *node, uint32_t age_ms)
+static AUVID_APART bool has_age(auvid_node_t *node, uint32_t age_ms)
 {
     bool known = age_ms != AUVID_CAN_AGE_UNKNOWN;
     node->counters.unknown_age += !known;
@@ -74,23 +74,19 @@ static uint64_t age_us(uint32_t age_ms)
 static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool bottom = m->kind == AUVID_CAN_DVL_BOTTOM;
-    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom;
-    const auvid_can_dvl_water_t *w = &m->as.dvl_water;
-    auvid_dvl_sample_t sample = {
-        .t_us = age_us(bottom ? b->age : w->age),
-        .velocity = {bottom ? b->u : w->u, bottom ? b->v : w->v, bottom ? b->w : w->w},
-        .lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER};
-    sample.valid = (uint8_t)(~m->absent & 7u); /* AUVID_DVL_X, _Y, _Z in the order of the signals */
-    if (!has_age(node, bottom ? b->age : w->age)) {
+    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom; /* dvl_water is laid out alike */
+    auvid_dvl_sample_t *sample = bottom ? &node->in.dvl.sample : &node->in.dvl_water.sample;
+    if (!has_age(node, b->age)) {
         return;
     }
-    if (bottom) {
-        node->in.dvl.present = true;
-        node->in.dvl.sample = sample;
-    } else {
-        node->in.dvl_water.present = true;
-        node->in.dvl_water.sample = sample;
-    }
+    *(bottom ? &node->in.dvl.present : &node->in.dvl_water.present) = true;
+    sample->t_us = age_us(b->age);
+    sample->velocity[0] = b->u;
+    sample->velocity[1] = b->v;
+    sample->velocity[2] = b->w;
+    sample->lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
+    /* AUVID_DVL_X, _Y, _Z in the order of the signals */
+    sample->valid = (uint8_t)(~m->absent & 7u);
 }
 
 static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)
@@ -167,7 +163,7 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
         node->tick_us += CLOCK_STEP_US;
     } else {
         node->tick_us += bus_us - node->bus_us;
-        node->counters.ticks_missed += passed > 0 ? passed - 1u : 0u;
+        node->counters.ticks_missed += passed - 1u; /* it is one at least: see `behind` */
     }
     node->bus_us = bus_us;
     node->sequence = tick->sequence;
@@ -175,15 +171,44 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
     return AUVID_TICK;
 }
 
-static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m)
+/* A command of the thrusters: an echo of one of ours, or another node's. */
+static void take_command(auvid_node_t *node, const auvid_can_frame_t *frame, bool second)
+{
+    auvid_guard_t *guard = &node->id.guard;
+    uint64_t data;
+    memcpy(&data, frame->data, sizeof data);
+    if (data == node->sent[second][frame->data[1] & 3u]) {
+        return;
+    }
+    ++node->counters.foreign_commands;
+    if (guard->state == AUVID_GUARD_ARMED || guard->state == AUVID_GUARD_EXCITING) {
+        (void)auvid_guard_abort_for(guard, node->id.t_us, AUVID_GUARD_FOREIGN_COMMAND);
+        node->id.events |= AUVID_EVENT_ABORTED;
+    }
+}
+
+/* Is this message obeyed? What takes thrust away is, whatever its counter says. */
+static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
+{
+    const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
+                           1u << AUVID_CAN_THRUSTER_COMMAND_B;
+    bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
+    return state == AUVID_CAN_GOOD || (kinds >> m->kind & 1u) != 0 || disarms;
+}
+
+static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m,
+                                   const auvid_can_frame_t *frame, bool fresh)
 {
     switch (m->kind) {
-    case AUVID_CAN_ABORT:
-        node->arming = false;
+    case AUVID_CAN_ABORT: /* an order to arm that waits finds the guard ABORTED */
         (void)auvid_identifier_abort(&node->id);
         break;
     case AUVID_CAN_ARM:
-        auvid_node_order(node, m->as.arm.action);
+        auvid_node_order(node, m->as.arm.action, fresh);
+        break;
+    case AUVID_CAN_THRUSTER_COMMAND_A:
+    case AUVID_CAN_THRUSTER_COMMAND_B:
+        take_command(node, frame, m->kind == AUVID_CAN_THRUSTER_COMMAND_B);
         break;
     case AUVID_CAN_TICK:
         return take_tick(node, &m->as.tick);
@@ -215,22 +240,18 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         return AUVID_ERR_STATE;
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
-    bool own = kind == AUVID_CAN_THRUSTER_COMMAND_A || kind == AUVID_CAN_THRUSTER_COMMAND_B ||
-               kind == AUVID_CAN_TICK_DONE;
-    if ((unsigned)kind >= AUVID_NODE_KINDS || own) {
+    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* so that nothing depends on when it came */
     auvid_can_state_t state = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
-    /* An abort is obeyed whatever its counter says. */
-    bool good = state == AUVID_CAN_GOOD || (state != AUVID_CAN_BAD && kind == AUVID_CAN_ABORT);
-    if (!good) {
+    if (state == AUVID_CAN_BAD || !is_obeyed(state, &message)) {
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
     }
-    auvid_status_t status = take_message(node, &message);
+    auvid_status_t status = take_message(node, &message, frame, state == AUVID_CAN_GOOD);
     node->counters.frames += status >= 0;
     return status;
 }

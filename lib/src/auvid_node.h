@@ -7,8 +7,8 @@
 
 #include "auvid/node.h"
 
-/** Obey an arm frame. */
-void auvid_node_order(auvid_node_t *node, uint32_t action);
+/** Obey an arm frame. @param fresh its counter is good: a disarm may clear an abort */
+void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh);
 
 /** Pack a message as the next of the frames to be sent. One that is refused is left out, and
  * counted by the sender. */

@@ -13,21 +13,35 @@
 void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
                      auvid_can_frame_t *frame, int *count)
 {
+    const uint8_t *data = frame[*count].data;
     if (*count < AUVID_NODE_FRAMES && auvid_can_pack(&node->sender, message, &frame[*count]) >= 0) {
+        unsigned half = (unsigned)message->kind - AUVID_CAN_THRUSTER_COMMAND_A;
+        if (half < 2u) {
+            memcpy(&node->sent[half][data[1] & 3u], data, AUVID_CAN_BYTES);
+        }
         ++*count;
     }
 }
 
-void auvid_node_order(auvid_node_t *node, uint32_t action)
+/* Abort what may act, or is to. DISARMED and DONE stay: there is nothing to take away. */
+static void withdraw(auvid_node_t *node)
 {
-    if (action == AUVID_CAN_ACTION_DISARM) {
-        node->arming = false;
-        (void)auvid_identifier_disarm(&node->id);
-    } else if (action == AUVID_CAN_ACTION_STOP) {
-        node->arming = false;
+    auvid_guard_state_t state = node->id.guard.state;
+    node->arming = false;
+    if (state != AUVID_GUARD_DISARMED && state != AUVID_GUARD_DONE) {
+        (void)auvid_identifier_abort(&node->id);
+    }
+}
+
+void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
+{
+    node->arming = action == AUVID_CAN_ACTION_ARM && node->cfg.excite;
+    if (action == AUVID_CAN_ACTION_STOP) {
         (void)auvid_identifier_stop(&node->id);
-    } else if (node->cfg.excite) {
-        node->arming = true;
+    } else if (action == AUVID_CAN_ACTION_DISARM && fresh) {
+        (void)auvid_identifier_disarm(&node->id);
+    } else if (action == AUVID_CAN_ACTION_DISARM) {
+        withdraw(node);
     }
 }
 
@@ -184,19 +198,22 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
     if (!node->ready || (t_us == NULL && !node->started)) {
         return AUVID_ERR_STATE;
     }
-    if (t_us != NULL) {
-        open_tick(node, *t_us, frame, count);
-    }
     auvid_output_t out;
-    record_thrust(node);
-    date_samples(node, node->tick_us);
-    arm(node);
+    uint64_t tick_us = t_us != NULL ? *t_us : node->tick_us;
+    if (!node->id.started || tick_us > node->id.t_us) { /* else it is no tick, and refused below */
+        if (t_us != NULL) {
+            open_tick(node, tick_us, frame, count);
+        }
+        record_thrust(node);
+        arm(node);
+    }
+    date_samples(node, tick_us);
     auvid_status_t status = auvid_identifier_step(&node->id, &node->in, &out);
     command_thrusters(node, &out, frame, count);
     count_drops(node, out.events);
     node->events = out.events;
     if (status >= 0) {
-        node->t_us = node->tick_us;
+        node->t_us = tick_us;
         ++node->counters.ticks;
     }
     forget_samples(&node->in);
@@ -222,7 +239,7 @@ auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int
     if (!node->ready) {
         return AUVID_ERR_STATE;
     }
-    (void)auvid_identifier_abort(&node->id);
+    withdraw(node);
     if (node->commanding) {
         command(node, NULL, frame, count);
         node->commanding = false;

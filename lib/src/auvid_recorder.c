@@ -156,6 +156,24 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
     return feed(recorder, VELOCITY, t_us, velocity);
 }
 
+auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
+                                     const auvid_real_t *attitude, const auvid_real_t *nu)
+{
+    if (recorder == NULL || attitude == NULL || nu == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    /* what would refuse the velocity once the attitude is taken */
+    const auvid_recorder_stream_t *velocity = &recorder->stream[VELOCITY];
+    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    if (status == AUVID_OK && velocity->valid && t_us <= velocity->t_us) {
+        status = t_us == velocity->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
+    if (status == AUVID_OK) {
+        status = auvid_recorder_attitude(recorder, t_us, attitude, nu + AUVID_ROLL);
+    }
+    return status == AUVID_OK ? auvid_recorder_velocity(recorder, t_us, nu) : status;
+}
+
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command)
 {

@@ -39,6 +39,7 @@ static const char *const errors[] = {
     [-AUVID_ERR_MODEL] = "the vehicle model lacks what is asked of it",
     [-AUVID_ERR_LENGTH] = "a frame has not the length of its message",
     [-AUVID_ERR_CHECKSUM] = "a frame's checksum is wrong",
+    [-AUVID_ERR_DRY_MASS] = "the dry mass is not below the upper bound of a mass",
 };
 
 const char *auvid_status_str(auvid_status_t status)

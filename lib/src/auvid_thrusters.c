@@ -252,6 +252,9 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     if (th == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (th->cfg.hull == NULL) {
+        return AUVID_ERR_STATE;
+    }
     if (cfg->vehicle != &th->vehicle || !scale_is_known(th, &cfg->metric)) {
         return AUVID_ERR_MODEL;
     }
@@ -270,11 +273,15 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }
-    th->grid = grid;
+    /* no overflow: the log, of 4e9 us at most, is longer than a row */
     uint32_t n = own->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
     uint32_t work = own->hull->work + 7u + /* measured; 7: the hull's and what is done once */
                     (lead * 20u * n + window * (50u + 33u * n)) / 250u;
-    th->vehicle.work = (uint8_t)(work < UINT8_MAX ? work : UINT8_MAX);
+    if (work > UINT16_MAX) {
+        return AUVID_ERR_RANGE;
+    }
+    th->grid = grid;
+    th->vehicle.work = (uint16_t)work;
     const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
                                                           own->dead_band_max, own->lag_max_s};
     for (int k = 0, i = own->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {
@@ -361,7 +368,7 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command)
 {
     auvid_thrusters_t *th = thrusters;
-    if (th == NULL || (th->state.started && t_us <= th->state.held_us)) {
+    if (th == NULL || th->grid.row_us == 0 || (th->state.started && t_us <= th->state.held_us)) {
         return;
     }
     pass_silence(th, t_us);

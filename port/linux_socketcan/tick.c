@@ -16,7 +16,7 @@
 
 enum { EVENTS = 8 };
 
-static const int stop_signals[2] = {SIGINT, SIGTERM};
+static const int stop_signals[TICK_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 
 static struct timespec from_us(uint64_t us)
 {
@@ -59,18 +59,29 @@ int tick_watch(tick_t *tick, int fd)
     return 0;
 }
 
+/* By nohup: a descriptor of signals would bring it all the same. */
+static bool is_ignored(int signal)
+{
+    struct sigaction action;
+
+    return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 static int open_signals(tick_t *tick)
 {
     sigset_t stops, before;
     int i;
 
     (void)sigemptyset(&stops);
-    (void)sigaddset(&stops, stop_signals[0]);
-    (void)sigaddset(&stops, stop_signals[1]);
+    for (i = 0; i < TICK_SIGNALS; i++) {
+        if (stop_signals[i] != SIGHUP || !is_ignored(SIGHUP)) {
+            (void)sigaddset(&stops, stop_signals[i]);
+        }
+    }
     if (sigprocmask(SIG_BLOCK, &stops, &before) < 0) {
         return -1;
     }
-    for (i = 0; i < 2; i++) {
+    for (i = 0; i < TICK_SIGNALS; i++) {
         tick->blocked[i] = sigismember(&before, stop_signals[i]) == 1;
     }
     tick->signal_fd = signalfd(-1, &stops, SFD_NONBLOCK | SFD_CLOEXEC);
@@ -101,7 +112,7 @@ int tick_open(tick_t *tick, uint64_t period_us)
     memset(tick, 0, sizeof *tick);
     tick->timer_fd = tick->signal_fd = -1;
     tick->period_us = period_us;
-    tick->blocked[0] = tick->blocked[1] = true; /* nothing to give back yet */
+    memset(tick->blocked, true, sizeof tick->blocked); /* nothing to give back yet */
     tick->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
     tick->start_us = tick_now_us();
     if (tick->epoll_fd < 0 || open_signals(tick) < 0 || open_timer(tick) < 0) {
@@ -170,7 +181,7 @@ void tick_close(tick_t *tick)
     }
     tick->timer_fd = tick->signal_fd = tick->epoll_fd = -1;
     (void)sigemptyset(&back);
-    for (i = 0; i < 2; i++) {
+    for (i = 0; i < TICK_SIGNALS; i++) {
         if (!tick->blocked[i]) {
             (void)sigaddset(&back, stop_signals[i]);
         }

@@ -3,10 +3,12 @@
  *
  * The main loop of a node calls tick_wait() and does what it returns. Ticks are counted on
  * CLOCK_MONOTONIC from the first on, so neither the time the work takes nor a step of the wall
- * clock moves them; those that were slept through are counted, not made up for. SIGINT and SIGTERM
- * arrive here as TICK_STOP and nowhere else: no handler runs, no call is interrupted by them.
+ * clock moves them; those that were slept through are counted, not made up for. SIGINT, SIGTERM,
+ * SIGHUP, SIGPIPE and SIGXFSZ arrive here as TICK_STOP and nowhere else: no handler runs, and no
+ * call is interrupted by them. Writing to a pipe that nobody reads, or to a file that may not grow,
+ * fails with EPIPE or EFBIG. A SIGHUP that was ignored before (nohup) stays so.
  *
- * One tick a program (it owns the two signals); no threads.
+ * One tick a program (it owns these signals); no threads.
  */
 #ifndef TICK_H
 #define TICK_H
@@ -16,12 +18,13 @@
 #include <stdint.h>
 
 #define TICK_TEXT 200
+#define TICK_SIGNALS 5
 
 /* What tick_wait() returns: any of these at once, or 0 for none before the time-out. */
 enum {
     TICK_DUE = 1,      /* one period or more is over */
     TICK_READABLE = 2, /* a watched descriptor has something to tell: receive until it is empty */
-    TICK_STOP = 4,     /* SIGINT or SIGTERM came */
+    TICK_STOP = 4,     /* one of the signals above came */
 };
 
 typedef struct {
@@ -31,7 +34,7 @@ typedef struct {
     uint64_t start_us;    /* tick n is due at start_us + n * period_us, n = 1, 2, ... */
     uint64_t ticks;       /* periods over so far, the missed ones included */
     uint64_t missed;      /* of these, slept through: another one was due before they were seen */
-    bool blocked[2];      /* were SIGINT and SIGTERM blocked before open? */
+    bool blocked[TICK_SIGNALS]; /* were they blocked before open? */
     char text[TICK_TEXT]; /* the last failure, one sentence */
 } tick_t;
 

@@ -44,6 +44,7 @@ USES = {
     "validation": BASE + " smoother vehicle",
     "confidence": BASE + " metric vehicle",
     "optimizer": BASE + " crs line_search",
+    "bounded_ls": BASE + " optimizer",
 }
 USES["identifier"] = " ".join(USES)
 USES["can"] = BASE  # beside the identifier: neither knows the other

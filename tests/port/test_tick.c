@@ -17,6 +17,7 @@ static int fresh(void **state)
 {
     (void)state;
     memset(&fake, 0, sizeof fake);
+    (void)signal(SIGHUP, SIG_DFL); /* whoever runs this may ignore it */
     return 0;
 }
 
@@ -102,30 +103,64 @@ static void test_frames_wake_a_program_without_a_timer(void **state)
     (void)close(ends[1]);
 }
 
-static void test_both_signals_ask_to_stop(void **state)
+static const int stops[TICK_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
+
+static void test_five_signals_ask_to_stop(void **state)
 {
+    int i;
+
     (void)state;
     assert_int_equal(tick_open(&tick, 0), 0);
-    assert_int_equal(raise(SIGTERM), 0);
-    assert_int_equal(tick_wait(&tick, -1), TICK_STOP);
-    assert_int_equal(tick.signal, SIGTERM);
-    assert_int_equal(raise(SIGINT), 0);
-    assert_int_equal(tick_wait(&tick, -1), TICK_STOP);
-    assert_int_equal(tick.signal, SIGINT);
+    for (i = 0; i < TICK_SIGNALS; i++) {
+        assert_int_equal(raise(stops[i]), 0);
+        assert_int_equal(tick_wait(&tick, -1), TICK_STOP);
+        assert_int_equal(tick.signal, stops[i]);
+    }
     assert_int_equal(tick_wait(&tick, 0), 0);
+}
+
+static void test_writing_to_a_pipe_that_nobody_reads_fails_and_asks_to_stop(void **state)
+{
+    int ends[2];
+
+    (void)state;
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(tick_open(&tick, 0), 0);
+    (void)close(ends[0]);
+    fake.closes = 0;
+    assert_int_equal(write(ends[1], "x", 1), -1);
+    assert_int_equal(errno, EPIPE);
+    assert_int_equal(tick_wait(&tick, 0), TICK_STOP);
+    assert_int_equal(tick.signal, SIGPIPE);
+    (void)close(ends[1]);
+}
+
+static void test_a_hang_up_that_is_ignored_stays_so(void **state)
+{
+    (void)state;
+    assert_true(signal(SIGHUP, SIG_IGN) != SIG_ERR); /* as nohup does */
+    assert_int_equal(tick_open(&tick, 0), 0);
+    assert_int_equal(raise(SIGHUP), 0);
+    assert_int_equal(tick_wait(&tick, 0), 0);
+    assert_true(signal(SIGHUP, SIG_DFL) != SIG_ERR);
 }
 
 static void test_close_gives_the_signals_back(void **state)
 {
     sigset_t mask;
+    int i;
 
     (void)state;
     assert_int_equal(tick_open(&tick, 1000), 0);
     (void)sigprocmask(SIG_BLOCK, NULL, &mask);
-    assert_true(sigismember(&mask, SIGTERM));
+    for (i = 0; i < TICK_SIGNALS; i++) {
+        assert_true(sigismember(&mask, stops[i]));
+    }
     tick_close(&tick);
     (void)sigprocmask(SIG_BLOCK, NULL, &mask);
-    assert_false(sigismember(&mask, SIGTERM));
+    for (i = 0; i < TICK_SIGNALS; i++) {
+        assert_false(sigismember(&mask, stops[i]));
+    }
     assert_int_equal(fake.closes, 3);
 }
 
@@ -182,7 +217,9 @@ int main(void)
         TEST(test_an_overrun_of_seven_is_six_missed),
         TEST(test_a_step_of_the_wall_clock_moves_no_tick),
         TEST(test_frames_wake_a_program_without_a_timer),
-        TEST(test_both_signals_ask_to_stop),
+        TEST(test_five_signals_ask_to_stop),
+        TEST(test_writing_to_a_pipe_that_nobody_reads_fails_and_asks_to_stop),
+        TEST(test_a_hang_up_that_is_ignored_stays_so),
         TEST(test_close_gives_the_signals_back),
         TEST(test_failures_are_told_and_leave_nothing_open),
         cmocka_unit_test_setup(test_real_time_that_is_granted_says_nothing, fresh),

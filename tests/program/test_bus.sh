@@ -38,6 +38,35 @@ awk '/ 404#/ && ++n % 50 == 0 { next } { print }' run.log >lossy.log
 check "a log with frames missing differs from its estimates" exits 1 replay lossy.log --sets 2
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
+# ---- signals ----
+# ended SIGNAL: a node that excites in real time is told to end; what it sent last, by its log, is
+# a command of zero for both halves of the thrusters.
+ended() {
+    local node commands status=0
+    env --default-signal "$AUVID" node --bus memory --excite --sets 1 --realtime --log "$1.log" \
+        >"$1.out" 2>&1 &
+    node=$!
+    for ((k = 0; k < 600; ++k)); do
+        commands=$(grep -c ' 042#' "$1.log" 2>/dev/null)
+        [ "${commands:-0}" -lt 20 ] || break
+        sleep 0.1
+    done
+    kill -"$1" "$node"
+    wait "$node" || status=$?
+    grep -E ' 04[23]#' "$1.log" | tail -n 2 >"$1.last"
+    cat "$1.out" "$1.last"
+    [ "$status" -le 2 ] && [ "$(grep -Ec ' 04[23]#..0.0{12}$' "$1.last")" = 2 ]
+}
+
+for signal in INT TERM HUP PIPE XFSZ; do
+    ended $signal >$signal.said 2>&1 && echo ended >>$signal.said &
+done
+wait
+for signal in INT TERM HUP PIPE XFSZ; do
+    check "SIG$signal ends a node that excites with a command of zero" \
+        eval "cat $signal.said && grep -q ended $signal.said"
+done
+
 # ---- refusals ----
 # ./filtered is the program with a real kernel that answers EPERM to socket(AF_CAN, ...), by
 # seccomp; ./as_nobody is the program without privileges.

@@ -68,6 +68,17 @@ printf '\n\n' >>windows.csv
 check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
 change 'for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 3) % (2 * math.pi)' <train.csv >wrapped.csv
 check "yaw may be wrapped" same wrapped.csv
+# A vehicle that hangs upside down, its roll about 180 degrees.
+upside='for y in r: y[C["phi_rad"]] += math.pi'
+change "$upside" <train.csv >upside.csv
+change "$upside; y[C['phi_rad']] -= 2 * math.pi * (y[C['phi_rad']] > math.pi)" <train.csv >rolls.csv
+exits 0 fit upside.csv --json
+mv out upside.json
+exits 0 fit rolls.csv --json
+check "roll may be wrapped" is out '
+first = {p["name"]: p["estimate"] for p in json.load(open("upside.json"))["parameters"]}
+assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
+    {n: P[n]["estimate"] / first[n] for n in TRUTH}'
 python3 -c '
 import csv, sys
 rows = list(csv.reader(open("train.csv")))
@@ -156,6 +167,17 @@ check "  in X_0" is out 'assert abs(P["X_0"]["estimate"] - 12) < 1.5, P["X_0"]'
 check "--bounds hold" exits 0 fit train.csv --json --bounds=-500,500
 check "  m_w stops at its bound" is out 'assert abs(P["m_w"]["estimate"] - 500) < 1, P["m_w"]'
 check "  and says so" is out 'assert [n for n in P if "at_bound" in P[n]] == ["m_w"]'
+check "  with the bound, in words, and is not identifiable" is out '
+assert "heave: m_w is at its upper bound of 500 kg: widen it" in d["missing"], d["missing"]
+assert not P["m_w"]["identifiable"] and P["m_w"]["sigma"] is None'
+check "what a bound changes beside it" exits 0 fit train.csv --json --bounds=-400,700
+check "  is named, with the bound" is out '
+assert "sway: Y_vv at its bound also changes Y_v" in d["missing"], d["missing"]
+assert P["Y_v"]["note"] == "depends on Y_vv, at its bound" and not P["Y_v"]["identifiable"]
+assert error("Y_v") > 0.15 and P["m_v"]["identifiable"] and error("m_v") < 0.02'
+check "in commands the bound is, too" exits 0 fit commands.csv --json --bounds=-500,3
+check "  in their unit" is out '
+assert "heave: m_w is at its upper bound of 3 cmd s2/m: widen it" in d["missing"], d["missing"]'
 check "--bounds may be two words" exits 0 fit train.csv --json --bounds -500,500
 check "--coupling off: the model says so" exits 0 fit train.csv --json --coupling off
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
@@ -195,6 +217,22 @@ check "  which makes the drags beside them better known" is out '
 before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
 assert len(P) == 17
 assert all(P[n]["sigma"] < 0.6 * before[n]["sigma"] for n in ("K_pp", "N_rr", "Y_vv"))'
+change '
+names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
+             N_Nm="cmd_yaw")
+r = [y for y in r if 12 < y[0] < 52]
+for y in r:
+    for n in names: y[C[n]] /= 1e4
+h = [names.get(n, n) for n in h]' <rov.csv >far.csv
+check "a search that ends far from the optimum by its own criterion: exit 1" exits 1 \
+    fit far.csv --json --model fossen --bounds=-1e5,1e5
+check "  status capped, nothing identifiable, and why" is out '
+assert d["status"] == "capped" and max(d["r2_force"].values()) < 0, d["r2_force"]
+assert 0 < d["evaluations"]["line_search"] < 20000 and not any(P[n]["identifiable"] for n in P)
+assert d["missing"] == [
+    "the search has not converged; narrow the bounds, or give a good point"], d["missing"]'
+check "  within narrower bounds it converges" exits 0 fit far.csv --json --model fossen \
+    --bounds=-10,10
 change 'drop("K_Nm")' <rov.csv >no_roll.csv
 check "without its moment roll is left out" exits 0 fit no_roll.csv --json --model bluerov2
 check "  which is said" is out '

@@ -58,6 +58,7 @@ class Dense
     Matrix6d P = Matrix6d::Zero();
     Matrix3d R = Matrix3d::Identity(), mount;
     Vector3d rates, q, lever;
+    std::deque<std::pair<uint64_t, Vector3d>> kept; // rates of past ticks, the newest first
     uint64_t now = 0, touched = 0;
     bool running = false, has_depth = false;
     int to_collect;
@@ -81,6 +82,13 @@ class Dense
     {
         R = rotation(attitude);
         rates = omega;
+        if (t_us - now > 2000000) {
+            kept.clear();
+        }
+        if (kept.empty() || double(t_us - kept[0].first) >= c.dvl_max_age_us / 7.0) {
+            kept.push_front({t_us, omega});
+            kept.resize(std::min<size_t>(kept.size(), 8));
+        }
         if (running) {
             double t = 1e-6 * double(t_us - now);
             Matrix6d F = Matrix6d::Identity();
@@ -108,7 +116,7 @@ class Dense
         for (int j = 0; j < 3; ++j) {
             v[j] = s.velocity[j];
         }
-        Vector3d body = mount * v - rates.cross(lever);
+        Vector3d turning = rates_at(s.t_us).cross(lever), body = mount * v - turning;
         for (int j = 0; j < 3; ++j) {
             if (s.valid != 7 && !(s.valid >> j & 1)) {
                 continue;
@@ -118,7 +126,7 @@ class Dense
             H.bottomRows<1>().setZero();
             Vector3d h = s.valid == 7 ? Vector3d(Vector3d::Unit(j)) : Vector3d(mount.col(j));
             H.bottomRows<1>().rightCols<3>() = h.transpose();
-            z[z.size() - 1] = s.valid == 7 ? body[j] : v[j] - mount.col(j).dot(rates.cross(lever));
+            z[z.size() - 1] = s.valid == 7 ? body[j] : v[j] - mount.col(j).dot(turning);
         }
         return update(water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM, s.t_us, H, z, noise, true,
                       apart);
@@ -163,6 +171,20 @@ class Dense
     }
 
   private:
+    // Straight between the rates kept and the present ones.
+    Vector3d rates_at(uint64_t t_us) const
+    {
+        std::pair<uint64_t, Vector3d> later(now, rates);
+        for (const auto &k : kept) {
+            if (k.first <= t_us && t_us < later.first) {
+                double part = double(t_us - k.first) / double(later.first - k.first);
+                return part * later.second + (1 - part) * k.second;
+            }
+            later = t_us < k.first ? k : later;
+        }
+        return later.second;
+    }
+
     double age(uint64_t t_us) const
     {
         return t_us >= now ? 0.0 : 1e-6 * double(now - t_us);

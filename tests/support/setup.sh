@@ -2,11 +2,13 @@
 # Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [validate] [eigen]
+#        [mutate]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   validate: python3 with tools/python_validation and its packages, in third_party/validation
+#   mutate: python3 with the packages of tests/mutation/requirements.txt, in third_party/mutation
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang
@@ -84,7 +86,7 @@ look() {
             done
             command -v objdump >/dev/null || missing+=(binutils)
             ;;
-        can | validate)
+        can | validate | mutate)
             python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv)
             ;;
         firmware)
@@ -186,6 +188,9 @@ fi
 if [[ " $* " == *" validate "* ]]; then
     python_environment third_party/validation tools/python_validation/requirements.txt \
         --no-build-isolation --no-deps -e tools/python_validation
+fi
+if [[ " $* " == *" mutate "* ]]; then
+    python_environment third_party/mutation tests/mutation/requirements.txt
 fi
 if [[ " $* " == *" vcan "* ]] && ! tests/vcan/run.sh --native; then
     # Package lists may be older than the mirror's newest kernel.

@@ -13,10 +13,12 @@ enum { SIZE = 8 };
 
 static auvid_can_fifo_t fifo;
 static auvid_can_frame_t storage[SIZE];
+static auvid_can_sender_t console;
 
 void setUp(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_fifo_init(&fifo, storage, SIZE));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&console, NULL));
 }
 
 void tearDown(void)
@@ -85,6 +87,135 @@ static void test_the_indices_may_wrap(void)
     test_a_full_queue_drops_the_newest_and_counts();
 }
 
+static auvid_can_frame_t of_operator(auvid_can_sender_t *from, auvid_can_kind_t kind)
+{
+    auvid_can_frame_t frame;
+    auvid_can_message_t m = {.kind = kind};
+    m.as.arm.action = kind == AUVID_CAN_ARM ? AUVID_CAN_ACTION_ARM : 0;
+    m.as.arm.key = kind == AUVID_CAN_ARM ? AUVID_CAN_ARM_KEY : 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(from, &m, &frame));
+    return frame;
+}
+
+static void push(const auvid_can_frame_t *frame)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_fifo_push(&fifo, frame));
+}
+
+static void pops(const auvid_can_frame_t *expected)
+{
+    auvid_can_frame_t frame;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_fifo_pop(&fifo, &frame));
+    TEST_ASSERT_EQUAL_HEX16(expected->id, frame.id);
+    TEST_ASSERT_EQUAL_MEMORY(expected->data, frame.data, AUVID_CAN_BYTES);
+}
+
+static void is_empty(void)
+{
+    auvid_can_frame_t frame;
+    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
+}
+
+static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full(void)
+{
+    for (uint32_t inside = 0; inside <= SIZE; ++inside) {
+        auvid_can_frame_t frame;
+        setUp();
+        fifo.pushed = fifo.popped = UINT32_MAX - inside; /* wraps besides */
+        fifo.aborts = fifo.aborted = UINT32_MAX;
+        auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT);
+        for (uint32_t i = 0; i < inside; ++i) {
+            frame = numbered(i);
+            push(&frame);
+        }
+        push(&abort);
+        frame = numbered(inside);
+        TEST_ASSERT_EQUAL(inside < SIZE ? AUVID_OK : AUVID_ERR_LIMIT,
+                          auvid_can_fifo_push(&fifo, &frame));
+        TEST_ASSERT_EQUAL_UINT32(inside == SIZE, fifo.dropped);
+        pops(&abort);
+        for (uint32_t i = 0; i < inside + (inside < SIZE); ++i) {
+            frame = numbered(i);
+            pops(&frame);
+        }
+        is_empty();
+    }
+}
+
+static void test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again(void)
+{
+    auvid_can_frame_t first = of_operator(&console, AUVID_CAN_ABORT);
+    auvid_can_frame_t second = of_operator(&console, AUVID_CAN_ABORT);
+    push(&first);
+    push(&second);
+    pops(&first);
+    is_empty();
+    push(&second);
+    pops(&second);
+    is_empty();
+}
+
+/* An order to arm, sent before the abort, must not be obeyed after it. */
+static void test_arm_frames_from_before_an_abort_are_left_out(void)
+{
+    auvid_can_frame_t arm = of_operator(&console, AUVID_CAN_ARM), sensor = numbered(1);
+    auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), last = numbered(2);
+    auvid_can_frame_t later = of_operator(&console, AUVID_CAN_ARM);
+    for (int round = 0; round < 20; ++round) {
+        push(&arm);
+        push(&sensor);
+        push(&abort);
+        push(&arm);
+        push(&abort); /* the one that counts for `arm` before */
+        push(&last);
+        push(&later);
+        pops(&abort);
+        pops(&sensor);
+        pops(&last);
+        pops(&later);
+        push(&arm);
+        pops(&arm); /* of no abort */
+        push(&arm);
+        push(&abort);
+        pops(&abort);
+        is_empty();
+    }
+}
+
+static void test_what_is_no_abort_waits_in_its_place(void)
+{
+    for (int wrong = 0; wrong < 3; ++wrong) {
+        auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), before = numbered(1);
+        abort.data[2] ^= wrong == 0;
+        abort.length = (uint8_t)(abort.length - (wrong == 1));
+        abort.id = (uint16_t)(abort.id + (wrong == 2));
+        push(&before);
+        push(&abort);
+        pops(&before);
+        pops(&abort);
+    }
+}
+
+static void test_an_abort_of_moved_identifiers_is_one(void)
+{
+    const auvid_can_ids_t ids = {0x200, 0x300};
+    auvid_can_sender_t moved;
+    auvid_can_frame_t before = numbered(1);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&moved, &ids));
+    fifo.ids = ids;
+    auvid_can_frame_t arm = of_operator(&moved, AUVID_CAN_ARM);
+    auvid_can_frame_t abort = of_operator(&moved, AUVID_CAN_ABORT);
+    auvid_can_frame_t other = of_operator(&console, AUVID_CAN_ABORT);
+    push(&arm);
+    push(&before);
+    push(&other);
+    push(&abort);
+    pops(&abort);
+    pops(&before);
+    pops(&other);
+    is_empty();
+}
+
 enum { MANY = 400000 };
 
 /* Who only yields waits, on a busy machine, for a time slice of every other program. */
@@ -125,6 +256,54 @@ static void test_two_threads_lose_and_tear_nothing(void)
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
 }
 
+static volatile bool produced;
+
+/* An abort each 50 frames, an arm frame before each. What finds no room is lost, but for aborts. */
+static void *produce_aborts(void *unused)
+{
+    for (uint32_t i = 0; i < MANY / 10; ++i) {
+        auvid_can_frame_t frame = i % 50 == 49   ? of_operator(&console, AUVID_CAN_ABORT)
+                                  : i % 50 == 48 ? of_operator(&console, AUVID_CAN_ARM)
+                                                 : numbered(i % 50);
+        frame.t_us = i;
+        (void)auvid_can_fifo_push(&fifo, &frame);
+        if (i % 50 == 0) {
+            pause_thread();
+        }
+    }
+    produced = true;
+    return unused;
+}
+
+/* Every abort is in the count of those taken, or is one with an earlier one that was not yet. */
+static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(void)
+{
+    pthread_t producer;
+    auvid_can_frame_t frame;
+    auvid_can_message_t m;
+    uint64_t last_us = 0;
+    uint32_t aborts = 0, wrong = 0;
+    produced = false;
+    TEST_ASSERT_EQUAL(0, pthread_create(&producer, NULL, produce_aborts, NULL));
+    for (bool ended = false; !ended;) {
+        ended = produced; /* read before the queue is */
+        while (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
+            auvid_can_kind_t kind = auvid_can_kind(NULL, frame.id);
+            bool ours = kind == AUVID_CAN_ABORT || kind == AUVID_CAN_ARM;
+            wrong += ours && auvid_can_unpack(NULL, &frame, &m) != AUVID_OK; /* torn */
+            wrong += kind == AUVID_CAN_ARM && frame.t_us < last_us;
+            wrong += kind == AUVID_CAN_ABORT && aborts > 0 && frame.t_us <= last_us;
+            last_us = kind == AUVID_CAN_ABORT ? frame.t_us : last_us;
+            aborts += kind == AUVID_CAN_ABORT;
+        }
+        pause_thread();
+    }
+    pthread_join(producer, NULL);
+    TEST_ASSERT_EQUAL_UINT32(0, wrong);
+    TEST_ASSERT_TRUE(aborts > 0);
+    TEST_ASSERT_EQUAL_UINT32(fifo.aborts, aborts);
+}
+
 static void test_wrong_calls_are_named(void)
 {
     auvid_can_frame_t frame = numbered(0);
@@ -149,7 +328,13 @@ int main(void)
     RUN_TEST(test_frames_come_out_in_the_order_they_went_in);
     RUN_TEST(test_a_full_queue_drops_the_newest_and_counts);
     RUN_TEST(test_the_indices_may_wrap);
+    RUN_TEST(test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full);
+    RUN_TEST(test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again);
+    RUN_TEST(test_arm_frames_from_before_an_abort_are_left_out);
+    RUN_TEST(test_what_is_no_abort_waits_in_its_place);
+    RUN_TEST(test_an_abort_of_moved_identifiers_is_one);
     RUN_TEST(test_two_threads_lose_and_tear_nothing);
+    RUN_TEST(test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it);
     RUN_TEST(test_wrong_calls_are_named);
     return UNITY_END();
 }

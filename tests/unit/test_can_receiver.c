@@ -181,10 +181,24 @@ static void test_without_time_out_silence_does_not_matter(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0));
 }
 
-static void test_a_clock_that_went_back_is_a_time_out(void)
+static void test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_there_on(void)
 {
     depth(0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, now - 1));
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 1));
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 299999));
+    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, now - 300000));
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+}
+
+static void test_the_count_outlasts_a_stamp_that_is_a_little_behind(void)
+{
+    depth(0);
+    now -= 300000 - 1 + TICK;
+    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* of 299999 us before */
+    setUp();
+    depth(0);
+    now -= 300000 + TICK;
+    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(0)); /* a new start */
 }
 
 static void test_frames_of_other_messages_change_nothing(void)
@@ -313,6 +327,140 @@ static void test_a_thruster_that_is_not_commanded_stands_still(void)
     TEST_ASSERT_TRUE(thrust[5] == 0);
 }
 
+/* The usual order: the clock is read, then the frames are taken, then the thrust. */
+static void test_frames_that_come_while_the_thrust_is_worked_out_are_of_now(void)
+{
+    start_driving();
+    for (int i = 0; i < 50; ++i) {
+        uint64_t clock = now += TICK;
+        now += 3000;
+        drive(AUVID_C(0.25));
+        now = clock;
+        TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
+    }
+    TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first only starts the count */
+    TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timed_out + command.half[0].ahead);
+}
+
+/* Commands that are stamped so much ahead of the clock. */
+static void drive_ahead(uint64_t by_us, int frames)
+{
+    now += by_us;
+    for (int i = 0; i < frames; ++i) {
+        drive(1);
+        now += TICK;
+    }
+    now -= by_us + (uint64_t)frames * TICK;
+}
+
+static void test_a_stamp_ahead_by_less_than_the_time_out_has_age_0(void)
+{
+    start_driving();
+    drive_ahead(TIMEOUT - 1, 1);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
+    now += TIMEOUT - 1 + TIMEOUT;
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
+    now += 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+}
+
+static void test_stamps_further_ahead_are_refused_and_the_last_good_command_stays(void)
+{
+    for (int frames = 1; frames <= 5; ++frames) {
+        setUp();
+        start_driving();
+        uint32_t good = command.half[0].good;
+        drive_ahead(frames % 2 ? TIMEOUT : 100000000000ull, frames);
+        TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+        TEST_ASSERT_EQUAL_UINT32(good, command.half[0].good);
+        TEST_ASSERT_EQUAL_UINT32(1, command.half[0].ahead);
+        TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timed_out);
+        now += TIMEOUT;
+        TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+        now += 1;
+        TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    }
+}
+
+static void test_the_command_after_one_of_the_future_is_good_at_once(void)
+{
+    start_driving();
+    drive_ahead(10 * TIMEOUT, 1);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+    now += TICK;
+    drive(AUVID_C(0.75));
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.75)));
+}
+
+static void test_the_last_good_command_stays_between_two_of_which_one_is_of_the_future(void)
+{
+    start_driving();
+    drive_ahead(10 * TIMEOUT, 2);
+    now += TICK;
+    drive(AUVID_C(0.75)); /* only starts the count again */
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+    for (int i = 0; i < 3; ++i) {
+        now += TICK;
+        drive(AUVID_C(0.75));
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.75)));
+}
+
+static void test_one_half_of_the_future_is_refused_like_both(void)
+{
+    start_driving();
+    now += 10 * TIMEOUT;
+    auvid_can_frame_t frame = half_frame(1, 1);
+    now -= 10 * TIMEOUT;
+    auvid_can_command_take(&command, &frame);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
+    TEST_ASSERT_EQUAL_UINT32(0, command.half[0].ahead);
+    TEST_ASSERT_EQUAL_UINT32(1, command.half[1].ahead);
+}
+
+static void test_commands_from_the_start_of_the_future_drive_nothing(void)
+{
+    drive_ahead(TIMEOUT, 4);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0)); /* the first one of now */
+    now += TICK;
+    drive(1);
+    TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
+}
+
+/* For good: whether the thrust is asked for at once, or after frames of the new time. */
+static void test_after_the_clock_was_set_back_driving_goes_on(void)
+{
+    for (int asked = 0; asked < 2; ++asked) {
+        int frames = 0;
+        setUp();
+        start_driving();
+        now -= 100 * TIMEOUT;
+        if (asked) {
+            TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+        }
+        auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+        do {
+            now += TICK;
+            drive(AUVID_C(0.25));
+            ++frames;
+        } while (auvid_can_command_thrust(&command, now, thrust) != AUVID_OK && frames < 10);
+        TEST_ASSERT_LESS_THAN_INT(4, frames);
+        TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
+    }
+}
+
+static void test_one_to_eight_thrusters_need_a_half_for_each_four(void)
+{
+    for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, thrusters, NULL));
+        auvid_can_frame_t frame = half_frame(1, 1);
+        TEST_ASSERT_EQUAL(thrusters <= 4 ? AUVID_CAN_FOREIGN : AUVID_CAN_JUMPED,
+                          auvid_can_command_take(&command, &frame));
+    }
+}
+
 static void test_frames_of_chance_are_good_no_more_often_than_they_must(void)
 {
     /* 2^-8 by the checksum, 3/16 by the counter, (8002/8192)^4 by the range. 2e6 frames: 1332
@@ -366,7 +514,8 @@ int main(void)
     RUN_TEST(test_repeated_and_bad_frames_do_not_keep_a_message_alive);
     RUN_TEST(test_after_a_time_out_any_counter_is_a_new_start);
     RUN_TEST(test_without_time_out_silence_does_not_matter);
-    RUN_TEST(test_a_clock_that_went_back_is_a_time_out);
+    RUN_TEST(test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_there_on);
+    RUN_TEST(test_the_count_outlasts_a_stamp_that_is_a_little_behind);
     RUN_TEST(test_frames_of_other_messages_change_nothing);
     RUN_TEST(test_thrust_is_zero_until_two_commands_follow_each_other);
     RUN_TEST(test_thrust_is_zero_150_ms_after_the_last_good_command);
@@ -378,6 +527,15 @@ int main(void)
     RUN_TEST(test_all_thrust_is_zero_when_one_half_falls_silent);
     RUN_TEST(test_four_thrusters_need_the_first_half_only);
     RUN_TEST(test_a_thruster_that_is_not_commanded_stands_still);
+    RUN_TEST(test_frames_that_come_while_the_thrust_is_worked_out_are_of_now);
+    RUN_TEST(test_a_stamp_ahead_by_less_than_the_time_out_has_age_0);
+    RUN_TEST(test_stamps_further_ahead_are_refused_and_the_last_good_command_stays);
+    RUN_TEST(test_the_command_after_one_of_the_future_is_good_at_once);
+    RUN_TEST(test_the_last_good_command_stays_between_two_of_which_one_is_of_the_future);
+    RUN_TEST(test_one_half_of_the_future_is_refused_like_both);
+    RUN_TEST(test_commands_from_the_start_of_the_future_drive_nothing);
+    RUN_TEST(test_after_the_clock_was_set_back_driving_goes_on);
+    RUN_TEST(test_one_to_eight_thrusters_need_a_half_for_each_four);
     RUN_TEST(test_frames_of_chance_are_good_no_more_often_than_they_must);
     RUN_TEST(test_wrong_calls_are_named_and_give_no_thrust);
     return UNITY_END();

@@ -230,21 +230,24 @@ static void forge(uint32_t at)
     }
 }
 
+static void check_forged(auvid_status_t status, uint32_t byte)
+{
+    forge(byte);
+    check_refused(status, saved, bytes);
+    forge(byte);
+}
+
 static void test_one_of_another_version_or_other_sizes_is_refused(void)
 {
     make();
-    forge(4); /* the checksum of the layout */
-    check_refused(AUVID_ERR_SIZE, saved, bytes);
-    forge(4);
-    forge(0); /* the format */
-    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
-    forge(0);
-    forge(20); /* the length */
-    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
-    forge(20);
-    forge(12); /* parts that this model cannot have */
-    check_refused(AUVID_ERR_CHECKSUM, saved, bytes);
-    forge(12);
+    for (uint32_t byte = 0; byte < 4; ++byte) {
+        check_forged(AUVID_ERR_CHECKSUM, 0 + byte); /* the format */
+        check_forged(AUVID_ERR_SIZE, 4 + byte);     /* the checksum of the layout */
+        check_forged(AUVID_ERR_MODEL, 8 + byte);    /* that of the model */
+        check_forged(AUVID_ERR_SIZE, 16 + byte);    /* the storage of a model without regressor */
+        check_forged(AUVID_ERR_CHECKSUM, 20 + byte); /* the length */
+    }
+    check_forged(AUVID_ERR_CHECKSUM, 12); /* parts that this model cannot have */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 

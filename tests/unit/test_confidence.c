@@ -7,6 +7,7 @@
  * metric is then full in no time, and what is known about it can be chosen.
  */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "auvid/confidence.h"
@@ -321,6 +322,55 @@ static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
     }
 }
 
+static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_girona500.regressor(context, s, y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        y->row[j][AUVID_G500_M_U] *= 1000;
+    }
+}
+
+/* A model may count in units of its own. */
+static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
+{
+    static auvid_vehicle_t vehicle;
+    auvid_metric_config_t cfg = usual();
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    uint32_t identifiable = verdict->identifiable;
+    vehicle = auvid_girona500;
+    vehicle.regressor = tonnes;
+    cfg.vehicle = &vehicle;
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    assess();
+    TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
+}
+
+/* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
+static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
+{
+    const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+    const world_t world = {ALL, SETS, 1.0, 0.0};
+    auvid_metric_config_t cfg = usual();
+    uint64_t state = 5;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
+    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+        auvid_sample_t s;
+        move(0.1 * (double)k, world.dofs, &s);
+        s.nu[AUVID_SURGE] = 0;
+        spoil(&s, &world, &state);
+        s.t_us = 100000 * k;
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
+    }
+    assess_without(drags, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable & drags);
+    TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
+    for (int i = AUVID_G500_X_U; i <= AUVID_G500_X_UU; ++i) {
+        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[i]);
+    }
+}
+
 /* W-B and Z_0 are told apart by the cosine of small angles only. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
@@ -375,6 +425,109 @@ static void test_what_explains_no_force_is_implausible(void)
     TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, verdict->implausible);
     TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_M_U]);
+}
+
+/* ---- bounds ---- */
+
+static auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
+
+/* The verdict on `estimate` of a search within the bounds. */
+static void judge_within_bounds(bool capped)
+{
+    uint32_t budget = UINT32_MAX;
+    auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    auvid_confidence_limits(&job, lower, upper, capped);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+}
+
+/* A world of which all is known, and m_u held at its upper bound, `part` of its optimum; the other
+ * parameters make the best of it. @return where they would be without the bound */
+static const auvid_real_t *hold_mass(double part)
+{
+    static auvid_real_t optimum[AUVID_MAX_PARAMETERS];
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    memcpy(optimum, estimate, sizeof optimum);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        lower[i] = AUVID_C(-2000.0);
+        upper[i] = AUVID_C(2000.0);
+    }
+    upper[AUVID_G500_M_U] = (auvid_real_t)(part * (double)optimum[AUVID_G500_M_U]);
+    estimate[AUVID_G500_M_U] = upper[AUVID_G500_M_U];
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_metric_least_squares(
+                          &metric, AUVID_G500_FREE & ~(1u << AUVID_G500_M_U), estimate));
+    judge_within_bounds(false);
+    return optimum;
+}
+
+static void test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable(void)
+{
+    (void)hold_mass(0.9);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_M_U));
+    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == upper[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(1, verdict->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_M_U] == AUVID_LARGEST);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) { /* the lower one */
+        estimate[i] = -estimate[i];
+        lower[i] = -upper[i];
+    }
+    judge_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(0, verdict->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
+}
+
+/* Standard errors of such a result are those of its residual, so the half-widths are known. */
+static void test_what_moves_by_more_than_its_half_width_without_the_bound_is_named(void)
+{
+    static const double parts[] = {0.5, 0.9, 0.99};
+    int named = 0, left = 0;
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; ++k) {
+        const auvid_real_t *free = hold_mass(parts[k]);
+        static auvid_confidence_t within;
+        within = *verdict;
+        judge(AUVID_C(0.0)); /* the same without bounds: half-widths */
+        for (int i = 0; i < COUNT; ++i) {
+            double moves = fabs((double)free[i] - (double)estimate[i]);
+            double half = 2.1 * (double)verdict->sigma[i];
+            if (i == AUVID_G500_M_U || fabs(moves / half - 1.0) < 0.05) {
+                continue;
+            }
+            bool beside = within.note[i] == AUVID_NOTE_BESIDE_BOUND;
+            TEST_ASSERT_EQUAL(moves > half, beside);
+            TEST_ASSERT_FALSE(beside && (within.identifiable >> i & 1u));
+            TEST_ASSERT_TRUE(!beside || within.partner[i] == AUVID_G500_M_U);
+            named += beside;
+            left += !beside && (within.identifiable >> i & 1u);
+        }
+    }
+    TEST_ASSERT_TRUE(named > 0);
+    TEST_ASSERT_TRUE(left > 0);
+}
+
+static void test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_it(void)
+{
+    (void)hold_mass(0.9);
+    observe(&(world_t){ALL, SETS, 1.0, 0.0});
+    upper[AUVID_G500_M_U] = estimate[AUVID_G500_M_U] + AUVID_C(1.0); /* a thousandth is 2.2 kg */
+    TEST_ASSERT_TRUE(AUVID_C(2.1) * verdict->sigma[AUVID_G500_M_U] < AUVID_C(1.0));
+    judge_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+}
+
+static void test_a_search_that_has_not_converged_identifies_nothing(void)
+{
+    (void)hold_mass(0.9);
+    judge_within_bounds(true);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_CONVERGED, verdict->note[i]);
+        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
+    }
 }
 
 static void test_a_parameter_that_is_zero_and_known_to_be_is_called_small(void)
@@ -469,6 +622,49 @@ static void test_a_pair_is_told_once_and_a_dof_once(void)
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
 }
 
+static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_M_V] = notes.note[AUVID_G500_Z_W] = AUVID_NOTE_AT_BOUND;
+    notes.partner[AUVID_G500_M_V] = 1;
+    notes.bound[AUVID_G500_M_V] = AUVID_C(300.0);
+    notes.bound[AUVID_G500_Z_W] = AUVID_C(-0.05);
+    notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_Y_VV] = AUVID_NOTE_BESIDE_BOUND;
+    notes.partner[AUVID_G500_X_U] = notes.partner[AUVID_G500_Y_VV] = AUVID_G500_M_V;
+    expect("sway: m_v is at its upper bound of 300 kg: widen it", 0);
+    expect("surge: m_v at its bound also changes X_u, Y_vv", 1);
+    expect("heave: Z_w is at its lower bound of -0.05 N s/m: widen it", 2);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
+}
+
+static void test_numbers_in_words_are_those_of_printf(void)
+{
+    static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999,
+                                     1000, 65536.125, 999999};
+    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
+        char words[100];
+        memset(&notes, 0, sizeof notes);
+        notes.note[AUVID_G500_M_U] = AUVID_NOTE_AT_BOUND;
+        notes.bound[AUVID_G500_M_U] = (auvid_real_t)numbers[k];
+        (void)snprintf(words, sizeof words, "surge: m_u is at its lower bound of %.9g kg: widen it",
+                       numbers[k]);
+        expect(words, 0);
+    }
+}
+
+static void test_a_search_that_has_not_converged_is_told_once(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_M_U] = notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_Y_V] =
+        AUVID_NOTE_NOT_CONVERGED;
+    expect("the search has not converged; narrow the bounds, or give a good point", 0);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
+}
+
 static void test_before_the_first_estimate_every_dof_is_asked_for(void)
 {
     static const char *const dof[] = {"surge: ", "sway: ", "heave: ", "yaw: "};
@@ -498,7 +694,7 @@ static void test_a_text_too_long_is_cut_and_ended(void)
 
 static void test_every_note_has_a_phrase(void)
 {
-    for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_IMPLAUSIBLE; ++a) {
+    for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_NOT_CONVERGED; ++a) {
         TEST_ASSERT_TRUE(strlen(auvid_note_str((auvid_note_t)a)) > 5);
         for (int b = AUVID_NOTE_NONE; b < a; ++b) {
             TEST_ASSERT_TRUE(
@@ -520,6 +716,9 @@ static void test_wrong_arguments_are_named(void)
     auvid_confidence_begin(NULL, &metric, estimate, AUVID_C(0.0));
     auvid_confidence_begin(&job, NULL, estimate, AUVID_C(0.0));
     auvid_confidence_begin(&job, &metric, NULL, AUVID_C(0.0));
+    auvid_confidence_limits(NULL, lower, upper, true);
+    auvid_confidence_limits(&job, NULL, upper, true);
+    auvid_confidence_limits(&job, lower, NULL, true);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
                       auvid_confidence_missing(&notes, NULL, 0, 0, text, sizeof text));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
@@ -542,16 +741,25 @@ int main(void)
     RUN_TEST(test_good_data_make_everything_identifiable);
     RUN_TEST(test_a_fixed_parameter_is_called_so);
     RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms);
+    RUN_TEST(test_drags_of_a_velocity_that_stands_still_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_is_implausible);
     RUN_TEST(test_a_drag_that_drives_is_implausible);
     RUN_TEST(test_what_explains_no_force_is_implausible);
+    RUN_TEST(test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable);
+    RUN_TEST(test_what_moves_by_more_than_its_half_width_without_the_bound_is_named);
+    RUN_TEST(test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_it);
+    RUN_TEST(test_a_search_that_has_not_converged_identifies_nothing);
     RUN_TEST(test_a_parameter_that_is_zero_and_known_to_be_is_called_small);
     RUN_TEST(test_a_parameter_that_may_be_zero_is_not_called_small);
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
     RUN_TEST(test_too_much_noise_makes_all_uncertain);
     RUN_TEST(test_every_need_has_its_words);
     RUN_TEST(test_a_pair_is_told_once_and_a_dof_once);
+    RUN_TEST(test_a_bound_is_told_with_its_value_and_with_what_depends_on_it);
+    RUN_TEST(test_numbers_in_words_are_those_of_printf);
+    RUN_TEST(test_a_search_that_has_not_converged_is_told_once);
     RUN_TEST(test_before_the_first_estimate_every_dof_is_asked_for);
     RUN_TEST(test_a_text_too_long_is_cut_and_ended);
     RUN_TEST(test_every_note_has_a_phrase);

@@ -213,6 +213,62 @@ static void test_random_steps_beyond_the_leash_lead_back(void)
     }
 }
 
+/* The leash and the displacement are in metres and may be fractions of one. */
+static void test_a_leash_of_half_a_metre_leads_back_on_both_sides(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        const auvid_real_t d[6] = {(auvid_real_t)side * AUVID_C(0.7)};
+        setUp();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 60, 1, 1));
+        cfg.leash[AUVID_SURGE] = AUVID_C(0.5);
+        begin();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+        for (uint64_t t_us = S; t_us < 59 * S; t_us += S / 10) {
+            at(t_us);
+            TEST_ASSERT_TRUE((double)wrench[0] * side < -29);
+        }
+    }
+}
+
+/* The wrench of a sine of 20 N in surge with a leash of 5 m, at one displacement. */
+static void play_sine(double displacement, double *least, double *most)
+{
+    const auvid_real_t d[6] = {(auvid_real_t)displacement};
+    setUp();
+    cfg.segments = 1;
+    cfg.segment[0].kind = AUVID_SEGMENT_SINE;
+    cfg.segment[0].amplitude = 20;
+    cfg.segment[0].frequency_hz = AUVID_C(0.1);
+    cfg.segment[0].duration_s = 20;
+    cfg.leash[AUVID_SURGE] = 5;
+    begin();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+    *least = INFINITY;
+    *most = -INFINITY;
+    for (uint64_t t_us = 0; t_us < 20 * S; t_us += S / 10) {
+        at(t_us);
+        *least = fmin(*least, (double)wrench[0]);
+        *most = fmax(*most, (double)wrench[0]);
+    }
+}
+
+/* From twice the leash on the pull is the segment's amplitude, no more. */
+static void test_a_sine_pushes_to_both_sides_within_the_leash_and_to_one_from_twice_it_on(void)
+{
+    static const double within[] = {-4.9, 0.0, 4.9}, beyond[] = {-50.0, -10.0, 10.0, 50.0};
+    double least, most;
+    for (int i = 0; i < 3; ++i) {
+        play_sine(within[i], &least, &most);
+        TEST_ASSERT_TRUE(least < -19.9 && most > 19.9);
+    }
+    for (int i = 0; i < 4; ++i) {
+        play_sine(beyond[i], &least, &most);
+        double near_zero = beyond[i] > 0 ? most : least;
+        TEST_ASSERT_TRUE(fabs(near_zero) < 0.1);
+        TEST_ASSERT_TRUE(beyond[i] > 0 ? least < -19.9 : most > 19.9);
+    }
+}
+
 /* At twice the leash, sines too push one way only; and never beyond the peak. */
 static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
 {
@@ -331,6 +387,8 @@ int main(void)
     RUN_TEST(test_a_schedule_refuses_what_it_cannot_make);
     RUN_TEST(test_within_the_leash_the_wrench_is_as_without);
     RUN_TEST(test_random_steps_beyond_the_leash_lead_back);
+    RUN_TEST(test_a_leash_of_half_a_metre_leads_back_on_both_sides);
+    RUN_TEST(test_a_sine_pushes_to_both_sides_within_the_leash_and_to_one_from_twice_it_on);
     RUN_TEST(test_the_pull_grows_with_the_distance_and_keeps_the_peak);
     RUN_TEST(test_a_leash_or_displacement_that_cannot_be_is_refused);
     RUN_TEST(test_the_leash_keeps_the_vehicle_against_drift_and_a_current);

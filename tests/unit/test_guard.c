@@ -511,6 +511,24 @@ static void test_an_abort_after_a_breach_keeps_the_first_cause(void)
     check_latched(AUVID_GUARD_ROLL, 1, 0.6);
 }
 
+static void test_an_abort_for_another_cause_tells_it(void)
+{
+    for (int cause = -1; cause <= AUVID_GUARD_CAUSE_COUNT; ++cause) {
+        bool known = cause > AUVID_GUARD_NO_CAUSE && cause < AUVID_GUARD_CAUSE_COUNT;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+        TEST_ASSERT_EQUAL(known ? AUVID_OK : AUVID_ERR_RANGE,
+                          auvid_guard_abort_for(&g, now + 7, (auvid_guard_cause_t)cause));
+        TEST_ASSERT_EQUAL(known ? AUVID_GUARD_ABORTED : AUVID_GUARD_ARMED, g.state);
+        TEST_ASSERT_EQUAL(known ? cause : AUVID_GUARD_NO_CAUSE, g.trip.cause);
+        TEST_ASSERT_EQUAL_UINT64(known ? now + 7 : 0, g.trip.t_us);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now + 8));
+        TEST_ASSERT_EQUAL(known ? cause : AUVID_GUARD_OPERATOR, g.trip.cause); /* the first stays */
+    }
+    memset(&g, 0, sizeof g);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_abort_for(&g, now, AUVID_GUARD_LINK));
+}
+
 static void test_time_that_goes_back_or_stands_still(void)
 {
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
@@ -742,7 +760,7 @@ static void test_what_cannot_be_switched_off_is_refused(void)
 {
     for (int cause = 0; cause < 32; ++cause) {
         bool may = cause >= AUVID_GUARD_TICK && cause < AUVID_GUARD_CAUSE_COUNT &&
-                   cause != AUVID_GUARD_LINK;
+                   cause != AUVID_GUARD_LINK && cause != AUVID_GUARD_FOREIGN_COMMAND;
         cfg.off = AUVID_GUARD_BIT(cause);
         check_init(may ? AUVID_OK : AUVID_ERR_RANGE);
     }
@@ -767,6 +785,7 @@ static void test_null_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_excite(NULL, now));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_finished(NULL, now));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_abort(NULL, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_abort_for(NULL, now, AUVID_GUARD_LINK));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_disarm(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_alive(NULL, now));
     TEST_ASSERT_FALSE(auvid_guard_step(NULL, now, &in));
@@ -821,6 +840,7 @@ int main(void)
     RUN_TEST(test_saturation_with_interruptions_is_none);
     RUN_TEST(test_the_operator_aborts_from_any_state);
     RUN_TEST(test_an_abort_after_a_breach_keeps_the_first_cause);
+    RUN_TEST(test_an_abort_for_another_cause_tells_it);
     RUN_TEST(test_time_that_goes_back_or_stands_still);
     RUN_TEST(test_arm_excite_and_step_may_share_a_time);
     RUN_TEST(test_a_loop_that_stalled_does_not_come_back_exciting);

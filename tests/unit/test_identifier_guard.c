@@ -332,6 +332,44 @@ static void test_a_step_without_input_or_output(void)
     check_aborted(&chain.out, AUVID_GUARD_NO_INPUT);
 }
 
+/* Armed, or exciting; a tick after that, or none yet; all that can be switched off is. */
+static void begin_unlimited(bool exciting, bool stepped)
+{
+    config.id.guard.off = AUVID_GUARD_SWITCHABLE;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.waiting = false;
+    chain_run(&chain, 1.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    if (exciting) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
+    }
+    if (stepped) {
+        chain_tick(&chain);
+        TEST_ASSERT_EQUAL(exciting ? AUVID_GUARD_EXCITING : AUVID_GUARD_ARMED, chain.out.guard);
+    }
+}
+
+static void test_every_refused_step_aborts_whatever_limits_are_off(void)
+{
+    for (int k = 0; k < 4; ++k) {
+        auvid_input_t in;
+        memset(&in, 0, sizeof in);
+        begin_unlimited(k & 1, k & 2);
+        in.t_us = chain.t_us;
+        check_refused(&in, AUVID_ERR_TIME_SAME, AUVID_GUARD_TIME);
+        begin_unlimited(k & 1, k & 2);
+        in.t_us = chain.t_us - 1;
+        check_refused(&in, AUVID_ERR_TIME_BACK, AUVID_GUARD_TIME);
+        begin_unlimited(k & 1, k & 2);
+        check_refused(NULL, AUVID_ERR_NULL, AUVID_GUARD_NO_INPUT);
+        begin_unlimited(k & 1, k & 2);
+        in.t_us = chain.t_us + SIM_TICK_US;
+        TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_step(&chain.id, &in, NULL));
+        chain_tick(&chain);
+        check_aborted(&chain.out, AUVID_GUARD_NO_INPUT);
+    }
+}
+
 static void test_a_tick_that_stalled(void)
 {
     auvid_input_t in;
@@ -545,6 +583,7 @@ int main(void)
     RUN_TEST(test_time_goes_back);
     RUN_TEST(test_time_stands_still);
     RUN_TEST(test_a_step_without_input_or_output);
+    RUN_TEST(test_every_refused_step_aborts_whatever_limits_are_off);
     RUN_TEST(test_a_tick_that_stalled);
     RUN_TEST(test_nobody_records_what_is_applied);
     RUN_TEST(test_arming_before_the_sensors_have_spoken_is_refused_and_says_why);

@@ -41,6 +41,35 @@ static void test_bounds_reversed_or_equal_are_refused(void)
     check_init(AUVID_OK);
 }
 
+static void test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused(void)
+{
+    config.id.dry_mass_kg = 300;
+    config.id.search.upper[AUVID_G500_M_V] = 301;
+    check_init(AUVID_OK);
+    config.id.dry_mass_kg = 300;
+    config.id.search.upper[AUVID_G500_M_V] = 300;
+    check_init(AUVID_ERR_DRY_MASS);
+    config.id.dry_mass_kg = 300;
+    config.id.search.upper[AUVID_G500_M_R] = 100; /* an inertia */
+    check_init(AUVID_OK);
+    config.id.dry_mass_kg = 300;
+    config.id.search.upper[AUVID_G500_M_W] = 200;
+    config.id.metric.free &= ~(1u << AUVID_G500_M_W); /* not free: not looked at */
+    check_init(AUVID_OK);
+    config.id.search.upper[AUVID_G500_M_U] = -1; /* no dry mass is known */
+    check_init(AUVID_OK);
+}
+
+static void test_a_dry_mass_below_zero_or_not_finite_is_refused(void)
+{
+    config.id.dry_mass_kg = -1;
+    check_init(AUVID_ERR_RANGE);
+    config.id.dry_mass_kg = (auvid_real_t)NAN;
+    check_init(AUVID_ERR_RANGE);
+    config.id.dry_mass_kg = (auvid_real_t)INFINITY;
+    check_init(AUVID_ERR_DRY_MASS);
+}
+
 static void test_a_population_too_small_or_too_large_is_refused(void)
 {
     config.id.search.population = 13; /* 13 parameters want 14 */
@@ -195,6 +224,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_bounds_reversed_or_equal_are_refused);
+    RUN_TEST(test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused);
+    RUN_TEST(test_a_dry_mass_below_zero_or_not_finite_is_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
     RUN_TEST(test_an_omega_or_a_good_point_that_cannot_be_is_refused);
     RUN_TEST(test_too_many_parameters_or_none_are_refused);

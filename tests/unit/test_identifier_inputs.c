@@ -40,10 +40,12 @@ typedef enum {
     IMU_SAME,
     DVL_VALUE,
     DVL_FUTURE,
+    DVL_SOON,
     DVL_PAST,
     DVL_TOO_FAST,
     DVL_OUTLIER,
     DEPTH_VALUE,
+    DEPTH_SOON,
     DEPTH_PAST,
     DEPTH_OUTLIER,
     GPS_VALUE,
@@ -57,6 +59,7 @@ static const uint32_t expected_event[SPOILS] = {
     [IMU_FUTURE] = AUVID_EVENT_IMU_DROPPED,      [IMU_PAST] = AUVID_EVENT_IMU_DROPPED,
     [IMU_SAME] = AUVID_EVENT_IMU_DROPPED,        [DVL_VALUE] = AUVID_EVENT_DVL_DROPPED,
     [DVL_FUTURE] = AUVID_EVENT_DVL_DROPPED,      [DVL_PAST] = AUVID_EVENT_DVL_DROPPED,
+    [DVL_SOON] = AUVID_EVENT_DVL_DROPPED,        [DEPTH_SOON] = AUVID_EVENT_DEPTH_DROPPED,
     [DVL_TOO_FAST] = AUVID_EVENT_DVL_DROPPED,    [DVL_OUTLIER] = AUVID_EVENT_DVL_DROPPED,
     [DEPTH_VALUE] = AUVID_EVENT_DEPTH_DROPPED,   [DEPTH_PAST] = AUVID_EVENT_DEPTH_DROPPED,
     [DEPTH_OUTLIER] = AUVID_EVENT_DEPTH_DROPPED, [GPS_VALUE] = AUVID_EVENT_GPS_DROPPED,
@@ -94,6 +97,12 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
         break;
     case DVL_FUTURE:
         in->dvl.sample.t_us += 3600000000u;
+        break;
+    case DVL_SOON: /* within what it might be held for */
+        in->dvl.sample.t_us += 2 * SIM_TICK_US;
+        break;
+    case DEPTH_SOON:
+        in->depth.t_us += 2 * SIM_TICK_US;
         break;
     case DVL_PAST:
         in->dvl.sample.t_us -= 10 * SIM_TICK_US;
@@ -239,6 +248,8 @@ static void test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follo
 static void test_dvl_and_depth_samples_of_a_wrong_time_are_dropped(void)
 {
     check_spoilt(DVL_FUTURE, 0);
+    check_spoilt(DVL_SOON, 0);
+    check_spoilt(DEPTH_SOON, 0);
     check_spoilt(DVL_PAST, 0);
     check_spoilt(DEPTH_PAST, 0);
 }
@@ -339,6 +350,130 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
     attitude[2] = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_motion(&chain.id, 2000, attitude, nu));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+}
+
+/* Beside steps with sensors one of the two may have got further than the other. */
+static void test_motion_is_refused_as_a_whole_where_one_half_is(void)
+{
+    static auvid_identifier_t before;
+    const auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0};
+    for (int ahead = 0; ahead < 2; ++ahead) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
+        if (ahead) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&chain.id.recorder, 3000, nu));
+        } else {
+            TEST_ASSERT_EQUAL(AUVID_OK,
+                              auvid_recorder_attitude(&chain.id.recorder, 3000, attitude, nu));
+        }
+        before = chain.id;
+        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK,
+                          auvid_identifier_motion(&chain.id, 2000, attitude, nu));
+        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME,
+                          auvid_identifier_motion(&chain.id, 3000, attitude, nu));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 3001, attitude, nu));
+    }
+}
+
+/* ---- an IMU that is later than the other sensors ---- */
+
+enum { LATE_TICKS = 5 };
+
+typedef struct {
+    uint32_t dvl; /* samples given */
+    struct {
+        bool present;
+        uint64_t t_us;
+        auvid_real_t attitude[3], rates[3];
+    } past[LATE_TICKS];
+} late_t;
+
+/* What the IMU measured five ticks ago. */
+static void delay_imu(chain_t *c, auvid_input_t *in)
+{
+    late_t *late = c->config.context;
+    auvid_input_t now = *in;
+    int slot = (int)(c->tick % LATE_TICKS);
+    late->dvl += in->dvl.present;
+    in->imu.present = late->past[slot].present;
+    in->imu.t_us = late->past[slot].t_us;
+    memcpy(in->imu.attitude, late->past[slot].attitude, sizeof in->imu.attitude);
+    memcpy(in->imu.rates, late->past[slot].rates, sizeof in->imu.rates);
+    late->past[slot].present = now.imu.present;
+    late->past[slot].t_us = now.imu.t_us;
+    memcpy(late->past[slot].attitude, now.imu.attitude, sizeof now.imu.attitude);
+    memcpy(late->past[slot].rates, now.imu.rates, sizeof now.imu.rates);
+}
+
+static void test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others(void)
+{
+    late_t late = {0};
+    config.before = delay_imu;
+    config.context = &late;
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_run(&chain, 0.15); /* before the first IMU sample no other is taken */
+    chain.events = late.dvl = 0;
+    chain_run(&chain, 30.1);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.events & (ALL_DROPPED | AUVID_EVENT_GAP));
+    const auvid_nav_t *nav = &chain.id.nav;
+    TEST_ASSERT_TRUE(late.dvl >= 150);
+    TEST_ASSERT_EQUAL_UINT32(late.dvl - 1, nav->diagnostics[AUVID_NAV_DVL_BOTTOM].accepted);
+    TEST_ASSERT_EQUAL_UINT32(late.dvl - 1, nav->ground.sequence); /* the last is held */
+    TEST_ASSERT_EQUAL_UINT(0, nav->diagnostics[AUVID_NAV_DVL_BOTTOM].unused);
+    TEST_ASSERT_EQUAL_UINT32(nav->ground.sequence, chain.id.knot);
+}
+
+/* A step with an IMU sample of this time, and a DVL sample of another if that is not 0. */
+static uint32_t step_at(uint64_t t_us, uint64_t imu_us, uint64_t dvl_us, double u)
+{
+    auvid_input_t in;
+    auvid_output_t out;
+    memset(&in, 0, sizeof in);
+    in.t_us = t_us;
+    in.imu.present = true;
+    in.imu.t_us = imu_us;
+    in.dvl.present = dvl_us != 0;
+    in.dvl.sample.t_us = dvl_us;
+    in.dvl.sample.velocity[0] = (auvid_real_t)u;
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    in.applied.present = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    return out.events;
+}
+
+static void test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to_it(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL_HEX32(0, step_at(1000000, 1000000, 1000000, 0) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_HEX32(0, step_at(1100000, 1020000, 1100000, 2.9) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_HEX32(0, step_at(1120000, 1040000, 0, 0) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_DVL_DROPPED,
+                            step_at(1180000, 1100000, 0, 0) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_UINT(1, chain.id.nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
+    TEST_ASSERT_EQUAL_HEX32(0, step_at(1200000, 1120000, 0, 0) & ALL_DROPPED);
+}
+
+/* The IMU catches up at once: a held sample and one of this tick enter in one step. Without the
+ * first of them the record would have a gap. */
+static void test_a_held_sample_and_the_next_one_are_both_recorded(void)
+{
+    uint32_t events = 0;
+    config.id.recorder.gap_us = 150000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    for (uint64_t k = 0; k <= 5; ++k) {
+        uint64_t t = 1000000 + 100000 * k;
+        (void)step_at(t, t, t, 0);
+    }
+    events |= step_at(1580000, 1520000, 0, 0);
+    events |= step_at(1600000, 1540000, 1600000, 0);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, chain.id.nav.holding);
+    events |= step_at(1690000, 1690000, 1690000, 0);
+    events |= step_at(1790000, 1790000, 1790000, 0);
+    TEST_ASSERT_EQUAL_UINT32(9, chain.id.nav.ground.sequence);
+    TEST_ASSERT_EQUAL_HEX32(0, events & (AUVID_EVENT_GAP | ALL_DROPPED));
 }
 
 /* ---- gaps ---- */
@@ -510,6 +645,10 @@ int main(void)
     RUN_TEST(test_a_step_of_zero_dt_at_the_very_beginning_is_refused);
     RUN_TEST(test_news_wait_for_a_step_that_is_taken);
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
+    RUN_TEST(test_motion_is_refused_as_a_whole_where_one_half_is);
+    RUN_TEST(test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others);
+    RUN_TEST(test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to_it);
+    RUN_TEST(test_a_held_sample_and_the_next_one_are_both_recorded);
     RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on);
     RUN_TEST(test_ticks_left_out_for_5_s_are_a_gap);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);

@@ -104,6 +104,8 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         TEST_ASSERT_EQUAL_UINT32(4, id->trusted.sets);
         TEST_ASSERT_EQUAL_UINT32(6, id->estimate.number); /* the spoilt one was number 5 */
         TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->estimate.pi, sizeof id->trusted.pi);
+        /* and velocity is simulated with it from now on */
+        TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->prediction.pi, 13 * sizeof id->trusted.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
     }
 }

@@ -103,7 +103,7 @@ static void test_velocity_variance_grows_alike_whatever_the_tick(void)
     }
 }
 
-static void test_yaw_is_unwrapped_through_several_turns(void)
+static void check_unwrapped(int angle)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int convention = 0; convention < 2; ++convention) { /* (-pi, pi] and [0, 2 pi) */
@@ -111,14 +111,25 @@ static void test_yaw_is_unwrapped_through_several_turns(void)
             for (int k = 1; k <= 200; ++k) {
                 double psi = sign * 0.1 * k, half = 3.14159265358979;
                 double wrapped = psi - 2 * half * floor((psi + (convention ? 0 : half)) / 2 / half);
-                const auvid_real_t attitude[3] = {0, 0, real(wrapped)};
+                auvid_real_t attitude[3] = {0, 0, 0};
+                attitude[angle] = real(wrapped);
                 now += 20000;
                 TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu(&nav, now, attitude, zero));
                 read_state();
-                TEST_ASSERT_DOUBLE_WITHIN(1e-5, psi, (double)state.attitude[2]);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-5, psi, (double)state.attitude[angle]);
             }
         }
     }
+}
+
+static void test_yaw_is_unwrapped_through_several_turns(void)
+{
+    check_unwrapped(2);
+}
+
+static void test_roll_is_unwrapped_through_several_turns(void)
+{
+    check_unwrapped(0);
 }
 
 static void test_yaw_that_comes_unwrapped_is_left_alone(void)
@@ -424,6 +435,7 @@ int main(void)
     RUN_TEST(test_position_moves_along_the_attitude_of_the_new_tick);
     RUN_TEST(test_velocity_variance_grows_alike_whatever_the_tick);
     RUN_TEST(test_yaw_is_unwrapped_through_several_turns);
+    RUN_TEST(test_roll_is_unwrapped_through_several_turns);
     RUN_TEST(test_yaw_that_comes_unwrapped_is_left_alone);
     RUN_TEST(test_long_tick_is_predicted_in_full_and_reported);
     RUN_TEST(test_clock_that_leaps_to_the_end_of_time_leaves_a_filter_that_knows_little);

@@ -112,7 +112,7 @@ static void test_instrument_upside_down_reads_sway_and_heave_negated(void)
 }
 
 /* Turning on the spot with the DVL 2 m ahead and 1 m below. */
-static void test_lever_arm_is_removed_with_the_present_rates(void)
+static void test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates(void)
 {
     cfg.dvl_lever[0] = 2;
     cfg.dvl_lever[2] = 1;
@@ -332,7 +332,7 @@ int main(void)
     RUN_TEST(test_default_tuning_takes_at_least_96_percent_of_each_sample);
     RUN_TEST(test_mounting_turns_the_sample_into_the_body_frame);
     RUN_TEST(test_instrument_upside_down_reads_sway_and_heave_negated);
-    RUN_TEST(test_lever_arm_is_removed_with_the_present_rates);
+    RUN_TEST(test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates);
     RUN_TEST(test_part_of_the_axes_moves_only_what_it_measures);
     RUN_TEST(test_parts_of_a_turned_instrument_add_up_to_the_whole);
     RUN_TEST(test_no_valid_axis_is_no_sample);

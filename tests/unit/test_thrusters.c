@@ -290,6 +290,7 @@ static void test_init_refuses_what_is_out_of_its_range(void)
     config.command_max = (auvid_real_t)1e-7;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
     config = good;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     config.hull = &thrusters.vehicle; /* it would call itself */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
     config = good;
@@ -340,6 +341,146 @@ static void test_a_log_too_short_for_the_ring_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.vehicle = &hull;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
+}
+
+static void test_what_init_has_refused_is_refused_and_does_nothing(void)
+{
+    const auvid_real_t command[AUVID_MAX_COMMANDS] = {1}, pi[AUVID_MAX_PARAMETERS] = {0};
+    auvid_real_t wrench[AUVID_DOF_COUNT] = {1};
+    memset(&thrusters, 0, sizeof thrusters);
+    config.thrusters = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    defaults(ROW_CELLS, 30);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_thrusters_configure(&thrusters, &id_config));
+    TEST_ASSERT_NULL(id_config.listener);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&id, &id_config));
+    for (uint64_t tick = 1; tick < 100; ++tick) {
+        auvid_thrusters_command(&thrusters, tick * PERIOD_US, command);
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_thrusters_wrench(&thrusters, 1000000, pi, wrench));
+    TEST_ASSERT_TRUE(wrench[0] == 0);
+    static const auvid_thrusters_t blank;
+    TEST_ASSERT_EQUAL_MEMORY(&blank, &thrusters, sizeof blank);
+}
+
+static void test_commands_before_configure_are_not_logged(void)
+{
+    const auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
+    static auvid_thrusters_t before;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    before = thrusters;
+    auvid_thrusters_command(&thrusters, 1000000, command);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &thrusters, sizeof before);
+}
+
+/* ---- what a row costs ---- */
+
+/* Eight thrusters, lags of up to 2 s, slots of 1 ms: the dearest rows of half a second. */
+enum { MANY = AUVID_MAX_COMMANDS, QUICK_US = 1000 };
+enum { QUICK_SLOTS = AUVID_THRUSTERS_SLOTS(1, 5000000u, QUICK_US) + 1000u };
+static int16_t quick_log[MANY * QUICK_SLOTS];
+static uint32_t rows_worked;
+
+static void counting(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                     auvid_real_t *e)
+{
+    (void)context;
+    ++rows_worked;
+    e[AUVID_SURGE] = pi[M_U] * s->nu_dot[AUVID_SURGE] - s->tau[AUVID_SURGE];
+}
+
+static void begin_dearest(void)
+{
+    static auvid_vehicle_t counted;
+    counted = hull;
+    counted.regressor = NULL;
+    counted.residual = counting;
+    config.hull = &counted;
+    config.thrusters = MANY;
+    for (int i = 0; i < MANY; ++i) {
+        config.matrix[AUVID_SURGE][i] = 1;
+    }
+    config.lag_max_s = 2;
+    config.period_us = QUICK_US;
+    config.log = quick_log;
+    config.slots = QUICK_SLOTS;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    defaults(5, 5);
+    id_config.metric.sets = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
+}
+
+/* Does a row look at any of the first `slots` slots of the log, or of the last ones? */
+static bool looks_at(uint32_t slots, bool last, uint64_t t_us)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
+    pi[FORWARD] = 100;
+    pi[LAG] = 2;
+    memset(quick_log, 0, sizeof quick_log);
+    for (uint32_t i = 0; i < MANY * slots; ++i) {
+        quick_log[last ? MANY * QUICK_SLOTS - 1 - i : i] = 32767;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, t_us, pi, wrench));
+    return wrench[AUVID_SURGE] > 0;
+}
+
+/* Slots from the one end of the log up to the first that a row looks at. */
+static uint32_t unread(bool last, uint64_t t_us)
+{
+    uint32_t low = 0, high = QUICK_SLOTS; /* looks at none of the first `low` */
+    while (high - low > 1) {
+        uint32_t middle = (low + high) / 2;
+        if (looks_at(middle, last, t_us)) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return low;
+}
+
+/* At 20 instructions for each slot and thruster, the least that following a lag takes. */
+static void test_work_pays_for_every_slot_that_a_row_looks_at(void)
+{
+    const auvid_real_t none[AUVID_MAX_COMMANDS] = {0};
+    uint64_t units = 0, end_us = QUICK_SLOTS * (uint64_t)QUICK_US;
+    begin_dearest();
+    auvid_thrusters_command(&thrusters, 0, none);
+    auvid_thrusters_command(&thrusters, end_us, none);
+    uint64_t row_us = end_us - 1000000;
+    TEST_ASSERT_TRUE(looks_at(QUICK_SLOTS, false, row_us));
+    uint32_t slots = QUICK_SLOTS - unread(false, row_us) - unread(true, row_us);
+    TEST_ASSERT_TRUE(slots >= 6000); /* three times the lag */
+    begin_dearest();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    for (int tick = 1; tick < 1300 && id.metric.sets_recorded == 0; ++tick) {
+        uint64_t t_us = (uint64_t)tick * 10000;
+        auvid_real_t x = (auvid_real_t)sin(0.02 * tick), still[AUVID_DOF_COUNT] = {0};
+        const auvid_real_t nu[AUVID_DOF_COUNT] = {x}, wrench[AUVID_DOF_COUNT] = {100 * x};
+        const auvid_real_t command[AUVID_MAX_COMMANDS] = {x, x};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&id, t_us, still, nu));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, t_us, wrench, command));
+    }
+    rows_worked = 0;
+    for (int call = 0; rows_worked < 300 && call < 100000; ++call) {
+        TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET));
+        TEST_ASSERT_TRUE(id.work_last <= AUVID_DEFAULT_BUDGET);
+        units += id.work_last;
+    }
+    TEST_ASSERT_EQUAL_UINT32(300, rows_worked);
+    TEST_ASSERT_TRUE(250 * units >= (uint64_t)20 * slots * MANY * rows_worked);
+}
+
+static void test_rows_too_dear_for_work_are_refused(void)
+{
+    begin_dearest();
+    defaults(5000, 0); /* rows of 500 s */
+    id_config.metric.sets = 1;
+    id_config.metric.set_rows = 1;
+    config.slots = 4000000; /* the log is not touched */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
+    TEST_ASSERT_NULL(id_config.listener);
 }
 
 /* ---- the whole ---- */
@@ -686,6 +827,10 @@ int main(void)
     RUN_TEST(test_init_refuses_what_is_out_of_its_range);
     RUN_TEST(test_masses_drags_and_gains_are_not_free_together);
     RUN_TEST(test_a_log_too_short_for_the_ring_is_refused);
+    RUN_TEST(test_what_init_has_refused_is_refused_and_does_nothing);
+    RUN_TEST(test_commands_before_configure_are_not_logged);
+    RUN_TEST(test_work_pays_for_every_slot_that_a_row_looks_at);
+    RUN_TEST(test_rows_too_dear_for_work_are_refused);
     RUN_TEST(test_thrusters_and_drag_are_within_5_percent_where_the_ideal_one_is_20_off);
     RUN_TEST(test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes);
     RUN_TEST(test_with_a_small_budget_rows_are_dropped_and_the_estimate_is_within_its_errors);

@@ -61,6 +61,74 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
+/* Save the dive and begin the next with the record. */
+static void next_dive(const auvid_identifier_t *dived)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(dived, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+}
+
+/* What was not identified, or has no error or noise to go with it, is as unknown as before. */
+static void test_a_record_brings_only_what_was_identified_with_an_error(void)
+{
+    enum { LEFT = AUVID_G500_M_U, WAYS = 6 };
+    static auvid_identifier_t dived, spoilt;
+    dive();
+    dived = chain.id;
+    uint32_t surge = 0;
+    for (int i = 0; i < N; ++i) {
+        surge |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_SURGE) << i;
+    }
+    const uint32_t left[WAYS] = {1u << LEFT, 1u << LEFT, 1u << LEFT, surge, surge, 0};
+    for (int way = 0; way < WAYS; ++way) {
+        spoilt = dived;
+        auvid_estimate_t *e = &spoilt.estimate;
+        auvid_confidence_t *c = &e->confidence;
+        e->identified &= way == 0 ? ~left[0] : UINT32_MAX;
+        c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
+        c->noise[AUVID_SURGE] = way == 3 ? 0 : c->noise[AUVID_SURGE];
+        c->residual[AUVID_SURGE] = way == 4 ? 0 : c->residual[AUVID_SURGE];
+        c->residual[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        next_dive(&spoilt);
+        TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
+                                chain.id.estimate.identified);
+        for (int i = 0; i < N; ++i) {
+            TEST_ASSERT_EQUAL((left[way] >> i & 1u) != 0,
+                              chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+        }
+    }
+}
+
+/* A degree of freedom of which the record holds nothing counts as not driven. */
+static void test_a_record_counts_as_driven_what_it_holds(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    dived.estimate.confidence.noise[AUVID_HEAVE] = 0;
+    next_dive(&dived);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven & ~(1u << AUVID_HEAVE), chain.id.estimate.driven);
+}
+
+/* The velocity is simulated with the record's parameters through the first set. */
+static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    next_dive(&dived);
+    while (chain.id.judgement.set == 0) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.judgement.set);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven, chain.id.judgement.simulated);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_TRUE((dived.estimate.driven >> j & 1) == 0 ||
+                         chain.id.judgement.r2_velocity[j] > AUVID_C(0.5));
+    }
+}
+
 static void test_saved_again_it_says_the_same(void)
 {
     uint8_t again[AUVID_WARM_BYTES];
@@ -318,6 +386,9 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
+    RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
+    RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
+    RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
     RUN_TEST(test_saved_again_it_says_the_same);
     RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_noticed);

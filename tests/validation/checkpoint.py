@@ -18,8 +18,9 @@ DEAD = ("config", "metric.regressor", "confidence.regressor")
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
 # Members of unions are live in other phases of work than the rest.
-ASK, CONFIDENCE, GLOBAL, LOCAL = 6, 10, 0, 1
-LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimizer.crs.", ASK, GLOBAL),
+ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 0, 1
+LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
+        ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows; of the last two is saved whether they are there.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle", "adapt")

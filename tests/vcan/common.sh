@@ -92,6 +92,23 @@ dump() {
     candump=$!
 }
 
+# witness LOG: candump writes down all that passes. all_seen LOG: it has, and has ended.
+witness() {
+    passed=$(passed_by vcan0)
+    dump vcan0 "$1"
+}
+
+has_all() {
+    [ "$(wc -l <"$1")" = "$(($(passed_by vcan0) - passed))" ]
+}
+
+all_seen() {
+    within 20 has_all "$1"
+    kill "$candump"
+    wait "$candump" || true
+    has_all "$1"
+}
+
 # start NAME ARGUMENTS...: the program in the background, its pid in $NAME.
 start() {
     local name=$1

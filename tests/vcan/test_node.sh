@@ -9,23 +9,6 @@ export VCAN_TIMEOUT=230
 SETS=2 SILENT_SETS=1
 [ -z "${AUVID_TEST_LONG:-}" ] || SETS=8 SILENT_SETS=8
 
-# witness LOG: candump writes down all that passes. all_seen LOG: it has, and has ended.
-witness() {
-    passed=$(passed_by vcan0)
-    dump vcan0 "$1"
-}
-
-has_all() {
-    [ "$(wc -l <"$1")" = "$(($(passed_by vcan0) - passed))" ]
-}
-
-all_seen() {
-    within 20 has_all "$1"
-    kill "$candump"
-    wait "$candump" || true
-    has_all "$1"
-}
-
 # whole_run NAME SETS OTHERS NODE_OPTION [VEHICLE_OPTION]: a run in lock step, seen by candump
 # (NAME.log) and OTHERS. The vehicle starts when the node listens: no tick is missed.
 whole_run() {
@@ -137,22 +120,6 @@ aborted() {
     saw 'v["last"] == 2 && v["last_a"] == 1 && v["last_b"] == 1 && v["late"] == 0' <order
 }
 
-# Ends with a command of zero.
-stopped() {
-    witness stopped.log
-    start node node --bus vcan0 --excite
-    start vehicle vehicle --bus vcan0
-    within 20 grep -q ' 042#' stopped.log
-    sleep 1
-    kill -INT "$node"
-    wait "$node" || true
-    kill -TERM "$vehicle"
-    wait "$vehicle"
-    all_seen stopped.log
-    grep -E ' 04[23]#' stopped.log | tail -n 2 | tee last
-    [ "$(grep -Ec ' 04[23]#..0.0{12}$' last)" = 2 ]
-}
-
 check "node and vehicle in lock step identify; candump lost no frame" lock_step
 check "cantools beside them decodes every frame, and the node's estimates" cantools_decodes
 check "bit for bit as over the bus in memory" memory_alike
@@ -160,5 +127,4 @@ check "candump's log replays bit for bit" replay
 check "a whole passive run: no thruster command" passive
 check "a whole run that nobody arms: no thruster command" no_arm
 check "a whole run with an abort: none before arm, one of zero after the abort" aborted
-check "one that is stopped sends zero" stopped
 exit "$failed"

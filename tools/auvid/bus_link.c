@@ -50,12 +50,19 @@ int link_log(link_t *link, const char *path, const char *interface)
     return 0;
 }
 
+/* A log that failed is told of once, and not written any more. */
 static int log_frame(link_t *link, const bus_frame_t *frame)
 {
-    if (link->logging && link->log.bus.send(&link->log.bus, frame) != BUS_OK) {
-        return complain("%s: %s", link->command, link->log.bus.text);
+    if (!link->logging || link->log_failed || link->log.bus.send(&link->log.bus, frame) == BUS_OK) {
+        return 0;
     }
-    return 0;
+    link->log_failed = true;
+    return -1;
+}
+
+static int tell_log(const link_t *link)
+{
+    return complain("%s: %s", link->command, link->log.bus.text);
 }
 
 /* What a failure of the bus means: a line when it goes down or comes up, the end when broken. */
@@ -74,15 +81,21 @@ static int note(link_t *link, int status)
 
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
-    int status = 0;
-    for (int i = 0; i < count && status == 0; ++i) {
+    uint64_t now_us = link->bus->now_us(link->bus);
+    bool broken = false, unlogged = false;
+    for (int i = 0; i < count; ++i) { /* all of them, whatever fails: a command has two halves */
         bus_frame_t raw = frames_raw(&frame[i]);
-        raw.t_us = link->bus->now_us(link->bus);
-        int sent = link->bus->send(link->bus, &raw);
-        status = sent == BUS_BROKEN ? note(link, sent) : 0;
-        status = status == 0 ? log_frame(link, &raw) : status;
+        broken = link->bus->send(link->bus, &raw) == BUS_BROKEN || broken;
     }
-    return status;
+    for (int i = 0; i < count; ++i) { /* then the log, which may keep us waiting */
+        bus_frame_t raw = frames_raw(&frame[i]);
+        raw.t_us = now_us;
+        unlogged = log_frame(link, &raw) != 0 || unlogged;
+    }
+    if (broken) {
+        return note(link, BUS_BROKEN);
+    }
+    return unlogged ? tell_log(link) : 0;
 }
 
 int link_receive(link_t *link, auvid_can_frame_t *frame)
@@ -90,7 +103,9 @@ int link_receive(link_t *link, auvid_can_frame_t *frame)
     bus_frame_t raw;
     int count = 0;
     while ((count = link->bus->receive(link->bus, &raw, 1)) > 0) {
-        if (note(link, BUS_OK) != 0 || log_frame(link, &raw) != 0) {
+        (void)note(link, BUS_OK);
+        if (log_frame(link, &raw) != 0) {
+            (void)tell_log(link);
             return -1;
         }
         if (frames_convert(&raw, frame)) {
@@ -103,12 +118,12 @@ int link_receive(link_t *link, auvid_can_frame_t *frame)
 int link_close(link_t *link)
 {
     int status = 0;
-    if (link->ticking) {
-        tick_close(&link->tick);
-    }
     (void)link->bus->close(link->bus);
-    if (link->logging && link->log.bus.close(&link->log.bus) != BUS_OK) {
-        status = complain("%s: %s", link->command, link->log.bus.text);
+    if (link->logging && link->log.bus.close(&link->log.bus) != BUS_OK && !link->log_failed) {
+        status = tell_log(link);
+    }
+    if (link->ticking) {
+        tick_close(&link->tick); /* last: it lets through the signals that have come since */
     }
     return status;
 }

@@ -24,7 +24,7 @@ typedef struct {
     bus_socketcan_t socket;
     bus_candump_t log;
     tick_t tick;
-    bool logging, ticking, down;
+    bool logging, log_failed, ticking, down;
 } link_t;
 
 /** Open a real interface and the tick. Returns 0, or EXIT_REFUSED after one line on stderr. */
@@ -39,7 +39,8 @@ void link_take(link_t *link, const char *command, bus_t *bus);
 /** Create a log. Returns 0 or EXIT_REFUSED, as above. */
 int link_log(link_t *link, const char *path, const char *interface);
 
-/** Send, and log. A frame that is lost is counted by the bus. Returns 0 or EXIT_REFUSED. */
+/** Send all frames, then log them, then tell what failed. A frame that is lost is counted by the
+ * bus. Returns 0 or EXIT_REFUSED. */
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count);
 
 /** Next data frame with an 11-bit identifier, logged. Returns 1; 0: none now; -1 after one line on

@@ -142,11 +142,11 @@ static void print_counters(const run_t *run)
     const bus_statistics_t *s = &run->link.bus->statistics;
     unsigned long long lost = s->send_busy + s->send_failed + s->dropped;
     printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
-           "        refused: %u frames, %u samples; clock set %u times\n"
+           "        refused: %u frames, %u samples; clock set %u times; %u foreign commands\n"
            "        link down %llu times, bus off %llu times, wall clock set %llu times\n",
            run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent, lost,
            (unsigned)c->ticks, (unsigned)c->ticks_missed, (unsigned)c->refused,
-           (unsigned)c->samples_dropped, (unsigned)c->clock_steps,
+           (unsigned)c->samples_dropped, (unsigned)c->clock_steps, (unsigned)c->foreign_commands,
            (unsigned long long)s->link_downs, (unsigned long long)s->bus_offs,
            (unsigned long long)s->clock_steps);
 }

@@ -330,8 +330,6 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
     report_gather(result, id, job->options->seed);
-    result->lower = job->options->lower;
-    result->upper = job->options->upper;
     result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool driven = (id->estimate.driven >> j & 1u) != 0;

@@ -8,7 +8,7 @@
 #include "report.h"
 
 /* Longest note and sentence. */
-enum { WORDS = 120 };
+enum { WORDS = 200 };
 
 /* Nine digits give a float back exactly. JSON knows no infinity. */
 static void json_number(double x)

@@ -21,20 +21,18 @@ uint64_t replay_time_us(const csv_log_t *log, size_t row)
     return (uint64_t)(1e6 * since + 0.5) + 1000000u;
 }
 
-/* Row i. *turns counts the whole turns by which psi has jumped so far. */
-static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i, double *turns,
+/* Row i. turns: whole turns by which each angle has jumped so far. */
+static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i, double turns[3],
                          instant_t *out)
 {
     const double turn = 6.283185307179586;
     const double *value = log->row[i].value;
-    if (i > 0) {
-        double step = value[CSV_ATTITUDE + 2] - log->row[i - 1].value[CSV_ATTITUDE + 2];
-        *turns -= floor(step / turn + 0.5);
-    }
     out->t_us = replay_time_us(log, i);
     for (int k = 0; k < 3; ++k) {
-        double unwrapped = value[CSV_ATTITUDE + k] + (k == 2 ? *turns * turn : 0.0);
-        out->attitude[k] = (auvid_real_t)unwrapped;
+        double angle = value[CSV_ATTITUDE + k];
+        double before = i > 0 ? log->row[i - 1].value[CSV_ATTITUDE + k] : angle;
+        turns[k] -= floor((angle - before) / turn + 0.5);
+        out->attitude[k] = (auvid_real_t)(angle + turns[k] * turn);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double input = value[replay_inputs(replay->kind) + j];
@@ -45,10 +43,10 @@ static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i,
 
 void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id)
 {
-    double turns = 0.0;
+    double turns[3] = {0.0};
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
-        read_instant(log, replay, i, &turns, &now);
+        read_instant(log, replay, i, turns, &now);
         (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
         (void)auvid_identifier_applied(id, now.t_us, now.wrench, NULL);
     }
@@ -73,7 +71,7 @@ bool replay_record(const csv_log_t *log, const replay_t *replay, const auvid_rec
                    cells_t *cells)
 {
     auvid_recorder_t recorder;
-    double turns = 0.0;
+    double turns[3] = {0.0};
     size_t room = 0;
     bool gap = true;
     memset(cells, 0, sizeof *cells);
@@ -81,7 +79,7 @@ bool replay_record(const csv_log_t *log, const replay_t *replay, const auvid_rec
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
         auvid_status_t status = AUVID_OK;
-        read_instant(log, replay, i, &turns, &now);
+        read_instant(log, replay, i, turns, &now);
         (void)auvid_recorder_attitude(&recorder, now.t_us, now.attitude, now.nu + AUVID_ROLL);
         (void)auvid_recorder_velocity(&recorder, now.t_us, now.nu);
         (void)auvid_recorder_input(&recorder, now.t_us, now.wrench, NULL);

@@ -125,11 +125,9 @@ bool report_is_modelled(const result_t *result, auvid_dof_t j)
     return result->vehicle->columns[j] != 0;
 }
 
-/* Within a thousandth of the bounds' distance? */
 bool report_is_at_bound(const result_t *result, int i)
 {
-    double x = (double)result->estimate.pi[i], near = 1e-3 * (result->upper - result->lower);
-    return near > 0.0 && (x < result->lower + near || x > result->upper - near);
+    return result->estimate.confidence.note[i] == AUVID_NOTE_AT_BOUND;
 }
 
 double report_sigma(const result_t *result, int i)
@@ -145,8 +143,9 @@ void report_note(const result_t *result, int i, char *text, size_t size)
     const char *why = result->why[parameter->dof];
     if (!report_is_identified(result, i)) {
         (void)snprintf(text, size, "%s", why != NULL ? why : "nothing moved it");
-    } else if (report_is_at_bound(result, i)) {
-        (void)snprintf(text, size, "at its bound");
+    } else if (c->note[i] == AUVID_NOTE_BESIDE_BOUND) {
+        (void)snprintf(text, size, "depends on %s, at its bound",
+                       result->vehicle->parameter[c->partner[i]].name);
     } else if (c->note[i] == AUVID_NOTE_COMBINATION) {
         (void)snprintf(text, size, "only a combination with %s",
                        result->vehicle->parameter[c->partner[i]].name);
@@ -158,8 +157,15 @@ void report_note(const result_t *result, int i, char *text, size_t size)
 bool report_missing(const result_t *result, unsigned which, char *text, size_t size)
 {
     const auvid_estimate_t *e = &result->estimate;
-    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, result->vehicle,
-                                    result->free, which, text, size) == AUVID_OK;
+    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
+    auvid_vehicle_t vehicle = *result->vehicle;
+    for (int i = 0; i < vehicle.parameters; ++i) {
+        parameter[i] = result->vehicle->parameter[i];
+        parameter[i].unit = report_unit(result, i);
+    }
+    vehicle.parameter = parameter;
+    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, result->free,
+                                    which, text, size) == AUVID_OK;
 }
 
 const char *report_cause_unit(auvid_guard_cause_t cause)

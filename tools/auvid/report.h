@@ -29,7 +29,6 @@ typedef struct {
     uint32_t budget;     /**< of work in a tick [units] */
     uint32_t work_most;  /**< units in any call of work */
     const estimates_t *estimates; /**< null: they were not listed */
-    double lower, upper; /**< bounds of all parameters; 0, 0: not of interest */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
@@ -77,7 +76,7 @@ typedef struct {
     const campaign_t *campaign; /**< null: one run */
 } beside_t;
 
-/** "ok", "capped" (ended by a cap, not by its own criterion) or "not_driven" (no estimate). */
+/** "ok", "capped" (not converged) or "not_driven" (no estimate). */
 const char *report_status(const result_t *result);
 
 /** Exit status that goes with it: 0 or 1. */

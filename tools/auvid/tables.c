@@ -8,7 +8,7 @@
 #include "report.h"
 
 /* Longest note and sentence. */
-enum { WORDS = 100 };
+enum { WORDS = 200 };
 
 static double error_percent(const result_t *result, int i)
 {
@@ -42,7 +42,7 @@ static char mark(const result_t *result, int i)
     if (!report_is_identified(result, i) || !(c->identifiable >> i & 1u)) {
         return '?';
     }
-    return (c->implausible >> i & 1u) || report_is_at_bound(result, i) ? '!' : ' ';
+    return (c->implausible >> i & 1u) ? '!' : ' ';
 }
 
 /* Relative error of an estimate that is known; of a truth of 0 there is none. */
@@ -272,7 +272,7 @@ void report_result(const result_t *result, const result_t *last)
     guard_line(result);
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
-           e->capped ? "; STOPPED AT A CAP: not converged" : "");
+           e->capped ? "; NOT CONVERGED" : "");
     printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->work_most,
            (unsigned)result->budget);
 }

@@ -29,6 +29,9 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
     vehicle_identifier(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
                        cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
+    for (int i = 0; i < 3; ++i) {
+        cfg->nav.dvl_lever[i] = (auvid_real_t)config->dvl_arm_m[i];
+    }
     if (config->literal) {
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
         cfg->recorder.cell_us = SIM_TICK_US;
@@ -52,6 +55,10 @@ bool world_begin(world_t *world, const world_config_t *config)
     craft.sim.lag_s = config->lag_s;
     memcpy(craft.sim.current, config->current, sizeof craft.sim.current);
     craft.sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
+    memcpy(craft.sim.dvl_arm_m, config->dvl_arm_m, sizeof craft.sim.dvl_arm_m);
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        craft.sim.sensor[i].age_s = config->age_s[i];
+    }
     auvid_node_defaults(&node);
     node.excite = !config->passive;
     world_identifier(&cfg, config);

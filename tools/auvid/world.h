@@ -32,6 +32,8 @@ typedef struct {
     /** The DVL pings bottom and water in turn, each at 5 Hz; dynamics are taken from the water's,
      * the guard looks at the bottom's. Default: bottom only. */
     bool both_locks;
+    double dvl_arm_m[3];       /**< of the DVL from the body's origin; the node is told of it [m] */
+    double age_s[SIM_SENSORS]; /**< from sample to arrival, by sim_sensor_id_t [s] */
 } world_config_t;
 
 /** Nodes aboard: [0] excites the vehicle; a second one may listen, and sends nothing. */

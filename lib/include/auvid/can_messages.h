@@ -77,7 +77,8 @@ enum {
     AUVID_CAN_CAUSE_YAW_RATE = 17,
     AUVID_CAN_CAUSE_DISTANCE = 18,
     AUVID_CAN_CAUSE_RUN_TIME = 19,
-    AUVID_CAN_CAUSE_SATURATION = 20
+    AUVID_CAN_CAUSE_SATURATION = 20,
+    AUVID_CAN_CAUSE_FOREIGN_COMMAND = 21
 };
 
 /** Values of `action`. */
@@ -92,7 +93,10 @@ enum {
     AUVID_CAN_NOTE_SMALL = 4,
     AUVID_CAN_NOTE_NOISE = 5,
     AUVID_CAN_NOTE_UNCERTAIN = 6,
-    AUVID_CAN_NOTE_IMPLAUSIBLE = 7
+    AUVID_CAN_NOTE_IMPLAUSIBLE = 7,
+    AUVID_CAN_NOTE_AT_BOUND = 8,
+    AUVID_CAN_NOTE_BESIDE_BOUND = 9,
+    AUVID_CAN_NOTE_NOT_CONVERGED = 10
 };
 
 /** Values of `guard`. */
@@ -169,7 +173,9 @@ enum {
 };
 
 /** 0x044, on event. Order to the node. Arm: excite as soon as the guard permits; disarm: end it
- * at once; stop: fade out. On event. A frame without the key is refused. */
+ * at once; stop: fade out. On event. Arm needs a counter that follows the last one; disarm and
+ * stop take thrust away whatever theirs says, but only a disarm with such a counter clears an
+ * abort. A frame without the key is refused. */
 typedef struct {
     /** What to do; 0..2 */
     uint32_t action;

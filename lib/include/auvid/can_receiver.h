@@ -18,7 +18,11 @@
  * with 3/16 of that; a command must also lie in the range of all its thrusts. A frame that fails
  * the checksum or the range changes nothing but its count.
  *
- * Cost: that of auvid_can_unpack and 100 instructions. Memory: 64 bytes a receiver, 168 bytes a
+ * Stamps may be ahead of the clock that is asked: "now = clock(); drain; thrust(now)" is the usual
+ * order. One ahead by less than the time-out has age 0; one further ahead comes from a wrong clock
+ * and counts as silence.
+ *
+ * Cost: that of auvid_can_unpack and 100 instructions. Memory: 64 bytes a receiver, 328 bytes a
  * command in float.
  */
 #ifndef AUVID_CAN_RECEIVER_H
@@ -66,6 +70,7 @@ typedef struct {
     uint32_t checksum;   /**< frames with a wrong checksum */
     uint32_t invalid;    /**< frames of another length, or with a value out of range */
     uint32_t timed_out;  /**< times the message fell silent */
+    uint32_t ahead;      /**< of a command: times that frames stamped too far ahead were refused */
 } auvid_can_receiver_t;
 
 #define auvid_can_receiver_init AUVID_SIZED0(auvid_can_receiver_init)
@@ -77,7 +82,7 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
 
 /** Take a frame. Use the message only when the answer is AUVID_CAN_GOOD (an abort: on any
  * authentic frame).
- * @param frame with its time of arrival, which must not go back: a frame from before the last good
+ * @param frame with its time of arrival. A frame stamped by the time-out or more before the last
  * one counts as one after a time-out
  * @param message written when the frame is authentic: good, repeated, jumped
  * @return AUVID_CAN_GOOD, _REPEATED, _JUMPED, _BAD; AUVID_CAN_FOREIGN (another message's, or a null
@@ -87,8 +92,7 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
                                           auvid_can_message_t *message);
 
 /** What the last frame was, or that it is too long ago. Counts a time-out once, when it is first
- * seen. Time that went back behind the
- * last good frame is a time-out too.
+ * seen. A last good frame that is stamped by the time-out or more ahead of now_us is one too.
  * @return all but AUVID_CAN_FOREIGN; null: AUVID_CAN_SILENT. */
 auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint64_t now_us);
 
@@ -97,6 +101,9 @@ typedef struct {
     auvid_can_receiver_t half[2];             /**< thruster_command_a, thruster_command_b */
     auvid_real_t thrust[AUVID_CAN_THRUSTERS]; /* of the last good frames */
     uint8_t halves;                           /* 1, 2; 0: not initialised */
+    /* as they were at the end of the last auvid_can_command_thrust */
+    auvid_can_receiver_t half_before[2];
+    auvid_real_t thrust_before[AUVID_CAN_THRUSTERS];
 } auvid_can_command_t;
 
 #define auvid_can_command_init AUVID_SIZED0(auvid_can_command_init)
@@ -112,7 +119,9 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
 
 /** Thrust commanded at now_us, for the thruster drivers. All are zero unless each half that this
  * vehicle needs has had a good frame within AUVID_CAN_COMMAND_TIMEOUT_US. The halves may be of
- * neighbouring ticks when a frame is lost.
+ * neighbouring ticks when a frame is lost. A stamp ahead of now_us by AUVID_CAN_COMMAND_TIMEOUT_US
+ * or more refuses the frames since the last call, as if they had not come: the last good frame of
+ * that call stays valid, and so does the count.
  * @param thrust [AUVID_CAN_THRUSTERS], each -1..1; always written; what is not commanded is zero
  * @return AUVID_OK; AUVID_ERR_STALE (no good command: all zero); AUVID_ERR_STATE (not initialised:
  * all zero); AUVID_ERR_NULL (thrust is zero unless it is itself null). */

@@ -13,7 +13,9 @@
  *   predicted from the high band of the residuals and added to the uncertainty, not corrected.
  * - *Identifiable*: the DoF was driven, and the 95 % half-width, bias included, is at most 20 % of
  *   the value. Else a note says why not: the DoF was not driven; only a combination with another
- *   parameter is known; its force is too small to matter; too little motion.
+ *   parameter is known; its force is too small to matter; too little motion; the search has not
+ *   converged; it is at its bound, or moves by more than its half-width when another one that is at
+ *   its bound is released.
  * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative; and the
  *   force is explained at all.
  * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
@@ -49,9 +51,15 @@ typedef enum {
                                  DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
-    AUVID_NOTE_IMPLAUSIBLE  /**< identifiable, but a mass not above the dry mass, a drag that
+    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but a mass not above the dry mass, a drag that
                                  drives, or all in a DoF whose force the result explains worse than
                                  its mean does: the model, a bound, a sign or a unit is wrong */
+    AUVID_NOTE_AT_BOUND,    /**< the search stopped it at its `bound`: `partner` is 0 for the lower
+                                 one, 1 for the upper one. Within a thousandth of the distance of
+                                 the two, and not further from it than its half-width */
+    AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
+                                  without that bound it would differ by more than its half-width */
+    AUVID_NOTE_NOT_CONVERGED /**< the search has not converged (auvid_estimate_t.capped) */
 } auvid_note_t;
 
 /** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
@@ -63,11 +71,12 @@ typedef enum {
 typedef struct {
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard error, bias included [parameter's unit];
                                                    AUVID_LARGEST: not known */
+    auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit] */
     uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
     uint32_t implausible;                     /**< bit i: parameter i is implausible; only of
                                                    identifiable ones */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
-    uint8_t partner[AUVID_MAX_PARAMETERS];    /**< AUVID_NOTE_COMBINATION: the other parameter */
+    uint8_t partner[AUVID_MAX_PARAMETERS];    /**< what the note says of it; else 0 */
     uint8_t sets; /**< data sets whose scatter the errors are of: those of the estimate that were
                        still in the ring when its search ended */
     auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
@@ -99,7 +108,9 @@ typedef struct {
     auvid_real_t rows[AUVID_DOF_COUNT];
     uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
     uint8_t index[AUVID_MAX_PARAMETERS]; /* and back */
+    uint32_t at_bound; /* bit i: parameter i is near a bound */
     uint8_t n, paid, phase, at_set, at_dof, at_row;
+    bool capped;  /* the search has not converged */
     bool delayed; /* some delay was estimated: what it costs is being found */
 } auvid_confidence_job_t;
 
@@ -111,6 +122,12 @@ typedef struct {
  * Null is ignored. */
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                             const auvid_real_t *pi, auvid_real_t dry_mass_kg);
+
+/** Tell, after begin, what limited the search; else there was nothing. Null is ignored.
+ * @param lower, upper [n] its bounds
+ * @param capped it has not converged: nothing is identifiable */
+void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
+                             const auvid_real_t *upper, bool capped);
 
 /** Go on with it.
  * @param metric as at begin

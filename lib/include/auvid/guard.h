@@ -65,7 +65,7 @@ typedef enum {
 } auvid_guard_state_t;
 
 /** Why it was aborted, or arming refused. In this order they are looked at; the first one found is
- * told. */
+ * told. The last one no step looks at. */
 typedef enum {
     AUVID_GUARD_NO_CAUSE = 0,
     AUVID_GUARD_OPERATOR,       /**< auvid_guard_abort; value and limit 0 */
@@ -88,15 +88,18 @@ typedef enum {
     AUVID_GUARD_DISTANCE,       /**< horizontal, from where it was armed [m] */
     AUVID_GUARD_RUN_TIME,       /**< since excite, EXCITING only [s] */
     AUVID_GUARD_SATURATION,     /**< thrusters saturated without interruption for [s] */
+    AUVID_GUARD_FOREIGN_COMMAND, /**< somebody else commands the thrusters (node.h); value and
+                                      limit 0 */
     AUVID_GUARD_CAUSE_COUNT
 } auvid_guard_cause_t;
 
 /** Bit of a cause in auvid_guard_config_t.off. */
 #define AUVID_GUARD_BIT(cause) (UINT32_C(1) << (cause))
 
-/** The causes that may be switched off: all but the first four and AUVID_GUARD_LINK (alive_us). */
+/** The causes that may be switched off: all but the first four, AUVID_GUARD_LINK (alive_us) and the
+ * last. */
 #define AUVID_GUARD_SWITCHABLE                                                                     \
-    ((AUVID_GUARD_BIT(AUVID_GUARD_CAUSE_COUNT) - AUVID_GUARD_BIT(AUVID_GUARD_TICK)) &              \
+    ((AUVID_GUARD_BIT(AUVID_GUARD_FOREIGN_COMMAND) - AUVID_GUARD_BIT(AUVID_GUARD_TICK)) &          \
      ~AUVID_GUARD_BIT(AUVID_GUARD_LINK))
 
 /** Configuration; copied at init. Written by the user. A limit is switched off by its bit in `off`
@@ -216,6 +219,10 @@ auvid_status_t auvid_guard_finished(auvid_guard_t *g, uint64_t t_us);
  * refused. An earlier cause stays. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not
  * initialised). */
 auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us);
+
+/** The same for another cause than the operator. @param cause told in `trip`, value and limit 0
+ * @return likewise; AUVID_ERR_RANGE (no cause: nothing is done). */
+auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guard_cause_t cause);
 
 /** -> DISARMED from anywhere; clears the latch and the cause.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */

@@ -17,8 +17,9 @@
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, each of
  * about 250 instructions of a Cortex-M4F: a row of a triangle, a trial point (rejected ones count
- * too), a stored sample put through the user's model. To begin a search, m n random numbers, is
- * 100.
+ * too), a stored sample put through the user's model (vehicle.work units, paid by several calls
+ * where the budget is less, and done in one piece by the last of them). To begin a search, m n
+ * random numbers, is 100.
  * Memory: sizeof(auvid_identifier_t), all there is.
  *
  * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
@@ -104,7 +105,8 @@ typedef struct {
                                    for our literal reading of the paper. Not with water lock.
                                    Default false */
     auvid_search_config_t search; /**< bounds, good point and options of the search */
-    auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0; default 0: not known */
+    auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0, below the upper bounds of
+                                   all free masses; default 0: not known */
     const auvid_listener_t *listener; /**< default null: nobody */
     void *listening;                  /**< its context */
 } auvid_identifier_config_t;
@@ -161,7 +163,11 @@ enum {
     AUVID_EVENT_IMU_DROPPED = 1u << 1,       /**< sample refused: counted in nav.imu_time or
                                               nav.imu_invalid; not counted when ahead of
                                               the tick by more than nav.future_us */
-    AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample refused; why is in nav.diagnostics */
+    AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample refused, now or, where it had to wait for
+                                              a later IMU, when the IMU came to its time (nav.h);
+                                              why is in nav.diagnostics. Ahead of the tick by more
+                                              than nav.future_us is `stale` there. One that is lost
+                                              because another one waits is no event: `unused` */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
     AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench refused: not finite, beyond
@@ -217,8 +223,11 @@ typedef struct {
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
-    bool capped; /**< the local phase was ended by a cap, not by its own criterion, or no point had
-                      a finite cost: treat with care */
+    bool capped; /**< the search has not converged: a cap ended the local phase, no point had a
+                      finite cost, or, for a model with regressor, the cost exceeds the least one
+                      within the bounds by more than a thousandth of that (with the part that no
+                      parameters explain). Nothing is identifiable then. Without regressor the
+                      least cost is not known: a search may end above it unnoticed */
     bool accepted; /**< it has predicted a set that it had not seen, about as well as the estimate
                         accepted before, or better */
     auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
@@ -254,7 +263,8 @@ typedef enum {
     AUVID_WORK_ASK,       /**< the optimizer is to give a point */
     AUVID_WORK_COST,      /**< its cost is being evaluated */
     AUVID_WORK_MEASURE,   /**< the result's residuals are measured */
-    AUVID_WORK_LINEARISE, /**< residual path: so are their derivatives */
+    AUVID_WORK_LINEARISE, /**< residual path: so are their derivatives; else: the least cost within
+                               the bounds is found */
     AUVID_WORK_CONFIDENCE /**< standard errors and notes */
 } auvid_work_phase_t;
 
@@ -331,6 +341,7 @@ typedef struct auvid_identifier {
     union { /* in turn: the search is over when its result is assessed */
         auvid_identifier_config_t config; /**< may be filled here for init; void afterwards */
         auvid_optimizer_t optimizer;
+        auvid_bounded_ls_t optimum;
         auvid_confidence_job_t confidence;
     };
 } auvid_identifier_t;
@@ -347,9 +358,10 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
  * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
- * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick); and the
- * errors of the modules' init. On error every other function refuses *id with AUVID_ERR_STATE; so
- * it does one that is all zeros.
+ * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass
+ * below zero); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
+ * plausible); and the errors of the modules' init. On error every other function refuses *id with
+ * AUVID_ERR_STATE; so it does one that is all zeros.
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 

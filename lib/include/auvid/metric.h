@@ -191,10 +191,10 @@ typedef struct auvid_metric {
     };
     auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
     uint32_t window_rows; /* since a gap */
-    uint8_t window_length;
     uint16_t at_row;      /* progress */
-    uint16_t at_part;
-    uint8_t at_set, to_set, at_band, at_dof, pass, paid;
+    uint16_t at_part, paid;
+    uint8_t window_length;
+    uint8_t at_set, to_set, at_band, at_dof, pass;
     /* see auvid_metric_hold */
     uint8_t from;        /* newest sets of the ring that do not count */
     uint8_t waiting;     /* newest sets that were completed since the ring was held last */

@@ -13,8 +13,8 @@
  * `water`: velocity at the DVL's own times, because a constant-velocity filter held between pulses
  * lags by a tenth of a second.
  *
- * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.54k, a depth 0.21k, a
- * full DVL sample of the present 0.45k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
+ * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.58k, a depth 0.22k, a
+ * full DVL sample of the present 0.46k; late: a depth 0.76k, a DVL sample 1.8k, or 4.3k where
  * nothing entered since it was taken. Memory: auvid_nav_t, AUVID_NAV_BYTES in float.
  *
  * Numbers: position is a sum of two floats (plain float32 drifts by 1 mm at 120 m); the covariance
@@ -37,7 +37,10 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test holds it. */
-#define AUVID_NAV_BYTES 712
+#define AUVID_NAV_BYTES 944
+
+/** Past ticks whose rates are kept for late DVL samples, a power of two. */
+#define AUVID_NAV_PAST 8
 
 /** The sensors that correct the filter; index into auvid_nav_t.diagnostics. */
 typedef enum {
@@ -98,8 +101,8 @@ typedef struct {
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used where the filter's depth is at most this [m];
         default 0.5; |.| <= 1e5 */
-    uint32_t dvl_max_age_us;   /**< oldest DVL sample taken [us]; default 500000; <= 2e6, 0: none
-        older than the last tick */
+    uint32_t dvl_max_age_us;   /**< oldest DVL sample taken [us], and furthest ahead of the last
+        tick that one is held; default 500000; <= 2e6, 0: none older, none held */
     uint32_t depth_max_age_us; /**< the same for depth */
     uint32_t gps_max_age_us;   /**< the same for GPS */
     uint32_t future_us;        /**< how far a sample may be ahead of the last tick (it is then used
@@ -115,12 +118,12 @@ typedef struct {
 } auvid_nav_config_t;
 
 /** What became of one sensor's samples. Written by the filter, read by anyone. Each call that gets
- * past AUVID_ERR_NULL and AUVID_ERR_STATE raises exactly one of the first six counters; the 16-bit
- * ones stop at their largest value. */
+ * past AUVID_ERR_NULL and AUVID_ERR_STATE raises exactly one of the first six counters, for a
+ * sample that is held not before it is used; the 16-bit ones stop at their largest value. */
 typedef struct {
     uint64_t seen_us;    /**< time of the last sample that met the gate, passed or not [us] */
     uint64_t good_us;    /**< time of the last one that passed [us] */
-    uint32_t accepted;   /**< AUVID_OK and AUVID_PENDING */
+    uint32_t accepted;   /**< AUVID_OK and AUVID_PENDING (of a fix kept for the median) */
     uint16_t unused;     /**< AUVID_UNUSED */
     uint16_t gated;      /**< AUVID_GATED */
     uint16_t stale;      /**< AUVID_ERR_STALE, AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK */
@@ -161,14 +164,16 @@ enum {
 typedef struct {
     uint64_t t_us;            /**< time of the last tick [us] */
     auvid_real_t position[3]; /**< x y z, NED [m] */
-    auvid_real_t attitude[3]; /**< phi theta psi as measured [rad]; psi unwrapped (continuous) */
+    auvid_real_t attitude[3]; /**< phi theta psi as measured [rad]; phi and psi unwrapped
+                                   (continuous) */
     auvid_real_t velocity[3]; /**< u v w, body frame [m/s] */
     auvid_real_t rates[3];    /**< p q r as measured [rad/s] */
     uint32_t flags;           /**< AUVID_NAV_... */
 } auvid_nav_state_t;
 
-/** The filter. Its owner is the caller; `ground`, `water`, `diagnostics` and the imu_ counters may
- * be read at any time, the rest through the functions; written by the functions only. */
+/** The filter. Its owner is the caller; `ground`, `water`, `diagnostics`, the imu_ counters and
+ * `held_refused` may be read at any time, the rest through the functions; written by the functions
+ * only. */
 typedef struct {
     auvid_nav_knot_t ground; /**< the filter's velocity just after the last accepted bottom lock */
     auvid_nav_knot_t water;  /**< velocity of the last good water lock with all axes valid */
@@ -182,6 +187,13 @@ typedef struct {
     uint8_t gps_count;           /* fixes collected so far */
     uint16_t flags;              /* all of auvid_nav_state_t.flags but FRESH */
     uint8_t ready;               /* 0 not initialised, 1 no tick yet, 2 running */
+    uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
+                               sensor i, and it was refused (AUVID_GATED or < 0) */
+    uint8_t holding;             /* bit i: a sample of sensor i is held */
+    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* axes of each, if of a DVL */
+    uint8_t past_next; /* index of the next rates kept; AUVID_NAV_PAST more when all are filled */
+    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* time of each */
+    uint64_t until_us;           /* no sample after this is held; 0: no such limit */
     uint64_t t_us;               /* time of the last tick */
     uint64_t touched_us;         /* tick at which a measurement last entered */
     auvid_real_t position[3];    /* position is position + residue */
@@ -191,9 +203,9 @@ typedef struct {
     auvid_real_t pv[3][3];       /* of position (row) and velocity (column) */
     auvid_real_t vv[6];          /* of velocity: uu uv uw vv vw ww */
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
-    auvid_real_t attitude[3];    /* as measured, psi not unwrapped */
+    auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
-    int32_t turns;               /* whole turns to add to psi */
+    int32_t turns[3];            /* whole turns to add to the attitude; theta has none */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
@@ -208,6 +220,9 @@ typedef struct {
     uint32_t future_us;
     uint32_t stale_us;
     uint32_t gap_us;
+    uint32_t past_us[AUVID_NAV_PAST]; /* ring: times of past ticks, lower halves */
+    auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* and their p q r */
+    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* velocity, or depth, or x y */
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
 } auvid_nav_t;
 
@@ -227,7 +242,9 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
  * change the tuning.
  * @param t_us time of the IMU sample [us], later than the call before. A step is predicted in full
  *        however long it is (beyond 2147 s as 2147 s).
- * @param attitude phi theta psi, ZYX Euler [rad], |.| <= 1e4; psi wrapped anywhere, or continuous.
+ *        Samples held for this time enter after the prediction, see below.
+ * @param attitude phi theta psi, ZYX Euler [rad], |.| <= 1e4; phi and psi wrapped anywhere, or
+ *        continuous.
  * @param rates p q r, body frame [rad/s], |.| <= 100.
  * @return AUVID_OK; AUVID_GAP: done, and the step was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE: not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
@@ -247,21 +264,37 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * of the filter by up to future_us is used as if it were of the last tick. Samples of one sensor
  * must come in order.
  *
+ * IMU later than the sensor: a sample further ahead than future_us, but by no more than max_age, is
+ * held until auvid_nav_imu() reaches its time: AUVID_PENDING. It enters then as any late sample
+ * does, and is counted then; held_refused says if it was refused. One sample of each sensor is
+ * held. The first one stays, because a newer one in its place would never be reached where samples
+ * come more often than the IMU is late: while one is held, others ahead of the filter are
+ * AUVID_UNUSED, which counts the loss.
+ *
  * Gate: a sample is refused as a whole when |nu| > sqrt(gate S) for any of its scalars; for a
  * velocity, sqrt(gate S) + agility dt, dt since that sensor's last sample that passed. The filter
  * knows no thrust: to it a manoeuvre looks like an outlier. After `lockout`
  * refusals in a row the last one enters all the same: what its scalars outside the gate measure is
  * set to their values with variance R (for a late velocity with the noise since), correlations 0.
  *
- * Common statuses: AUVID_OK: entered; AUVID_GATED: outside the gate, not used; AUVID_ERR_NULL;
- * AUVID_ERR_STATE: not initialised, or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE; AUVID_ERR_STALE: older than max_age, or further ahead than future_us;
+ * Common statuses: AUVID_OK: entered; AUVID_PENDING: held; AUVID_UNUSED: ahead, and another one is
+ * held; AUVID_GATED: outside the gate, not used; AUVID_ERR_NULL; AUVID_ERR_STATE: not initialised,
+ * or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE; AUVID_ERR_STALE: older than
+ * max_age, or further ahead than both max_age and future_us;
  * AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK: not newer than this sensor's sample before. Whenever a
  * sample does not enter, nothing has changed but the sensor's diagnostics (and nothing at all for
  * AUVID_ERR_NULL and AUVID_ERR_STATE). */
 
-/** Correct with a DVL sample: turned into the body frame, omega x lever removed with the present
- * rates, any subset of its axes.
+/** Correct with a DVL sample: turned into the body frame, omega x lever removed with the rates at
+ * the sample's time, any subset of its axes.
+ *
+ * The rates of a late sample run straight between those kept: the last tick's, and AUVID_NAV_PAST
+ * of ticks before, at least dvl_max_age_us / (AUVID_NAV_PAST - 1) apart (72 ms by default), so that
+ * they reach back to dvl_max_age_us. For a sample from before the oldest (soon after the start, or
+ * after a tick longer than 2 s) the oldest ones count. The velocity is one along the body's axes of
+ * the sample's time, and so is the filter's: to it a velocity stays constant along body axes that
+ * turn (Eq. 5), and no sample is turned on to the present attitude. A knot is thus along the axes
+ * of its own time.
  *
  * Bottom lock enters the filter and sets the knot `ground`. Water lock sets the knot `water` (when
  * all axes are valid) and stays out of the filter while bottom lock is fresh: AUVID_UNUSED. When no

@@ -13,6 +13,20 @@
  * that with one command of zero in the same tick; the receiver's time-out does so when the node
  * itself has died.
  *
+ * What takes thrust away is obeyed on every authentic frame (right length, checksum and range),
+ * whatever its counter says: abort, disarm and stop. So a console that was restarted, and counts
+ * from 0 again, is obeyed with its first frame. Of these only a disarm with a good counter
+ * (can_receiver.h) clears an abort; one that is repeated or jumped aborts what runs, and leaves the
+ * guard ABORTED. All of them cancel an order to arm that waits for its tick.
+ *
+ * Two nodes must not command the same thrusters. While armed or exciting a node aborts, with the
+ * cause AUVID_GUARD_FOREIGN_COMMAND, on an authentic command frame that is not, byte for byte, one
+ * of its own last four of that half. Those four may come back late, merged or twice, from a driver
+ * that echoes what was sent. The node does not notice another one that sends the very same bytes
+ * (same configuration, seed and start), nor one that sends them up to three ticks later; but the
+ * later one notices the earlier one, and its zero is foreign to that. While the bytes are the same,
+ * receivers obey one of the two: the other's counters are repeated or jumped.
+ *
  * Time is the tick's: what came since the tick before counts as sent at this one, less the age it
  * carries. So a log of the frames replays bit for bit, however fast it is read. A sender that knows
  * the tick gives its samples' age at the tick; one that does not is up to a tick late.
@@ -60,6 +74,7 @@ typedef struct {
                                    ticks of which a later one has come */
     uint32_t samples_dropped; /**< samples that navigation or the recorder refused */
     uint32_t unknown_age;     /**< samples without an age: not used */
+    uint32_t foreign_commands; /**< command frames of another node, whether armed or not */
 } auvid_node_counters_t;
 
 /** The node. Public to read; write only through the functions. */
@@ -75,6 +90,7 @@ typedef struct {
     uint64_t t_us;                            /**< last tick */
     uint64_t tick_us;             /* of the tick under way: bus time with steps taken out */
     uint64_t bus_us;              /* the bus's own time of the last tick */
+    uint64_t sent[2][4];          /* data of the last commands of each half, by counter */
     uint32_t sequence;            /* of the last tick frame */
     uint32_t reports;             /* calls of report */
     uint32_t events;              /**< AUVID_EVENT_... of the last step */
@@ -105,7 +121,8 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /** Take a frame off the bus. Its time of arrival is not read.
  * @return AUVID_OK; AUVID_TICK (a tick has opened: call step); AUVID_UNUSED (not a message that a
  * node listens to); AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused: checksum, length,
- * range, a repeated counter, or a tick of which a later one has come; counted). */
+ * range, a repeated or jumped counter of what does not take thrust away, or a tick of which a later
+ * one has come; counted). */
 auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame);
 
 /** One tick: sense, navigate, record, and what the excitation commands.
@@ -113,8 +130,8 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
  * first frame is its tick frame
  * @param frame [AUVID_NODE_COMMANDS] written: to be sent at once. @param count written: how many
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no tick yet: no frames);
- * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (own clock: nothing but a command of zero if it was
- * exciting). */
+ * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (no tick, so no tick frame: nothing but a command of
+ * zero if it was exciting; an order to arm waits on). */
 auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,
                                int *count);
 
@@ -130,7 +147,9 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
                                  int *count);
 
 /** A command of zero for every thruster: to be sent when the program ends or loses its tick.
- * Nothing (count 0) when the node never commanded. The guard aborts besides. Statuses as report. */
+ * Nothing (count 0) unless the last step commanded thrust. A guard that is armed, exciting or
+ * settling aborts; one that is not stays as it is, and an order to arm that waits is cancelled.
+ * Statuses as report. */
 auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int *count);
 
 #ifdef __cplusplus

@@ -138,6 +138,19 @@ typedef struct {
 /** Work done since init; zeros for null. Cost: constant. */
 auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
 
+/** Least squares within bounds, of a model that is linear. Private. */
+typedef struct {
+    auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
+    auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the start, then the best point */
+    auvid_real_t start, cost, zero;       /* costs of the two, and of x = 0 */
+    auvid_real_t triangle[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* R z */
+    auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* in order */
+    uint32_t free;                       /* bit i: x_i is not held at a value */
+    uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
+    uint8_t n, fixed_from, at, changes, paid;
+    uint8_t dof, row; /* of the metric: taken so far */
+} auvid_bounded_ls_t;
+
 #ifdef __cplusplus
 }
 #endif

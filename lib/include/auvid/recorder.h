@@ -92,6 +92,11 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity);
 
+/** Both at t_us: attitude [3] and nu [6], u v w p q r. Statuses as above; where one of the two is
+ * refused, neither is taken. */
+auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
+                                     const auvid_real_t *attitude, const auvid_real_t *nu);
+
 /** Applied wrench from t_us on.
  * @param tau [6] N, Nm: of all sources, not only auvid's
  * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; null: zeros

@@ -38,9 +38,11 @@
  * Cost: of a tick 155 instructions of a Cortex-M4F for one thruster, 320 for five (10k in the tick
  * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
  * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
- * pays for it, up to 255 units a row (vehicle.work): a tick takes longer than its budget where more
- * than some 3000 slots of all thrusters are followed. A search takes some 340 evaluations for the
- * six parameters of one axis, 1150 for a Girona500 and its thrusters. At AUVID_DEFAULT_BUDGET one
+ * pays for it in full (vehicle.work), and works a row in one piece: where a row costs more than the
+ * budget of a tick, several ticks pay, and the last of them takes longer than its budget. With
+ * eight thrusters, a lag of up to 2 s and slots of 1 ms that are 4500 units at once, a million
+ * instructions; with slots of 20 ms 230. A search takes some 340 evaluations for the six parameters
+ * of one axis, 1150 for a Girona500 and its thrusters. At AUVID_DEFAULT_BUDGET one
  * outlasts a set by far. When the next set is full, neither rows nor commands are kept until the
  * search has ended. What then leads in to the next rows may cost the oldest set: 3 s more of slots
  * for each set keep it.
@@ -156,15 +158,16 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * &thrusters->vehicle, and after metric (rows, sets, free, fixed) and recorder are as they shall
  * be. Sets cfg->listener, the box of the thrusters' parameters (change it afterwards where you know
  * better) and metric.estimate_delay (off: a lag is not told from a delay).
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (cfg is for another vehicle; or nothing that is
- * known says how large a force is, in some DoF); AUVID_ERR_RANGE (a row longer than 4294 s,
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_MODEL (cfg is for
+ * another vehicle; or nothing that is known says how large a force is, in some DoF);
+ * AUVID_ERR_RANGE (a row longer than 4294 s or dearer than 65535 units of work,
  * metric.velocity_us); AUVID_ERR_SIZE (the log is too short for so many sets). Refused: nothing is
  * changed. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
-/** The commands hold from t_us on, after configure. For users of the metric alone: the identifier
- * calls it.
+/** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:
+ * the identifier calls it.
  * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
  * do not advance are ignored. */
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,

@@ -94,7 +94,8 @@ typedef enum {
     AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic is not auvid's */
     AUVID_ERR_MODEL = -16,      /**< the vehicle model lacks what is asked of it */
     AUVID_ERR_LENGTH = -17,     /**< a frame has not the length of its message */
-    AUVID_ERR_CHECKSUM = -18    /**< a frame's checksum is wrong */
+    AUVID_ERR_CHECKSUM = -18,   /**< a frame's checksum is wrong */
+    AUVID_ERR_DRY_MASS = -19    /**< the dry mass is not below the upper bound of a mass */
 } auvid_status_t;
 
 /** Short English sentence for a status; never null. "unknown status" for others. Cost: constant. */

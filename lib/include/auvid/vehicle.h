@@ -77,8 +77,9 @@ typedef struct {
                          auvid_real_t nu_dot[AUVID_DOF_COUNT]);
 
     const void *context; /**< handed to the three functions; may be null */
-    uint8_t work; /**< units of work that one call of `residual` costs, each about 250 instructions
-                       of a Cortex-M4F; default (zero): 1 */
+    uint16_t work; /**< units of work that one call of `residual` costs, each about 250 instructions
+                        of a Cortex-M4F; default (zero): 1. Where that is more than the budget of a
+                        tick, several pay for a call, which the last of them makes */
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.

@@ -5,7 +5,8 @@
  * interrupt, which comes at any moment of the control loop and puts a tick's frames into the queue
  * whenever there is room. So nothing is lost however slow the core is, and the loop works through
  * the log as fast as it can. What the loop sends is written to sent.log, in the same format. The
- * clock stands still, for what is sent must not depend on it.
+ * clock runs only while the loop sleeps, for what is sent must not depend on the core's speed: a
+ * millisecond each time, through the log's pauses and the time before it begins.
  */
 #include "auvid/node.h"
 #include "driver.h"
@@ -15,6 +16,11 @@
 
 /* Room for the frames of one tick. */
 #define TICK_FRAMES 16u
+
+/* A controller that starts so much later than this board; a pause in the log that is waited for
+ * [us]. Shorter ones pass at once. */
+#define LATE_US 300000u
+#define PAUSE_US 100000
 
 /* Interrupts without a fed watchdog, after which the run has failed: some seconds. */
 #define WATCHDOG 20000u
@@ -28,6 +34,9 @@ typedef struct {
 static text_t in, out;
 static auvid_can_fifo_t *queue;
 static volatile bool over; /* the log is */
+static volatile uint32_t clock_us;
+static auvid_can_frame_t coming; /* the next one of the log, when the clock is at due_us */
+static uint32_t due_us;
 static volatile uint32_t unfed;
 
 /* ---- bus.log ---- */
@@ -46,14 +55,17 @@ static int digit(int c)
     return c >= '0' && c <= '9' ? c - '0' : (c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1);
 }
 
-/* "(1795246679.020000) can0 400#0790FFDBFFEE3F00": the time is not read, the tick frame has it. */
+/* "(1795246679.020000) can0 400#0790FFDBFFEE3F00". The time wraps; only pauses are seen by it. */
 static bool read_frame(auvid_can_frame_t *frame)
 {
     int c = next(), nibbles = 0;
+    uint32_t t_us = 0;
     memset(frame, 0, sizeof *frame);
     for (int blanks = 0; c >= 0 && blanks < 2; c = next()) {
         blanks += c == ' ';
+        t_us = blanks == 0 && digit(c) >= 0 ? 10u * t_us + (uint32_t)digit(c) : t_us;
     }
+    frame->t_us = t_us;
     for (; digit(c) >= 0; c = next()) {
         frame->id = (uint16_t)(frame->id * 16 + digit(c));
     }
@@ -71,21 +83,28 @@ static bool read_frame(auvid_can_frame_t *frame)
     return c >= 0;
 }
 
+/* A tick's frames, from the next one of the log on. */
 static void interrupt(void)
 {
-    auvid_can_frame_t frame;
     if (++unfed > WATCHDOG) {
         driver_fault("watchdog");
     }
-    if (over || queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
+    if (queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
         return;
     }
-    do {
-        over = !read_frame(&frame);
-        if (!over && auvid_can_kind(NULL, frame.id) < AUVID_NODE_KINDS) {
-            (void)auvid_can_fifo_push(queue, &frame);
+    while (!over && clock_us >= due_us) {
+        auvid_can_kind_t kind = auvid_can_kind(NULL, coming.id);
+        if (kind < AUVID_NODE_KINDS) {
+            (void)auvid_can_fifo_push(queue, &coming);
         }
-    } while (!over && auvid_can_kind(NULL, frame.id) != AUVID_CAN_TICK);
+        uint32_t before_us = (uint32_t)coming.t_us;
+        over = !read_frame(&coming);
+        uint32_t pause_us = (uint32_t)coming.t_us - before_us;
+        due_us = (int32_t)pause_us > PAUSE_US ? clock_us + pause_us : 0;
+        if (kind == AUVID_CAN_TICK) {
+            return;
+        }
+    }
 }
 
 /* ---- sent.log ---- */
@@ -138,12 +157,14 @@ void driver_start(auvid_can_fifo_t *received)
     if (in.file < 0 || out.file < 0) {
         driver_fault("bus.log or sent.log cannot be opened");
     }
+    over = !read_frame(&coming);
+    due_us = LATE_US;
     machine_timer(interrupt);
 }
 
 uint32_t driver_now_us(void)
 {
-    return 0;
+    return clock_us;
 }
 
 /* The loop has nothing to do. The order of the two reads: frames come before the end does. */
@@ -159,6 +180,7 @@ void driver_sleep(void)
         machine_print(" bytes\n");
         machine_exit(queue->dropped == 0 ? 0 : 1);
     }
+    clock_us = clock_us + 1000u;
     machine_sleep();
 }
 

@@ -71,13 +71,16 @@ static void control_tick(void)
     driver_feed_watchdog();
 }
 
-/* The tick is lost, and with it every sensor: nothing may be driven any more. */
+/* The tick is lost, and with it every sensor: nothing may be driven any more. Before the first tick
+ * there is nothing to lose: the vehicle's controller may start later than this board. */
 static void control_silence(void)
 {
     auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
     int count;
-    (void)auvid_node_halt(&node, frame, &count);
-    send(frame, count);
+    if (node.started) {
+        (void)auvid_node_halt(&node, frame, &count);
+        send(frame, count);
+    }
     driver_feed_watchdog();
 }
 

@@ -1,0 +1,612 @@
+/*
+ * What becomes of each frame in the node, and what it tells in its own.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/node.h"
+#include "craft.h"
+#include "unity.h"
+
+enum { NAVIGATED = 100 };
+
+static auvid_node_t node, copy;
+static craft_t craft;
+static auvid_identifier_config_t identifier;
+static auvid_node_config_t config;
+static auvid_can_sender_t sender;
+static auvid_can_frame_t sent[AUVID_NODE_FRAMES];
+static int count;
+
+void setUp(void)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    craft_config_t vehicle;
+    craft_defaults(&vehicle);
+    vehicle.no_arm = true;
+    TEST_ASSERT_TRUE(craft_init(&craft, &vehicle));
+    auvid_identifier_defaults(&identifier, &auvid_girona500);
+    identifier.allocation = auvid_allocation_girona500;
+    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
+    auvid_node_defaults(&config);
+    config.excite = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
+}
+
+void tearDown(void)
+{
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+}
+
+static auvid_status_t give(const auvid_can_message_t *m)
+{
+    auvid_can_frame_t frame;
+    TEST_ASSERT_TRUE(auvid_can_pack(&sender, m, &frame) >= 0);
+    return auvid_node_take(&node, &frame);
+}
+
+/* Ticks of 20 ms, from the number on that the sender is at. */
+static void step_at(uint32_t sequence)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+    m.as.tick.sequence = sequence;
+    m.as.tick.time = 20000 * sequence;
+    TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+}
+
+/* A tick of the vehicle, without the messages of these bits. */
+static void tick_without(uint32_t kinds)
+{
+    auvid_can_frame_t frame[CRAFT_FRAMES];
+    int frames = craft_tick(&craft, frame);
+    for (int i = 0; i < frames; ++i) {
+        if ((kinds >> auvid_can_kind(NULL, frame[i].id) & 1u) == 0 &&
+            auvid_node_take(&node, &frame[i]) == AUVID_TICK) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+            for (int k = 0; k < count; ++k) {
+                craft_take(&craft, &sent[k]);
+            }
+        }
+    }
+}
+
+static void go(int ticks)
+{
+    for (int k = 0; k < ticks; ++k) {
+        tick_without(0);
+    }
+}
+
+static void excite(void)
+{
+    begin();
+    go(NAVIGATED);
+    auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
+    m.as.arm.action = AUVID_CAN_ACTION_ARM;
+    m.as.arm.key = AUVID_CAN_ARM_KEY;
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+    go(50);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+}
+
+static void give_imu(uint32_t attitude_age, uint32_t rates_age)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+    a.as.imu_attitude.age = attitude_age;
+    r.as.imu_rates.age = rates_age;
+    if (attitude_age != AUVID_CAN_AGE_UNKNOWN) {
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+    }
+    if (rates_age != AUVID_CAN_AGE_UNKNOWN) {
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+    }
+}
+
+/* Time of the last attitude and rates that entered navigation; 0: none. */
+static uint64_t imu_us(void)
+{
+    auvid_nav_state_t state;
+    return auvid_nav_state(&node.id.nav, &state) == AUVID_OK ? state.t_us : 0;
+}
+
+/* ---- sensor frames ---- */
+
+static void test_every_value_of_a_sensor_frame_arrives(void)
+{
+    auvid_can_message_t m;
+    begin();
+    for (int water = 0; water < 2; ++water) {
+        m = (auvid_can_message_t){.kind = water ? AUVID_CAN_DVL_WATER : AUVID_CAN_DVL_BOTTOM};
+        auvid_can_dvl_bottom_t *dvl = &m.as.dvl_bottom; /* dvl_water is laid out alike */
+        dvl->u = 1;
+        dvl->v = 2;
+        dvl->w = 3;
+        dvl->age = 7;
+        m.absent = AUVID_CAN_DVL_BOTTOM_NO_V;
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+    }
+    TEST_ASSERT_TRUE(node.in.dvl.present && node.in.dvl_water.present);
+    TEST_ASSERT_EQUAL(AUVID_DVL_BOTTOM, node.in.dvl.sample.lock);
+    TEST_ASSERT_EQUAL(AUVID_DVL_WATER, node.in.dvl_water.sample.lock);
+    TEST_ASSERT_EQUAL(AUVID_DVL_X | AUVID_DVL_Z, node.in.dvl_water.sample.valid);
+    TEST_ASSERT_EQUAL(AUVID_DVL_X | AUVID_DVL_Z, node.in.dvl.sample.valid);
+    TEST_ASSERT_TRUE(node.in.dvl_water.sample.velocity[0] == 1);
+    TEST_ASSERT_TRUE(node.in.dvl_water.sample.velocity[2] == 3);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_GPS};
+    m.as.gps.x = 4;
+    m.as.gps.y = 5;
+    m.as.gps.age = 8;
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+    TEST_ASSERT_TRUE(node.in.gps.present);
+    TEST_ASSERT_TRUE(node.in.gps.x_m == 4);
+    TEST_ASSERT_TRUE(node.in.gps.y_m == 5);
+    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* until the tick, its age */
+    m = (auvid_can_message_t){.kind = AUVID_CAN_DEPTH};
+    m.as.depth.depth = 6;
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+    TEST_ASSERT_TRUE(node.in.depth.present);
+    TEST_ASSERT_TRUE(node.in.depth.depth_m == 6);
+}
+
+static void test_attitude_and_rates_arrive_as_they_are(void)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+    auvid_nav_state_t s;
+    begin();
+    for (uint32_t k = 1; k <= 2; ++k) {
+        a.as.imu_attitude.phi = AUVID_C(0.1);
+        a.as.imu_attitude.theta = AUVID_C(-0.2);
+        a.as.imu_attitude.psi = AUVID_C(0.3);
+        r.as.imu_rates.p = AUVID_C(0.01);
+        r.as.imu_rates.q = AUVID_C(-0.02);
+        r.as.imu_rates.r = AUVID_C(0.03);
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        step_at(k);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
+    for (int i = 0; i < 3; ++i) {
+        static const double attitude[3] = {0.1, -0.2, 0.3}, rates[3] = {0.01, -0.02, 0.03};
+        TEST_ASSERT_TRUE(fabs((double)s.attitude[i] - attitude[i]) < 0.00021);
+        TEST_ASSERT_TRUE(fabs((double)s.rates[i] - rates[i]) < 0.00026);
+    }
+}
+
+/* Half a sample is none. */
+static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
+{
+    for (int wrong = 0; wrong < 8; ++wrong) {
+        auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+        auvid_can_message_t *m = wrong < 4 ? &a : &r;
+        begin();
+        m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
+        if (wrong % 4 == 3) {
+            m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        step_at(100);
+        TEST_ASSERT_EQUAL_UINT64(0, imu_us());
+        TEST_ASSERT_EQUAL_UINT32(wrong % 4 == 3, node.counters.unknown_age);
+    }
+}
+
+static void test_a_sample_is_as_old_as_its_frame_says(void)
+{
+    auvid_can_message_t m;
+    begin();
+    for (uint32_t k = 1; k <= 100; ++k) {
+        give_imu(0, 0);
+        m = (auvid_can_message_t){.kind = AUVID_CAN_DEPTH};
+        m.as.depth.depth = 10;
+        m.as.depth.age = 30;
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        m = (auvid_can_message_t){.kind = AUVID_CAN_DVL_WATER};
+        m.as.dvl_water.age = 50;
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        m = (auvid_can_message_t){.kind = AUVID_CAN_DVL_ALTITUDE};
+        m.as.dvl_altitude.altitude = 12;
+        m.as.dvl_altitude.age = 70;
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        step_at(k);
+    }
+    TEST_ASSERT_EQUAL_UINT64(2000000, imu_us());
+    TEST_ASSERT_EQUAL_UINT64(1970000, node.id.nav.diagnostics[AUVID_NAV_DEPTH].good_us);
+    TEST_ASSERT_EQUAL_UINT64(1950000, node.id.nav.diagnostics[AUVID_NAV_DVL_WATER].good_us);
+    TEST_ASSERT_EQUAL_UINT64(1930000, node.id.altitude.t_us);
+    TEST_ASSERT_TRUE(node.id.altitude_m == 12);
+}
+
+static void test_samples_without_an_age_or_a_value_are_left_out(void)
+{
+    static const auvid_can_kind_t kinds[] = {AUVID_CAN_DVL_BOTTOM, AUVID_CAN_DVL_WATER,
+                                             AUVID_CAN_DVL_ALTITUDE, AUVID_CAN_DEPTH,
+                                             AUVID_CAN_GPS};
+    begin();
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        auvid_can_message_t m = {.kind = kinds[i]};
+        if (kinds[i] == AUVID_CAN_DVL_BOTTOM || kinds[i] == AUVID_CAN_DVL_WATER) {
+            m.as.dvl_bottom.age = AUVID_CAN_AGE_UNKNOWN;
+        } else if (kinds[i] == AUVID_CAN_GPS) {
+            m.as.gps.age = AUVID_CAN_AGE_UNKNOWN;
+        } else {
+            m.as.depth.age = AUVID_CAN_AGE_UNKNOWN; /* dvl_altitude is laid out alike */
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        TEST_ASSERT_EQUAL_UINT32(i + 1, node.counters.unknown_age);
+        if (i >= 2) {
+            m = (auvid_can_message_t){.kind = kinds[i], .absent = 1};
+            TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        }
+    }
+    TEST_ASSERT_FALSE(node.in.dvl.present || node.in.dvl_water.present || node.in.gps.present ||
+                      node.in.altitude.present || node.in.depth.present);
+}
+
+static void test_an_age_beyond_the_tick_is_the_beginning_of_time(void)
+{
+    begin();
+    give_imu(1000, 1000);
+    step_at(1);
+    TEST_ASSERT_EQUAL_UINT64(0, imu_us());
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+}
+
+static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
+{
+    for (uint32_t apart = 29; apart <= 31; ++apart) {
+        for (int attitude_older = 0; attitude_older < 2; ++attitude_older) {
+            begin();
+            step_at(100);
+            give_imu(attitude_older ? apart : 0, attitude_older ? 0 : apart);
+            step_at(101);
+            TEST_ASSERT_EQUAL_UINT64(apart <= 30 ? 2020000 : 0, imu_us());
+            if (apart > 30) { /* the later half waits for its other one */
+                give_imu(attitude_older ? 10 : AUVID_CAN_AGE_UNKNOWN,
+                         attitude_older ? AUVID_CAN_AGE_UNKNOWN : 10);
+                step_at(102);
+                TEST_ASSERT_EQUAL_UINT64(2030000, imu_us());
+            }
+        }
+    }
+}
+
+static void test_an_imu_sample_enters_once(void)
+{
+    begin();
+    go(NAVIGATED);
+    uint64_t last = imu_us();
+    for (int k = 0; k < 5; ++k) {
+        tick_without(~(1u << AUVID_CAN_TICK)); /* others would be ahead of it */
+    }
+    TEST_ASSERT_EQUAL_UINT64(last, imu_us());
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+}
+
+static void test_lost_ticks_are_counted_each(void)
+{
+    begin();
+    step_at(5);
+    step_at(6);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks_missed);
+    step_at(10);
+    TEST_ASSERT_EQUAL_UINT32(3, node.counters.ticks_missed);
+}
+
+/* Up to a second ahead is a pause, and more a clock that was set. */
+static void test_a_clock_more_than_a_second_ahead_was_set(void)
+{
+    for (uint32_t more = 0; more < 2; ++more) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+        begin();
+        step_at(1);
+        m.as.tick.sequence = 2;
+        m.as.tick.time = 20000 + 1000000 + more;
+        TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+        TEST_ASSERT_EQUAL_UINT32(more, node.counters.clock_steps);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* it goes on a second later */
+    }
+}
+
+/* ---- init ---- */
+
+static void test_one_to_eight_thrusters_are_taken(void)
+{
+    identifier.excitation.segments = 0;
+    for (uint8_t thrusters = 0; thrusters <= AUVID_CAN_THRUSTERS + 1; ++thrusters) {
+        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+            identifier.allocation.thruster[i] = auvid_allocation_girona500.thruster[i % 5];
+        }
+        identifier.allocation.thrusters = thrusters;
+        bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+        TEST_ASSERT_EQUAL(some ? AUVID_OK : AUVID_ERR_SIZE,
+                          auvid_node_init(&node, &config, &identifier));
+        TEST_ASSERT_EQUAL(some, node.ready);
+    }
+}
+
+static void test_null_and_overlapping_identifiers_are_refused(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, NULL, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &config, NULL));
+    config.ids.slow = config.ids.fast;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_FALSE(node.ready);
+    memset(&config, 0xFF, sizeof config);
+    auvid_node_defaults(&config);
+    TEST_ASSERT_FALSE(config.excite || config.answer);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+}
+
+/* ---- the guard's altitude ---- */
+
+static void give_altitude(auvid_real_t altitude, uint32_t absent)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_DVL_ALTITUDE, .absent = absent};
+    m.as.dvl_altitude.altitude = altitude;
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+}
+
+static void test_an_altitude_frame_below_the_limit_ends_the_excitation(void)
+{
+    excite();
+    give_altitude(identifier.guard.altitude_min_m, 0);
+    tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    give_altitude(identifier.guard.altitude_min_m - AUVID_C(0.01), 0);
+    tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, node.id.guard.trip.cause);
+    TEST_ASSERT_EQUAL(2, count);
+}
+
+static void test_altitude_frames_without_altitude_are_an_altitude_lost(void)
+{
+    excite();
+    for (int k = 0; k < 60; ++k) {
+        give_altitude(0, AUVID_CAN_DVL_ALTITUDE_NO_ALTITUDE);
+        tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE_STALE, node.id.guard.trip.cause);
+}
+
+/* ---- thrust ---- */
+
+static struct {
+    int calls;
+    uint64_t t_us;
+    auvid_real_t command[AUVID_MAX_COMMANDS];
+} heard;
+
+static void hear(void *context, uint64_t t_us, const auvid_real_t *command)
+{
+    (void)context;
+    ++heard.calls;
+    heard.t_us = t_us;
+    memcpy(heard.command, command, sizeof heard.command);
+}
+
+static void nothing(void *context, auvid_metric_t *metric)
+{
+    (void)context;
+    (void)metric;
+}
+
+static void give_feedback(auvid_real_t first)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
+    auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_B};
+    for (int i = 0; i < 4; ++i) {
+        a.as.thruster_feedback_a.thrust[i] = first + AUVID_C(0.125) * (auvid_real_t)i;
+    }
+    b.as.thruster_feedback_b.thrust[0] = AUVID_C(-0.5);
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&b));
+}
+
+static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
+{
+    static const auvid_listener_t listener = {hear, nothing};
+    memset(&heard, 0, sizeof heard);
+    identifier.listener = &listener;
+    begin();
+    give_feedback(AUVID_C(0.25));
+    step_at(1); /* since when it acts is not known */
+    TEST_ASSERT_EQUAL(0, heard.calls);
+    TEST_ASSERT_FALSE(node.id.applied.known);
+    give_feedback(AUVID_C(0.25));
+    step_at(2);
+    TEST_ASSERT_EQUAL(1, heard.calls);
+    TEST_ASSERT_EQUAL_UINT64(20000, heard.t_us);
+    TEST_ASSERT_EQUAL_UINT64(20000, node.id.applied.t_us);
+    for (int i = 0; i < 4; ++i) {
+        TEST_ASSERT_TRUE(heard.command[i] == AUVID_C(0.25) + AUVID_C(0.125) * (auvid_real_t)i);
+    }
+    TEST_ASSERT_TRUE(heard.command[4] == AUVID_C(-0.5));
+    step_at(3); /* nothing was fed back */
+    TEST_ASSERT_EQUAL(1, heard.calls);
+}
+
+static void test_a_thruster_without_feedback_gives_nothing(void)
+{
+    static const auvid_listener_t listener = {hear, nothing};
+    memset(&heard, 0, sizeof heard);
+    identifier.listener = &listener;
+    begin();
+    step_at(1);
+    for (int absent = 0; absent < 4; ++absent) {
+        auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A, .absent = 1u << absent};
+        for (int i = 0; i < 4; ++i) {
+            a.as.thruster_feedback_a.thrust[i] = AUVID_C(0.5);
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        step_at(2 + (uint32_t)absent);
+        for (int i = 0; i < 4; ++i) {
+            TEST_ASSERT_TRUE(heard.command[i] == (i == absent ? 0 : AUVID_C(0.5)));
+        }
+    }
+}
+
+static void test_thrust_that_the_recorder_refuses_is_counted(void)
+{
+    identifier.allocation.thruster[0].max_N = AUVID_C(2e9);
+    begin();
+    step_at(1);
+    give_feedback(AUVID_C(0.5));
+    step_at(2);
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+}
+
+/* A thruster gives less backwards: the part commanded is that of its own direction. */
+static void test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction(void)
+{
+    bool forward = false, backward = false;
+    for (int i = 0; i < identifier.allocation.thrusters; ++i) {
+        identifier.allocation.thruster[i].min_N = -AUVID_C(100.0);
+    }
+    excite();
+    for (int k = 0; k < 400; ++k) {
+        tick_without(0);
+        copy = node;
+        auvid_input_t in = {.t_us = node.t_us + 20000};
+        auvid_output_t out;
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK}; /* no sensor: both see the same */
+        auvid_can_frame_t frame;
+        m.as.tick.sequence = node.sequence + 1;
+        m.as.tick.time = (uint32_t)in.t_us;
+        sender.counter[AUVID_CAN_TICK] = craft.sender.counter[AUVID_CAN_TICK];
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &frame));
+        TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&copy, &frame));
+        static auvid_identifier_t same;
+        same = node.id;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&same, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&copy, NULL, sent, &count));
+        TEST_ASSERT_EQUAL(2, count);
+        for (int i = 0; i < identifier.allocation.thrusters; ++i) {
+            auvid_can_message_t c;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[i / 4], &c));
+            const auvid_thruster_t *t = &identifier.allocation.thruster[i];
+            auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b is laid out alike */
+            auvid_real_t most = part > 0 ? t->max_N : -t->min_N;
+            TEST_ASSERT_TRUE(fabs((double)(part * most - out.thruster_N[i])) <=
+                             0.51 * (double)most / 4000.0);
+            forward = forward || part > AUVID_C(0.1);
+            backward = backward || part < -AUVID_C(0.1);
+        }
+    }
+    TEST_ASSERT_TRUE(forward && backward);
+}
+
+/* The application may arm the identifier; thrusters it may command by itself. */
+static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
+{
+    config.excite = false;
+    begin();
+    go(NAVIGATED);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&node.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&node.id));
+    for (int k = 0; k < 100; ++k) {
+        tick_without(0);
+        TEST_ASSERT_EQUAL(0, count);
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+}
+
+/* ---- reports ---- */
+
+/* The next message of this kind within a round of reports. */
+static auvid_can_message_t reported(auvid_can_kind_t kind)
+{
+    auvid_can_message_t m;
+    for (int turn = 0; turn < 50; ++turn) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, 0, sent, &count));
+        for (int i = 0; i < count; ++i) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[i], &m));
+            if (m.kind == kind) {
+                return m;
+            }
+        }
+    }
+    TEST_FAIL_MESSAGE("not reported");
+    return m;
+}
+
+static void near(auvid_real_t expected, auvid_real_t got, double step)
+{
+    TEST_ASSERT_TRUE(fabs((double)(expected - got)) <= 0.51 * step);
+}
+
+static void test_navigation_is_reported_as_it_is(void)
+{
+    auvid_nav_state_t s;
+    excite();
+    go(1000);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
+    for (int i = 0; i < 3; ++i) { /* else nothing could be exchanged unseen */
+        TEST_ASSERT_TRUE(fabs((double)s.velocity[i]) > 0.004);
+        TEST_ASSERT_TRUE(fabs((double)s.position[i]) > 0.04);
+    }
+    auvid_can_message_t m = reported(AUVID_CAN_NAV_POSITION);
+    near(s.position[0], m.as.nav_position.x, 0.01);
+    near(s.position[1], m.as.nav_position.y, 0.01);
+    TEST_ASSERT_EQUAL_UINT32(s.flags, m.as.nav_position.flags);
+    m = reported(AUVID_CAN_NAV_DEPTH);
+    near(s.position[2], m.as.nav_depth.z, 0.002);
+    m = reported(AUVID_CAN_NAV_VELOCITY);
+    near(s.velocity[0], m.as.nav_velocity.u, 0.001);
+    near(s.velocity[1], m.as.nav_velocity.v, 0.001);
+    near(s.velocity[2], m.as.nav_velocity.w, 0.001);
+}
+
+/* lib/can/auvid.dbc: identified, driven, capped, identifiable, implausible, foretold. */
+static void test_each_flag_of_an_estimate_is_its_own_bit(void)
+{
+    auvid_estimate_t *e = &node.id.estimate;
+    for (unsigned bit = 0; bit < 6; ++bit) {
+        begin();
+        node.index = 5; /* X_u, of surge */
+        e->identified = bit == 0 ? 1u << 5 : ~(1u << 5);
+        e->driven = (uint8_t)(bit == 1 ? 1u << AUVID_SURGE : ~(1u << AUVID_SURGE));
+        e->capped = bit == 2;
+        e->confidence.identifiable = bit == 3 ? 1u << 5 : ~(1u << 5);
+        e->confidence.implausible = bit == 4 ? 1u << 5 : ~(1u << 5);
+        e->accepted = bit == 5;
+        auvid_can_message_t m = reported(AUVID_CAN_ESTIMATE);
+        TEST_ASSERT_EQUAL_UINT32(5, m.as.estimate.index);
+        TEST_ASSERT_EQUAL_HEX32(1u << bit, m.as.estimate.flags);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_every_value_of_a_sensor_frame_arrives);
+    RUN_TEST(test_attitude_and_rates_arrive_as_they_are);
+    RUN_TEST(test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out);
+    RUN_TEST(test_a_sample_is_as_old_as_its_frame_says);
+    RUN_TEST(test_samples_without_an_age_or_a_value_are_left_out);
+    RUN_TEST(test_an_age_beyond_the_tick_is_the_beginning_of_time);
+    RUN_TEST(test_halves_of_an_imu_sample_are_up_to_30_ms_apart);
+    RUN_TEST(test_an_imu_sample_enters_once);
+    RUN_TEST(test_lost_ticks_are_counted_each);
+    RUN_TEST(test_a_clock_more_than_a_second_ahead_was_set);
+    RUN_TEST(test_one_to_eight_thrusters_are_taken);
+    RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
+    RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
+    RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
+    RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
+    RUN_TEST(test_a_thruster_without_feedback_gives_nothing);
+    RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
+    RUN_TEST(test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction);
+    RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
+    RUN_TEST(test_navigation_is_reported_as_it_is);
+    RUN_TEST(test_each_flag_of_an_estimate_is_its_own_bit);
+    return UNITY_END();
+}
