@@ -288,7 +288,8 @@ static void check_ticks(const bool *marked)
     }
 }
 
-/* Random ticks, `most` of them: two of each phase of work that there is, the others of all.
+/* Random ticks, `most` of them: two of each phase of work that there is, the others of all, the
+ * last of those at which a set waits.
  * @return phases among them */
 static uint32_t mark(uint32_t most, bool *marked)
 {
@@ -298,6 +299,9 @@ static uint32_t mark(uint32_t most, bool *marked)
         uint32_t k = 1 + auvid_rng_below(&rng, run.ticks - 1);
         for (uint32_t i = 1; n < 2 * PHASES && i < run.ticks && run.tick[k].phase != n / 2; ++i) {
             k = 1 + k % (run.ticks - 1); /* the next */
+        }
+        for (uint32_t i = 1; n + 3 > most && i < run.ticks && !run.tick[k].late; ++i) {
+            k = 1 + k % (run.ticks - 1);
         }
         count[run.tick[k].phase] += !marked[k];
         phases |= 1u << run.tick[k].phase;

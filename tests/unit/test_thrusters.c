@@ -445,8 +445,9 @@ static void test_work_pays_for_every_slot_that_a_row_looks_at(void)
     const auvid_real_t none[AUVID_MAX_COMMANDS] = {0};
     uint64_t units = 0, end_us = QUICK_SLOTS * (uint64_t)QUICK_US;
     begin_dearest();
-    auvid_thrusters_command(&thrusters, 0, none);
-    auvid_thrusters_command(&thrusters, end_us, none);
+    for (uint64_t t_us = 0; t_us <= end_us; t_us += 100000) {
+        auvid_thrusters_command(&thrusters, t_us, none);
+    }
     uint64_t row_us = end_us - 1000000;
     TEST_ASSERT_TRUE(looks_at(QUICK_SLOTS, false, row_us));
     uint32_t slots = QUICK_SLOTS - unread(false, row_us) - unread(true, row_us);
