@@ -102,6 +102,7 @@ static const row_t recorder[] = {
 };
 
 static const row_t set[] = {
+    SPAN(auvid_set_t, uint32_t, number, number),
     REALS(auvid_set_t, tau_m2, tau_m2),
     SPAN(auvid_set_t, uint16_t, rows, windows),
     SPAN(auvid_set_t, auvid_share_t, factor, factor),
@@ -118,7 +119,7 @@ static const row_t metric[] = {
     BYTE(auvid_metric_t, cfg.half_width, cfg.estimate_delay),
     REALS(auvid_metric_t, cfg.delay_s, cfg.delay_s),
     BYTE(auvid_metric_t, cfg.lagged, cfg.lagged),
-    SPAN(auvid_metric_t, uint64_t, window_us, window_us),
+    SPAN(auvid_metric_t, uint64_t, window_us, resume_us),
     SPAN(auvid_metric_t, uint32_t, memory.known, memory.known),
     REALS(auvid_metric_t, memory.pi, memory.colour),
     SPAN(auvid_metric_t, uint32_t, columns, columns),
@@ -140,7 +141,7 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
     BYTE(auvid_metric_t, window_of, window_of),
     SPAN(auvid_metric_t, uint16_t, at_row, paid),
-    BYTE(auvid_metric_t, window_length, pass),
+    BYTE(auvid_metric_t, window_length, turned),
     REALS(auvid_metric_t, linear_delay_s, linear_delay_s),
     BYTE(auvid_metric_t, driven, driven),
     SPAN(auvid_metric_t, uint16_t, dof_rows, dof_rows),
@@ -148,7 +149,7 @@ static const row_t metric[] = {
     BYTE(auvid_metric_t, lagged, lagged),
     REALS(auvid_metric_t, constant, constant),
     COSTS(auvid_metric_t, cost, sse),
-    SPAN(auvid_metric_t, uint32_t, sets_recorded, sets_recorded),
+    SPAN(auvid_metric_t, uint32_t, sets_recorded, rows_dropped),
     COSTS(auvid_metric_t, predicted, change),
     BYTE(auvid_metric_t, change_rank, change_rank),
 };

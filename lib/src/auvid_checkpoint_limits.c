@@ -208,7 +208,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, AUVID_C(1e9)),
     SIZE(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
-    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, found, anew),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, unjudged, unjudged, AUVID_MAX_SETS),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, set_pending, anew),
 
     VALUE(TABLE_ROW, auvid_row_t, late, late),
 };

@@ -73,15 +73,17 @@ static void find_own(job_t *c, int j)
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    bool linear = auvid_metric_has_regressor(m);
     uint32_t lost = 0, all = 0;
-    for (int age = 0; age < m->cfg.sets; ++age) {
+    c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the sets merged, some of which may be gone */
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        bool linear = auvid_metric_has_regressor(m);
-        uint32_t some = linear ? set->rows_of[j] : set->windows[j];
-        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : some;
-        c->rows[j] += (auvid_real_t)rows;
-        lost += rows > 0 ? (uint32_t)set->lost + set->rows - set->rows_of[j] : 0u;
-        all += rows > 0 ? (uint32_t)set->lost + set->rows : 0u;
+        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : set->rows_of[j];
+        if (rows > 0) {
+            c->rows[j] -= linear ? AUVID_C(0.0) : (auvid_real_t)(rows - set->windows[j]);
+            lost += (uint32_t)set->lost + set->rows - rows;
+            all += (uint32_t)set->lost + set->rows;
+        }
     }
     c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
     for (int i = 0; i < count; ++i) {
@@ -303,6 +305,7 @@ static void judge(job_t *c, int i)
     auvid_real_t variance = pooled_variance(c, x);
     if (c->result.sets > 1) {
         auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
+        own *= (auvid_real_t)c->metric->sets_merged / sets; /* those that are gone scattered, too */
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
@@ -346,7 +349,7 @@ static void work_step(job_t *c)
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
             finish_dof(c, j);
-        } else if (set->driven >> j & 1) {
+        } else if (c->at_set < auvid_metric_sets(c->metric) && (set->driven >> j & 1)) {
             take_row(c, set, j, i / n, i % n);
         }
         break;
@@ -397,7 +400,7 @@ static void move_on(job_t *c)
     }
     if (c->phase == SCATTER) {
         finish_set(c);
-        if (++c->at_set < c->metric->cfg.sets) {
+        if (++c->at_set < auvid_metric_sets(c->metric)) {
             (void)seek_dof(c, 0);
             return;
         }
@@ -428,7 +431,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
             c->place[i] = c->n++;
         }
     }
-    for (int age = 0; age < metric->cfg.sets; ++age) {
+    for (int age = 0; age < auvid_metric_sets(metric); ++age) {
         bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
         c->result.sets = (uint8_t)(c->result.sets + driven);
     }

@@ -102,7 +102,7 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j);
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0), column = AUVID_C(0.0);
-    for (int age = 0; age < m->cfg.sets; ++age) {
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         if (set->driven >> j & 1) {
             wrench += set->tau_m2[j];
@@ -133,7 +133,7 @@ static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
 static bool is_explained(const auvid_metric_t *m, int j)
 {
     auvid_real_t total = AUVID_C(0.0);
-    for (int age = 0; age < m->cfg.sets; ++age) {
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
     }

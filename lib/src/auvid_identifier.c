@@ -159,6 +159,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
 static void take_cells(auvid_identifier_t *id, int most)
 {
     auvid_sample_t cell;
+    uint32_t dropped = id->metric.rows_dropped;
     for (int i = 0; i < most; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
@@ -176,6 +177,8 @@ static void take_cells(auvid_identifier_t *id, int most)
                 (void)auvid_validation_add(&id->prediction, &cell);
             }
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
+            bool drops = id->metric.rows_dropped != dropped;
+            id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
         }
     }
 }
@@ -259,6 +262,13 @@ static void record(auvid_identifier_t *id, const auvid_input_t *in)
     }
 }
 
+/* Are rows of this time dropped? */
+static bool is_deaf(const auvid_identifier_t *id, uint64_t t_us)
+{
+    const auvid_metric_t *m = &id->metric;
+    return identifier_residual_path(id) && m->held && (m->full || t_us > m->until_us);
+}
+
 /* The wrench recorded is known from t_us on. */
 static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
                                    const auvid_real_t *wrench, const auvid_real_t *command)
@@ -267,7 +277,7 @@ static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
-        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
+        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL && !is_deaf(id, t_us)) {
             id->listener->command(id->listening, t_us, command);
         }
     }

@@ -42,8 +42,11 @@ void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid
 /** A step is refused: for a watching guard a breach. All may be null. */
 void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
 
-/** A set has been completed: judge the last estimate by it, then merge. */
-void auvid_identifier_begin_set(auvid_identifier_t *id);
+/** Sets have been completed: judge the last estimate by them, oldest first, then merge. */
+void auvid_identifier_begin_sets(auvid_identifier_t *id);
+
+/** Judge the last estimate by the oldest set that has not been judged; if there is none, merge. */
+void auvid_identifier_begin_judge(auvid_identifier_t *id);
 
 /** Bring the sets together, then search. */
 void auvid_identifier_begin_merge(auvid_identifier_t *id);

@@ -1,7 +1,7 @@
 /*
  * The identifier: judgement of estimates by sets they have not seen.
  *
- *     FORESEE -> PREDICT -> COMPARE -> JUDGE, before the new set is merged
+ *     FORESEE -> PREDICT -> COMPARE -> JUDGE, set by set, before the new sets are merged
  *
  * An estimate becomes the trusted one when the next set confirms it; one that foretells that set
  * worse than the trusted one does is taken back. Whether the vehicle has changed is decided by
@@ -12,6 +12,7 @@
 
 #include "auvid_identifier.h"
 #include "auvid_math.h"
+#include "auvid_metric.h"
 
 /* Worse is worse by more than this part of the cost. */
 #define MARGIN AUVID_C(1.1)
@@ -49,26 +50,57 @@ void auvid_identifier_simulate(auvid_identifier_t *id)
     }
 }
 
-void auvid_identifier_begin_set(auvid_identifier_t *id)
+/* Longest time between the first row of a set and its last [us]. */
+static uint64_t set_us(const auvid_metric_config_t *cfg)
+{
+    return (uint64_t)cfg->cell_us * cfg->row_cells * cfg->set_rows;
+}
+
+void auvid_identifier_begin_sets(auvid_identifier_t *id)
 {
     auvid_judgement_t *to = &id->judgement;
-    const auvid_estimate_t *e = &id->estimate;
-    bool simulated = id->prediction.vehicle != NULL &&
+    auvid_metric_t *m = &id->metric;
+    bool simulated = id->prediction.vehicle != NULL && m->waiting == 1 &&
                      auvid_validation_r2(&id->prediction, to->r2_velocity) == AUVID_OK;
     to->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
     auvid_identifier_simulate(id);
-    if (id->suspect) {
-        (void)auvid_metric_drop(&id->metric, 1);
-    }
     if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
-        id->listener->set(id->listening, &id->metric);
+        id->listener->set(id->listening, m);
     }
-    if (e->number == 0) {
+    id->sets = m->sets_recorded;
+    id->unjudged = id->estimate.number == 0 ? 0u : m->waiting;
+    bool limited = identifier_residual_path(id) && id->listener != NULL;
+    auvid_metric_hold(m, limited ? id->applied.t_us + set_us(&m->cfg) : UINT64_MAX);
+    m->from = (uint8_t)(id->unjudged > 0 ? id->unjudged - 1u : 0u);
+    auvid_identifier_begin_judge(id);
+}
+
+/* metric.from: the set to be judged is the newest that counts. */
+void auvid_identifier_begin_judge(auvid_identifier_t *id)
+{
+    auvid_metric_t *m = &id->metric;
+    const auvid_estimate_t *e = &id->estimate;
+    while (id->unjudged > 0 && auvid_metric_sets(m) == 0) { /* overwritten before it was judged */
+        --id->unjudged;
+        m->from = (uint8_t)(id->unjudged > 0 ? m->from - 1u : m->from);
+    }
+    m->least = id->unjudged > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
+    if (id->unjudged == 0) {
         auvid_identifier_begin_merge(id);
         return;
     }
-    auvid_metric_linearise_begin(&id->metric, e->pi, auvid_identifier_common_delay(id, e), 1);
+    if (id->suspect) {
+        (void)auvid_metric_drop(m, 1);
+    }
+    auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(id, e), 1);
     id->phase = AUVID_WORK_FORESEE;
+}
+
+/* A set has been judged: on to the next newer one. */
+static void next_set(auvid_identifier_t *id)
+{
+    id->metric.from = (uint8_t)(--id->unjudged > 0 ? id->metric.from - 1u : id->metric.from);
+    auvid_identifier_begin_judge(id);
 }
 
 static void predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
@@ -95,7 +127,7 @@ static void note_prediction(auvid_identifier_t *id)
     auvid_judgement_t *to = &id->judgement;
     const auvid_metric_t *m = &id->metric;
     const auvid_set_t *set = auvid_metric_newest(m);
-    to->set = m->sets_recorded;
+    to->set = set->number;
     to->estimate = id->estimate.number;
     to->driven = set->driven & id->estimate.driven;
     to->changed = 0;
@@ -109,10 +141,15 @@ static void note_prediction(auvid_identifier_t *id)
     id->predicted = predicted_cost(id);
 }
 
-/* The trusted estimate's turn is over: which of the two stays? */
+/* The trusted estimate's turn is over: which of the two stays? One that knows other DoF is no
+ * substitute: its parameters of the rest are not estimates. */
 static void compare(auvid_identifier_t *id)
 {
-    if (id->predicted > MARGIN * predicted_cost(id)) {
+    bool worse = id->predicted > MARGIN * predicted_cost(id);
+    if (worse && id->estimate.driven != id->trusted.driven) {
+        return;
+    }
+    if (worse) {
         uint32_t number = id->estimate.number;
         id->estimate = id->trusted;
         id->estimate.number = number + 1;
@@ -166,8 +203,8 @@ static void conclude(auvid_identifier_t *id)
     if (to->changed != 0) {
         /* It may have happened in the middle of a set: the newest, if that alone gave the alarm,
          * else the one before. */
-        for (uint8_t age = 1; age < id->metric.cfg.sets; ++age) {
-            (void)auvid_metric_drop(&id->metric, age);
+        for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
+            (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
         id->suspect = by_one > AUVID_C(1.0);
         id->anew = true;
@@ -206,7 +243,7 @@ auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget)
         status = auvid_metric_judge(m, budget);
         if (status == AUVID_OK) {
             conclude(id);
-            auvid_identifier_begin_merge(id);
+            next_set(id);
         }
         break;
     }

@@ -1,17 +1,21 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
  *
- *     set complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
- *                       ^                |                                          |
- *                       +----------------+ another set completes: costs are stale   +-> estimate
+ *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
+ *           ^                                                                          |
+ *           +------------------- sets that were completed meanwhile <------ estimate --+
  *
- * Judging is in auvid_identifier_judge.c, what LINEARISE does for a model with regressor in
+ * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
+ * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
+ * oldest: what reads the ring begins again with those that are left. Judging is in
+ * auvid_identifier_judge.c, what LINEARISE does for a model with regressor in
  * auvid_identifier_optimum.c.
  */
 #include <string.h>
 
 #include "auvid_identifier.h"
 #include "auvid_math.h"
+#include "auvid_metric.h"
 #include "auvid_optimizer.h"
 
 /* Units that it costs to draw a population. */
@@ -90,10 +94,7 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
     if (id->estimate.number > 0 && !id->anew) {
         add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
     }
-    if (id->found && !id->anew) { /* what a new set has caught before it was an estimate */
-        add_point(id, &search, id->candidate, id->delay_s);
-    }
-    id->anew = id->found = false;
+    id->anew = false;
     return AUVID_OK;
 }
 
@@ -110,13 +111,11 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
     id->delay_s = searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
 }
 
-/* The sets are together: search anew, or go on with costs evaluated again. */
-static auvid_status_t after_merge(auvid_identifier_t *id)
+/* The result's residuals, on the sets that are left. */
+static void begin_measure(auvid_identifier_t *id)
 {
-    if (id->searching && id->active == auvid_metric_searched(&id->metric)) {
-        return auvid_optimizer_reevaluate(&id->optimizer);
-    }
-    return begin_search(id);
+    auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
+    id->phase = AUVID_WORK_MEASURE;
 }
 
 static AUVID_APART void ask(auvid_identifier_t *id)
@@ -129,11 +128,20 @@ static AUVID_APART void ask(auvid_identifier_t *id)
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
         expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
-        auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
         id->searched = auvid_optimizer_work(&id->optimizer);
         id->capped = status == AUVID_CAPPED || !(id->cost < AUVID_CRS_COST_FAILED);
-        id->phase = AUVID_WORK_MEASURE;
+        begin_measure(id);
     }
+}
+
+/* Nothing is left to do for the sets of the ring. */
+static void rest(auvid_identifier_t *id)
+{
+    bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
+    uint64_t lead_us = logs ? id->listener->lead_us(id->listening) : 0u;
+    id->searching = false;
+    id->phase = AUVID_WORK_IDLE;
+    identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
 
 static void publish(auvid_identifier_t *id)
@@ -141,7 +149,7 @@ static void publish(auvid_identifier_t *id)
     auvid_estimate_t *e = &id->estimate;
     ++e->number;
     e->t_us = id->t_us;
-    e->sets = id->metric.sets_recorded;
+    e->sets = id->sets;
     e->identified = auvid_metric_active(&id->metric);
     e->driven = id->metric.driven;
     memcpy(e->pi, id->candidate, sizeof e->pi);
@@ -159,12 +167,15 @@ static void publish(auvid_identifier_t *id)
     e->accepted = false;
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
-    id->found = false;
-    id->phase = AUVID_WORK_IDLE;
+    rest(id);
 }
 
 void auvid_identifier_begin_merge(auvid_identifier_t *id)
 {
+    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: what waits is next */
+        rest(id);
+        return;
+    }
     auvid_metric_merge_begin(&id->metric);
     id->paid = 0;
     id->phase = AUVID_WORK_MERGE;
@@ -182,7 +193,6 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
             auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
         } else if (status == AUVID_OK) {
             id->searching = false;
-            id->found = true;
             auvid_identifier_begin_optimum(id);
         }
         id->phase = status == AUVID_OK ? AUVID_WORK_LINEARISE : id->phase;
@@ -191,7 +201,6 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
                                               : auvid_identifier_optimum(id, budget);
         if (status == AUVID_OK) {
             id->searching = false;
-            id->found = true;
             auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg);
             auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
                                     id->capped);
@@ -216,16 +225,41 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
     } else {
         --*budget;
         if (id->paid++ == BEGIN_PRICE) {
-            status = after_merge(id);
+            status = begin_search(id);
             id->searching = true;
             id->phase = AUVID_WORK_ASK;
         }
     }
     if (status < 0) {
-        id->searching = false;
-        id->phase = AUVID_WORK_IDLE;
+        rest(id);
     }
     return status;
+}
+
+/* A set has taken the place of the oldest: begin again what was reading the ring. */
+static void begin_again(auvid_identifier_t *id)
+{
+    id->metric.turned = false;
+    switch ((auvid_work_phase_t)id->phase) {
+    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREDICT:
+    case AUVID_WORK_COMPARE:
+        auvid_identifier_begin_judge(id);
+        break;
+    case AUVID_WORK_JUDGE:
+        auvid_metric_judge_begin(&id->metric);
+        break;
+    case AUVID_WORK_MERGE:
+        auvid_identifier_begin_merge(id);
+        break;
+    case AUVID_WORK_MEASURE:
+    case AUVID_WORK_LINEARISE:
+    case AUVID_WORK_CONFIDENCE:
+        begin_measure(id);
+        break;
+    default: /* the search works on what was merged */
+        break;
+    }
 }
 
 /* One stretch of work in the present phase. */
@@ -276,9 +310,12 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
-    if (id->set_pending && budget > 0) {
+    if (budget > 0 && id->metric.turned) {
+        begin_again(id);
+    }
+    if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {
         id->set_pending = false;
-        auvid_identifier_begin_set(id);
+        auvid_identifier_begin_sets(id);
     }
     while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
         status = advance(id, &left);

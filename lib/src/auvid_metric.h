@@ -39,14 +39,21 @@ static inline bool auvid_metric_smooths_motion(const auvid_metric_t *m)
     return !auvid_metric_is_linear(&m->cfg) || auvid_metric_is_literal(&m->cfg);
 }
 
-/** Where the set completed `age` sets ago stands, age < cfg.sets; age -1: where the next will. */
+/** Sets of the ring that count; ages below are from the newest of them on. */
+static inline int auvid_metric_sets(const auvid_metric_t *m)
+{
+    return m->from < m->cfg.sets ? m->cfg.sets - m->from : 0;
+}
+
+/** Where the set of that age stands, age < auvid_metric_sets. */
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 
 /** Residual path: its rows; age -1: those of the set being recorded. */
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
 {
     uint32_t blocks = m->cfg.sets + 1u;
-    uint32_t block = (m->turns + 2u * blocks - (uint32_t)(age + 1)) % blocks;
+    uint32_t back = age < 0 ? 0u : (uint32_t)age + m->from + 1u;
+    uint32_t block = (m->turns + 2u * blocks - back) % blocks;
     return m->cfg.rows + block * m->cfg.set_rows;
 }
 

@@ -124,8 +124,9 @@ static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
 /* J = sum over stored rows, oldest set first; compensated, since the constant part is in it. */
 static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->at_set < m->cfg.sets; ++m->at_set, m->at_row = 0) {
-        int age = m->cfg.sets - 1 - m->at_set;
+    int sets = auvid_metric_sets(m);
+    for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
+        int age = sets - 1 - m->at_set;
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row) {
             if (!auvid_metric_pay_model(m, budget)) {
@@ -183,7 +184,8 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
     if (metric != NULL && pi != NULL) {
         auvid_metric_measure_begin(metric, pi, delay_s);
         metric->to_set = 1; /* by age, the residual path from the oldest on */
-        metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)(metric->cfg.sets - 1);
+        int oldest = auvid_metric_sets(metric) - 1;
+        metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)oldest;
     }
 }
 
@@ -264,7 +266,7 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 {
     for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
         auvid_real_t total = AUVID_C(0.0);
-        for (int age = 0; age < metric->cfg.sets; ++age) {
+        for (int age = 0; age < auvid_metric_sets(metric); ++age) {
             const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
             total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
         }

@@ -26,7 +26,7 @@ void auvid_metric_judge_begin(auvid_metric_t *metric)
 /* The set of DoF j has been taken in as number `place` of the chain: what it tells. */
 static void note_set(auvid_metric_t *m, int j, int place)
 {
-    int sets = m->cfg.sets, n = auvid_metric_order(m, j);
+    int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
     auvid_metric_clear_dependent(m, j);
     auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
@@ -52,7 +52,7 @@ static void note_set(auvid_metric_t *m, int j, int place)
 /* One row of one band of the set of that place in DoF j's chain. @return its rows are at an end */
 static bool take_row(auvid_metric_t *m, int j, int place)
 {
-    int sets = m->cfg.sets, n = auvid_metric_order(m, j);
+    int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = place < sets ? sets - 1 - place : place - sets;
     const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
     if ((set->driven >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
@@ -69,7 +69,8 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
-    int places = m->cfg.sets < 3 ? 0 : m->cfg.sets + 2; /* else there is nothing to compare with */
+    int sets = auvid_metric_sets(m);
+    int places = sets < 3 ? 0 : sets + 2; /* else there is nothing to compare with */
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_set = 0) {
         int j = m->at_dof;
         while (auvid_metric_order(m, j) > 0 && m->at_set < places) {
@@ -93,7 +94,7 @@ const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
 int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest)
 {
     int sets = 0;
-    for (int age = newest; age < metric->cfg.sets; ++age) {
+    for (int age = newest; age < auvid_metric_sets(metric); ++age) {
         sets += metric->set[auvid_metric_slot(metric, age)].driven >> j & 1;
     }
     return sets;

@@ -44,7 +44,7 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
 static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, int back)
 {
     if (back > r) {
-        if (age + 1 >= m->cfg.sets) {
+        if (age + 1 >= auvid_metric_sets(m)) {
             return NULL;
         }
         back -= r + 1;

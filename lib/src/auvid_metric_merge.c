@@ -190,7 +190,7 @@ static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j
 void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
 {
     m->pass = pass;
-    m->to_set = m->cfg.sets;
+    m->to_set = (uint8_t)auvid_metric_sets(m);
     m->at_set = m->at_band = m->at_dof = 0;
     m->paid = 0;
     m->at_row = 0;
@@ -287,11 +287,12 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     if (m == NULL) {
         return;
     }
-    m->driven = 0;
+    m->driven = m->sets_merged = 0;
     memset(m->dof_rows, 0, sizeof m->dof_rows);
-    for (int age = 0; age < m->cfg.sets; ++age) {
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         m->driven |= set->driven;
+        m->sets_merged = (uint8_t)(m->sets_merged + (set->driven != 0));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             unsigned rows = (set->driven >> j & 1) ? set->rows_of[j] : 0u;
             m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);

@@ -71,10 +71,55 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
     }
 }
 
+/* The set of the ring that is `back` turns old: 0 is where the next one goes. */
+static auvid_set_t *place(auvid_metric_t *m, uint32_t back)
+{
+    return &m->set[(m->turns + m->cfg.sets - back) % m->cfg.sets];
+}
+
+/* Would the next set overwrite one that is still needed? */
+static bool is_taken(auvid_metric_t *m)
+{
+    uint32_t most = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
+    if (!m->held) {
+        return m->waiting >= m->cfg.sets;
+    }
+    return place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
+}
+
+/* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
+ * those that wait the oldest is lost then, and the others move up. Null: the new one is lost. */
+static auvid_set_t *make_room(auvid_metric_t *m)
+{
+    bool lose = is_taken(m);
+    if (lose) {
+        m->rows_dropped += m->waiting > 0 ? place(m, m->waiting)->rows : m->rows;
+    } else {
+        ++m->waiting;
+    }
+    if (m->waiting == 0) {
+        return NULL;
+    }
+    if (lose && m->held) {
+        for (uint32_t back = m->waiting; back > 1; --back) {
+            *place(m, back) = *place(m, back - 1u);
+        }
+    } else {
+        ++m->turns;
+        m->from = (uint8_t)(m->from + m->held);
+        m->turned = m->held;
+    }
+    return place(m, 1);
+}
+
 void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
 {
-    auvid_set_t *set = &m->set[auvid_metric_slot(m, -1)];
+    auvid_set_t *set = make_room(m);
+    if (set == NULL) {
+        return;
+    }
     memset(set, 0, sizeof *set);
+    set->number = m->sets_recorded + 1u;
     set->rows = m->rows;
     memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
     set->lost = m->lost;
@@ -83,7 +128,6 @@ void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
     if (auvid_metric_has_regressor(m)) {
         auvid_metric_pack(m, set);
     }
-    ++m->turns;
 }
 
 void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j,

@@ -287,9 +287,14 @@ static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     (void)row_channels(m, y, late, channel, m->known[slot]);
 }
 
-/* A row of the residual path: into the store, unless no equation of the model can use it. */
+/* A row of the residual path: into the store, if there is room, unless no equation of the model can
+ * use it. */
 static void store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
+    if (m->full || t_us < m->resume_us) {
+        ++m->rows_dropped;
+        return;
+    }
     const auvid_real_t *channel = m->accumulator[slot];
     auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
     uint8_t without = without_row(m, slot);
@@ -338,6 +343,10 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
         driven = (uint8_t)(driven | (unsigned)is_driven << j);
     }
     bool kept = auvid_metric_free_of(m, driven) != 0;
+    if (kept && m->held && !auvid_metric_has_regressor(m)) {
+        m->full = true;
+        return AUVID_PENDING;
+    }
     if (kept) {
         auvid_metric_keep(m, driven);
     }
@@ -414,6 +423,7 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
+    m->full = m->full || (m->held && sample->t_us > m->until_us);
     memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
     memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
     auvid_status_t status = AUVID_OK;
@@ -426,7 +436,32 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         }
     }
     ++m->cells;
-    return status;
+    return status == AUVID_PENDING ? AUVID_OK : status;
+}
+
+void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us)
+{
+    if (metric != NULL) {
+        metric->held = true;
+        metric->waiting = 0;
+        metric->until_us = until_us;
+    }
+}
+
+auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us)
+{
+    auvid_metric_t *m = metric;
+    if (m == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    bool full = m->full;
+    m->held = m->full = m->turned = false;
+    m->from = m->least = 0;
+    if (!full) {
+        return AUVID_OK;
+    }
+    m->resume_us = resume_us;
+    return m->rows > 0 ? auvid_metric_close(m) : AUVID_OK;
 }
 
 void auvid_metric_gap(auvid_metric_t *metric)
@@ -445,7 +480,7 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
     if (metric == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (age >= metric->cfg.sets || age >= metric->sets_recorded) {
+    if (age >= auvid_metric_sets(metric) || age >= metric->sets_recorded) {
         return AUVID_ERR_RANGE;
     }
     auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];

@@ -3,7 +3,8 @@
  * is in auvid_thrusters_wrench.c.
  *
  * The log is a ring of slots of equal length, each with the mean command of each thruster. Slots
- * have no time of their own: the newest complete one ends at end_us.
+ * have no time of their own: the newest complete one ends at end_us, and time that the log leaves
+ * out is listed.
  */
 #include "auvid/thrusters.h"
 
@@ -11,6 +12,7 @@
 
 #include "auvid_math.h"
 #include "auvid_metric.h"
+#include "auvid_thrusters.h"
 
 /* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
  * before is left there, and a third of that in the row's mean. */
@@ -223,18 +225,27 @@ static void forget(void *context, auvid_metric_t *metric)
     const auvid_thrusters_t *th = context;
     uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
     uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
-    for (uint8_t age = 0; age < metric->cfg.sets; ++age) {
+    for (int age = 0; age < auvid_metric_sets(metric); ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
+        first_us = auvid_thrusters_in_log(th, first_us);
         bool lost = first_us + th->state.filled * period + SLACK_US < end_us ||
                     first_us + th->cfg.slots * period < next_us;
         if (set->rows > 0 && lost) {
-            (void)auvid_metric_drop(metric, age);
+            (void)auvid_metric_drop(metric, (uint8_t)age);
         }
     }
 }
 
-static const auvid_listener_t listener = {.command = listen, .set = forget};
+/* The lag is followed from so long before a row's middle on. */
+static uint64_t lead_us(void *context)
+{
+    const auvid_thrusters_t *th = context;
+    return (uint64_t)th->grid.lead * th->cfg.period_us + th->grid.row_us + th->grid.spread_us +
+           th->cfg.delay_us;
+}
+
+static const auvid_listener_t listener = {.command = listen, .set = forget, .lead_us = lead_us};
 
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg)
@@ -303,22 +314,35 @@ static void keep_slot(auvid_thrusters_t *th)
     th->state.end_us += th->cfg.period_us;
 }
 
-/* After a silence rows begin later than it: the slots of what is not bridged are left as they are;
- * when it is longer than the log, nothing from before will be needed. */
+/* The log leaves out `long_us` from here on. Where too many pauses are in it, the oldest goes, and
+ * with it the slots before it. */
+static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    const uint8_t most = sizeof state->pause / sizeof state->pause[0];
+    if (state->pauses == most) {
+        uint64_t from_us = auvid_thrusters_in_log(th, state->pause[most - 1].end_us);
+        uint64_t slots = (state->end_us - from_us) / th->cfg.period_us;
+        state->filled = slots < state->filled ? (uint32_t)slots : state->filled;
+        --state->pauses;
+    }
+    memmove(state->pause + 1, state->pause, state->pauses * sizeof state->pause[0]);
+    ++state->pauses;
+    state->end_us += long_us;
+    state->pause[0] = (auvid_thrusters_pause_t){.end_us = state->end_us, .long_us = long_us};
+}
+
+/* After a silence rows begin later than it: what is not bridged is left out. */
 static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
 {
     auvid_thrusters_state_t *state = &th->state;
-    const uint32_t period = th->cfg.period_us, slots = th->cfg.slots;
+    const uint32_t period = th->cfg.period_us;
     uint64_t behind_us = t_us - state->end_us, bridged_us = (uint64_t)th->grid.bridged * period;
-    if (!state->started || behind_us > (uint64_t)slots * period) {
+    if (!state->started) {
         state->started = true;
-        state->filled = 0;
         state->end_us = t_us;
-    } else if (behind_us > bridged_us) {
-        uint32_t skipped = (uint32_t)(behind_us - bridged_us) / period;
-        state->end_us += (uint64_t)skipped * period;
-        state->head = (state->head + skipped) % slots;
-        state->filled = state->filled + skipped < slots ? state->filled + skipped : slots;
+    } else if (behind_us > bridged_us + period) {
+        leave_out(th, (behind_us - bridged_us) / period * period);
     } else {
         return;
     }

@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "auvid_math.h"
+#include "auvid_thrusters.h"
 
 /* e^-x for x >= 0. Taylor's seventh term is below 1e-10 for x <= 1/8; halved and squared before. */
 static auvid_real_t decay(auvid_real_t x)
@@ -94,7 +95,7 @@ typedef struct {
 static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
 {
     uint32_t period = th->cfg.period_us, length = th->grid.row_us + th->grid.spread_us;
-    uint64_t begin_us = t_us - length / 2u - th->cfg.delay_us;
+    uint64_t begin_us = auvid_thrusters_in_log(th, t_us - length / 2u - th->cfg.delay_us);
     uint64_t ago_us = th->state.end_us - begin_us;
     if (th->state.filled == 0 || begin_us > th->state.end_us || ago_us > UINT32_MAX - period) {
         return false;

@@ -7,7 +7,7 @@ cp out one.json
 check "its JSON has the keys it should have" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "delay_s", "r2_force", "r2_validation", "judgement", "guard",
-                   "evaluations", "budget"], list(d)
+                   "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note", "truth"}
@@ -76,6 +76,25 @@ check "runs: one run's rms is that of its parameters" is out '
 rms = 100 * (sum(error(n) ** 2 for n in TRUTH) / 13) ** 0.5
 assert abs(rms - d["rms_percent"]) < 1e-3, (rms, d["rms_percent"])
 assert d["rms_interval"] == [d["rms_percent"]] * 2'
+
+# A search of eight sets takes some 22500 units, 50 ticks are a second.
+for budget in 150 15 10 5 1; do
+    sets=$((budget > 1 ? 12 : 40))
+    check "budget $budget: the run ends" \
+        exits 0 demo --budget $budget --sets $sets --disturbance 1 --json
+    check "  every other time of a search there is an estimate, at least" is out "
+search_s, e = 22500 / (50 * $budget), d['estimates']
+assert len(e) >= max(1, min($sets, int($sets * 30 / (2 * search_s)))), e
+assert all(list(x) == ['t_s', 'sets'] for x in e)
+assert all(a['t_s'] < b['t_s'] and a['sets'] < b['sets'] for a, b in zip(e, e[1:])), e
+assert all(b['t_s'] - a['t_s'] < 2 * search_s + 40 for a, b in zip(e, e[1:])), e
+assert d['budget']['limit'] == $budget >= d['budget']['worst'] and d['status'] == 'ok'"
+    check "  and the last one is good" is out \
+        'assert all(error(n) < 0.05 for n in ("m_u", "m_v", "m_w", "m_r"))'
+done
+check "a budget of nothing is refused" refuses "--budget: '0' is not a whole number" demo --budget 0
+check "a scenario has its own budget" refuses "--scenario and --budget do not go together" \
+    demo --scenario payload --budget 10
 
 exits 0 demo --json --literal --disturbance 1
 check "literal: all sets, and the last set beside them" is out '

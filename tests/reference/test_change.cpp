@@ -10,10 +10,12 @@
 // Long form (AUVID_TEST_LONG): 200 runs of each change, 2700 unchanged sets of each disturbance.
 // The probabilities asserted are those that the counts must not refute at the 99 % level
 // (Clopper-Pearson); short form: 16 runs, 160 sets.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <random>
+#include <vector>
 
 #include "binomial.h"
 
@@ -63,6 +65,7 @@ struct Watch {
     uint32_t judged = 0, restored = 0;
     bool changed = false, measured = false;
     double square = 0; // mean square error LATER sets after the alarm
+    double alarm_s = 0;
 };
 
 static void maybe_change(chain_t *c, auvid_input_t *)
@@ -83,6 +86,7 @@ static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
     w.restored += (out->events & AUVID_EVENT_RESTORED) != 0;
     if (out->events & AUVID_EVENT_CHANGED) {
         w.early += !w.changed;
+        w.alarm_s = w.changed && w.alarm == 0 ? c->tick * 1e-6 * SIM_TICK_US : w.alarm_s;
         w.alarm = w.changed && w.alarm == 0 ? c->id.judgement.set : w.alarm;
     }
     if (w.alarm > 0 && !w.measured && (out->events & AUVID_EVENT_ESTIMATE) &&
@@ -92,20 +96,25 @@ static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
     }
 }
 
-static Watch fly(uint64_t seed, double disturbance_N, const Change *change)
+struct Plan {
+    uint32_t budget = 2000, changed = CHANGED_SET, sets = SETS;
+};
+
+static Watch fly(uint64_t seed, double disturbance_N, const Change *change, Plan plan = {})
 {
     std::mt19937_64 random(seed);
     chain_config_t config;
     Watch w;
     w.change = change == nullptr ? Change{1, 1, ALL} : *change;
     double part = double(random() >> 11) / 9007199254740992.0;
-    w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (CHANGED_SET - 1 + part);
-    chain_defaults(&config, seed, SETS, disturbance_N);
-    config.budget = 2000;
+    w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (plan.changed - 1 + part);
+    chain_defaults(&config, seed, plan.sets, disturbance_N);
+    config.budget = plan.budget;
+    config.id.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
     config.before = maybe_change;
     config.after = look;
     config.context = &w;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, plan.sets));
     return w;
 }
 
@@ -167,6 +176,41 @@ static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers(
     TEST_ASSERT_TRUE(held);
 }
 
+// From the change to the alarm, by budget: sets that complete during a search are tested after it.
+static void test_a_change_is_noticed_at_small_budgets_later()
+{
+    struct {
+        Plan plan;
+        int span;        // sets from one search to the next: the change comes anywhere in it
+        double within_s; // the set that holds it, two searches and the tests
+    } const budgets[] = {{{150, 12, 20}, 1, 64},
+                         {{15, 12, 20}, 2, 120},
+                         {{10, 12, 24}, 2, 180},
+                         {{5, 20, 40}, 4, 360},
+                         {{1, 60, 130}, 20, 1800}};
+    bool held = true;
+    for (const auto &b : budgets) {
+        int runs = campaign_is_long() ? 40 : b.plan.budget >= 10 ? 3 : 1, in_time = 0, early = 0;
+        std::vector<double> after;
+        for (int k = 0; k < runs; ++k) {
+            const Change change{1.1, 1.3, ALL};
+            Plan plan = b.plan;
+            plan.changed += uint32_t(k % b.span);
+            Watch w = fly(7600001u + uint64_t(k), 1.0, &change, plan);
+            early += int(w.early);
+            in_time += w.alarm_s > 0 && w.alarm_s - w.moment_s <= b.within_s;
+            after.push_back(w.alarm_s > 0 ? w.alarm_s - w.moment_s : 1e9);
+        }
+        std::sort(after.begin(), after.end());
+        std::printf("budget %3u: noticed after %.0f s (median), %.0f s at most; before %d; "
+                    "%d of %d within %.0f s\n",
+                    unsigned(b.plan.budget), after[after.size() / 2], after.back(), early, in_time,
+                    runs, b.within_s);
+        held &= in_time == runs && early == 0;
+    }
+    TEST_ASSERT_TRUE(held);
+}
+
 static void test_a_vehicle_left_alone_raises_no_alarm()
 {
     uint64_t runs = campaign_is_long() ? 340 : 20;
@@ -191,6 +235,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers);
+    RUN_TEST(test_a_change_is_noticed_at_small_budgets_later);
     RUN_TEST(test_a_vehicle_left_alone_raises_no_alarm);
     return UNITY_END();
 }

@@ -34,6 +34,7 @@ typedef struct {
     uint32_t answer; /* hash */
     bool waiting;    /* to arm and excite */
     uint8_t phase;   /* of work, afterwards */
+    bool late;       /* a set waits for the search to end */
 } tick_t;
 
 /* A run, as another process reads it. */
@@ -193,12 +194,15 @@ static void record(bool residual)
     for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
         tick_t *tick = &run.tick[run.ticks];
         /* so that sets find the search at work, now and then, and a tick may end in any phase */
-        tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : 120);
+        uint32_t usual = residual ? 120 : 60;
+        tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain.config.budget = tick->budget;
         chain_tick(&chain);
         memcpy(tick->wrench, chain.wrench, sizeof tick->wrench);
         tick->answer = answer(&chain.id, &chain.out);
         tick->phase = chain.id.phase;
+        const auvid_metric_t *m = &chain.id.metric;
+        tick->late = m->held && (m->full || m->waiting > 0);
     }
     TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= SETS - 1 && chain.id.estimate.number > 4);
     TEST_ASSERT_TRUE(residual || chain.id.metric.memory.known != 0);
@@ -284,26 +288,32 @@ static void check_ticks(const bool *marked)
     }
 }
 
-/* Random ticks, `most` of them: two of each phase of work that there is, the others of all.
+/* Random ticks, `most` of them: two of each phase of work that there is, the others of all, the
+ * last of those at which a set waits.
  * @return phases among them */
 static uint32_t mark(uint32_t most, bool *marked)
 {
-    uint32_t count[PHASES] = {0}, phases = 0;
+    uint32_t count[PHASES] = {0}, phases = 0, late = 0;
     memset(marked, 0, TICKS * sizeof *marked);
     for (uint32_t n = 0; n < most; ++n) {
         uint32_t k = 1 + auvid_rng_below(&rng, run.ticks - 1);
         for (uint32_t i = 1; n < 2 * PHASES && i < run.ticks && run.tick[k].phase != n / 2; ++i) {
             k = 1 + k % (run.ticks - 1); /* the next */
         }
+        for (uint32_t i = 1; n + 3 > most && i < run.ticks && !run.tick[k].late; ++i) {
+            k = 1 + k % (run.ticks - 1);
+        }
         count[run.tick[k].phase] += !marked[k];
         phases |= 1u << run.tick[k].phase;
+        late += run.tick[k].late && !marked[k];
         marked[k] = true;
     }
     printf("%s regressor, ticks saved in phases IDLE, FORESEE ..:", run.residual ? "no" : "with");
     for (int i = 0; i < PHASES; ++i) {
         printf(" %u", (unsigned)count[i]);
     }
-    printf("\n");
+    printf("; %u while a set waited\n", (unsigned)late);
+    TEST_ASSERT_TRUE(late > 0);
     return phases;
 }
 

@@ -69,15 +69,21 @@ static void record(uint32_t sets)
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
 }
 
-/* The cost of any pi on the data in the ring, on a copy of the metric. */
-static double cost_of(const auvid_real_t *pi)
+/* The cost of any pi on what is merged, on a copy of the metric. */
+static double cost_on(const auvid_metric_t *merged, const auvid_real_t *pi)
 {
     static auvid_metric_t metric;
     uint32_t budget = UINT32_MAX;
-    metric = chain.id.metric;
+    metric = *merged;
     auvid_metric_cost_begin(&metric, pi, chain.id.estimate.delay_s[AUVID_SURGE]);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
     return (double)metric.cost;
+}
+
+/* The same on the data in the ring. */
+static double cost_of(const auvid_real_t *pi)
+{
+    return cost_on(&chain.id.metric, pi);
 }
 
 /* The estimate is as good as the least-squares optimum: excess cost within 1e-3 of the residual. */
@@ -309,45 +315,72 @@ static void test_the_search_is_the_one_configured(void)
 
 /* ---- sets that change on the way ---- */
 
-/* What an estimate claims holds on the sets it claims to be of. */
-static void check_claim(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+/* What happens while sets complete in the middle of searches. */
+typedef struct {
+    uint32_t begun, ended;   /* searches */
+    uint32_t judged, newest; /* number of the last set judged; of the newest of the search */
+    uint32_t told;           /* how often rows were said to be dropped */
+} watch_t;
+
+/* A search ends on the sets that it began with, and each of these has been judged before. */
+static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    static auvid_metric_t metric;
-    uint32_t *checked = c->config.context, budget = UINT32_MAX;
-    (void)status;
-    if ((out->events & AUVID_EVENT_ESTIMATE) && !(out->events & AUVID_EVENT_SET)) {
-        TEST_ASSERT_EQUAL_UINT32(c->id.metric.sets_recorded, c->id.estimate.sets);
-        metric = c->id.metric;
-        auvid_metric_merge_begin(&metric);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
-        auvid_metric_cost_begin(&metric, c->id.estimate.pi, 0);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * (double)metric.constant, (double)metric.cost,
-                                  (double)c->id.estimate.cost);
-        ++*checked;
+    static auvid_metric_t began;
+    watch_t *w = c->config.context;
+    const auvid_identifier_t *id = &c->id;
+    TEST_ASSERT_EQUAL(AUVID_OK, status);
+    if (out->events & AUVID_EVENT_JUDGED) {
+        TEST_ASSERT_TRUE(id->judgement.set > w->judged);
+        TEST_ASSERT_TRUE(id->judgement.set == w->judged + 1 || w->judged < 2 || w->told > 0);
+        w->judged = id->judgement.set;
+    }
+    if (id->searches > w->begun) {
+        w->begun = id->searches;
+        w->newest = auvid_metric_newest(&id->metric)->number;
+        TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->judged);
+        began = id->metric;
+    }
+    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    if (out->events & AUVID_EVENT_ESTIMATE) {
+        auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
+        ++w->ended;
+        TEST_ASSERT_EQUAL_UINT32(w->begun, w->ended);
+        TEST_ASSERT_EQUAL_UINT32(w->newest, id->estimate.sets);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&began, AUVID_G500_FREE, pi));
+        double least = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
+        TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)began.constant);
+        TEST_ASSERT_TRUE(id->estimate.cost == (auvid_real_t)found);
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            TEST_ASSERT_TRUE(id->estimate.confidence.sigma[i] > 0);
+            TEST_ASSERT_TRUE(id->estimate.confidence.sigma[i] < AUVID_LARGEST);
+        }
     }
 }
 
 /* Budgets so small that sets complete before their search has ended. */
-static void test_searches_that_span_sets_end_at_the_optimum_of_the_last(void)
+static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
 {
-    static const uint32_t tiny[] = {3, 8, 16, 25};
-    uint32_t checked = 0;
-    for (uint64_t seed = 1; seed <= 4; ++seed) {
-        chain_defaults(&config, seed, 8, 0.0);
-        config.budget = tiny[seed - 1];
-        config.after = check_claim;
-        config.context = &checked;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 8));
-        TEST_ASSERT_TRUE(chain.id.searches < 8); /* so some went on with costs evaluated again */
-        finish(tiny[seed - 1], units_of_13(52));
-        TEST_ASSERT_EQUAL_UINT32(8, chain.id.estimate.sets);
-        check_optimum();
+    static const uint32_t tiny[] = {1, 3, 5, 8, 16, 25};
+    for (size_t k = 0; k < sizeof tiny / sizeof tiny[0]; ++k) {
+        uint32_t sets = tiny[k] == 1 ? 40 : tiny[k] == 3 ? 16 : 12;
+        watch_t watch = {0};
+        chain_defaults(&config, k + 1, sets, 0.0);
+        config.budget = tiny[k];
+        config.after = watch_searches;
+        config.context = &watch;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
+        TEST_ASSERT_TRUE(watch.ended >= 2);
+        TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
+        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* so some took several */
+        TEST_ASSERT_EQUAL_UINT32(watch.told * 60, chain.id.metric.rows_dropped);
+        TEST_ASSERT_TRUE(tiny[k] > 1 || watch.told > 0);
+        TEST_ASSERT_TRUE(tiny[k] < 8 || watch.told == 0);
+        finish(tiny[k], 3 * units_of_13(52));
+        TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
             TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.05);
         }
     }
-    TEST_ASSERT_TRUE(checked > 0);
 }
 
 /* Surge alone is driven in the first set, all DoF in the second, which comes while the first is
@@ -536,6 +569,56 @@ static void test_a_users_model_keeps_to_the_budget_and_ends(void)
     TEST_ASSERT_TRUE((double)once.cost == cost_of(once.pi));
 }
 
+/* The rows that a search began with, and the place of those recorded meanwhile. */
+static auvid_row_t began_rows[sizeof store / sizeof store[0]];
+
+static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+{
+    watch_t *w = c->config.context;
+    const auvid_identifier_t *id = &c->id;
+    TEST_ASSERT_EQUAL(AUVID_OK, status);
+    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    if (id->searches > w->begun) {
+        w->begun = id->searches;
+        w->newest = id->metric.turns % (USER_SETS + 1) * USER_ROWS;
+        memcpy(began_rows, store, sizeof store);
+    }
+    if (out->events & AUVID_EVENT_ESTIMATE) {
+        ++w->ended;
+        TEST_ASSERT_EQUAL_UINT32(w->begun, w->ended);
+        for (uint32_t k = 0; k < sizeof store / sizeof store[0]; ++k) {
+            if (k < w->newest || k >= w->newest + USER_ROWS) {
+                TEST_ASSERT_EQUAL_MEMORY(&began_rows[k], &store[k], sizeof store[k]);
+            }
+        }
+    }
+}
+
+static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(void)
+{
+    enum { LONG = 12 };
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
+    watch_t watch = {0};
+    configure_user();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S,
+                                                      LONG, 9));
+    config.budget = 5;
+    config.after = watch_rows;
+    config.context = &watch;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, LONG));
+    uint32_t kept = chain.id.metric.sets_recorded * USER_ROWS + chain.id.metric.rows;
+    TEST_ASSERT_TRUE(watch.ended >= 1);
+    TEST_ASSERT_TRUE(chain.id.metric.sets_recorded < LONG);
+    TEST_ASSERT_EQUAL_UINT32(watch.told, chain.id.metric.rows_dropped);
+    TEST_ASSERT_UINT32_WITHIN(2 * USER_ROWS / 10, LONG * USER_ROWS,
+                              kept + chain.id.metric.rows_dropped);
+    finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
+    TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
+    TEST_ASSERT_FALSE(chain.id.estimate.capped);
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U],
+                              (double)chain.id.estimate.pi[USER_M]);
+}
+
 static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
 {
     user_vehicle.residual = failing_residual;
@@ -563,11 +646,12 @@ int main(void)
     RUN_TEST(test_the_good_point_clipped_to_the_box_is_tried_first);
     RUN_TEST(test_the_last_estimate_is_tried_first);
     RUN_TEST(test_the_search_is_the_one_configured);
-    RUN_TEST(test_searches_that_span_sets_end_at_the_optimum_of_the_last);
+    RUN_TEST(test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with);
     RUN_TEST(test_a_dof_driven_anew_is_searched_anew);
     RUN_TEST(test_no_cost_of_an_earlier_vehicle_survives);
     RUN_TEST(test_an_estimate_stays_whole_until_the_next_is_ready);
     RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
+    RUN_TEST(test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted);
     RUN_TEST(test_a_model_that_fails_everywhere_ends_and_says_so);
     return UNITY_END();
 }

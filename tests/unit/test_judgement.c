@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "binomial.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -123,6 +124,70 @@ static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_b
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.1);
 }
 
+/* What came back instead of what. */
+typedef struct {
+    double square;  /* of the errors of the last estimate */
+    uint8_t driven; /* its DoF */
+    int restored, lacking, worse;
+} restored_t;
+
+static void watch_restored(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+{
+    restored_t *w = c->config.context;
+    const auvid_estimate_t *e = &c->id.estimate;
+    TEST_ASSERT_EQUAL(AUVID_OK, status);
+    if (out->events & AUVID_EVENT_RESTORED) {
+        ++w->restored;
+        w->lacking += (w->driven & ~e->driven) != 0;
+        w->worse += chain_mean_square(c) > w->square;
+    }
+    if (e->number > 0) {
+        w->driven = e->driven;
+        w->square = chain_mean_square(c);
+    }
+}
+
+/* Ten sets, another choice of degrees of freedom in each. */
+static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watch)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    static const unsigned others[] = {1, 1 | 32, 1 | 2 | 32, 1 | 2 | 4 | 32};
+    chain_defaults(&config, seed, 10, disturbance_N);
+    config.budget = 2000;
+    config.after = watch_restored;
+    config.context = watch;
+    chain_set_driver(&config);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    for (unsigned k = 0; k < 10; ++k) {
+        /* one after the other joins in; or, with odd seeds, at random */
+        unsigned random = (unsigned)(seed * 2654435761u >> (3 * k)) * 2246822519u >> 16;
+        unsigned dofs = seed % 2 == 0 ? others[k < 3 ? k : 3] : random % 64 | 1u << k % 3;
+        auvid_real_t some[AUVID_DOF_COUNT];
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            some[j] = (dofs >> j & 1u) != 0 ? amplitude[j] : 0;
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.driver, some, CHAIN_SET_S, 1,
+                                                          100 * seed + k));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &config.driver));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
+        chain_run(&chain, CHAIN_SET_S);
+    }
+    chain_run(&chain, 10);
+}
+
+static void test_what_is_restored_lacks_no_degree_of_freedom(void)
+{
+    uint32_t runs = campaign_is_long() ? 75 : campaign_runs(24);
+    restored_t watch = {0};
+    for (uint64_t seed = 1; seed <= runs; ++seed) {
+        watch.driven = 0;
+        drive_in_turns(seed, (double)(seed % 3), &watch);
+    }
+    printf("  %u runs: %d estimates restored, %d with fewer degrees of freedom, %d worse\n",
+           (unsigned)runs, watch.restored, watch.lacking, watch.worse);
+    TEST_ASSERT_EQUAL(0, watch.lacking);
+}
+
 static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
 {
     chain_defaults(&config, 41, 3, 0.0);
@@ -235,6 +300,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next);
     RUN_TEST(test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_back);
+    RUN_TEST(test_what_is_restored_lacks_no_degree_of_freedom);
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
     RUN_TEST(test_sets_judged_during_a_search_keep_everything_consistent);
     RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_judgement);

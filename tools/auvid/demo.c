@@ -14,8 +14,11 @@
 #include "statistics.h"
 #include "world.h"
 
-/* A search may go on for so long after the last set [s of simulated time]. */
+/* Searches may go on for so long after the last set: a time [s of simulated time], and units of
+ * work, more than two of them take with a small budget: the one under way, and that of the sets
+ * that were waiting. */
 #define PATIENCE_S 600.0
+#define PATIENCE_UNITS 150000.0
 
 /* Sets of the held-out excitation: one of steps, one of sines. */
 #define HELD_OUT_SETS 2
@@ -38,6 +41,7 @@ typedef struct {
 typedef struct {
     world_t world;
     logger_t logger;
+    estimates_t estimates;
     auvid_validation_t validation[WORLD_NODES];
     result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
     double simulated_s;
@@ -121,6 +125,17 @@ static bool is_over(const auvid_identifier_t *id, const options_t *options)
                              : id->metric.sets_recorded >= options->sets;
 }
 
+/* Has a search ended since the last tick? */
+static void list_estimate(run_t *run)
+{
+    const auvid_node_t *node = &run->world.node[0];
+    estimates_t *to = &run->estimates;
+    if ((node->events & AUVID_EVENT_ESTIMATE) && to->count < sizeof to->at / sizeof to->at[0]) {
+        to->at[to->count].t_s = 1e-6 * (double)node->id.estimate.t_us;
+        to->at[to->count++].sets = node->id.estimate.sets;
+    }
+}
+
 /* Excite, record and identify. Progress may be null. */
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
@@ -144,12 +159,14 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         }
     }
     uint32_t told = 0, linger = 0, exciting = 0;
-    double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S;
+    double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S +
+                   PATIENCE_UNITS * TICK_S / options->budget;
     while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
         world_tick(world);
         exciting += world->node[0].id.guard.state == AUVID_GUARD_EXCITING;
+        list_estimate(run);
         log_tick(&run->logger, world);
-        bool busy = world_work(world, AUVID_DEFAULT_BUDGET);
+        bool busy = world_work(world, options->budget);
         for (int i = 0; i < world->nodes; ++i) {
             busy = busy || !is_over(&world->node[i].id, options);
         }
@@ -161,7 +178,9 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     for (int i = 0; i < world->nodes; ++i) {
         report_gather(&run->result[i], &world->node[i].id, seed);
         run->result[i].estimate.capped |= linger == 0; /* it ran out of time */
+        run->result[i].budget = options->budget;
     }
+    run->result[0].estimates = &run->estimates;
     report_heard(&run->result[0], &world->craft);
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);

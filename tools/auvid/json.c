@@ -223,6 +223,16 @@ static void json_campaign(const campaign_t *c)
            (unsigned)c->wrong);
 }
 
+static void json_estimates(const estimates_t *estimates)
+{
+    printf(",\n  \"estimates\": [");
+    for (uint32_t k = 0; k < estimates->count; ++k) {
+        printf("%s\n    {\"t_s\": %.2f, \"sets\": %u}", k == 0 ? "" : ",", estimates->at[k].t_s,
+               (unsigned)estimates->at[k].sets);
+    }
+    printf("]");
+}
+
 static void json_beside(const beside_t *beside)
 {
     const result_t *result = beside->result;
@@ -253,8 +263,11 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     json_adaptive(result);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
            (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
-    printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", AUVID_DEFAULT_BUDGET,
+    printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", (unsigned)result->budget,
            (unsigned)worst);
+    if (campaign == NULL && result->estimates != NULL) {
+        json_estimates(result->estimates);
+    }
     if (campaign != NULL) {
         json_campaign(campaign);
     }

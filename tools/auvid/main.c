@@ -44,6 +44,7 @@ static const char demo_help[] =
     "  --runs R           seeds N .. N+R-1: error statistics over the runs (JSON: the other "
     "values\n"
     "                     are those of the first run)\n"
+    "  --budget UNITS     of work in a tick of 20 ms; default 150\n"
     "  --csv FILE         write the (first) run as a log that fit reads\n"
     "  --adaptive         excite what is not known yet, and end when everything is, after K sets\n"
     "                     (default 16) at the latest\n"

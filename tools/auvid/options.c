@@ -220,6 +220,9 @@ static int demo_option(reader_t *r, options_t *options)
     if (is(r, "--runs")) {
         return take_count32(r, 1, 100000, &options->runs);
     }
+    if (is(r, "--budget")) {
+        return take_count32(r, 1, 1000000, &options->budget);
+    }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
     }
@@ -390,6 +393,7 @@ static int check_scenario(const options_t *options)
     const char *other = options->runs > 0                        ? "--runs"
                         : options->sets > 0                      ? "--sets"
                         : options->csv != NULL                   ? "--csv"
+                        : options->budget > 0                    ? "--budget"
                         : options->literal                       ? "--literal"
                         : options->adaptive                      ? "--adaptive"
                         : options->vehicle != &vehicle_girona500 ? "--vehicle"
@@ -411,6 +415,7 @@ int options_demo(options_t *options, int count, char **argument)
         options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;
     }
     options->sets = options->sets > 0 ? options->sets : options->adaptive ? 16 : 8;
+    options->budget = options->budget > 0 ? options->budget : AUVID_DEFAULT_BUDGET;
     if (status == 0 && options->adaptive && options->sets > 120) {
         return complain("demo: --adaptive takes 120 sets at most");
     }

@@ -28,6 +28,7 @@ typedef struct {
     double lag_s;         /**< of the thrusters; default 0 */
     uint32_t sets;        /**< of 30 s; default 8 */
     uint32_t runs;        /**< 0: one run, reported in full */
+    uint32_t budget;      /**< of work in a tick [units]; default AUVID_DEFAULT_BUDGET */
     bool adaptive;        /**< excite what is not known yet, for as long as `sets` at most */
     const char *csv;      /**< file to write; null: none */
     const char *scenario; /**< null: none */

@@ -40,6 +40,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .vehicle = id->metric.cfg.vehicle,
                          .free = id->metric.cfg.free,
                          .estimate = id->estimate,
+                         .budget = AUVID_DEFAULT_BUDGET,
                          .work_most = id->work_most,
                          .judgement = id->judgement,
                          .has_guard = id->excitation.config.segments > 0,

@@ -12,12 +12,23 @@
 /** Standard errors in the 95 % half-width that is shown: sets are few (see confidence.h). */
 #define HALF_WIDTH 2.1
 
+/** When searches ended, and of how many sets. */
+typedef struct {
+    uint32_t count;
+    struct {
+        double t_s;
+        uint32_t sets;
+    } at[1024]; /**< the first so many */
+} estimates_t;
+
 /** One identification. */
 typedef struct {
     uint64_t seed;
     const auvid_vehicle_t *vehicle;
     uint32_t free;       /**< bit i: parameter i was to be identified */
+    uint32_t budget;     /**< of work in a tick [units] */
     uint32_t work_most;  /**< units in any call of work */
+    const estimates_t *estimates; /**< null: they were not listed */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;

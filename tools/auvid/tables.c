@@ -274,7 +274,7 @@ void report_result(const result_t *result, const result_t *last)
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
            e->capped ? "; NOT CONVERGED" : "");
     printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->work_most,
-           AUVID_DEFAULT_BUDGET);
+           (unsigned)result->budget);
 }
 
 static double part(uint32_t some, uint32_t all)
@@ -282,7 +282,7 @@ static double part(uint32_t some, uint32_t all)
     return all > 0 ? 100.0 * some / all : 0.0;
 }
 
-static void campaign_summary(const campaign_t *c, const char *title)
+static void campaign_summary(const campaign_t *c, const char *title, uint32_t budget)
 {
     printf("%s\n", title);
     printf("  rms error    %8.2f %%   95 %% interval %.2f .. %.2f %%\n", c->rms_percent,
@@ -298,7 +298,7 @@ static void campaign_summary(const campaign_t *c, const char *title)
     printf("  evaluations  %8.0f     median of the last search; 95 %% need at most %.0f\n",
            c->evaluations_median, c->evaluations_p95);
     printf("  work         %8u     largest in any tick, budget %u\n", (unsigned)c->work_most,
-           AUVID_DEFAULT_BUDGET);
+           (unsigned)budget);
 }
 
 /* Of one parameter: relative, but absolute where the truth is 0. */
@@ -344,9 +344,9 @@ void report_campaign(const result_t *first, const campaign_t *campaign, const ca
                            "; errors of the %d that are not 0", campaign->relative);
         }
     }
-    campaign_summary(campaign, title);
+    campaign_summary(campaign, title, first->budget);
     if (last != NULL) {
-        campaign_summary(last, "\n  last set only");
+        campaign_summary(last, "\n  last set only", first->budget);
     }
     dof_heading(first, words);
     dof_line(first, "R2 of held-out velocity, median", 4, campaign->r2_median, UINT32_MAX);

@@ -77,7 +77,8 @@ typedef struct {
                                                    identifiable ones */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< what the note says of it; else 0 */
-    uint8_t sets;                             /**< data sets that it is made of */
+    uint8_t sets; /**< data sets whose scatter the errors are of: those of the estimate that were
+                       still in the ring when its search ended */
     uint8_t lost[AUVID_DOF_COUNT];            /**< rows of these that gaps in the record, or in a
                                                    velocity that the DoF's equation reads, cost [%];
                                                    0 for DoF that are not driven */

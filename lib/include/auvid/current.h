@@ -21,8 +21,9 @@
  * The search: Girona500's 13 parameters, c_north, c_east and the delay take about 1700 evaluations
  * for the first set and 700 for a further one. Each costs as many units of work as there are rows
  * (vehicle.work is the hull's), of 2.3k instructions of a Cortex-M4F each, not of 250. At
- * AUVID_DEFAULT_BUDGET a result over eight sets takes 50 s, longer than a set: give it 600 (12 s),
- * or have a result every few sets. Whether the vehicle has changed is judged only where a result is
+ * AUVID_DEFAULT_BUDGET a result over eight sets takes 50 to 70 s, longer than a set: one set waits
+ * meanwhile, and rows that come after it are dropped (identifier.h). With a budget of 600 (12 s)
+ * none are. Whether the vehicle has changed is judged only where a result is
  * of five sets or more. The delay is one shift, common to all degrees of freedom.
  *
  * A vehicle that is quicker than a row: means over a row of 0.5 s are not its motion. BlueROV2 in

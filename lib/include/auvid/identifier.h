@@ -7,10 +7,12 @@
  *
  * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <->
  * optimizer (optimizer.h) -> estimate. Each completed data set starts a global search with the last
- * estimate as a known good point; a set that completes during a search makes its costs stale, and
- * they are evaluated again. Before it is used, each set is foretold by the last estimate: that is
- * how a changed vehicle, and an estimate worse than the one before, are noticed. For a model
- * without regressor the delay is one more parameter of the search.
+ * estimate as a known good point. A search ends on the sets that it began with. Sets that complete
+ * during a search wait until it has ended; then one search takes them all. Before it is used, each
+ * set is predicted by the last estimate, the oldest first: that is how a changed vehicle, and an
+ * estimate worse than the one before, are noticed. For a model without regressor the delay is one
+ * more parameter of the search, and one set can wait: while it does, no rows are recorded. In the
+ * regressor path (sets - 1) / 2 sets can wait; of more, the oldest is lost.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: never more than `budget` units, each of
@@ -77,9 +79,13 @@ typedef struct {
 typedef struct {
     /** A command holds from t_us on; null: zeros. From step and applied. */
     void (*command)(void *context, uint64_t t_us, const auvid_real_t *command);
-    /** A set is complete, and those of the ring are about to be evaluated: time to drop some. From
+    /** Sets are complete, and those of the ring are about to be evaluated: time to drop some. From
      * work. */
     void (*set)(void *context, auvid_metric_t *metric);
+    /** Residual path: while rows are dropped because a search is under way, `command` is not
+     * called. How long commands must have been given again before the middle of the next row [us];
+     * null: 0. From work. */
+    uint64_t (*lead_us)(void *context);
 } auvid_listener_t;
 
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
@@ -183,8 +189,12 @@ enum {
     AUVID_EVENT_JUDGED = 1u << 16,  /**< a set was predicted before it was used: see judgement */
     AUVID_EVENT_CHANGED = 1u << 17, /**< the vehicle has changed: older sets are dropped, a search
                                           begins without the last estimate */
-    AUVID_EVENT_RESTORED = 1u << 18 /**< the last estimate predicted a new set worse than the one
-                                          accepted before, which is the estimate again */
+    AUVID_EVENT_RESTORED = 1u << 18, /**< the last estimate predicted a new set worse than the one
+                                          accepted before, which is the estimate again. Not where
+                                          other DoF were driven in that one */
+    AUVID_EVENT_ROWS_DROPPED = 1u << 19 /**< a search has taken so long that complete rows were
+                                          dropped; counted in metric.rows_dropped. Regressor path:
+                                          a waiting set. Residual path: rows of the next one */
 };
 
 /** Answer of a step. */
@@ -202,7 +212,7 @@ typedef struct {
 typedef struct {
     uint32_t number;     /**< 0: none yet; raised by one with each */
     uint64_t t_us;       /**< last tick before it was ready */
-    uint32_t sets;       /**< data sets completed by then */
+    uint32_t sets;       /**< data sets completed when its search was prepared */
     uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed`,
                               or what serves the driven DoF best (auvid_metric_searched) */
     uint8_t driven;      /**< bit j: DoF j was driven */
@@ -306,6 +316,7 @@ typedef struct auvid_identifier {
     uint32_t knot;                       /* sequence of the last velocity recorded */
     uint32_t events;                     /* since the last step */
     uint32_t searches;                   /**< begun so far */
+    uint32_t sets;                       /* completed when the sets at hand were taken up */
     uint32_t work_last;                  /**< units used by the last call of work */
     uint32_t work_most;                  /**< most units used by any call of work */
     uint8_t phase;                       /**< auvid_work_phase_t */
@@ -323,7 +334,7 @@ typedef struct auvid_identifier {
     auvid_optimizer_work_t searched;    /* by the search that has ended */
     auvid_real_t cost;                  /* its result's */
     uint8_t paid; /* 1 and more: all is merged; of what the search costs to begin */
-    bool found;                         /* candidate is a result, not yet an estimate */
+    uint8_t unjudged; /* completed sets that are still to be judged before the merge */
     bool set_pending, searching, capped;
     bool suspect; /* the set before may be from before and after a change */
     bool anew;    /* search without the last estimate */

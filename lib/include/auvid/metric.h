@@ -124,6 +124,7 @@ typedef int16_t auvid_share_t;
 
 /** One completed data set. Private but for `rows` and `driven`. */
 typedef struct {
+    uint32_t number;                      /* of the set, from 1 */
     auvid_real_t tau_m2[AUVID_DOF_COUNT]; /* sum of squares of the rows' wrench about its mean */
     uint16_t rows;                        /**< in it; 0: there is no such set */
     uint16_t rows_of[AUVID_DOF_COUNT];    /**< those of each DoF: all that it reads was measured */
@@ -150,6 +151,8 @@ typedef struct auvid_metric {
     auvid_status_t (*recall)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
                                                        that its code is linked only where used */
     uint64_t window_us; /* time of the window's last row */
+    uint64_t until_us;  /* residual path: no row is taken after this while the ring is held */
+    uint64_t resume_us; /* residual path: nor one from before this */
     auvid_memory_t memory;
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint8_t count[AUVID_DOF_COUNT];           /* how many */
@@ -204,11 +207,17 @@ typedef struct auvid_metric {
     uint16_t at_part, paid;
     uint8_t window_length;
     uint8_t at_set, to_set, at_band, at_dof, pass;
+    /* see auvid_metric_hold */
+    uint8_t from;        /* newest sets of the ring that do not count */
+    uint8_t waiting;     /* newest sets that were completed since the ring was held last */
+    uint8_t least;       /* sets that count are not overwritten when there are so many or fewer */
+    uint8_t sets_merged; /* sets with a driven DoF at the last merge */
+    bool held, full, turned;
     auvid_real_t linear_delay_s; /* at which the residual path was linearised */
 
     /** @name results */
     /**@{*/
-    uint8_t driven;                        /**< bit j: DoF j is driven in some set of the ring */
+    uint8_t driven;                        /**< bit j: DoF j is driven in some set merged */
     uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is driven */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
     uint8_t lagged;                        /**< bit j: DoF j's delay is that of a first-order lag,
@@ -219,6 +228,8 @@ typedef struct auvid_metric {
     auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
                                                 measurement [N^2, Nm^2] */
     uint32_t sets_recorded;                /**< sets completed since init */
+    uint32_t rows_dropped;                 /**< complete rows that no evaluation will see, because
+                                                the ring was held; see auvid_metric_hold */
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< band-weighted sums of squares of the newest set's
                                                   residuals at the last prediction [N^2, Nm^2] */
     auvid_real_t change[2][AUVID_DOF_COUNT]; /**< what the newest set (0), the newest two (1) and
@@ -262,12 +273,37 @@ void auvid_metric_gap(auvid_metric_t *metric);
 
 #define auvid_metric_close AUVID_SIZED(auvid_metric_close)
 /** Complete the set early.
- * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (see add); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has
- * no row: nothing done). */
+ * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (see add); AUVID_PENDING (residual path: it enters the
+ * ring at auvid_metric_release); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has no row: nothing done).
+ */
 auvid_status_t auvid_metric_close(auvid_metric_t *metric);
 
+#define auvid_metric_hold AUVID_SIZED(auvid_metric_hold)
+/** Hold the ring for a search: the sets that are in it now are the ones that count until
+ * auvid_metric_release. Sets that are completed meanwhile wait.
+ *
+ * Regressor path: they enter the ring at once, in the place of the oldest, but do not count. At
+ * most (sets - 1) / 2 of them (at least one), or as many as there are free places, are kept, and
+ * none that would leave fewer than `least` sets that count. Of more, the oldest waiting one is lost
+ * and its rows are counted in `rows_dropped`. `turned` says that a set has entered: begin the walk
+ * under way again. A search needs none: it has `merged`.
+ *
+ * Residual path: none enters. The set being recorded takes rows until it is full; further ones are
+ * dropped and counted. NULL is a no-op.
+ * @param until_us residual path: nor does it take rows after this time; UINT64_MAX: no such limit
+ */
+void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us);
+
+#define auvid_metric_release AUVID_SIZED(auvid_metric_release)
+/** The search is over: all sets count again, and a set that waits in the residual path enters the
+ * ring.
+ * @param resume_us residual path: where rows were dropped, those whose middle is before this time
+ * are dropped, too
+ * @return AUVID_OK; AUVID_SET_COMPLETE, AUVID_SET_IDLE (such a set; see add); AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
+
 #define auvid_metric_drop AUVID_SIZED(auvid_metric_drop)
-/** Forget the completed set recorded `age` sets ago (0: the last). Merge afterwards.
+/** Forget the completed set recorded `age` sets ago (0: the last that counts). Merge afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the
  * ring, or forgotten before). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
@@ -359,7 +395,7 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_newest AUVID_SIZED(auvid_metric_newest)
-/** The set completed last; never null. */
+/** The newest set that counts; never null. */
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
 
 #define auvid_metric_driven_sets AUVID_SIZED(auvid_metric_driven_sets)

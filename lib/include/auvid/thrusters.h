@@ -42,8 +42,11 @@
  * budget of a tick, several ticks pay, and the last of them takes longer than its budget. With
  * eight thrusters, a lag of up to 2 s and slots of 1 ms that are 4500 units at once, a million
  * instructions; with slots of 20 ms 230. A search takes some 340 evaluations for the six parameters
- * of one axis, 1150 for a Girona500 and its thrusters.
- * Memory: sizeof(auvid_thrusters_t), 0.6 KiB; and the log, two bytes for each thruster and slot:
+ * of one axis, 1150 for a Girona500 and its thrusters. At AUVID_DEFAULT_BUDGET one
+ * outlasts a set by far. When the next set is full, neither rows nor commands are kept until the
+ * search has ended. What then leads in to the next rows may cost the oldest set: 3 s more of slots
+ * for each set keep it.
+ * Memory: sizeof(auvid_thrusters_t), 0.7 KiB; and the log, two bytes for each thruster and slot:
  * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
  * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
  */
@@ -107,6 +110,12 @@ typedef struct {
     uint32_t bridged;   /* slots filled after a silence, at most */
 } auvid_thrusters_grid_t;
 
+/** A stretch of time that the log leaves out. Private. */
+typedef struct {
+    uint64_t end_us;  /* the log goes on from here */
+    uint64_t long_us; /* its length */
+} auvid_thrusters_pause_t;
+
 /** What is in the log. Written by the thrusters; a restart takes it along, see above. */
 typedef struct {
     uint64_t end_us;                          /* up to here slots are complete */
@@ -116,6 +125,8 @@ typedef struct {
                            and so are all estimates; make command_max larger */
     auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
     auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral of the slot under way */
+    auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* the newest first */
+    uint8_t pauses;                                    /* how many */
     bool started;
 } auvid_thrusters_state_t;
 
@@ -134,8 +145,7 @@ typedef struct {
 /** Fill *cfg with the defaults. Null is ignored. */
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 
-#define auvid_thrusters_init                                                                       \
-    AUVID_SIZED2(auvid_thrusters_init, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_thrusters_init AUVID_SIZED(auvid_thrusters_init)
 /** Make the model; the log is empty.
  * @return AUVID_OK; AUVID_ERR_NULL (log, hull too); those of auvid_vehicle_check; AUVID_ERR_RANGE
  * (a field out of its range, groups with holes); AUVID_ERR_NOT_FINITE (matrix);
@@ -158,8 +168,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg);
 
-#define auvid_thrusters_command                                                                    \
-    AUVID_SIZED2(auvid_thrusters_command, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_thrusters_command AUVID_SIZED(auvid_thrusters_command)
 /** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:
  * the identifier calls it.
  * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
@@ -167,8 +176,7 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command);
 
-#define auvid_thrusters_wrench                                                                     \
-    AUVID_SIZED2(auvid_thrusters_wrench, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_thrusters_wrench AUVID_SIZED(auvid_thrusters_wrench)
 /** Mean wrench B x over a row, as the model has it.
  * @param t_us middle of the row
  * @param pi [n] of thrusters->vehicle
