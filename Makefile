@@ -118,10 +118,9 @@ VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.s
 VALIDATION_double := -DAUVID_REAL_DOUBLE
 VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 
-# The same images for a board at other levels of optimization (-O2 does not fit 64 KiB), and the
-# host's.
+# The same images for a board at other levels of optimization, and the host's.
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
-IMAGES_LONG := $(patsubst %,build/firmware/%-O2/example.elf,$(filter-out m3_20k,$(BOARDS)))
+IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
 # Unit tests there: see tests/firmware/unit.txt.
 unit_listed = $(shell awk '$$2 ~ /$(1)/ { print "tests/unit/" $$1 ".c" }' tests/firmware/unit.txt)
 UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
