@@ -171,7 +171,7 @@ AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auv
 }
 
 /* Eq. 5 and the covariance that goes with it, as above. */
-static void predict(auvid_nav_t *nav, auvid_real_t t)
+static AUVID_APART void predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
     const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};

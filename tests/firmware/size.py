@@ -40,6 +40,7 @@ POINTERS = {
     r"m->recall\(": r"auvid_metric_memory\.c:recall$",
     r"listener->command\(": r"auvid_thrusters\.c:listen$",
     r"listener->set\(": r"auvid_thrusters\.c:forget$",
+    r"listener->lead_us\(": r"auvid_thrusters\.c:lead_us$",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }
 START = r"machine_\w+\.c:start$"
