@@ -221,6 +221,9 @@ static uint8_t measured_axes(const auvid_nav_t *nav, unsigned valid)
 {
     const auvid_real_t most = AUVID_NAV_MEASURED_SINE * AUVID_NAV_MEASURED_SINE;
     unsigned measured = 0;
+    if (valid == AUVID_DVL_ALL) {
+        return AUVID_DVL_ALL;
+    }
     for (int i = 0; i < 3; ++i) {
         auvid_real_t outside = AUVID_C(0.0);
         for (int j = 0; j < 3; ++j) {

@@ -171,15 +171,20 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
     return AUVID_TICK;
 }
 
-/* A command of the thrusters: an echo of one of ours, or another node's. */
-static void take_command(auvid_node_t *node, const auvid_can_frame_t *frame, bool second)
+/* Is it one of our own last commands of the thrusters? */
+static bool is_echo(const auvid_node_t *node, auvid_can_kind_t kind, const auvid_can_frame_t *frame)
 {
-    auvid_guard_t *guard = &node->id.guard;
+    bool second = kind == AUVID_CAN_THRUSTER_COMMAND_B;
     uint64_t data;
     memcpy(&data, frame->data, sizeof data);
-    if (data == node->sent[second][frame->data[1] & 3u]) {
-        return;
-    }
+    return (second || kind == AUVID_CAN_THRUSTER_COMMAND_A) &&
+           data == node->sent[second][frame->data[1] & 3u];
+}
+
+/* Another node commands the thrusters. */
+static void take_foreign_command(auvid_node_t *node)
+{
+    auvid_guard_t *guard = &node->id.guard;
     ++node->counters.foreign_commands;
     if (guard->state == AUVID_GUARD_ARMED || guard->state == AUVID_GUARD_EXCITING) {
         (void)auvid_guard_abort_for(guard, node->id.t_us, AUVID_GUARD_FOREIGN_COMMAND);
@@ -196,8 +201,7 @@ static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
     return state == AUVID_CAN_GOOD || (kinds >> m->kind & 1u) != 0 || disarms;
 }
 
-static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m,
-                                   const auvid_can_frame_t *frame, bool fresh)
+static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m, bool fresh)
 {
     switch (m->kind) {
     case AUVID_CAN_ABORT: /* an order to arm that waits finds the guard ABORTED */
@@ -208,7 +212,7 @@ static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t
         break;
     case AUVID_CAN_THRUSTER_COMMAND_A:
     case AUVID_CAN_THRUSTER_COMMAND_B:
-        take_command(node, frame, m->kind == AUVID_CAN_THRUSTER_COMMAND_B);
+        take_foreign_command(node);
         break;
     case AUVID_CAN_TICK:
         return take_tick(node, &m->as.tick);
@@ -240,7 +244,8 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         return AUVID_ERR_STATE;
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
-    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE) {
+    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE ||
+        is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
@@ -251,7 +256,7 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
     }
-    auvid_status_t status = take_message(node, &message, frame, state == AUVID_CAN_GOOD);
+    auvid_status_t status = take_message(node, &message, state == AUVID_CAN_GOOD);
     node->counters.frames += status >= 0;
     return status;
 }

@@ -413,7 +413,7 @@ static void give_feedback(auvid_real_t first)
 
 static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
 {
-    static const auvid_listener_t listener = {hear, nothing};
+    static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
     identifier.listener = &listener;
     begin();
@@ -436,7 +436,7 @@ static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
 
 static void test_a_thruster_without_feedback_gives_nothing(void)
 {
-    static const auvid_listener_t listener = {hear, nothing};
+    static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
     identifier.listener = &listener;
     begin();

@@ -363,7 +363,7 @@ static void test_halt_cancels_an_order_to_arm(void)
 static void hear(pair_t *to, const auvid_can_frame_t *frame, int count)
 {
     for (int i = 0; i < count; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&to->node, &frame[i]));
+        TEST_ASSERT_TRUE(auvid_node_take(&to->node, &frame[i]) >= 0);
     }
 }
 

@@ -37,7 +37,7 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test holds it. */
-#define AUVID_NAV_BYTES 944
+#define AUVID_NAV_BYTES 984
 
 /** Past ticks whose rates are kept for late DVL samples, a power of two. */
 #define AUVID_NAV_PAST 8
