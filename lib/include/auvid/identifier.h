@@ -226,8 +226,9 @@ typedef struct {
     bool capped; /**< the search has not converged: a cap ended the local phase, no point had a
                       finite cost, or, for a model with regressor, the cost exceeds the least one
                       within the bounds by more than a thousandth of that (with the part that no
-                      parameters explain). Nothing is identifiable then. Without regressor the
-                      least cost is not known: a search may end above it unnoticed */
+                      parameters explain). With a regressor nothing is identifiable then. Without
+                      one the least cost is not known: a search may end above it unnoticed, and
+                      one that a cap ended keeps its flags: treat them with care */
     bool accepted; /**< it has predicted a set that it had not seen, about as well as the estimate
                         accepted before, or better */
     auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
