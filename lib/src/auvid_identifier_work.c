@@ -18,9 +18,6 @@
 #include "auvid_metric.h"
 #include "auvid_optimizer.h"
 
-/* Units that it costs to draw a population. */
-enum { BEGIN_PRICE = 100 };
-
 /* Is the delay one of the parameters of the search? It is the last one then. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
