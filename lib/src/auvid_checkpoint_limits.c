@@ -162,7 +162,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, partner, partner, AUVID_MAX_PARAMETERS - 1),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sets, sets, AUVID_MAX_SETS),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, lost, lost, 100),
-    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_LARGEST),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_C(1e18)), /* squared */
 
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, driven),
     VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
