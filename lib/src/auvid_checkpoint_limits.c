@@ -31,11 +31,13 @@
     LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
 
 /* Parameters, bounds, steps: squares are finite. Costs (crs.h). Sums of squares of rows, which are
- * within 1e15. Lengths and speeds. Six of the longest cells. */
+ * within 1e15. Lengths and speeds. Six of the longest cells. Costs
+ * told: they do not come round to none. */
 #define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
 #define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
 #define SIZE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
+#define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
 #define DELAY(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(6.01))
 
 enum { MOST_ROWS = 60000 }; /* of all sets */
@@ -199,6 +201,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_CRS, auvid_crs_t, theta, theta),
     COST(TABLE_CRS, auvid_crs_t, cost, cost),
     UP_TO(TABLE_CRS, auvid_crs_t, initial_spread, last_spread, AUVID_LARGEST),
+    EVALUATIONS(TABLE_CRS, auvid_crs_t, evaluations),
     RANGE(TABLE_CRS, auvid_crs_t, state, state, (auvid_real_t)CRS_FRESH, CRS_CAPPED),
     FLAG(TABLE_CRS, auvid_crs_t, asked, again),
 
@@ -212,6 +215,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_LINE_CONFIG, auvid_line_search_config_t, lower, start),
 
     VALUE(TABLE_LINE_SEARCH, auvid_line_search_t, theta, previous),
+    EVALUATIONS(TABLE_LINE_SEARCH, auvid_line_search_t, evaluations),
     UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, MOVE_PROBE),
     RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, (auvid_real_t)LINE_EVALUATE,
           LINE_CAPPED),
