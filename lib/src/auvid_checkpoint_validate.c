@@ -389,7 +389,8 @@ static bool job_is_possible(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
     uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at_dof);
-    bool good = n <= m->cfg.vehicle->parameters && WORD(confidence.at_set) < WORD(metric.cfg.sets) &&
+    bool good = n <= m->cfg.vehicle->parameters &&
+                WORD(confidence.at_set) < WORD(metric.cfg.sets) &&
                 notes_are_possible(v, AT(confidence.result));
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         uint32_t to = word(v, AT(confidence.place[0]) + i);
@@ -466,7 +467,7 @@ auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
         }
         at += run.count * run.row->width;
     }
-    return nav_is_possible(&view) && recorder_is_possible(&view) && metric_is_possible(&view) && identifier_is_possible(&view)
-               ? AUVID_OK
-               : AUVID_ERR_RANGE;
+    bool good = nav_is_possible(&view) && recorder_is_possible(&view) &&
+                metric_is_possible(&view) && identifier_is_possible(&view);
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
 }

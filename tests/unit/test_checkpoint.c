@@ -416,11 +416,20 @@ static void test_what_cannot_be_is_refused(void)
 
 static void test_a_note_that_names_no_parameter_is_refused(void)
 {
+    static auvid_vehicle_t vehicle; /* of less parameters than there is room for */
+    vehicle = auvid_girona500;
+    --vehicle.parameters;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        vehicle.columns[j] &= ~(1u << vehicle.parameters);
+    }
+    vehicle.free &= ~(1u << vehicle.parameters);
+    config.vehicle = &vehicle;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
     good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
     good.trusted.confidence.note[0] = AUVID_NOTE_COMBINATION;
-    IMPOSSIBLE(estimate.confidence.partner[0] = auvid_girona500.parameters);
-    IMPOSSIBLE(trusted.confidence.partner[0] = auvid_girona500.parameters);
+    IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(trusted.confidence.partner[0] = vehicle.parameters);
     check_good();
 }
 

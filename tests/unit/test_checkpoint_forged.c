@@ -343,7 +343,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
     }
     (void)alarm(0);
     printf("%u forgeries of %u checkpoints: %u refused, %u taken, %u of them for a set\n",
-           (unsigned)forgeries, (unsigned)checkpoints, (unsigned)refused, (unsigned)taken, (unsigned)(taken / stride));
+           (unsigned)forgeries, (unsigned)checkpoints, (unsigned)refused, (unsigned)taken,
+           (unsigned)(taken / stride));
     TEST_ASSERT_TRUE(refused > forgeries / 10 && taken > forgeries / 10);
 }
 
