@@ -4,7 +4,12 @@
  * to go together: auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint.h"
+#include "auvid_confidence.h"
+#include "auvid_crs.h"
+#include "auvid_line_search.h"
 #include "auvid_math.h"
+#include "auvid_metric.h"
+#include "auvid_nav_private.h"
 
 #define LIMIT(table, same, type, first, last, low, high)                                           \
     {                                                                                              \
@@ -19,17 +24,23 @@
     RANGE(table, type, first, last, AUVID_C(0.0), most)
 #define FLAG(table, type, first, last) UP_TO(table, type, first, last, 1)
 #define DOFS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
+/* Bit i: velocity i. */
+#define AXES(table, type, member) UP_TO(table, type, member, member, AUVID_DVL_ALL)
 /* Of the model, and so of this identifier. */
 #define SAME(table, type, first, last)                                                             \
     LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
 
 /* Parameters, bounds, steps: squares are finite. Costs (crs.h). Sums of squares of rows, which are
- * within 1e15. Lengths and speeds. Six of the longest cells. */
+ * within 1e15. Lengths and speeds. Six of the longest cells. Costs
+ * told: they do not come round to none. */
 #define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
 #define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
 #define SIZE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
+#define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
 #define DELAY(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(6.01))
+
+enum { MOST_ROWS = 60000 }; /* of all sets */
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_SEARCH, auvid_search_config_t, lower, good),
@@ -39,13 +50,18 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_SEARCH, auvid_search_config_t, scale_by_bounds, literal_search),
 
     SIZE(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity),
+    AXES(TABLE_KNOT, auvid_nav_knot_t, measured),
 
     UP_TO(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, axes, axes, 3),
     FLAG(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, alive, alive),
 
+    FLAG(TABLE_NAV, auvid_nav_t, horizontal, complete),
     UP_TO(TABLE_NAV, auvid_nav_t, gps_start, gps_count, AUVID_NAV_GPS_START_MAX),
     UP_TO(TABLE_NAV, auvid_nav_t, flags, flags, 2 * AUVID_NAV_IN_GAP - 1),
-    RANGE(TABLE_NAV, auvid_nav_t, ready, ready, AUVID_C(1.0), AUVID_C(2.0)),
+    RANGE(TABLE_NAV, auvid_nav_t, ready, ready, (auvid_real_t)NAV_READY, NAV_RUNNING),
+    UP_TO(TABLE_NAV, auvid_nav_t, held_refused, holding, (1 << AUVID_NAV_SENSOR_COUNT) - 1),
+    AXES(TABLE_NAV, auvid_nav_t, held_valid),
+    UP_TO(TABLE_NAV, auvid_nav_t, past_next, past_next, 2 * AUVID_NAV_PAST - 1),
     SIZE(TABLE_NAV, auvid_nav_t, position, velocity),
     WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, AUVID_C(1e15)),
     WITHIN(TABLE_NAV, auvid_nav_t, rotation, rotation, AUVID_C(1.01)),
@@ -61,7 +77,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     WITHIN(TABLE_NAV, auvid_nav_t, surface_depth, surface_depth, AUVID_C(1e5)),
     WITHIN(TABLE_NAV, auvid_nav_t, mount, mount, AUVID_C(1.01)),
     WITHIN(TABLE_NAV, auvid_nav_t, lever, lever, AUVID_C(1e3)),
-    UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, 2000000),
+    UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, NAV_LARGEST_AGE_US),
+    WITHIN(TABLE_NAV, auvid_nav_t, past_rates, past_rates, AUVID_C(100.0)),
+    WITHIN(TABLE_NAV, auvid_nav_t, held, held, NAV_LARGEST_POSITION),
     SIZE(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset),
 
     FLAG(TABLE_STREAM, auvid_recorder_stream_t, valid, valid),
@@ -70,6 +88,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, AUVID_C(1e3), AUVID_C(1e9)),
     FLAG(TABLE_RECORDER, auvid_recorder_t, cfg.input, cfg.input),
     WITHIN(TABLE_RECORDER, auvid_recorder_t, last, mean, AUVID_C(2e9)),
+    AXES(TABLE_RECORDER, auvid_recorder_t, measured),
     FLAG(TABLE_RECORDER, auvid_recorder_t, running, broken),
 
     SQUARES(TABLE_SET, auvid_set_t, tau_m2, tau_m2),
@@ -96,18 +115,26 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     WITHIN(TABLE_METRIC, auvid_metric_t, kernel, kernel, AUVID_C(1e6)),
     UP_TO(TABLE_METRIC, auvid_metric_t, spread, spread, AUVID_C(0.5)),
     VALUE(TABLE_METRIC, auvid_metric_t, accumulator, previous),
+    UP_TO(TABLE_METRIC, auvid_metric_t, successive, successive, AUVID_METRIC_LAGS),
+    DOFS(TABLE_METRIC, auvid_metric_t, missing),
     VALUE(TABLE_METRIC, auvid_metric_t, factor, tau_mean),
     SQUARES(TABLE_METRIC, auvid_metric_t, tau_m2, tau_m2),
     VALUE(TABLE_METRIC, auvid_metric_t, merged, merged),
     UP_TO(TABLE_METRIC, auvid_metric_t, band_weight, band_weight, AUVID_C(1e3)),
     UP_TO(TABLE_METRIC, auvid_metric_t, weight, weight, AUVID_C(1e24)),
     FLAG(TABLE_METRIC, auvid_metric_t, share, share),
+    UP_TO(TABLE_METRIC, auvid_metric_t, window_of, window_of, AUVID_METRIC_WINDOW),
+    UP_TO(TABLE_METRIC, auvid_metric_t, at_row, at_row, MOST_ROWS + AUVID_METRIC_WINDOW),
     RANGE(TABLE_METRIC, auvid_metric_t, window_length, window_length, AUVID_C(1.0),
           AUVID_METRIC_WINDOW),
     UP_TO(TABLE_METRIC, auvid_metric_t, at_band, at_band, AUVID_METRIC_BANDS - 1),
     UP_TO(TABLE_METRIC, auvid_metric_t, at_dof, at_dof, AUVID_DOF_COUNT),
+    UP_TO(TABLE_METRIC, auvid_metric_t, pass, pass, PASS_LINEAR),
+    UP_TO(TABLE_METRIC, auvid_metric_t, from, sets_merged, AUVID_MAX_SETS),
+    FLAG(TABLE_METRIC, auvid_metric_t, held, turned),
     DELAY(TABLE_METRIC, auvid_metric_t, linear_delay_s, linear_delay_s),
     DOFS(TABLE_METRIC, auvid_metric_t, driven),
+    UP_TO(TABLE_METRIC, auvid_metric_t, dof_rows, dof_rows, MOST_ROWS),
     DELAY(TABLE_METRIC, auvid_metric_t, delay_s, delay_s),
     DOFS(TABLE_METRIC, auvid_metric_t, lagged),
     UP_TO(TABLE_METRIC, auvid_metric_t, change_rank, change_rank, AUVID_MAX_PARAMETERS),
@@ -132,10 +159,12 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
-    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, note, note, AUVID_NOTE_IMPLAUSIBLE),
+    VALUE(TABLE_CONFIDENCE, auvid_confidence_t, bound, bound),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, note, note, AUVID_NOTE_NOT_CONVERGED),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, partner, partner, AUVID_MAX_PARAMETERS - 1),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sets, sets, AUVID_MAX_SETS),
-    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_LARGEST),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, lost, lost, 100),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_C(1e18)), /* squared */
 
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, driven),
     VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
@@ -149,13 +178,16 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOFS(TABLE_JUDGEMENT, auvid_judgement_t, simulated),
 
     VALUE(TABLE_SAMPLE, auvid_sample_t, phi, command),
+    DOFS(TABLE_SAMPLE, auvid_sample_t, missing),
 
     VALUE(TABLE_VALIDATION, auvid_validation_t, pi, pi),
     DELAY(TABLE_VALIDATION, auvid_validation_t, delay_cells, delay_cells),
     VALUE(TABLE_VALIDATION, auvid_validation_t, wrench, wrench),
     UP_TO(TABLE_VALIDATION, auvid_validation_t, cell_s, cell_s, 1),
     DOFS(TABLE_VALIDATION, auvid_validation_t, dofs),
-    VALUE(TABLE_VALIDATION, auvid_validation_t, past, mean),
+    VALUE(TABLE_VALIDATION, auvid_validation_t, past, past),
+    FLAG(TABLE_VALIDATION, auvid_validation_t, running, running),
+    VALUE(TABLE_VALIDATION, auvid_validation_t, mean, mean),
     SQUARES(TABLE_VALIDATION, auvid_validation_t, m2, sse),
     SIZE(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
 
@@ -169,7 +201,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_CRS, auvid_crs_t, theta, theta),
     COST(TABLE_CRS, auvid_crs_t, cost, cost),
     UP_TO(TABLE_CRS, auvid_crs_t, initial_spread, last_spread, AUVID_LARGEST),
-    RANGE(TABLE_CRS, auvid_crs_t, state, state, AUVID_C(1.0), AUVID_C(5.0)),
+    EVALUATIONS(TABLE_CRS, auvid_crs_t, evaluations),
+    RANGE(TABLE_CRS, auvid_crs_t, state, state, (auvid_real_t)CRS_FRESH, CRS_CAPPED),
     FLAG(TABLE_CRS, auvid_crs_t, asked, again),
 
     RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
@@ -182,19 +215,26 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_LINE_CONFIG, auvid_line_search_config_t, lower, start),
 
     VALUE(TABLE_LINE_SEARCH, auvid_line_search_t, theta, previous),
-    UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, 4),
-    RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, AUVID_C(1.0), AUVID_C(4.0)),
+    EVALUATIONS(TABLE_LINE_SEARCH, auvid_line_search_t, evaluations),
+    UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, MOVE_PROBE),
+    RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, (auvid_real_t)LINE_EVALUATE,
+          LINE_CAPPED),
     FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, plain, plain),
     FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, asked, asked),
     COST(TABLE_LINE_SEARCH, auvid_line_search_t, cost, previous_cost),
     COST(TABLE_OPTIMIZER, auvid_optimizer_t, cost, cost),
     UP_TO(TABLE_OPTIMIZER, auvid_optimizer_t, phase, phase, AUVID_OPTIMIZER_DONE),
 
+    VALUE(TABLE_OPTIMUM, auvid_bounded_ls_t, lower, x),
+    UP_TO(TABLE_OPTIMUM, auvid_bounded_ls_t, order, order, AUVID_MAX_PARAMETERS - 1),
+    RANGE(TABLE_OPTIMUM, auvid_bounded_ls_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    UP_TO(TABLE_OPTIMUM, auvid_bounded_ls_t, dof, dof, AUVID_DOF_COUNT),
+
     VALUE(TABLE_JOB, auvid_confidence_job_t, pi, pi),
     UP_TO(TABLE_JOB, auvid_confidence_job_t, index, index, AUVID_MAX_PARAMETERS - 1),
     RANGE(TABLE_JOB, auvid_confidence_job_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
-    UP_TO(TABLE_JOB, auvid_confidence_job_t, phase, phase, 6),
-    FLAG(TABLE_JOB, auvid_confidence_job_t, delayed, delayed),
+    UP_TO(TABLE_JOB, auvid_confidence_job_t, phase, phase, DONE - 1),
+    FLAG(TABLE_JOB, auvid_confidence_job_t, capped, delayed),
 
     FLAG(TABLE_SEEN, auvid_guard_seen_t, known, known),
 

@@ -8,15 +8,12 @@
 
 #include "auvid_checkpoint.h"
 #include "auvid_confidence.h"
+#include "auvid_crs.h"
 #include "auvid_identifier.h"
 #include "auvid_line_search.h"
 #include "auvid_math.h"
 #include "auvid_metric.h"
-
-/* As auvid_crs.c, auvid_confidence.c and auvid_identifier_work.c have them for themselves. */
-enum { CRS_FILL = 2 };
-enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
-enum { BEGIN_PRICE = 100 };
+#include "auvid_nav_private.h"
 
 typedef struct {
     const auvid_identifier_t *id;
@@ -116,11 +113,16 @@ static const uint8_t *place(const view_t *v, size_t offset, const auvid_checkpoi
     return at;
 }
 
-static uint32_t word(const view_t *v, size_t offset)
+static uint64_t whole_at(const view_t *v, size_t offset)
 {
     const auvid_checkpoint_row_t *row;
     const uint8_t *at = place(v, offset, &row);
-    return (uint32_t)whole(at, row->width);
+    return whole(at, row->width);
+}
+
+static uint32_t word(const view_t *v, size_t offset)
+{
+    return (uint32_t)whole_at(v, offset);
 }
 
 static auvid_real_t real_at(const view_t *v, size_t offset)
@@ -141,33 +143,95 @@ static uint32_t bits_in(uint32_t mask)
     return count;
 }
 
+/* What is held is ahead of the IMU, and not further than it may be. */
 static bool nav_is_possible(const view_t *v)
 {
-    return WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
+    uint32_t holding = WORD(nav.holding);
+    bool good = WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
+    for (size_t i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        uint64_t held_us = whole_at(v, AT(nav.held_us[0]) + i * sizeof(uint64_t));
+        uint64_t ahead_us = held_us - whole_at(v, AT(nav.t_us)); /* huge, when it is older */
+        uint32_t most_us = word(v, AT(nav.max_age_us[0]) + i * sizeof(uint32_t));
+        good = good && ((holding >> i & 1u) == 0 || (ahead_us > 0 && ahead_us <= most_us));
+    }
+    return good && (holding == 0 || WORD(nav.ready) == NAV_RUNNING);
 }
 
-/* Row `row` of the set that was recorded `age` sets ago. */
+/* In a record that runs, attitude and input are there, and no further than the ring reaches. */
+static bool recorder_is_possible(const view_t *v)
+{
+    enum { INPUT = sizeof v->id->recorder.stream / sizeof v->id->recorder.stream[0] - 1 };
+    uint32_t next = WORD(recorder.next), oldest = next - 2u;
+    bool good = next >= 2 && next <= UINT32_MAX - 2 * AUVID_RECORDER_CELLS &&
+                WORD(recorder.opened) - oldest <= AUVID_RECORDER_CELLS;
+    for (size_t s = 0; s <= INPUT; s += INPUT) {
+        size_t at = AT(recorder.stream[0]) + s * sizeof(auvid_recorder_stream_t);
+        good = good && word(v, at + offsetof(auvid_recorder_stream_t, valid)) != 0 &&
+               word(v, at + offsetof(auvid_recorder_stream_t, cell)) - oldest <=
+                   AUVID_RECORDER_CELLS;
+    }
+    return good || WORD(recorder.running) == 0;
+}
+
+/* Rows of the set of that age. */
 static uint32_t set_rows(const view_t *v, uint32_t age)
 {
-    uint32_t sets = WORD(metric.cfg.sets);
-    uint32_t slot = (WORD(metric.turns) + 2u * sets - 1u - age) % sets;
+    uint32_t slot = auvid_metric_place(WORD(metric.turns), WORD(metric.cfg.sets),
+                                       WORD(metric.from) + age);
     return word(v, AT(metric.set[0].rows) + slot * sizeof(auvid_set_t));
+}
+
+/* Which sets count: all, unless the ring is held, as it is from the first set's judgement to the
+ * estimate. Then the newer ones that wait do not, nor those that are to be judged later. */
+static bool ring_is_possible(const view_t *v)
+{
+    uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), unjudged = WORD(unjudged);
+    uint32_t waiting = WORD(metric.waiting), least = WORD(metric.least), phase = WORD(phase);
+    bool held = WORD(metric.held) != 0, stored = !auvid_metric_has_regressor(&v->id->metric);
+    bool full = WORD(metric.full) != 0, turned = WORD(metric.turned) != 0;
+    bool judges = phase >= AUVID_WORK_FORESEE && phase <= AUVID_WORK_JUDGE;
+    uint32_t later = waiting + (unjudged > 0 ? unjudged - 1u : 0u);
+    return from <= sets && waiting <= sets && unjudged <= sets && least <= sets &&
+           WORD(metric.sets_merged) <= sets && judges == (unjudged > 0) &&
+           held == (phase != AUVID_WORK_IDLE) && from == (held ? later : 0u) &&
+           (held || (least == 0 && !full && !turned)) && !(full && !stored) &&
+           !(turned && stored) && WORD(metric.rows) < WORD(metric.cfg.set_rows) + full;
+}
+
+/* One set, or the one being recorded: of its rows each DoF has all or some. */
+static bool rows_are_possible(const view_t *v, size_t rows, size_t rows_of, size_t windows,
+                              uint32_t driven)
+{
+    bool good = true;
+    for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t own = word(v, rows_of + j * sizeof(uint16_t));
+        bool modelled = auvid_metric_order(&v->id->metric, (int)j) > 0;
+        good = good && (!modelled || (own <= word(v, rows) &&
+                                      word(v, windows + j * sizeof(uint16_t)) <= own)) &&
+               ((driven >> j & 1u) == 0 || (modelled && own > 0));
+    }
+    return good;
 }
 
 static bool sets_are_possible(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
-    uint32_t rows = WORD(metric.cfg.set_rows), modelled = 0;
+    uint32_t rows = WORD(metric.cfg.set_rows), recorded = WORD(metric.sets_recorded), modelled = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         modelled |= (uint32_t)(auvid_metric_order(m, j) > 0) << j;
     }
-    bool good = (WORD(metric.driven) & ~modelled) == 0;
+    bool good = (WORD(metric.driven) & ~modelled) == 0 &&
+                rows_are_possible(v, AT(metric.rows), AT(metric.rows_of[0]),
+                                  AT(metric.rows_of[0]), 0);
     for (size_t k = 0; k < AUVID_MAX_SETS; ++k) {
         size_t at = AT(metric.set[0]) + k * sizeof(auvid_set_t);
         uint32_t driven = word(v, at + offsetof(auvid_set_t, driven));
         uint32_t filled = word(v, at + offsetof(auvid_set_t, rows));
         good = good && filled <= rows && (driven != 0) == (filled != 0) &&
-               (driven & ~modelled) == 0 && word(v, at + offsetof(auvid_set_t, windows)) <= rows;
+               word(v, at + offsetof(auvid_set_t, number)) <= recorded &&
+               rows_are_possible(v, at + offsetof(auvid_set_t, rows),
+                                 at + offsetof(auvid_set_t, rows_of),
+                                 at + offsetof(auvid_set_t, windows), driven);
     }
     bool any = WORD(phase) < AUVID_WORK_MERGE;
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -213,9 +277,11 @@ static bool pass_is_possible(const view_t *v)
         break;
     }
     if (pass == PASS_LINEAR && WORD(metric.at_part) > 0) { /* the whole window is there */
-        uint32_t before = at_set + 1u < sets ? set_rows(v, at_set + 1u) : 0u;
-        right = right && at_set < sets && at_row < set_rows(v, at_set) &&
-                WORD(metric.window_length) <= at_row + 1u + before;
+        uint32_t count = sets - WORD(metric.from), length = WORD(metric.window_length);
+        uint32_t before = at_set + 1u < count ? set_rows(v, at_set + 1u) : 0u;
+        uint32_t parts = (2u * m->cfg.vehicle->parameters + 3u) * length;
+        right = right && at_set < count && at_row < set_rows(v, at_set) &&
+                length <= at_row + 1u + before && WORD(metric.at_part) < parts;
     }
     return right && to_set <= sets && at_set <= sets + (phase == AUVID_WORK_JUDGE ? 2u : 0u);
 }
@@ -235,7 +301,7 @@ static bool metric_is_possible(const view_t *v)
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
         memory.colour[j] = real_at(v, AT(metric.memory.colour[0]) + j * sizeof(auvid_real_t));
     }
-    return rows * sets <= 60000u && WORD(metric.rows) < rows &&
+    return rows * sets <= 60000u && ring_is_possible(v) &&
            (!stored || (sets + 1u) * rows == (m->cfg.sets + 1u) * m->cfg.set_rows) &&
            auvid_metric_check_memory(m, &memory) == AUVID_OK && sets_are_possible(v) &&
            pass_is_possible(v);
@@ -286,20 +352,46 @@ static bool line_search_is_possible(const view_t *v)
 
 static bool search_is_possible(const view_t *v)
 {
-    const auvid_metric_t *m = &v->id->metric;
     bool global = (v->sizes->parts & PART_GLOBAL) != 0;
     uint32_t delay = identifier_residual_path(v->id) && WORD(metric.cfg.estimate_delay);
     uint32_t n = global ? WORD(optimizer.crs.config.n) : WORD(optimizer.line_search.config.n);
-    return (WORD(active) & ~auvid_metric_free_of(m, UINT8_MAX)) == 0 &&
-           n == bits_in(WORD(active)) + delay && n == WORD(optimizer.local.n) &&
+    return n == bits_in(WORD(active)) + delay && n == WORD(optimizer.local.n) &&
            (global ? crs_is_possible(v) : line_search_is_possible(v));
+}
+
+/* Another parameter that a note names is one of the model's. */
+static bool notes_are_possible(const view_t *v, size_t confidence)
+{
+    bool good = true;
+    for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        uint32_t note = word(v, confidence + offsetof(auvid_confidence_t, note) + i);
+        uint32_t partner = word(v, confidence + offsetof(auvid_confidence_t, partner) + i);
+        bool names = note == AUVID_NOTE_COMBINATION || note == AUVID_NOTE_BESIDE_BOUND;
+        good = good && partner < (names ? identifier_vehicle(v->id)->parameters
+                                        : (uint32_t)AUVID_MAX_PARAMETERS);
+    }
+    return good;
+}
+
+static bool optimum_is_possible(const view_t *v)
+{
+    uint32_t n = WORD(optimum.n), dof = WORD(optimum.dof);
+    bool good = n == bits_in(WORD(active)) && WORD(optimum.fixed_from) <= n &&
+                WORD(optimum.at) <= n + 1u && WORD(optimum.changes) < 4u * (n + 1u) &&
+                (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= v->id->metric.count[dof]);
+    for (size_t k = 0; good && k < n; ++k) {
+        good = word(v, AT(optimum.order[0]) + k) < n;
+    }
+    return good && is_inside(v, AT(optimum.x), AT(optimum.lower), AT(optimum.upper), n);
 }
 
 static bool job_is_possible(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
     uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at_dof);
-    bool good = n <= m->cfg.vehicle->parameters && WORD(confidence.at_set) < WORD(metric.cfg.sets);
+    bool good = n <= m->cfg.vehicle->parameters &&
+                WORD(confidence.at_set) < WORD(metric.cfg.sets) &&
+                notes_are_possible(v, AT(confidence.result));
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         uint32_t to = word(v, AT(confidence.place[0]) + i);
         bool unused = i >= m->cfg.vehicle->parameters;
@@ -316,25 +408,51 @@ static bool job_is_possible(const view_t *v)
     return phase < DONE && WORD(confidence.at_row) < steps;
 }
 
+static bool prediction_is_possible(const view_t *v)
+{
+    bool good = identifier_vehicle(v->id)->acceleration != NULL;
+    for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t compared = word(v, AT(prediction.compared[0]) + j * sizeof(uint32_t));
+        good = good && compared <= WORD(prediction.cells);
+    }
+    return good;
+}
+
+static bool search_goes_with_phase(const view_t *v)
+{
+    uint32_t phase = WORD(phase);
+    uint32_t work = v->sizes->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
+    bool residual = identifier_residual_path(v->id), searching = WORD(searching) != 0;
+    bool measures = phase == AUVID_WORK_MEASURE; /* once more, when a set has come in */
+    bool linearises = phase == AUVID_WORK_LINEARISE;
+    bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
+                (residual && (measures || linearises));
+    if (phase >= AUVID_WORK_ASK && WORD(active) == 0) {
+        return false;
+    }
+    if (searching) {
+        bool global = work == PART_GLOBAL;
+        return (must || measures) && (global || work == PART_LOCAL) &&
+               global == (WORD(optimizer.phase) == AUVID_OPTIMIZER_GLOBAL) && search_is_possible(v);
+    }
+    if (phase == AUVID_WORK_CONFIDENCE) {
+        return work == PART_CONFIDENCE && job_is_possible(v);
+    }
+    if (linearises && !residual) {
+        return work == PART_OPTIMUM && optimum_is_possible(v);
+    }
+    return !must && work == 0;
+}
+
 static bool identifier_is_possible(const view_t *v)
 {
-    uint32_t phase = WORD(phase), parts = v->sizes->parts, searching = WORD(searching);
-    uint32_t work = parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE);
-    bool asks = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST;
-    bool simulates = (parts & PART_SIMULATED) != 0;
-    bool good = parts < 2u * PART_ADAPTIVE && WORD(paid) <= BEGIN_PRICE + 1u &&
-                (!asks || searching) &&
-                ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
-                (!simulates || identifier_vehicle(v->id)->acceleration != NULL);
-    if (phase == AUVID_WORK_CONFIDENCE) {
-        return good && work == PART_CONFIDENCE && !searching && job_is_possible(v);
-    }
-    if (!searching) {
-        return good && work == 0;
-    }
-    bool global = work == PART_GLOBAL;
-    return good && (global || work == PART_LOCAL) &&
-           global == (WORD(optimizer.phase) == AUVID_OPTIMIZER_GLOBAL) && search_is_possible(v);
+    uint32_t parts = v->sizes->parts;
+    return parts < 2u * PART_OPTIMUM && WORD(paid) <= BEGIN_PRICE + 1u &&
+           ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
+           ((parts & PART_SIMULATED) == 0 || prediction_is_possible(v)) &&
+           (WORD(active) & ~auvid_metric_free_of(&v->id->metric, UINT8_MAX)) == 0 &&
+           notes_are_possible(v, AT(estimate.confidence)) &&
+           notes_are_possible(v, AT(trusted.confidence)) && search_goes_with_phase(v);
 }
 
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
@@ -349,7 +467,7 @@ auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
         }
         at += run.count * run.row->width;
     }
-    return nav_is_possible(&view) && metric_is_possible(&view) && identifier_is_possible(&view)
-               ? AUVID_OK
-               : AUVID_ERR_RANGE;
+    bool good = nav_is_possible(&view) && recorder_is_possible(&view) &&
+                metric_is_possible(&view) && identifier_is_possible(&view);
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
 }

@@ -42,8 +42,6 @@
 #define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
 #define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
 
-enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
-
 typedef auvid_confidence_job_t job_t;
 
 static bool is_driven(const job_t *c, int j)

@@ -10,13 +10,11 @@
  *     trial = c - alpha (theta_i0 - c)               i0 the worst of those drawn
  * Differences of costs are used throughout: in float32 the costs' common part would swamp them.
  */
-#include "auvid/crs.h"
+#include "auvid_crs.h"
 
 #include <string.h>
 
 #include "auvid_math.h"
-
-enum { STATE_NONE = 0, STATE_FRESH, STATE_FILL, STATE_SEARCH, STATE_FINISHED, STATE_CAPPED };
 
 /* Smallest spread that is worked with: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite
  * in float32. */
@@ -114,7 +112,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
         }
     }
     memcpy(crs->rng, rng.s, sizeof crs->rng);
-    crs->state = STATE_FRESH;
+    crs->state = CRS_FRESH;
     return AUVID_OK;
 }
 
@@ -133,7 +131,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
     if (crs == NULL || theta == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (crs->state != STATE_FRESH) {
+    if (crs->state != CRS_FRESH) {
         return AUVID_ERR_STATE;
     }
     if (crs->known == crs->config.population) {
@@ -156,16 +154,16 @@ static uint8_t next_state(const auvid_crs_t *crs)
     auvid_real_t ulps = SPREAD_ULPS * AUVID_EPSILON * auvid_max(auvid_abs(low), auvid_abs(high));
     auvid_real_t limit = auvid_max(crs->last_spread, ulps);
     if (low >= AUVID_CRS_COST_FAILED) {
-        return STATE_CAPPED; /* the model failed everywhere: nothing to go by */
+        return CRS_CAPPED; /* the model failed everywhere: nothing to go by */
     }
     if (high - low <= limit) {
-        return STATE_FINISHED;
+        return CRS_FINISHED;
     }
     if (crs->evaluations - crs->extra_evaluations >= crs->config.max_evaluations ||
         crs->rejections >= crs->config.max_rejections) {
-        return STATE_CAPPED;
+        return CRS_CAPPED;
     }
-    return STATE_SEARCH;
+    return CRS_SEARCH;
 }
 
 /* (5) The best is kept up to date as costs come; the worst needs a scan when it is replaced. */
@@ -309,7 +307,7 @@ static auvid_status_t make_trial(auvid_crs_t *crs)
             crs->most_rejections = crs->rejections;
         }
         crs->state = next_state(crs);
-        return crs->state == STATE_SEARCH ? AUVID_PENDING : AUVID_CAPPED;
+        return crs->state == CRS_SEARCH ? AUVID_PENDING : AUVID_CAPPED;
     }
     crs->rejections = 0;
     return AUVID_OK;
@@ -328,23 +326,23 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
     if (crs == NULL || theta == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (crs->state == STATE_NONE) {
+    if (crs->state == CRS_NONE) {
         return AUVID_ERR_STATE;
     }
     if (!crs->asked) {
-        if (crs->state == STATE_FINISHED) {
+        if (crs->state == CRS_FINISHED) {
             return AUVID_FINISHED;
         }
-        if (crs->state == STATE_CAPPED) {
+        if (crs->state == CRS_CAPPED) {
             return AUVID_CAPPED;
         }
-        if (crs->state == STATE_SEARCH) {
+        if (crs->state == CRS_SEARCH) {
             auvid_status_t status = make_trial(crs);
             if (status != AUVID_OK) {
                 return status;
             }
         } else {
-            crs->state = STATE_FILL;
+            crs->state = CRS_FILL;
             ++crs->attempts;
             memcpy(crs->trial, crs->theta[fill_index(crs)], sizeof crs->trial);
         }
@@ -367,7 +365,7 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
     }
     crs->asked = false;
     ++crs->evaluations;
-    if (crs->state == STATE_FILL) {
+    if (crs->state == CRS_FILL) {
         uint16_t k = fill_index(crs);
         crs->cost[k] = cost;
         crs->best = crs->filled == 0 || cost < crs->cost[crs->best] ? k : crs->best;
@@ -392,22 +390,22 @@ auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs)
     if (crs == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (crs->state == STATE_NONE) {
+    if (crs->state == CRS_NONE) {
         return AUVID_ERR_STATE;
     }
     /* Before S was complete there is nothing to do twice: start over, not as an extra. */
-    crs->again = crs->again || crs->state > STATE_FILL;
+    crs->again = crs->again || crs->state > CRS_FILL;
     crs->asked = false;
     crs->rejections = 0;
     crs->first = crs->evaluations > 0 ? crs->best : 0;
     crs->filled = 0;
-    crs->state = crs->state == STATE_FRESH ? STATE_FRESH : STATE_FILL;
+    crs->state = crs->state == CRS_FRESH ? CRS_FRESH : CRS_FILL;
     return AUVID_OK;
 }
 
 const auvid_real_t *auvid_crs_best(const auvid_crs_t *crs, auvid_real_t *cost)
 {
-    if (crs == NULL || crs->state == STATE_NONE || crs->evaluations == 0) {
+    if (crs == NULL || crs->state == CRS_NONE || crs->evaluations == 0) {
         return NULL;
     }
     if (cost != NULL) {

@@ -7,6 +7,9 @@
 
 #include "auvid/identifier.h"
 
+/** Units that it costs to draw a population. */
+enum { BEGIN_PRICE = 100 };
+
 /** Null before init. */
 static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t *id)
 {

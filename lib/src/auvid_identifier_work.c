@@ -18,9 +18,6 @@
 #include "auvid_metric.h"
 #include "auvid_optimizer.h"
 
-/* Units that it costs to draw a population. */
-enum { BEGIN_PRICE = 100 };
-
 /* Is the delay one of the parameters of the search? It is the last one then. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
@@ -129,7 +126,7 @@ static AUVID_APART void ask(auvid_identifier_t *id)
     } else if (status != AUVID_PENDING) {
         expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
         id->searched = auvid_optimizer_work(&id->optimizer);
-        id->capped = status == AUVID_CAPPED || !(id->cost < AUVID_CRS_COST_FAILED);
+        id->capped = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
         begin_measure(id);
     }
 }

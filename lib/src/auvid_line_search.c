@@ -17,7 +17,6 @@
 
 #include <string.h>
 
-enum { STATE_NONE = 0, STATE_EVALUATE, STATE_SEARCH, STATE_FINISHED, STATE_CAPPED };
 /* Restarts and re-evaluations begin with this part of alpha0. */
 #define RESTART_STEP AUVID_C(0.1)
 /* Longest pattern step: 2^10 sweeps at once. */
@@ -123,7 +122,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
     memcpy(ls->theta, c->start, sizeof ls->theta);
     set_steps(ls, c->alpha0);
     ls->restarts_left = c->restarts;
-    ls->state = STATE_EVALUATE;
+    ls->state = LINE_EVALUATE;
     return AUVID_OK;
 }
 
@@ -151,7 +150,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
 static void begin_sweep(auvid_line_search_t *ls)
 {
     const bool first = !line_search_is_literal(&ls->config) &&
-                       ls->restarts_left == ls->config.restarts && ls->state == STATE_SEARCH;
+                       ls->restarts_left == ls->config.restarts && ls->state == LINE_SEARCH;
     auvid_real_t longest = AUVID_C(0.0), last = ls->config.epsilon;
     for (size_t i = 0; i < 2u * ls->config.n; ++i) {
         longest = auvid_max(longest, ls->alpha[i]);
@@ -165,7 +164,7 @@ static void begin_sweep(auvid_line_search_t *ls)
         set_steps(ls, RESTART_STEP * ls->config.alpha0);
     } else if (longest <= last) {
         if (ls->restarts_left == 0) {
-            ls->state = STATE_FINISHED;
+            ls->state = LINE_FINISHED;
             return;
         }
         --ls->restarts_left;
@@ -175,7 +174,7 @@ static void begin_sweep(auvid_line_search_t *ls)
         memset(ls->curvature, 0, sizeof ls->curvature);
     }
     ls->plain = ls->built == ls->config.n && !line_search_is_literal(&ls->config);
-    ls->state = STATE_SEARCH;
+    ls->state = LINE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
     begin_line(ls, 0);
@@ -317,19 +316,19 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
     if (ls == NULL || theta == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (ls->state == STATE_NONE) {
+    if (ls->state == LINE_NONE) {
         return AUVID_ERR_STATE;
     }
     if (!ls->asked) {
-        if (ls->state == STATE_FINISHED) {
+        if (ls->state == LINE_FINISHED) {
             return AUVID_FINISHED;
         }
-        if (ls->state == STATE_CAPPED || ls->evaluations >= ls->config.max_evaluations) {
-            ls->state = STATE_CAPPED;
+        if (ls->state == LINE_CAPPED || ls->evaluations >= ls->config.max_evaluations) {
+            ls->state = LINE_CAPPED;
             return AUVID_CAPPED;
         }
         ++ls->attempts;
-        if (ls->state == STATE_EVALUATE) {
+        if (ls->state == LINE_EVALUATE) {
             memcpy(ls->trial, ls->theta, sizeof ls->trial);
         } else if (!auvid_line_search_place(ls)) {
             settle(ls, ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
@@ -354,7 +353,7 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
     }
     ls->asked = false;
     ++ls->evaluations;
-    if (ls->state == STATE_EVALUATE) {
+    if (ls->state == LINE_EVALUATE) {
         ls->cost = cost;
         begin_sweep(ls);
     } else {
@@ -368,7 +367,7 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
     if (ls == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (ls->state == STATE_NONE) {
+    if (ls->state == LINE_NONE) {
         return AUVID_ERR_STATE;
     }
     ls->asked = false;
@@ -377,13 +376,13 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
     if (!line_search_is_literal(&ls->config)) {
         ls->restarts_left = ls->config.restarts;
     }
-    ls->state = STATE_EVALUATE;
+    ls->state = LINE_EVALUATE;
     return AUVID_OK;
 }
 
 const auvid_real_t *auvid_line_search_best(const auvid_line_search_t *ls, auvid_real_t *cost)
 {
-    if (ls == NULL || ls->state == STATE_NONE || ls->evaluations == 0) {
+    if (ls == NULL || ls->state == LINE_NONE || ls->evaluations == 0) {
         return NULL;
     }
     if (cost != NULL) {

@@ -9,6 +9,9 @@
 
 #include "auvid_math.h"
 
+/** auvid_line_search_t.state */
+enum { LINE_NONE = 0, LINE_EVALUATE, LINE_SEARCH, LINE_FINISHED, LINE_CAPPED };
+
 /** What a trial is for: (9) a poll, (12) an expansion, the lowest point of the line's parabola; the
  * point of e_i from which d_i is sought, and what is probed from there. */
 enum { MOVE_POLL = 0, MOVE_EXPAND, MOVE_PARABOLA, MOVE_AXIS, MOVE_PROBE };

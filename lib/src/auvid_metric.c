@@ -279,6 +279,5 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
 
 int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
-    uint32_t sets = m->cfg.sets;
-    return (int)((m->turns + 2u * sets - 1u - m->from - (uint32_t)age) % sets);
+    return (int)auvid_metric_place(m->turns, m->cfg.sets, m->from + (uint32_t)age);
 }

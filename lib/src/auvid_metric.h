@@ -45,6 +45,12 @@ static inline int auvid_metric_sets(const auvid_metric_t *m)
     return m->from < m->cfg.sets ? m->cfg.sets - m->from : 0;
 }
 
+/** Place of the set that entered a ring of `sets` `back` turns before the last one. */
+static inline uint32_t auvid_metric_place(uint32_t turns, uint32_t sets, uint32_t back)
+{
+    return (turns + 2u * sets - 1u - back) % sets;
+}
+
 /** Where the set of that age stands, age < auvid_metric_sets. */
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 

@@ -92,8 +92,11 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
     optimizer->attempts = optimizer->crs.attempts;
     memcpy(optimizer->local.start, auvid_crs_best(&optimizer->crs, &optimizer->cost),
            optimizer->local.n * sizeof *theta);
+    status = auvid_line_search_init(&optimizer->line_search, &optimizer->local);
+    if (status != AUVID_OK) {
+        return status; /* damaged since init: the global phase's best stays */
+    }
     optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    (void)auvid_line_search_init(&optimizer->line_search, &optimizer->local);
     return ask_local(optimizer, theta);
 }
 

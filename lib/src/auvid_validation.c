@@ -234,8 +234,9 @@ auvid_status_t auvid_validation_r2(const auvid_validation_t *validation, auvid_r
         return AUVID_ERR_NO_DATA;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool varies = validation->m2[j] > AUVID_C(0.0);
-        r2[j] = varies ? AUVID_C(1.0) - validation->sse[j] / validation->m2[j] : AUVID_C(0.0);
+        auvid_real_t left = validation->sse[j] / validation->m2[j];
+        bool varies = validation->m2[j] > AUVID_C(0.0) && auvid_is_finite(left);
+        r2[j] = varies ? AUVID_C(1.0) - left : AUVID_C(0.0);
     }
     return AUVID_OK;
 }

@@ -28,8 +28,8 @@ void tearDown(void)
 {
 }
 
-/* Motion made of sines, and the wrench that it takes; a cell each, then work. */
-static void move(auvid_identifier_t *to, int cell)
+/* Motion made of sines, and the wrench that it takes; a cell. */
+static void record(auvid_identifier_t *to, int cell)
 {
     auvid_sample_t s;
     auvid_real_t attitude[3] = {0}, tau[AUVID_DOF_COUNT] = {0};
@@ -47,6 +47,12 @@ static void move(auvid_identifier_t *to, int cell)
     uint64_t t_us = (uint64_t)cell * CELL_US;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(to, t_us, tau, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(to, t_us, attitude, s.nu));
+}
+
+/* A cell, then work. */
+static void move(auvid_identifier_t *to, int cell)
+{
+    record(to, cell);
     (void)auvid_identifier_work(to, BUDGET);
 }
 
@@ -351,15 +357,22 @@ static void test_work_in_an_unknown_phase_ends(void)
 }
 
 /* As auvid_checkpoint_begin would write them, had memory been damaged before. */
-static void test_what_cannot_be_is_refused(void)
-{
-    static auvid_identifier_t good;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+static auvid_identifier_t good;
 #define IMPOSSIBLE(assignment)                                                                     \
     other = good;                                                                                  \
     other.assignment;                                                                              \
     bytes = save(&other, saved, sizeof saved);                                                     \
     check_refused(AUVID_ERR_RANGE, saved, bytes)
+
+static void check_good(void)
+{
+    bytes = save(&good, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_what_cannot_be_is_refused(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
     IMPOSSIBLE(phase = UINT8_MAX);
     IMPOSSIBLE(guard.state = (auvid_guard_state_t)17);
     IMPOSSIBLE(metric.cfg.sets = 0);
@@ -376,10 +389,127 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
     IMPOSSIBLE(adaptive.factor[0] = AUVID_C(1000.0));
-#undef IMPOSSIBLE
-    bytes = save(&good, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    IMPOSSIBLE(nav.ground.measured = 8);
+    IMPOSSIBLE(nav.past_next = 2 * AUVID_NAV_PAST);
+    IMPOSSIBLE(nav.held_valid[1] = 8);
+    IMPOSSIBLE(nav.holding = 1); /* before the first tick */
+    IMPOSSIBLE(metric.missing[0][1] = 64);
+    IMPOSSIBLE(metric.successive[0] = AUVID_METRIC_LAGS + 1);
+    IMPOSSIBLE(metric.window_of[0] = AUVID_METRIC_WINDOW + 1);
+    IMPOSSIBLE(metric.rows_of[0] = 1);       /* of no row */
+    IMPOSSIBLE(metric.set[3].number = 1);    /* and none was recorded */
+    IMPOSSIBLE(metric.set[3].windows[0] = 1); /* of no row */
+    IMPOSSIBLE(metric.from = 1);             /* and the ring is not held */
+    IMPOSSIBLE(metric.least = 1);
+    IMPOSSIBLE(metric.full = true);
+    IMPOSSIBLE(metric.turned = true);
+    IMPOSSIBLE(metric.held = true); /* and there is no work */
+    IMPOSSIBLE(metric.waiting = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.sets_merged = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(unjudged = 1);
+    IMPOSSIBLE(active = 1u << 31);
+    IMPOSSIBLE(searching = true);
+    IMPOSSIBLE(estimate.confidence.lost[0] = 101);
+    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_NOT_CONVERGED + 1);
+    check_good();
 }
+
+static void test_a_note_that_names_no_parameter_is_refused(void)
+{
+    static auvid_vehicle_t vehicle; /* of less parameters than there is room for */
+    vehicle = auvid_girona500;
+    --vehicle.parameters;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        vehicle.columns[j] &= ~(1u << vehicle.parameters);
+    }
+    vehicle.free &= ~(1u << vehicle.parameters);
+    config.vehicle = &vehicle;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+    good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
+    good.trusted.confidence.note[0] = AUVID_NOTE_COMBINATION;
+    IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(trusted.confidence.partner[0] = vehicle.parameters);
+    check_good();
+}
+
+/* A ring of the recorder that does not reach from its oldest cell to the newest: it would be walked
+ * through for hours. */
+static void test_a_record_of_too_many_cells_is_refused(void)
+{
+    move_from_to(&id, 1, 9);
+    TEST_ASSERT_TRUE(id.recorder.running);
+    good = id;
+    IMPOSSIBLE(recorder.next = 0);
+    IMPOSSIBLE(recorder.next = UINT32_MAX);
+    IMPOSSIBLE(recorder.opened = good.recorder.next + AUVID_RECORDER_CELLS);
+    IMPOSSIBLE(recorder.stream[0].cell = UINT32_MAX);
+    IMPOSSIBLE(recorder.stream[4].valid = false);
+    IMPOSSIBLE(recorder.measured[15] = 8);
+    check_good();
+}
+
+/* Until the work is in this phase; a few units at a time. */
+static void move_to_phase(uint8_t phase)
+{
+    for (int cell = 1; cell < CELLS && id.phase != phase; ++cell) {
+        record(&id, cell);
+        for (int k = 0; k < BUDGET && id.phase != phase; ++k) {
+            (void)auvid_identifier_work(&id, 10);
+        }
+    }
+    TEST_ASSERT_EQUAL(phase, id.phase);
+    good = id;
+}
+
+static void test_an_optimum_that_cannot_be_is_refused(void)
+{
+    move_to_phase(AUVID_WORK_LINEARISE);
+    TEST_ASSERT_TRUE(good.optimum.n > 1);
+    IMPOSSIBLE(optimum.n = 0);
+    IMPOSSIBLE(optimum.n = (uint8_t)(good.optimum.n - 1));
+    IMPOSSIBLE(optimum.order[0] = good.optimum.n);
+    IMPOSSIBLE(optimum.fixed_from = (uint8_t)(good.optimum.n + 1));
+    IMPOSSIBLE(optimum.at = (uint8_t)(good.optimum.n + 2));
+    IMPOSSIBLE(optimum.changes = UINT8_MAX);
+    IMPOSSIBLE(optimum.dof = AUVID_DOF_COUNT + 1);
+    IMPOSSIBLE(optimum.row = UINT8_MAX);
+    IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
+    IMPOSSIBLE(optimum.triangle[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(active = 0);
+    IMPOSSIBLE(metric.held = false);
+    IMPOSSIBLE(metric.waiting = 1); /* which would not count */
+    check_good();
+}
+
+static void test_sets_that_do_not_go_with_the_work_are_refused(void)
+{
+    move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
+    TEST_ASSERT_EQUAL(1, good.unjudged);
+    IMPOSSIBLE(unjudged = 0);
+    IMPOSSIBLE(unjudged = 2);
+    IMPOSSIBLE(metric.from = 1);
+    IMPOSSIBLE(metric.full = true); /* of a model with regressor */
+    IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.set[0].rows_of[0] = SET_ROWS + 1);
+    IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of a DoF that is driven */
+    IMPOSSIBLE(prediction.compared[0] = UINT32_MAX);
+    check_good();
+}
+
+static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
+{
+    const auvid_real_t still[3] = {0};
+    const auvid_dvl_sample_t ahead = {.t_us = 200000, .valid = AUVID_DVL_ALL};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_imu(&id.nav, 100000, still, still));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_nav_dvl(&id.nav, &ahead));
+    good = id;
+    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100000);
+    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100001 + good.nav.max_age_us[0]);
+    IMPOSSIBLE(nav.held[AUVID_NAV_DVL_BOTTOM][0] = AUVID_C(1e6));
+    check_good();
+}
+#undef IMPOSSIBLE
 
 static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
 {
@@ -430,6 +560,11 @@ int main(void)
     RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
     RUN_TEST(test_work_in_an_unknown_phase_ends);
     RUN_TEST(test_what_cannot_be_is_refused);
+    RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
+    RUN_TEST(test_a_record_of_too_many_cells_is_refused);
+    RUN_TEST(test_an_optimum_that_cannot_be_is_refused);
+    RUN_TEST(test_sets_that_do_not_go_with_the_work_are_refused);
+    RUN_TEST(test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused);
     RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
     RUN_TEST(test_calls_out_of_order_are_refused);
     return UNITY_END();

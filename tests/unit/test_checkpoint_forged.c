@@ -1,6 +1,7 @@
 /* Checkpoints whose content somebody has changed and whose checksum is right: refused, or harmless.
- * Genuine ones come from three worlds: one with regressor, guarded and excited, begun with a prior
- * record; one with adaptive excitation; one without regressor. */
+ * Genuine ones come from five worlds: one with regressor, guarded and excited, begun with a prior
+ * record; one with adaptive excitation; one without regressor; and the first and the last of these
+ * again with budgets so small that sets wait, and an IMU so late that samples are held. */
 #define _POSIX_C_SOURCE 200809L /* alarm() */
 #include <math.h>
 #include <stdio.h>
@@ -23,11 +24,13 @@ enum {
     STORE = (SETS + 1) * SET_ROWS,
     MOST = AUVID_CHECKPOINT_MOST(STORE),
     PHASES = AUVID_WORK_CONFIDENCE + 1,
-    TAKEN = 2 * PHASES, /* checkpoints of a world: two of each phase of work */
+    KINDS = 4 * PHASES, /* of moments: phases of work, with a set that waits, a sample held */
+    TAKEN = 2 * KINDS,  /* checkpoints of a world: two of each */
+    LATE_US = 50000,    /* the IMU in the slow worlds */
     HANG_S = 60
 };
 
-typedef enum { SEQUENCE, ADAPTIVE, RESIDUAL, WORLDS } world_t;
+typedef enum { SEQUENCE, ADAPTIVE, RESIDUAL, SLOW, SLOW_RESIDUAL, WORLDS } world_t;
 
 /* A moment of a run, and its checkpoint. */
 typedef struct {
@@ -63,11 +66,26 @@ static void predict(const void *context, const auvid_sample_t *s, const auvid_re
     auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
 }
 
+static bool is_slow(world_t world)
+{
+    return world == SLOW || world == SLOW_RESIDUAL;
+}
+
+static void delay_imu(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    in->imu.t_us -= LATE_US;
+}
+
 static void configure(world_t world)
 {
     chain_defaults(&config, 1, 3, 1.0);
     config.id.metric.set_rows = SET_ROWS;
-    if (world == RESIDUAL) {
+    if (is_slow(world)) {
+        config.epoch_us = 1000000;
+        config.before = delay_imu;
+    }
+    if (world == RESIDUAL || world == SLOW_RESIDUAL) {
         vehicle = auvid_girona500;
         vehicle.regressor = NULL;
         vehicle.residual = predict;
@@ -102,12 +120,19 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
     return bytes;
 }
 
-/* Two moments of each phase of work that there is in `seconds` of the world, which is excited. */
+static uint32_t kind_of(const auvid_identifier_t *id)
+{
+    const auvid_metric_t *m = &id->metric;
+    bool waits = m->held && (m->full || m->waiting > 0 || id->unjudged > 1);
+    return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
+}
+
+/* Two moments of each kind that there is in `seconds` of the world, which is excited. */
 static void run(world_t world, double seconds)
 {
     static const auvid_real_t guess[AUVID_MAX_PARAMETERS] = {[AUVID_G500_M_U] = 500};
     static auvid_real_t sigma[AUVID_MAX_PARAMETERS];
-    uint32_t count[PHASES] = {0};
+    uint32_t count[KINDS] = {0}, usual = world == SLOW ? 30 : 120;
     begin(world, &fresh[world]);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain.id = fresh[world];
@@ -118,13 +143,13 @@ static void run(world_t world, double seconds)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, guess, sigma));
     }
     for (int tick = 1; tick < (int)(50 * seconds); ++tick) {
-        chain.config.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : 120);
+        chain.config.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain_tick(&chain);
-        uint8_t phase = chain.id.phase;
-        bool first = count[phase] == 0, later = count[phase] == 1 && chain.id.estimate.number > 2;
+        uint32_t kind = kind_of(&chain.id);
+        bool first = count[kind] == 0, later = count[kind] == 1 && chain.id.estimate.number > 2;
         if (tick > 100 && (first || later)) {
             moment_t *m = &moment[world][moments[world]++];
-            ++count[phase];
+            ++count[kind];
             m->chain = chain;
             m->bytes = save(&chain.id, m->saved);
         }
@@ -134,21 +159,31 @@ static void run(world_t world, double seconds)
 
 static void record_all(void)
 {
-    uint32_t phases = 0, exciting = 0;
+    uint32_t phases = 0, exciting = 0, waiting = 0, holding = 0, optima = 0;
     if (moments[0] > 0) {
         return;
     }
     run(SEQUENCE, 92);
     run(ADAPTIVE, 92);
     run(RESIDUAL, 92);
+    run(SLOW, 122);
+    run(SLOW_RESIDUAL, 92);
     for (int w = 0; w < WORLDS; ++w) {
         for (uint32_t k = 0; k < moments[w]; ++k) {
-            phases |= 1u << moment[w][k].chain.id.phase;
-            exciting += moment[w][k].chain.id.guard.state == AUVID_GUARD_EXCITING;
+            const auvid_identifier_t *id = &moment[w][k].chain.id;
+            uint32_t kind = kind_of(id);
+            phases |= 1u << id->phase;
+            exciting += id->guard.state == AUVID_GUARD_EXCITING;
+            waiting += kind / PHASES % 2;
+            holding += kind / PHASES / 2;
+            optima += (auvid_get_word(moment[w][k].saved + 12) & PART_OPTIMUM) != 0;
         }
     }
+    printf("%u exciting, %u with sets that wait, %u with samples held, %u while the least cost is "
+           "sought\n",
+           (unsigned)exciting, (unsigned)waiting, (unsigned)holding, (unsigned)optima);
     TEST_ASSERT_EQUAL_HEX32((1u << PHASES) - 1, phases);
-    TEST_ASSERT_TRUE(exciting > 10);
+    TEST_ASSERT_TRUE(exciting > 10 && waiting > 10 && holding > 10 && optima > 3);
 }
 
 static const auvid_checkpoint_sizes_t *sizes_of(const uint8_t *saved)
@@ -274,11 +309,14 @@ static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
 static void test_a_forged_checkpoint_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : campaign_runs(3000), stride = 64;
-    uint32_t taken = 0, refused = 0;
+    uint32_t taken = 0, refused = 0, checkpoints = 0;
     record_all();
+    for (int w = 0; w < WORLDS; ++w) {
+        checkpoints += moments[w];
+    }
     for (uint32_t n = 0; n < forgeries; ++n) {
         world_t world = (world_t)(n / 16 % WORLDS);
-        const moment_t *m = &moment[world][n / 48 % moments[world]];
+        const moment_t *m = &moment[world][n / 16 / WORLDS % moments[world]];
         bool resumes = n % 4 == 0;
         (void)snprintf(what, sizeof what, "forgery %u of world %d", (unsigned)n, (int)world);
         forge(m);
@@ -305,8 +343,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
     }
     (void)alarm(0);
     printf("%u forgeries of %u checkpoints: %u refused, %u taken, %u of them for a set\n",
-           (unsigned)forgeries, (unsigned)(moments[0] + moments[1] + moments[2]),
-           (unsigned)refused, (unsigned)taken, (unsigned)(taken / stride));
+           (unsigned)forgeries, (unsigned)checkpoints, (unsigned)refused, (unsigned)taken,
+           (unsigned)(taken / stride));
     TEST_ASSERT_TRUE(refused > forgeries / 10 && taken > forgeries / 10);
 }
 

@@ -410,6 +410,24 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
     }
 }
 
+/* As of memory that was damaged: nothing of the global phase is taken for a line search. */
+static void test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best(void)
+{
+    auvid_real_t cost = 0;
+    auvid_status_t status = auvid_optimizer_init(&optimizer, &config);
+    optimizer.local.delta = AUVID_C(0.5);
+    for (int k = 0; k < 100000 && status >= 0; ++k) {
+        status = auvid_optimizer_ask(&optimizer, theta);
+        if (status == AUVID_OK) {
+            (void)auvid_optimizer_tell(&optimizer, sphere(theta));
+        }
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, status);
+    const auvid_real_t *best = auvid_optimizer_best(&optimizer, &cost);
+    TEST_ASSERT_NOT_NULL(best);
+    TEST_ASSERT_TRUE(!(sphere(best) > cost) && !(sphere(best) < cost));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -427,5 +445,6 @@ int main(void)
     RUN_TEST(test_it_meets_an_optimum_in_a_corner_exactly);
     RUN_TEST(test_it_ends_on_plateaus_and_where_the_model_fails);
     RUN_TEST(test_a_change_of_data_in_any_phase_leads_to_the_new_optimum);
+    RUN_TEST(test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best);
     return UNITY_END();
 }

@@ -57,7 +57,8 @@ class Subject:
         source = lib.auvid_girona500
         ctypes.memmove(ctypes.byref(self.vehicle), ctypes.byref(source), ctypes.sizeof(source))
         self.vehicle.residual = type(self.vehicle.residual)(lambda *_: None)
-        self.vehicle.regressor = type(self.vehicle.regressor)()
+        self.regressor = source.regressor
+        self.vehicle.regressor = type(self.regressor)()
         config = lib.auvid_identifier_config_t()
         lib.auvid_identifier_defaults(config, self.vehicle)
         used = (config.metric.sets + 1) * SET_ROWS
@@ -70,10 +71,16 @@ class Subject:
         self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
 
     def pose(self, phase, search):
-        """A search for two values, or its result's confidence, in a state that may be."""
+        """A search for two values, or its result's confidence, in a state that may be; of a model
+        with regressor where the least cost is sought, else of one without."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
         self.id.phase, self.id.searching = phase, phase == ASK
         self.id.metric.driven = self.id.metric.dof_rows[0] = self.id.active = 1
+        self.id.metric.held = True
+        self.vehicle.regressor = self.regressor if phase == LINEARISE else type(self.regressor)()
+        if phase == LINEARISE:
+            self.id.optimum.n = 1
+            return
         if phase == CONFIDENCE:
             self.id.confidence.n = 1
             return

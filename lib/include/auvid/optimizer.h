@@ -104,7 +104,8 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  *         AUVID_PENDING: work was done, but there is no point yet: ask again;
  *         AUVID_FINISHED: converged;
  *         AUVID_CAPPED: the local phase was ended by its cap on evaluations;
- *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); those of auvid_line_search_init,
+ *         should memory be damaged: the search is over, and the best point the global phase's.
  * Cost: at most one trial point.
  */
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
