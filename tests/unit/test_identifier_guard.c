@@ -780,13 +780,82 @@ static void test_water_lock_may_be_all_there_is_from_time_zero_on(void)
     }
 }
 
+static void test_bottom_lock_counts_where_a_water_lock_was_before(void)
+{
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE), 1000000);
+    config.id.guard.water_lock = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    in.dvl.present = true;
+    in.dvl.sample.lock = AUVID_DVL_WATER;
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    tick_by_hand();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
+    in.dvl.sample.lock = AUVID_DVL_BOTTOM;
+    for (int k = 0; k < 100; ++k) {
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ARMED, out.guard);
+    }
+}
+
+static void test_roll_and_pitch_each_have_their_limit(void)
+{
+    const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_ROLL) | AUVID_GUARD_BIT(AUVID_GUARD_PITCH);
+    for (int pitch = 0; pitch < 2; ++pitch) {
+        begin_by_hand(kept, 1000000);
+        in.imu.attitude[pitch] = AUVID_C(0.7);
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(id));
+        TEST_ASSERT_EQUAL(pitch ? AUVID_GUARD_PITCH : AUVID_GUARD_ROLL, id->guard.refused.cause);
+    }
+}
+
+static void test_a_vehicle_that_has_rolled_over_once_is_level_again(void)
+{
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_ROLL), 1000000);
+    for (int k = 0; k <= 64; ++k) {
+        in.imu.attitude[0] = (auvid_real_t)remainder(acos(-1.0) / 32 * k, 2 * acos(-1.0));
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(k <= 6 || k >= 58 ? AUVID_OK : AUVID_ERR_LIMIT, auvid_identifier_arm(id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(id));
+    }
+}
+
+/* What one with sensors has seen the other, without, does not: it cannot be armed where they are
+ * asked for, and with all limits off its excitation is told no displacement. */
+static void test_an_identifier_without_sensors_takes_nothing_from_another_one(void)
+{
+    static auvid_identifier_t blind;
+    begin_by_hand(0, 1000000);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&blind, &config.id));
+    in.dvl.present = true;
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    in.dvl.sample.velocity[0] = AUVID_C(0.5);
+    for (int k = 0; k < 100; ++k) {
+        auvid_input_t nothing = {.t_us = in.t_us + SIM_TICK_US};
+        if (k == 1) {
+            blind.guard.cfg.off = 0;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
+            TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&blind));
+            TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, blind.guard.refused.cause);
+            blind.guard.cfg.off = AUVID_GUARD_SWITCHABLE;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&blind));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&blind));
+        }
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&blind, &nothing, &out));
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)blind.excitation.displacement[AUVID_SURGE]);
+    }
+    TEST_ASSERT_TRUE(id->excitation.displacement[AUVID_SURGE] > AUVID_C(0.5));
+}
+
 /* ---- altitude ---- */
 
-static void check_altitude(uint64_t ahead_us, double altitude, bool taken)
+static void check_altitude(uint64_t now_us, uint64_t ahead_us, double altitude, bool taken)
 {
-    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE), 0);
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE), now_us);
     in.altitude.present = true;
-    in.altitude.t_us = ahead_us;
+    in.altitude.t_us = now_us + ahead_us;
     in.altitude.altitude_m = (auvid_real_t)altitude;
     tick_by_hand();
     TEST_ASSERT_EQUAL(!taken, (out.events & AUVID_EVENT_ALTITUDE_DROPPED) != 0);
@@ -802,12 +871,13 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 {
     uint64_t future_us = config.id.nav.future_us;
     TEST_ASSERT_TRUE(future_us > 0);
-    check_altitude(0, 0.5, true);
-    check_altitude(0, 0.0, true);
-    check_altitude(0, -0.001, false);
-    check_altitude(1, 1.0, true);
-    check_altitude(future_us, 1.0, true);
-    check_altitude(future_us + 1, 1.0, false);
+    for (uint64_t now_us = 0; now_us <= 1000000; now_us += 1000000) {
+        check_altitude(now_us, 0, 0.5, true);
+        check_altitude(now_us, 0, 0.0, true);
+        check_altitude(now_us, 0, -0.001, false);
+        check_altitude(now_us, future_us, 1.0, true);
+        check_altitude(now_us, future_us + 1, 1.0, false);
+    }
 }
 
 static void test_altitudes_that_cannot_be_are_dropped(void)
@@ -905,6 +975,10 @@ int main(void)
     RUN_TEST(test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning);
     RUN_TEST(test_an_abort_is_told_once_however_often_it_is_called);
     RUN_TEST(test_water_lock_may_be_all_there_is_from_time_zero_on);
+    RUN_TEST(test_bottom_lock_counts_where_a_water_lock_was_before);
+    RUN_TEST(test_roll_and_pitch_each_have_their_limit);
+    RUN_TEST(test_a_vehicle_that_has_rolled_over_once_is_level_again);
+    RUN_TEST(test_an_identifier_without_sensors_takes_nothing_from_another_one);
     RUN_TEST(test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken);
     RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
     RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
