@@ -889,8 +889,6 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 
 static void test_altitudes_that_cannot_be_are_dropped(void)
 {
-    auvid_input_t in;
-    auvid_output_t out;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     memset(&in, 0, sizeof in);
     in.t_us = 1000000;

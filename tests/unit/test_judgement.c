@@ -295,6 +295,33 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
     }
 }
 
+/* With noise on it, what the newest set and the newest two add to what no parameters explain is
+ * positive: evidence, if weak, about the three parameters of each DoF. Five sets give none. */
+static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed(void)
+{
+    chain_defaults(&config, 61, 6, 1.0);
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    for (uint32_t set = 1; set <= 6; ++set) {
+        auvid_real_t most = 0;
+        while (chain.id.metric.sets_recorded < set) {
+            chain_tick(&chain);
+        }
+        TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool compared = set >= 3 && (chain.id.judgement.driven >> j & 1) != 0;
+            most = chain.id.judgement.change[j] > most ? chain.id.judgement.change[j] : most;
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
+            int together = j == AUVID_YAW ? 1 : 0; /* it knows m_u and m_v by their difference */
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change_rank[j] + together ==
+                                              chain.id.metric.count[j]);
+        }
+        TEST_ASSERT_EQUAL(set == 6, most > 0);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.id.judgement.changed);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -304,5 +331,6 @@ int main(void)
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
     RUN_TEST(test_sets_judged_during_a_search_keep_everything_consistent);
     RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_judgement);
+    RUN_TEST(test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed);
     return UNITY_END();
 }
