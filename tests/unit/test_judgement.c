@@ -107,6 +107,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         /* and velocity is simulated with it from now on */
         TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->prediction.pi, 13 * sizeof id->trusted.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
+        TEST_ASSERT_EQUAL_UINT64(c->t_us - SIM_TICK_US, id->estimate.t_us);
     }
 }
 
@@ -122,6 +123,10 @@ static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_b
     TEST_ASSERT_TRUE(story.events[6] & AUVID_EVENT_RESTORED);
     TEST_ASSERT_EQUAL_UINT32(7, chain.id.estimate.number);
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.1);
+    TEST_ASSERT_EQUAL_UINT32(6, chain.id.judgement.set);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) { /* by an estimate of four sets: no verdict */
+        TEST_ASSERT_TRUE(chain.id.judgement.change[j] == AUVID_C(0.0));
+    }
 }
 
 /* What came back instead of what. */
