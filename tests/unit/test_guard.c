@@ -1002,9 +1002,8 @@ static void test_every_state_and_cause_has_words_of_its_own(void)
     TEST_ASSERT_EQUAL_STRING("unknown state", auvid_guard_state_str((auvid_guard_state_t)-1));
 }
 
-int main(void)
+static void run_limits(void)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_too_shallow);
     RUN_TEST(test_too_deep);
     RUN_TEST(test_too_close_to_the_bottom);
@@ -1039,6 +1038,12 @@ int main(void)
     RUN_TEST(test_a_velocity_that_is_not_finite);
     RUN_TEST(test_a_yaw_rate_that_is_not_finite);
     RUN_TEST(test_a_position_that_is_not_finite);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    run_limits();
     RUN_TEST(test_lasting_saturation);
     RUN_TEST(test_saturation_with_interruptions_is_none);
     RUN_TEST(test_the_operator_aborts_from_any_state);
