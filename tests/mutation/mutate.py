@@ -76,7 +76,7 @@ class Tests:
         self.known = {int(line) for test in told for line in test["lines"]}
 
     def link(self, unit, folder, *options):
-        program = folder / unit.name.split(".")[0]
+        program = folder / unit.stem # with .c or .cpp: a reference may have a unit test's name
         linked = subprocess.run([*shlex.split(self.arguments.link), *options, "-o", program, unit,
                                  folder / "mutant.o", *self.others, WRAP, "-lm"])
         if linked.returncode != 0:
@@ -105,7 +105,7 @@ class Tests:
         return [test | {"unit": unit} for test in tests]
 
     def measure_test(self, program, name):
-        counts = program.with_suffix(".counts")
+        counts = program.with_name(program.name + ".counts")
         status, cpu_s = run_test(program, name, GCOV_PREFIX=str(counts.resolve()),
                                  GCOV_PREFIX_STRIP="99")
         shutil.copy(program.parent / "mutant.gcno", counts)

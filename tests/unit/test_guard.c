@@ -5,6 +5,7 @@
 #include "auvid/guard.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "unity.h"
@@ -246,6 +247,20 @@ static void test_a_run_may_be_longer_than_32_bits_of_microseconds(void)
     check_aborted(AUVID_GUARD_RUN_TIME, 5100.04, 5000);
 }
 
+static void test_the_run_is_limited_to_the_microsecond(void)
+{
+    cfg.run_max_s = 3;
+    cfg.max_tick_us = 4000000;
+    for (uint64_t more = 0; more < 2; ++more) {
+        go(AUVID_GUARD_ARMED);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+        now += 3000000u + more;
+        all_is_well();
+        TEST_ASSERT_EQUAL(more == 0, auvid_guard_step(&g, now, &in));
+    }
+    check_aborted(AUVID_GUARD_RUN_TIME, 3.000001, 3);
+}
+
 /* One sensor stays silent while the others speak. */
 static void check_silence(auvid_guard_seen_t *sensor, auvid_guard_cause_t cause, uint32_t stale_us)
 {
@@ -366,10 +381,43 @@ static void test_an_applied_wrench_that_never_was_counts_from_excite_on(void)
             now += TICK;
             all_is_well();
             in.applied.known = old;
-            in.applied.t_us = START - 4000000u;
+            in.applied.t_us = old ? START - 4000000u : now; /* not read where none is known */
             TEST_ASSERT_EQUAL(now <= end, auvid_guard_step(&g, now, &in));
         } while (now <= end);
         check_aborted(AUVID_GUARD_APPLIED_STALE, 1.02, 1);
+    }
+}
+
+static void test_while_not_exciting_no_applied_wrench_is_needed(void)
+{
+    for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; state += 2) {
+        go((auvid_guard_state_t)state);
+        for (uint64_t end = now + 5000000u; now < end;) {
+            now += TICK;
+            all_is_well();
+            in.applied.known = false;
+            TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+        }
+        TEST_ASSERT_EQUAL(state, g.state);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_disarm(&g));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+}
+
+static void test_a_long_silence_is_told_in_seconds_however_long(void)
+{
+    cfg.imu_stale_us = 4000000000u;
+    cfg.max_tick_us = 4000000000u;
+    const uint64_t age_us[] = {4000000001u, 5000000000u, 70000000000u, 4000000000000000u};
+    const float age_s[] = {4000.0f, 5000.0f, 70000.0f, 4e9f};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    for (int i = 0; i < 4; ++i) {
+        now = 5000000000000000u;
+        all_is_well();
+        in.imu.t_us = now - age_us[i];
+        TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_guard_arm(&g, now, &in));
+        TEST_ASSERT_FLOAT_WITHIN(age_s[i] * 1.5e-7f, age_s[i], (float)g.refused.value);
+        TEST_ASSERT_EQUAL_FLOAT(4000.0f, (float)g.refused.limit);
     }
 }
 
@@ -383,6 +431,8 @@ static void test_a_sample_from_far_ahead_does_not_count_as_fresh(void)
 
 static void test_depth_need_not_be_known_where_both_its_limits_are_off(void)
 {
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
+    check_cannot_arm(&in.depth, AUVID_GUARD_DEPTH_STALE);
     cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN);
     check_cannot_arm(&in.depth, AUVID_GUARD_DEPTH_STALE);
     cfg.off |= AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
@@ -409,6 +459,35 @@ static void test_where_no_altitude_was_ever_known_its_limit_is_not_watched(void)
         }
     }
     check_aborted(AUVID_GUARD_ALTITUDE_STALE, (double)AUVID_LARGEST, 1); /* losing it is a breach */
+}
+
+static void test_an_altitude_known_at_arming_and_then_lost_is_a_breach(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    in.altitude.known = false;
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_ALTITUDE_STALE, (double)AUVID_LARGEST, 1);
+}
+
+static void test_altitude_may_be_lost_where_its_limit_is_off(void)
+{
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE);
+    go(AUVID_GUARD_EXCITING);
+    in.altitude.known = false;
+    TEST_ASSERT_TRUE(step());
+}
+
+static void test_an_altitude_of_long_ago_is_not_read(void)
+{
+    cfg.off = AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE_STALE);
+    go(AUVID_GUARD_EXCITING);
+    in.altitude_m = 1;
+    in.altitude.t_us = now + TICK - 1000001u;
+    TEST_ASSERT_TRUE(step());
+    in.altitude.t_us = now + TICK - 1000000u;
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_ALTITUDE, 1, 2);
 }
 
 /* ---- not finite ---- */
@@ -618,6 +697,23 @@ static void test_the_operator_falls_silent(void)
     }
 }
 
+static void test_only_a_silence_of_zero_switches_the_dead_mans_switch_off(void)
+{
+    cfg.alive_us = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_FALSE(step_well());
+    check_aborted(AUVID_GUARD_LINK, 0.02, 1e-6);
+}
+
+static void test_a_sign_of_life_of_the_same_time_is_none_too_early(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_alive(&g, now - 1));
+}
+
 static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
 {
     cfg.alive_us = 500000;
@@ -674,6 +770,46 @@ static void test_calm_must_last(void)
         in.rates[0] = k % 90 == 45 ? AUVID_C(0.11) : AUVID_C(0.0);
         TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
         TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, g.state);
+    }
+}
+
+static void test_calm_counts_from_the_first_step_after_the_end(void)
+{
+    go(AUVID_GUARD_EXCITING);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&g, now));
+    uint64_t since = now + TICK;
+    while (g.state == AUVID_GUARD_SETTLING && now < since + 10000000u) {
+        now += TICK;
+        all_is_well();
+        in.velocity_ground[0] = in.rates[2] = 0;
+        TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state);
+    TEST_ASSERT_EQUAL_UINT64(since + 2000000u, now);
+}
+
+/* Speeds of 0.25 m/s, rates of 0.5 rad/s, in one axis at a time and in two together. */
+static void test_calm_is_not_faster_than_its_limits_in_all_axes_together(void)
+{
+    cfg.calm_speed = AUVID_C(0.25);
+    cfg.calm_rate = AUVID_C(0.5);
+    for (int axis = 0; axis < 6; ++axis) {
+        auvid_real_t *motion = axis < 3 ? in.velocity_ground : in.rates;
+        auvid_real_t limit = axis < 3 ? cfg.calm_speed : cfg.calm_rate;
+        const auvid_real_t one[] = {limit, -limit, limit * AUVID_C(1.001), limit * AUVID_C(0.8)};
+        const auvid_real_t two[] = {0, 0, 0, limit * AUVID_C(0.8)};
+        for (int i = 0; i < 4; ++i) {
+            go(AUVID_GUARD_SETTLING);
+            for (uint64_t end = now + 3000000u; now < end;) {
+                now += TICK;
+                all_is_well();
+                in.velocity_ground[0] = in.rates[2] = 0;
+                motion[(axis + 1) % 3] = two[i];
+                motion[axis % 3] = one[i];
+                TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
+            }
+            TEST_ASSERT_EQUAL(i < 2 ? AUVID_GUARD_DONE : AUVID_GUARD_SETTLING, g.state);
+        }
     }
 }
 
@@ -748,6 +884,36 @@ static void test_a_guard_that_is_all_zeros_permits_nothing(void)
 
 /* ---- configuration ---- */
 
+static void test_the_defaults_are_those_that_the_header_names(void)
+{
+    auvid_guard_config_t named = {.depth_min_m = 1,
+                                  .depth_max_m = 100,
+                                  .altitude_min_m = 2,
+                                  .roll_max_rad = AUVID_C(0.6),
+                                  .pitch_max_rad = AUVID_C(0.6),
+                                  .speed_max = AUVID_C(1.5),
+                                  .yaw_rate_max = AUVID_C(1.5),
+                                  .distance_max_m = 30,
+                                  .run_max_s = 1800,
+                                  .imu_stale_us = 200000,
+                                  .velocity_stale_us = 1000000,
+                                  .depth_stale_us = 1000000,
+                                  .altitude_stale_us = 1000000,
+                                  .applied_stale_us = 1000000,
+                                  .saturation_us = 1000000,
+                                  .max_tick_us = 250000,
+                                  .calm_speed = AUVID_C(0.1),
+                                  .calm_rate = AUVID_C(0.1),
+                                  .calm_us = 2000000,
+                                  .settle_us = 30000000};
+    memset(&cfg, 0xFF, sizeof cfg);
+    auvid_guard_defaults(&cfg);
+    TEST_ASSERT_EQUAL_MEMORY(&named, &cfg, offsetof(auvid_guard_config_t, off));
+    TEST_ASSERT_EQUAL_HEX32(0, cfg.off);
+    TEST_ASSERT_FALSE(cfg.altitude_required);
+    TEST_ASSERT_FALSE(cfg.water_lock);
+}
+
 static void check_init(auvid_status_t status)
 {
     auvid_guard_t before;
@@ -782,6 +948,8 @@ static void test_depth_limits_the_wrong_way_round_are_refused(void)
 {
     cfg.depth_min_m = 101;
     check_init(AUVID_ERR_BOUNDS);
+    cfg.depth_min_m = 100;
+    check_init(AUVID_OK);
 }
 
 static void test_what_cannot_be_switched_off_is_refused(void)
@@ -834,9 +1002,8 @@ static void test_every_state_and_cause_has_words_of_its_own(void)
     TEST_ASSERT_EQUAL_STRING("unknown state", auvid_guard_state_str((auvid_guard_state_t)-1));
 }
 
-int main(void)
+static void run_limits(void)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_too_shallow);
     RUN_TEST(test_too_deep);
     RUN_TEST(test_too_close_to_the_bottom);
@@ -848,6 +1015,7 @@ int main(void)
     RUN_TEST(test_depth_does_not_count_as_distance);
     RUN_TEST(test_the_run_takes_too_long);
     RUN_TEST(test_a_run_may_be_longer_than_32_bits_of_microseconds);
+    RUN_TEST(test_the_run_is_limited_to_the_microsecond);
     RUN_TEST(test_the_imu_is_silent);
     RUN_TEST(test_no_velocity_is_accepted);
     RUN_TEST(test_speed_and_distance_are_limits_only_where_they_are_measured);
@@ -855,9 +1023,14 @@ int main(void)
     RUN_TEST(test_the_altitude_is_lost);
     RUN_TEST(test_no_applied_wrench_is_recorded);
     RUN_TEST(test_an_applied_wrench_that_never_was_counts_from_excite_on);
+    RUN_TEST(test_while_not_exciting_no_applied_wrench_is_needed);
+    RUN_TEST(test_a_long_silence_is_told_in_seconds_however_long);
     RUN_TEST(test_a_sample_from_far_ahead_does_not_count_as_fresh);
     RUN_TEST(test_depth_need_not_be_known_where_both_its_limits_are_off);
     RUN_TEST(test_where_no_altitude_was_ever_known_its_limit_is_not_watched);
+    RUN_TEST(test_an_altitude_known_at_arming_and_then_lost_is_a_breach);
+    RUN_TEST(test_altitude_may_be_lost_where_its_limit_is_off);
+    RUN_TEST(test_an_altitude_of_long_ago_is_not_read);
     RUN_TEST(test_a_depth_that_is_not_finite);
     RUN_TEST(test_an_altitude_that_is_not_finite);
     RUN_TEST(test_a_roll_that_is_not_finite);
@@ -865,6 +1038,12 @@ int main(void)
     RUN_TEST(test_a_velocity_that_is_not_finite);
     RUN_TEST(test_a_yaw_rate_that_is_not_finite);
     RUN_TEST(test_a_position_that_is_not_finite);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    run_limits();
     RUN_TEST(test_lasting_saturation);
     RUN_TEST(test_saturation_with_interruptions_is_none);
     RUN_TEST(test_the_operator_aborts_from_any_state);
@@ -875,14 +1054,19 @@ int main(void)
     RUN_TEST(test_a_loop_that_stalled_does_not_come_back_exciting);
     RUN_TEST(test_a_step_without_input);
     RUN_TEST(test_the_operator_falls_silent);
+    RUN_TEST(test_only_a_silence_of_zero_switches_the_dead_mans_switch_off);
+    RUN_TEST(test_a_sign_of_life_of_the_same_time_is_none_too_early);
     RUN_TEST(test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going);
     RUN_TEST(test_a_run_from_arm_to_done);
     RUN_TEST(test_calm_must_last);
+    RUN_TEST(test_calm_counts_from_the_first_step_after_the_end);
+    RUN_TEST(test_calm_is_not_faster_than_its_limits_in_all_axes_together);
     RUN_TEST(test_settling_is_given_up_after_a_while);
     RUN_TEST(test_disarm_leads_out_of_every_state);
     RUN_TEST(test_after_an_abort_disarm_and_arm_lead_back);
     RUN_TEST(test_calls_out_of_order_are_refused_and_change_nothing);
     RUN_TEST(test_a_guard_that_is_all_zeros_permits_nothing);
+    RUN_TEST(test_the_defaults_are_those_that_the_header_names);
     RUN_TEST(test_limits_that_are_negative_or_not_finite_are_refused);
     RUN_TEST(test_depth_limits_the_wrong_way_round_are_refused);
     RUN_TEST(test_what_cannot_be_switched_off_is_refused);

@@ -523,6 +523,7 @@ static void test_arming_before_the_sensors_have_spoken_is_refused_and_says_why(v
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, chain.id.guard.refused.cause);
+    TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)chain.id.guard.refused.value);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain.waiting = false;
@@ -574,6 +575,23 @@ static void test_after_an_abort_disarm_arm_and_excite_begin_anew(void)
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
 
+/* What saturates the thrusters has ended with the disarm. */
+static void test_saturation_ends_with_the_excitation(void)
+{
+    begin();
+    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* thrusters that wear out: init checked them whole */
+        chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
+        chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
+    }
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id));
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
+    chain_run(&chain, 3.0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ARMED, chain.out.guard);
+}
+
 static void test_disarming_while_exciting_ends_it_at_once(void)
 {
     begin();
@@ -621,12 +639,256 @@ static void test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current(vo
     }
 }
 
+/* ---- sensors written by hand ---- */
+
+static auvid_identifier_t *const id = &chain.id;
+static auvid_input_t in;
+static auvid_output_t out;
+
+/* Without thrusters; a step of 10 N in surge, for long; of the guard nothing that can be switched
+ * off but what is kept. The clock begins with the first tick. */
+static void begin_by_hand(uint32_t kept, uint64_t first_us)
+{
+    auvid_identifier_defaults(&config.id, &auvid_girona500);
+    config.id.excitation.segments = 1;
+    config.id.excitation.segment[0] = (auvid_segment_t){
+        .dof = AUVID_SURGE, .kind = AUVID_SEGMENT_STEP, .duration_s = 600, .amplitude = 10};
+    config.id.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    memset(&in, 0, sizeof in);
+    in.t_us = first_us - SIM_TICK_US; /* the first tick brings it there */
+}
+
+/* The input of the next tick: an IMU and what else there was. */
+static void next_by_hand(void)
+{
+    in.t_us += SIM_TICK_US;
+    in.imu.present = true;
+    in.imu.t_us = in.dvl.sample.t_us = in.depth.t_us = in.t_us;
+}
+
+static void tick_by_hand(void)
+{
+    next_by_hand();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(id, &in, &out));
+}
+
+static void excite_by_hand(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
+}
+
+/* A vehicle that rolls, pitches and turns through pi while it moves: every tick the excitation is
+ * told R' (position - home), with R of Fossen's (2.18), and the angles turned since. */
+static void test_the_excitation_is_told_the_displacement_in_present_body_axes(void)
+{
+    double home[6] = {0};
+    begin_by_hand(0, 1000000);
+    for (int k = 0; k < 250; ++k) {
+        double turned = k < 50 ? 0 : 0.02 * (k - 50);
+        in.imu.attitude[0] = (auvid_real_t)(0.3 + 0.1 * turned);
+        in.imu.attitude[1] = (auvid_real_t)(-0.2 - 0.05 * turned);
+        in.imu.attitude[2] = (auvid_real_t)remainder(2.0 + turned, 2 * acos(-1.0));
+        in.dvl.present = in.depth.present = true;
+        in.dvl.sample.valid = AUVID_DVL_ALL;
+        in.dvl.sample.velocity[0] = AUVID_C(0.5);
+        in.dvl.sample.velocity[1] = AUVID_C(-0.4);
+        in.dvl.sample.velocity[2] = AUVID_C(0.3);
+        in.depth.depth_m = AUVID_C(10.0);
+        if (k == 50) {
+            excite_by_hand();
+        }
+        tick_by_hand();
+        auvid_nav_state_t state;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&id->nav, &state));
+        double moved[3], d[6], s[3], c[3];
+        for (int i = 0; i < 3; ++i) {
+            home[i] = k == 50 ? (double)state.position[i] : home[i];
+            home[3 + i] = k == 50 ? (double)state.attitude[i] : home[3 + i];
+            moved[i] = (double)state.position[i] - home[i];
+            d[3 + i] = (double)state.attitude[i] - home[3 + i];
+            s[i] = sin((double)state.attitude[i]);
+            c[i] = cos((double)state.attitude[i]);
+        }
+        d[0] = c[2] * c[1] * moved[0] + s[2] * c[1] * moved[1] - s[1] * moved[2];
+        d[1] = (-s[2] * c[0] + c[2] * s[1] * s[0]) * moved[0] +
+               (c[2] * c[0] + s[2] * s[1] * s[0]) * moved[1] + c[1] * s[0] * moved[2];
+        d[2] = (s[2] * s[0] + c[2] * s[1] * c[0]) * moved[0] +
+               (-c[2] * s[0] + s[2] * s[1] * c[0]) * moved[1] + c[1] * c[0] * moved[2];
+        for (int j = 0; j < 6 && k >= 50; ++j) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, d[j], (double)id->excitation.displacement[j]);
+        }
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
+    TEST_ASSERT_TRUE(hypot((double)id->excitation.displacement[0],
+                           (double)id->excitation.displacement[1]) > 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 3.98, (double)id->excitation.displacement[AUVID_YAW]);
+}
+
+static void test_without_thrusters_the_excitation_is_not_limited_by_them(void)
+{
+    begin_by_hand(0, 1000000);
+    tick_by_hand();
+    excite_by_hand();
+    for (int k = 0; k < 150; ++k) { /* the fade in is over after two seconds */
+        tick_by_hand();
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_EQUAL_FLOAT(j == AUVID_SURGE ? 10.0f : 0.0f, (float)out.excitation[j]);
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)out.thruster_N[i]);
+    }
+}
+
+static void test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning(void)
+{
+    begin_by_hand(0, 1000000);
+    tick_by_hand();
+    excite_by_hand();
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(id));
+    for (int k = 0; k < 150; ++k) {
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(10.0f, (float)out.excitation[AUVID_SURGE]);
+}
+
+static void test_an_abort_is_told_once_however_often_it_is_called(void)
+{
+    begin_by_hand(0, 1000000);
+    for (int k = 0; k < 3; ++k) {
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(k == 1, (out.events & AUVID_EVENT_ABORTED) != 0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(id));
+    }
+}
+
+static void test_water_lock_may_be_all_there_is_from_time_zero_on(void)
+{
+    const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE);
+    for (int water = 0; water < 2; ++water) {
+        begin_by_hand(kept, 0);
+        config.id.guard.water_lock = true;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+        in.dvl.present = water;
+        in.dvl.sample.lock = AUVID_DVL_WATER;
+        in.dvl.sample.valid = AUVID_DVL_ALL;
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(water ? AUVID_OK : AUVID_ERR_STALE, auvid_identifier_arm(id));
+        if (!water) {
+            TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, id->guard.refused.cause);
+            TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)id->guard.refused.value);
+        }
+    }
+}
+
+static void test_bottom_lock_counts_where_a_water_lock_was_before(void)
+{
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE), 1000000);
+    config.id.guard.water_lock = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    in.dvl.present = true;
+    in.dvl.sample.lock = AUVID_DVL_WATER;
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    tick_by_hand();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
+    in.dvl.sample.lock = AUVID_DVL_BOTTOM;
+    for (int k = 0; k < 100; ++k) {
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ARMED, out.guard);
+    }
+}
+
+static void test_roll_and_pitch_each_have_their_limit(void)
+{
+    const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_ROLL) | AUVID_GUARD_BIT(AUVID_GUARD_PITCH);
+    for (int pitch = 0; pitch < 2; ++pitch) {
+        begin_by_hand(kept, 1000000);
+        in.imu.attitude[pitch] = AUVID_C(0.7);
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(id));
+        TEST_ASSERT_EQUAL(pitch ? AUVID_GUARD_PITCH : AUVID_GUARD_ROLL, id->guard.refused.cause);
+    }
+}
+
+static void test_a_vehicle_that_has_rolled_over_once_is_level_again(void)
+{
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_ROLL), 1000000);
+    for (int k = 0; k <= 64; ++k) {
+        in.imu.attitude[0] = (auvid_real_t)remainder(acos(-1.0) / 32 * k, 2 * acos(-1.0));
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(k <= 6 || k >= 58 ? AUVID_OK : AUVID_ERR_LIMIT, auvid_identifier_arm(id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(id));
+    }
+}
+
+/* What one with sensors has seen the other, without, does not: it cannot be armed where they are
+ * asked for, and with all limits off its excitation is told no displacement. */
+static void test_an_identifier_without_sensors_takes_nothing_from_another_one(void)
+{
+    static auvid_identifier_t blind;
+    begin_by_hand(0, 1000000);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&blind, &config.id));
+    in.dvl.present = true;
+    in.dvl.sample.valid = AUVID_DVL_ALL;
+    in.dvl.sample.velocity[0] = AUVID_C(0.5);
+    for (int k = 0; k < 100; ++k) {
+        if (k == 1) {
+            blind.guard.cfg.off = 0;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
+            TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&blind));
+            TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, blind.guard.refused.cause);
+            blind.guard.cfg.off = AUVID_GUARD_SWITCHABLE;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&blind));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&blind));
+        }
+        next_by_hand();
+        auvid_input_t nothing = {.t_us = in.t_us};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(id, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&blind, &nothing, &out));
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)blind.excitation.displacement[j]);
+        }
+    }
+    TEST_ASSERT_TRUE(id->excitation.displacement[AUVID_SURGE] > AUVID_C(0.5));
+}
+
 /* ---- altitude ---- */
+
+static void check_altitude(uint64_t now_us, uint64_t ahead_us, double altitude, bool taken)
+{
+    begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE), now_us);
+    in.altitude.present = true;
+    in.altitude.t_us = now_us + ahead_us;
+    in.altitude.altitude_m = (auvid_real_t)altitude;
+    tick_by_hand();
+    TEST_ASSERT_EQUAL(!taken, (out.events & AUVID_EVENT_ALTITUDE_DROPPED) != 0);
+    TEST_ASSERT_EQUAL(taken ? AUVID_ERR_LIMIT : AUVID_OK, auvid_identifier_arm(id));
+    if (taken) {
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, id->guard.refused.cause);
+        TEST_ASSERT_EQUAL_FLOAT((float)altitude, (float)id->guard.refused.value);
+    }
+}
+
+/* The least altitude that arms is 2 m. */
+static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
+{
+    uint64_t future_us = config.id.nav.future_us;
+    TEST_ASSERT_TRUE(future_us > 0);
+    for (uint64_t now_us = 0; now_us <= 1000000; now_us += 1000000) {
+        check_altitude(now_us, 0, 0.5, true);
+        check_altitude(now_us, 0, 0.0, true);
+        check_altitude(now_us, 0, -0.001, false);
+        check_altitude(now_us, future_us, 1.0, true);
+        check_altitude(now_us, future_us + 1, 1.0, false);
+    }
+}
 
 static void test_altitudes_that_cannot_be_are_dropped(void)
 {
-    auvid_input_t in;
-    auvid_output_t out;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     memset(&in, 0, sizeof in);
     in.t_us = 1000000;
@@ -709,9 +971,20 @@ int main(void)
     RUN_TEST(test_arming_beyond_a_limit_is_refused);
     RUN_TEST(test_a_breach_while_armed_keeps_it_from_exciting);
     RUN_TEST(test_after_an_abort_disarm_arm_and_excite_begin_anew);
+    RUN_TEST(test_saturation_ends_with_the_excitation);
     RUN_TEST(test_disarming_while_exciting_ends_it_at_once);
     RUN_TEST(test_stop_fades_settles_and_is_done);
     RUN_TEST(test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current);
+    RUN_TEST(test_the_excitation_is_told_the_displacement_in_present_body_axes);
+    RUN_TEST(test_without_thrusters_the_excitation_is_not_limited_by_them);
+    RUN_TEST(test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning);
+    RUN_TEST(test_an_abort_is_told_once_however_often_it_is_called);
+    RUN_TEST(test_water_lock_may_be_all_there_is_from_time_zero_on);
+    RUN_TEST(test_bottom_lock_counts_where_a_water_lock_was_before);
+    RUN_TEST(test_roll_and_pitch_each_have_their_limit);
+    RUN_TEST(test_a_vehicle_that_has_rolled_over_once_is_level_again);
+    RUN_TEST(test_an_identifier_without_sensors_takes_nothing_from_another_one);
+    RUN_TEST(test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken);
     RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
     RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
     return UNITY_END();

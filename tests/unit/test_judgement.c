@@ -107,6 +107,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         /* and velocity is simulated with it from now on */
         TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->prediction.pi, 13 * sizeof id->trusted.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
+        TEST_ASSERT_EQUAL_UINT64(c->t_us - SIM_TICK_US, id->estimate.t_us);
     }
 }
 
@@ -122,6 +123,10 @@ static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_b
     TEST_ASSERT_TRUE(story.events[6] & AUVID_EVENT_RESTORED);
     TEST_ASSERT_EQUAL_UINT32(7, chain.id.estimate.number);
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.1);
+    TEST_ASSERT_EQUAL_UINT32(6, chain.id.judgement.set);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) { /* by an estimate of four sets: no verdict */
+        TEST_ASSERT_TRUE(chain.id.judgement.change[j] == AUVID_C(0.0));
+    }
 }
 
 /* What came back instead of what. */
@@ -295,6 +300,33 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
     }
 }
 
+/* With noise on it, what the newest set and the newest two add to what no parameters explain is
+ * positive: evidence, if weak, about the three parameters of each DoF. Five sets give none. */
+static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed(void)
+{
+    chain_defaults(&config, 61, 6, 1.0);
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    for (uint32_t set = 1; set <= 6; ++set) {
+        auvid_real_t most = 0;
+        while (chain.id.metric.sets_recorded < set) {
+            chain_tick(&chain);
+        }
+        TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool compared = set >= 3 && (chain.id.judgement.driven >> j & 1) != 0;
+            most = chain.id.judgement.change[j] > most ? chain.id.judgement.change[j] : most;
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
+            int together = j == AUVID_YAW ? 1 : 0; /* it knows m_u and m_v by their difference */
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.change_rank[j] + together ==
+                                              chain.id.metric.count[j]);
+        }
+        TEST_ASSERT_EQUAL(set == 6, most > 0);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.id.judgement.changed);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -304,5 +336,6 @@ int main(void)
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
     RUN_TEST(test_sets_judged_during_a_search_keep_everything_consistent);
     RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_judgement);
+    RUN_TEST(test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed);
     return UNITY_END();
 }

@@ -133,8 +133,8 @@ typedef struct {
                                      come back exciting */
     uint32_t alive_us;       /**< dead man's switch: longest silence of auvid_guard_alive [us];
                                      default 0: none (the one field where zero is off) */
-    auvid_real_t calm_speed; /**< SETTLING ends when slower over ground than this [m/s], */
-    auvid_real_t calm_rate;  /**< and turning slower than this, all axes [rad/s], */
+    auvid_real_t calm_speed; /**< SETTLING ends when not faster over ground than this [m/s], */
+    auvid_real_t calm_rate;  /**< nor turning faster than this, all axes together [rad/s], */
     uint32_t calm_us;        /**< for so long [us]; defaults 0.1, 0.1, 2000000 */
     uint32_t settle_us;      /**< or at the latest after this [us]; default 30000000. In a
                                      current the vehicle is never calm over ground */

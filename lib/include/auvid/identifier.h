@@ -247,7 +247,8 @@ typedef struct {
     auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF (Chow's F
                             less 1) over its threshold; in the DoF that shows it most, the sum's
                             over that of the sum, if that is more: above 1, the vehicle has
-                            changed. 0: none, or fewer than six sets */
+                            changed. 0: none, or fewer than six sets, or an estimate of fewer
+                            than five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             when the estimate was there; see validation.h */
     uint8_t simulated;                         /**< bit j: r2_velocity is there */
