@@ -493,6 +493,18 @@ static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(vo
     }
 }
 
+/* Nor is it taken for the echo of a command, none of which has been sent. */
+static void test_a_sensor_frame_of_zeros_is_refused(void)
+{
+    for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
+        auvid_can_frame_t frame = {.length = AUVID_CAN_BYTES};
+        frame.id = auvid_can_id(&config.ids, (auvid_can_kind_t)kind);
+        begin();
+        TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
+        TEST_ASSERT_EQUAL_UINT32(1, node.counters.refused);
+    }
+}
+
 static void test_null_is_refused(void)
 {
     auvid_can_frame_t frame = {0};
@@ -888,6 +900,7 @@ int main(void)
     RUN_TEST(test_the_tick_that_it_gave_last_is_no_new_one);
     RUN_TEST(test_what_a_node_does_not_listen_to_is_unused);
     RUN_TEST(test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused);
+    RUN_TEST(test_a_sensor_frame_of_zeros_is_refused);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
     RUN_TEST(test_one_to_eight_thrusters_are_taken);

@@ -493,12 +493,14 @@ static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
 static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
+    auvid_can_frame_t second = foreign_command(AUVID_CAN_THRUSTER_COMMAND_B);
     for (int excite = 0; excite < 2; ++excite) {
         configure(&now, 1, excite);
         go(&now, NAVIGATED);
-        for (uint32_t k = 1; k <= 3; ++k) {
+        for (uint32_t k = 1; k <= 3; ++k) { /* whatever their counter says */
             hear(&now, &frame, 1);
-            TEST_ASSERT_EQUAL_UINT32(k, now.node.counters.foreign_commands);
+            hear(&now, &second, 1);
+            TEST_ASSERT_EQUAL_UINT32(2 * k, now.node.counters.foreign_commands);
         }
         TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
