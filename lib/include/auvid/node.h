@@ -131,9 +131,9 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 #define auvid_node_take AUVID_SIZED(auvid_node_take)
 /** Take a frame off the bus. Its time of arrival is not read.
  * @return AUVID_OK; AUVID_TICK (a tick has opened: call step); AUVID_UNUSED (not a message that a
- * node listens to, or one of its own last four commands of that half); AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused: checksum, length,
- * range, a repeated or jumped counter of what does not take thrust away, or a tick of which a later
- * one has come; counted). */
+ * node listens to, or one of its own last four commands of that half); AUVID_ERR_NULL;
+ * AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused: checksum, length, range, a repeated or jumped
+ * counter of what does not take thrust away, or a tick of which a later one has come; counted). */
 auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame);
 
 #define auvid_node_step AUVID_SIZED(auvid_node_step)
