@@ -186,7 +186,8 @@ size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=writ
 mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE: does a unit test fail?
 	@third_party/mutation/bin/python tests/mutation/mutate.py $(FILE) $(LINES:%=--lines %) \
 	    $(if $(LINES)$(TESTS),--part) --objects $(MUTATION_OBJECTS) --tests $(MUTATED_TESTS) \
-	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' --link '$(CXX) $(LDFLAGS)'
+	    --compile '$(CC) -std=c11 $(WAY_release) $(FLAGS) $(CFLAGS)' \
+	    --link '$(CXX) $(LDFLAGS)' --sanitize='$(WAY_sanitized)'
 
 mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in a venv)
 	@tests/support/setup.sh mutate

@@ -2,12 +2,13 @@
 """Mutation test of a C file of the library: change it in one place, see whether a unit test fails.
 
 usage: mutate.py FILE [--lines A-B] [--part] --objects OBJECT... --tests OBJECT...
-                 --compile COMMAND --link COMMAND
+                 --compile COMMAND --link COMMAND [--sanitize OPTIONS]
 Run from the root, by `make mutate`, which builds what it needs: the objects of the library and of
 what the tests share, and those of the tests. Every test runs once, to learn which lines of FILE it
 executes. A changed file (a mutant, see mutants.py) is compiled by a command and linked with the
-other objects. The tests that execute the changed line run, quickest first, until one fails. The
-mutant is one of:
+other objects. The tests that execute the changed line run, quickest first, until one fails. When
+none does, they run once more with the mutant sanitized, by what is added to both commands: so a
+place too far that is read or written is found though nothing comes of it. The mutant is one of:
   killed          a test fails
   timed out       a test needs more than 4 times its processor time, and 2 s: neither of the two
   survived        no test fails
@@ -122,18 +123,35 @@ class Tests:
         place = next((p for p in mutant.lines if self.known.intersection(p)), self.known)
         return [t for t in self.every if any(t["lines"].get(str(line)) for line in place)]
 
-    def verdict(self, mutant, folder):
-        """What becomes of a mutant whose object stands in the folder, and the test that tells."""
-        verdict, name, programs = "survived", "", {}
-        for test in self.of(mutant):
+    def first_failure(self, tests, folder, *options):
+        """Verdict of the tests on the object in the folder, and the one of them that fails."""
+        programs = {}
+        for test in tests:
             name, unit = test["name"], test["unit"]
-            programs[unit] = programs.get(unit) or self.link(unit, folder)
+            programs[unit] = programs.get(unit) or self.link(unit, folder, *options)
             status, _ = run_test(programs[unit], name, math.ceil(2 + 4 * test["cpu_s"]))
             if status != 0:
-                verdict = "timed out" if status in (-9, -24) else "killed"
-                break
+                return "timed out" if status in (-9, -24) else "killed", test
+        return "survived", None
+
+    def first_failure_sanitized(self, tests, text, folder):
+        options = self.arguments.sanitize.split()
+        compile_object(f"{self.arguments.compile} {self.arguments.sanitize}", self.source, text,
+                       folder)
+        return self.first_failure(tests, folder, *options)
+
+    def verdict(self, mutant, folder):
+        """What becomes of a mutant whose object stands in the folder, and the test that tells."""
+        tests = self.of(mutant)
+        verdict, test = self.first_failure(tests, folder)
+        if verdict == "survived" and self.arguments.sanitize:
+            found, by = self.first_failure_sanitized(tests, mutant.text, folder)
+            # It is the change that fails, not the test in this way, nor its time.
+            if found == "killed" and self.first_failure_sanitized(
+                    [by], self.source.read_bytes(), folder)[0] == "survived":
+                verdict = found
         shutil.rmtree(folder)
-        return verdict, f" ({name})" if verdict == "timed out" else ""
+        return verdict, f" ({test['name']})" if verdict == "timed out" else ""
 
 
 # ---- verdicts ----
@@ -167,6 +185,7 @@ def main():
     parser.add_argument("--part", action="store_true")
     for name in ("--compile", "--link"):
         parser.add_argument(name, required=True)
+    parser.add_argument("--sanitize", default="")
     parser.add_argument("--objects", required=True, nargs="+")
     parser.add_argument("--tests", required=True, nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()

@@ -25,11 +25,20 @@ unsigned demo_count(unsigned n)
     }
     return count;
 }
+int demo_has(int x)
+{
+    volatile int a[] = {7, 77777};
+    int n = 0;
+    for (int i = 0; i < 2; ++i) {
+        n += a[i] == x;
+    }
+    return n;
+}
 int demo_unused(int x) { return x + x + x; }
 END
 cat >test_demo.c <<'END'
 #include "unity.h"
-int demo_add(int, int), demo_is_large(int), demo_both(int);
+int demo_add(int, int), demo_is_large(int), demo_both(int), demo_has(int);
 long demo_between(const int *, const int *);
 unsigned demo_count(unsigned);
 static int seen;
@@ -41,6 +50,7 @@ static void test_rest(void)
     TEST_ASSERT_TRUE(demo_both(9) && demo_both(3) && !demo_both(2));
     TEST_ASSERT_EQUAL(2, demo_between(a + 2, a));
     TEST_ASSERT_EQUAL(3, demo_count(3));
+    TEST_ASSERT_EQUAL(1, demo_has(77777));
 #ifdef NEEDS_ANOTHER
     TEST_ASSERT_EQUAL(1, seen);
 #endif
@@ -93,6 +103,8 @@ check 'a survivor that is not listed is a failure' [ "$status" = 1 ]
 check 'a limit that no test is near to survives' \
     changed survived '#define LIMIT 10' '#define LIMIT 11'
 check 'what compiles to the same code is counted, not shown' refute grep -q 'x >= LIMIT' output
+check 'a place too far that is read survives' \
+    changed survived 'for (int i = 0; i < 2; ++i) {' 'for (int i = 0; i <= 2; ++i) {'
 check 'what no test executes survives' changed survived \
     'int demo_unused(int x) { return x + x + x; }' 'int demo_unused(int x) { return x + x - x; }'
 check 'a change that a test notices does not' refute grep -q 'return a - b; }$' output
@@ -103,6 +115,10 @@ check 'every mutant has one verdict' awk '/ mutants: / {
     gsub(/\([^)]*\)/, "")
     for (i = 4; i < NF; ++i) if ($i ~ /^[0-9]+$/) sum += $i
     exit $2 != sum }' output
+
+mutate --sanitize '-O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
+check 'but not where the change is sanitized' refute grep -q 'i <= 2' output
+check 'which tells nothing else apart' changed survived '#define LIMIT 10' '#define LIMIT 11'
 
 grep -A3 ': survived' first | grep -E '^[-+@] ' >tests/mutation/survivors.txt
 mutate

@@ -208,6 +208,7 @@ static void test_frames_of_other_messages_change_nothing(void)
     auvid_can_frame_t frame = half_frame(0, 0);
     TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, &got));
     TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, NULL, &got));
+    frame = depth_frame(1);
     TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, NULL));
     TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(NULL, &frame, &got));
     TEST_ASSERT_EQUAL_MEMORY(&before, &receiver, sizeof receiver);
@@ -291,13 +292,16 @@ static void test_up_to_two_lost_commands_do_not_interrupt(void)
 
 static void test_all_thrust_is_zero_when_one_half_falls_silent(void)
 {
-    start_driving();
-    for (int i = 0; i < 9; ++i) {
-        now += TICK;
-        auvid_can_frame_t frame = half_frame(0, 1);
-        auvid_can_command_take(&command, &frame);
+    for (int half = 0; half < 2; ++half) {
+        setUp();
+        start_driving();
+        for (int i = 0; i < 9; ++i) {
+            now += TICK;
+            auvid_can_frame_t frame = half_frame(half, 1);
+            auvid_can_command_take(&command, &frame);
+        }
+        TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
     }
-    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
 }
 
 static void test_four_thrusters_need_the_first_half_only(void)
@@ -429,6 +433,16 @@ static void test_commands_from_the_start_of_the_future_drive_nothing(void)
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
 }
 
+static void test_frames_of_the_future_are_counted_when_they_are_refused_and_not_again(void)
+{
+    start_driving();
+    now -= 100 * TIMEOUT; /* all that came is of the future by now */
+    for (int i = 0; i < 5; ++i) {
+        TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
+        TEST_ASSERT_EQUAL_UINT32(1, command.half[0].ahead);
+    }
+}
+
 /* For good: whether the thrust is asked for at once, or after frames of the new time. */
 static void test_after_the_clock_was_set_back_driving_goes_on(void)
 {
@@ -534,6 +548,7 @@ int main(void)
     RUN_TEST(test_the_last_good_command_stays_between_two_of_which_one_is_of_the_future);
     RUN_TEST(test_one_half_of_the_future_is_refused_like_both);
     RUN_TEST(test_commands_from_the_start_of_the_future_drive_nothing);
+    RUN_TEST(test_frames_of_the_future_are_counted_when_they_are_refused_and_not_again);
     RUN_TEST(test_after_the_clock_was_set_back_driving_goes_on);
     RUN_TEST(test_one_to_eight_thrusters_need_a_half_for_each_four);
     RUN_TEST(test_frames_of_chance_are_good_no_more_often_than_they_must);

@@ -269,6 +269,7 @@ static void test_arrival_times_change_no_bit(void)
     go(SET_TICKS / 3);
     TEST_ASSERT_EQUAL_MEMORY(&other.id.nav, &node.id.nav, sizeof node.id.nav);
     TEST_ASSERT_EQUAL_MEMORY(&other.id.recorder, &node.id.recorder, sizeof node.id.recorder);
+    TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
 }
 
 /* ---- who commands ---- */
@@ -391,6 +392,7 @@ static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
     begin(false);
     go(100);
     uint32_t good = node.counters.frames;
+    TEST_ASSERT_EQUAL_UINT32(taken_count, good);
     auvid_can_frame_t frame = taken[taken_count - 1];                      /* a tick frame */
     TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame)); /* repeated */
     frame.data[4] ^= 1u;

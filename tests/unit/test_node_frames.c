@@ -49,14 +49,24 @@ static auvid_status_t give(const auvid_can_message_t *m)
     return auvid_node_take(&node, &frame);
 }
 
-/* Ticks of 20 ms, from the number on that the sender is at. */
-static void step_at(uint32_t sequence)
+static auvid_status_t give_tick(uint32_t sequence, uint32_t t_us)
 {
     auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
     m.as.tick.sequence = sequence;
-    m.as.tick.time = 20000 * sequence;
-    TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+    m.as.tick.time = t_us;
+    return give(&m);
+}
+
+static void step_at_us(uint32_t sequence, uint32_t t_us)
+{
+    TEST_ASSERT_EQUAL(AUVID_TICK, give_tick(sequence, t_us));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+}
+
+/* Ticks of 20 ms. */
+static void step_at(uint32_t sequence)
+{
+    step_at_us(sequence, 20000 * sequence);
 }
 
 /* A tick of the vehicle, without the messages of these bits. */
@@ -276,6 +286,92 @@ static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
     }
 }
 
+static void test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond(void)
+{
+    for (uint32_t more = 0; more < 2; ++more) {
+        begin();
+        step_at_us(1, 1000000);
+        give_imu(0, AUVID_CAN_AGE_UNKNOWN);
+        step_at_us(2, 1020000);
+        give_imu(AUVID_CAN_AGE_UNKNOWN, 0);
+        step_at_us(3, 1050000 + more);
+        TEST_ASSERT_EQUAL_UINT64(more == 0 ? 1050000 : 0, imu_us());
+    }
+}
+
+static void test_one_half_of_an_imu_sample_waits_for_the_other(void)
+{
+    for (int half = 0; half < 2; ++half) {
+        begin();
+        give_imu(0, 0);
+        step_at(100);
+        give_imu(half == 0 ? 0 : AUVID_CAN_AGE_UNKNOWN, half == 1 ? 0 : AUVID_CAN_AGE_UNKNOWN);
+        step_at(101);
+        TEST_ASSERT_EQUAL_UINT64(2000000, imu_us());
+        give_imu(half == 1 ? 20 : AUVID_CAN_AGE_UNKNOWN, half == 0 ? 20 : AUVID_CAN_AGE_UNKNOWN);
+        step_at(102);
+        TEST_ASSERT_EQUAL_UINT64(2020000, imu_us());
+        TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+    }
+}
+
+static void test_a_half_that_waits_keeps_its_values(void)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE};
+    auvid_nav_state_t s;
+    a.as.imu_attitude.phi = AUVID_C(0.25);
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+    step_at(100);
+    give_imu(AUVID_CAN_AGE_UNKNOWN, 20);
+    step_at(101);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
+    TEST_ASSERT_TRUE(fabs((double)s.attitude[0] - 0.25) < 0.00021);
+}
+
+static void test_the_earlier_half_of_two_too_far_apart_is_dropped(void)
+{
+    for (int half = 0; half < 2; ++half) {
+        begin();
+        give_imu(half == 0 ? 50 : 0, half == 1 ? 50 : 0);
+        step_at(100);
+        give_imu(half == 1 ? 70 : AUVID_CAN_AGE_UNKNOWN, half == 0 ? 70 : AUVID_CAN_AGE_UNKNOWN);
+        step_at(101); /* of the same time as the one that was dropped */
+        TEST_ASSERT_EQUAL_UINT64(0, imu_us());
+    }
+}
+
+/* A half that lacks something would end the wait of the other one. */
+static void test_a_half_without_an_axis_or_its_age_counts_as_not_sent(void)
+{
+    for (int wrong = 0; wrong < 8; ++wrong) {
+        auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+        auvid_can_message_t *m = wrong < 4 ? &a : &r;
+        begin();
+        m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
+        if (wrong % 4 == 3) {
+            m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        step_at(100);
+        give_imu(wrong < 4 ? 20 : AUVID_CAN_AGE_UNKNOWN, wrong < 4 ? AUVID_CAN_AGE_UNKNOWN : 20);
+        step_at(101);
+        TEST_ASSERT_EQUAL_UINT64(2000000, imu_us());
+    }
+}
+
+static void test_an_imu_sample_that_navigation_refuses_is_counted(void)
+{
+    begin();
+    give_imu(0, 0);
+    step_at(100);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+    give_imu(100, 100); /* before the last one */
+    step_at(101);
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+}
+
 static void test_an_imu_sample_enters_once(void)
 {
     begin();
@@ -314,7 +410,137 @@ static void test_a_clock_more_than_a_second_ahead_was_set(void)
     }
 }
 
+static void test_a_clock_that_stands_still_was_set(void)
+{
+    begin();
+    step_at_us(1, 5000000);
+    step_at_us(2, 5000000);
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL_UINT64(6000000, node.t_us);
+}
+
+static void test_ticks_are_numbered_from_anywhere_and_begin_again_at_0(void)
+{
+    begin();
+    for (uint32_t k = 0; k < 4; ++k) {
+        step_at_us((0xFFFFEu + k) & 0xFFFFFu, 20000 * (k + 1));
+    }
+    TEST_ASSERT_EQUAL_UINT32(4, node.counters.ticks);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks_missed);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
+}
+
+static void test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock(void)
+{
+    for (uint32_t behind = 0; behind < 20; ++behind) {
+        begin();
+        step_at(100);
+        TEST_ASSERT_EQUAL(behind < 16 ? AUVID_ERR_CHECKSUM : AUVID_TICK,
+                          give_tick(100 - behind, 20000 * (100 - behind)));
+        TEST_ASSERT_EQUAL_UINT32(behind < 16, node.counters.refused);
+        TEST_ASSERT_EQUAL_UINT32(behind >= 16, node.counters.clock_steps);
+    }
+}
+
+/* ---- its own clock ---- */
+
+static void test_its_own_clock_may_begin_at_0(void)
+{
+    uint64_t t_us = 0;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, sent, &count));
+    TEST_ASSERT_EQUAL(1, count);
+    TEST_ASSERT_EQUAL(AUVID_CAN_TICK, auvid_can_kind(NULL, sent[0].id));
+}
+
+static void test_the_tick_that_it_gave_last_is_no_new_one(void)
+{
+    uint64_t t_us = 1000000;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, NULL, sent, &count));
+}
+
+/* ---- frames that are not taken ---- */
+
+static void test_what_a_node_does_not_listen_to_is_unused(void)
+{
+    begin();
+    for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
+        auvid_can_message_t m = {.kind = (auvid_can_kind_t)kind};
+        if (kind == AUVID_CAN_TICK_DONE || kind >= AUVID_NODE_KINDS) {
+            TEST_ASSERT_EQUAL(AUVID_UNUSED, give(&m));
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.frames + node.counters.refused);
+}
+
+static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(void)
+{
+    for (uint8_t step = 0; step < 16; ++step) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
+        bool good = step >= 1 && step <= AUVID_CAN_LARGEST_STEP;
+        begin();
+        m.as.depth.depth = 6;
+        sender.counter[AUVID_CAN_DEPTH] = 3;
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        node.in.depth.present = false;
+        sender.counter[AUVID_CAN_DEPTH] = (uint8_t)((3 + step) % 16);
+        TEST_ASSERT_EQUAL(good ? AUVID_OK : AUVID_ERR_CHECKSUM, give(&m));
+        TEST_ASSERT_EQUAL(good, node.in.depth.present);
+        TEST_ASSERT_EQUAL_UINT32(!good, node.counters.refused);
+        TEST_ASSERT_EQUAL_UINT32(good ? 2 : 1, node.counters.frames);
+    }
+}
+
+/* Nor is it taken for the echo of a command, none of which has been sent. */
+static void test_a_sensor_frame_of_zeros_is_refused(void)
+{
+    for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
+        auvid_can_frame_t frame = {.length = AUVID_CAN_BYTES};
+        frame.id = auvid_can_id(&config.ids, (auvid_can_kind_t)kind);
+        begin();
+        TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
+        TEST_ASSERT_EQUAL_UINT32(1, node.counters.refused);
+    }
+}
+
+static void test_null_is_refused(void)
+{
+    auvid_can_frame_t frame = {0};
+    uint64_t t_us = 1000000;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_take(NULL, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_take(&node, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(NULL, &t_us, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(&node, &t_us, NULL, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(&node, &t_us, sent, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_work(NULL, 1));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(NULL, 0, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(&node, 0, NULL, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(&node, 0, sent, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(NULL, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, NULL, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, sent, NULL));
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks);
+}
+
 /* ---- init ---- */
+
+static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
+{
+    uint64_t t_us = 1000000;
+    auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
+    begin();
+    config.ids.slow = config.ids.fast;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, give(&m));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, &t_us, sent, &count));
+    TEST_ASSERT_EQUAL(0, count);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_work(&node, 1));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_report(&node, 0, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, sent, &count));
+}
 
 static void test_one_to_eight_thrusters_are_taken(void)
 {
@@ -343,6 +569,14 @@ static void test_null_and_overlapping_identifiers_are_refused(void)
     auvid_node_defaults(&config);
     TEST_ASSERT_FALSE(config.excite || config.answer);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+}
+
+static void test_after_init_no_sample_has_come(void)
+{
+    static const auvid_input_t none;
+    memset(&node, 0xFF, sizeof node);
+    begin();
+    TEST_ASSERT_EQUAL_MEMORY(&none, &node.in, sizeof none);
 }
 
 /* ---- the guard's altitude ---- */
@@ -504,6 +738,59 @@ static void test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direct
     TEST_ASSERT_TRUE(forward && backward);
 }
 
+static auvid_real_t commanded(int thruster)
+{
+    auvid_can_message_t m;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[thruster / 4], &m));
+    TEST_ASSERT_EQUAL_HEX32(0, m.absent);
+    return m.as.thruster_command_a.thrust[thruster % 4]; /* b is laid out alike */
+}
+
+static void test_each_half_that_has_thrusters_is_commanded_in_every_tick(void)
+{
+    static const auvid_real_t ahead[AUVID_DOF_COUNT] = {20};
+    (void)auvid_excitation_plan(&identifier.excitation, ahead, 30, 2, 1);
+    identifier.allocation.dofs = AUVID_DOF_BIT(AUVID_SURGE);
+    for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
+        bool driven = false;
+        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+            identifier.allocation.thruster[i] = auvid_allocation_girona500.thruster[i % 2];
+        }
+        identifier.allocation.thrusters = thrusters;
+        excite();
+        for (int k = 0; k < 20; ++k) {
+            tick_without(0);
+            TEST_ASSERT_EQUAL(thrusters <= 4 ? 1 : 2, count);
+            for (int i = 0; i < 4 * count; ++i) {
+                TEST_ASSERT_TRUE(i < thrusters || commanded(i) == 0);
+            }
+            driven = driven || commanded(thrusters - 1) > 0 || commanded(thrusters - 1) < 0;
+        }
+        TEST_ASSERT_TRUE(driven);
+    }
+}
+
+/* allocation.h: no force either way is a thruster out of order. */
+static void test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part(void)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {AUVID_C(0.5)};
+    bool driven = false;
+    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
+    for (int i = 0; i < 2; ++i) {
+        identifier.allocation.thruster[i].max_N = AUVID_C(0.75);
+        identifier.allocation.thruster[i].min_N = -AUVID_C(0.75);
+    }
+    identifier.allocation.thruster[4].max_N = identifier.allocation.thruster[4].min_N = 0;
+    excite();
+    for (int k = 0; k < 400; ++k) {
+        tick_without(0);
+        TEST_ASSERT_EQUAL(2, count);
+        TEST_ASSERT_TRUE(commanded(4) == 0);
+        driven = driven || commanded(0) > AUVID_C(0.1);
+    }
+    TEST_ASSERT_TRUE(driven);
+}
+
 /* The application may arm the identifier; thrusters it may command by itself. */
 static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
 {
@@ -569,17 +856,20 @@ static void test_navigation_is_reported_as_it_is(void)
 static void test_each_flag_of_an_estimate_is_its_own_bit(void)
 {
     auvid_estimate_t *e = &node.id.estimate;
-    for (unsigned bit = 0; bit < 6; ++bit) {
+    for (unsigned k = 0; k < 6u * auvid_girona500.parameters; ++k) {
+        unsigned bit = k % 6, i = k / 6;
+        uint32_t only = 1u << i;
+        uint8_t dof = (uint8_t)(1u << auvid_girona500.parameter[i].dof);
         begin();
-        node.index = 5; /* X_u, of surge */
-        e->identified = bit == 0 ? 1u << 5 : ~(1u << 5);
-        e->driven = (uint8_t)(bit == 1 ? 1u << AUVID_SURGE : ~(1u << AUVID_SURGE));
+        node.index = (uint8_t)i;
+        e->identified = bit == 0 ? only : ~only;
+        e->driven = (uint8_t)(bit == 1 ? dof : ~dof);
         e->capped = bit == 2;
-        e->confidence.identifiable = bit == 3 ? 1u << 5 : ~(1u << 5);
-        e->confidence.implausible = bit == 4 ? 1u << 5 : ~(1u << 5);
+        e->confidence.identifiable = bit == 3 ? only : ~only;
+        e->confidence.implausible = bit == 4 ? only : ~only;
         e->accepted = bit == 5;
         auvid_can_message_t m = reported(AUVID_CAN_ESTIMATE);
-        TEST_ASSERT_EQUAL_UINT32(5, m.as.estimate.index);
+        TEST_ASSERT_EQUAL_UINT32(i, m.as.estimate.index);
         TEST_ASSERT_EQUAL_HEX32(1u << bit, m.as.estimate.flags);
     }
 }
@@ -594,17 +884,36 @@ int main(void)
     RUN_TEST(test_samples_without_an_age_or_a_value_are_left_out);
     RUN_TEST(test_an_age_beyond_the_tick_is_the_beginning_of_time);
     RUN_TEST(test_halves_of_an_imu_sample_are_up_to_30_ms_apart);
+    RUN_TEST(test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond);
+    RUN_TEST(test_one_half_of_an_imu_sample_waits_for_the_other);
+    RUN_TEST(test_a_half_that_waits_keeps_its_values);
+    RUN_TEST(test_the_earlier_half_of_two_too_far_apart_is_dropped);
+    RUN_TEST(test_a_half_without_an_axis_or_its_age_counts_as_not_sent);
+    RUN_TEST(test_an_imu_sample_that_navigation_refuses_is_counted);
     RUN_TEST(test_an_imu_sample_enters_once);
     RUN_TEST(test_lost_ticks_are_counted_each);
     RUN_TEST(test_a_clock_more_than_a_second_ahead_was_set);
+    RUN_TEST(test_a_clock_that_stands_still_was_set);
+    RUN_TEST(test_ticks_are_numbered_from_anywhere_and_begin_again_at_0);
+    RUN_TEST(test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock);
+    RUN_TEST(test_its_own_clock_may_begin_at_0);
+    RUN_TEST(test_the_tick_that_it_gave_last_is_no_new_one);
+    RUN_TEST(test_what_a_node_does_not_listen_to_is_unused);
+    RUN_TEST(test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused);
+    RUN_TEST(test_a_sensor_frame_of_zeros_is_refused);
+    RUN_TEST(test_null_is_refused);
+    RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
     RUN_TEST(test_one_to_eight_thrusters_are_taken);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
+    RUN_TEST(test_after_init_no_sample_has_come);
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
     RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
     RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
     RUN_TEST(test_a_thruster_without_feedback_gives_nothing);
     RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
     RUN_TEST(test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction);
+    RUN_TEST(test_each_half_that_has_thrusters_is_commanded_in_every_tick);
+    RUN_TEST(test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part);
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
     RUN_TEST(test_navigation_is_reported_as_it_is);
     RUN_TEST(test_each_flag_of_an_estimate_is_its_own_bit);

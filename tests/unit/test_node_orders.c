@@ -321,6 +321,17 @@ static void test_stop_again_and_again_fades_out_as_one_does(void)
     TEST_ASSERT_EQUAL(once, ticks_to_stop(1000));
 }
 
+static void test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on(void)
+{
+    now = idle;
+    TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
+    for (int k = 0; k < 10; ++k) {
+        tick(&now);
+        TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
+        TEST_ASSERT_EQUAL(2, now.count);
+    }
+}
+
 /* ---- halt ---- */
 
 static void test_halt_aborts_what_is_armed_and_nothing_else(void)
@@ -482,12 +493,14 @@ static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
 static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
+    auvid_can_frame_t second = foreign_command(AUVID_CAN_THRUSTER_COMMAND_B);
     for (int excite = 0; excite < 2; ++excite) {
         configure(&now, 1, excite);
         go(&now, NAVIGATED);
-        for (uint32_t k = 1; k <= 3; ++k) {
+        for (uint32_t k = 1; k <= 3; ++k) { /* whatever their counter says */
             hear(&now, &frame, 1);
-            TEST_ASSERT_EQUAL_UINT32(k, now.node.counters.foreign_commands);
+            hear(&now, &second, 1);
+            TEST_ASSERT_EQUAL_UINT32(2 * k, now.node.counters.foreign_commands);
         }
         TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -584,6 +597,7 @@ int main(void)
     RUN_TEST(test_only_an_order_to_arm_needs_a_good_counter);
     RUN_TEST(test_a_disarm_that_is_not_authentic_does_nothing);
     RUN_TEST(test_stop_again_and_again_fades_out_as_one_does);
+    RUN_TEST(test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on);
     RUN_TEST(test_halt_aborts_what_is_armed_and_nothing_else);
     RUN_TEST(test_halt_leaves_a_run_that_is_done_as_it_is);
     RUN_TEST(test_halt_cancels_an_order_to_arm);

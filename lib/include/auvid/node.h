@@ -8,10 +8,10 @@
  *     auvid_node_report   navigation, estimates, progress, health, heartbeat
  *
  * Passive by default: it listens, identifies and reports, and never sends a thruster command. With
- * `excite` it obeys arm frames: it arms the guard and excites; what it commands is zero before, and
- * nothing at all when it does not excite. An abort frame, or whatever the guard trips over, ends
- * that with one command of zero in the same tick; the receiver's time-out does so when the node
- * itself has died.
+ * `excite` it obeys arm frames: it arms the guard and excites, with a command in every tick from
+ * that of the order on; it sends none when it does not excite. An abort frame, or whatever the
+ * guard trips over, ends that with one command of zero in the same tick; the receiver's time-out
+ * does so when the node itself has died. Up to four thrusters have thruster_command_a only.
  *
  * What takes thrust away is obeyed on every authentic frame (right length, checksum and range),
  * whatever its counter says: abort, disarm and stop. So a console that was restarted, and counts
@@ -30,6 +30,15 @@
  * Time is the tick's: what came since the tick before counts as sent at this one, less the age it
  * carries. So a log of the frames replays bit for bit, however fast it is read. A sender that knows
  * the tick gives its samples' age at the tick; one that does not is up to a tick late.
+ *
+ * A tick whose number is up to 15 behind the last one's is a copy or comes late, and is refused.
+ * One further behind comes from a clock that was started again. A clock that was set, stands still
+ * or goes ahead by more than a second is taken to have gone ahead by a second: the record has a gap
+ * there, and time never goes back.
+ *
+ * The attitude and the rates of the IMU are one sample when they are at most 30 ms apart; its time
+ * is the later one's. Further apart, the earlier one is dropped and the later one waits for its
+ * other half. One with an axis or its age missing counts as not sent.
  *
  * Thrust feedback holds for the time between the tick before and this one. It must be the thrust of
  * all sources. Without it nothing can be identified: commands may not have been obeyed.
@@ -68,7 +77,8 @@ typedef struct {
 typedef struct {
     uint32_t ticks;           /**< tick frames obeyed, or own ticks */
     uint32_t ticks_missed;    /**< that the sequence shows to be missing */
-    uint32_t clock_steps;     /**< times the tick's clock went back, or ahead by more than 1 s */
+    uint32_t clock_steps;     /**< times the tick's clock went back, stood still, or went ahead by
+                                   more than 1 s */
     uint32_t frames;          /**< good frames taken */
     uint32_t refused;         /**< frames of ours with a bad checksum, length, range or counter, and
                                    ticks of which a later one has come */
@@ -128,8 +138,8 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
 
 #define auvid_node_step AUVID_SIZED(auvid_node_step)
 /** One tick: sense, navigate, record, and what the excitation commands.
- * @param t_us null: the time of the tick frame taken last; else this node gives the clock, and the
- * first frame is its tick frame
+ * @param t_us null: the time of the last tick frame, taken or its own; else this node gives the
+ * clock, and the first frame is its tick frame
  * @param frame [AUVID_NODE_COMMANDS] written: to be sent at once. @param count written: how many
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or no tick yet: no frames);
  * AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (no tick, so no tick frame: nothing but a command of
