@@ -401,8 +401,8 @@ static bool job_is_possible(const view_t *v)
     if (!good || j >= AUVID_DOF_COUNT || m->count[j] == 0 || (WORD(metric.driven) >> j & 1u) == 0) {
         return false;
     }
-    uint32_t steps = phase == OWN       ? 1u
-                     : phase == ROTATE  ? m->count[j]
+    uint32_t steps = phase == OWN || phase == BIAS ? 1u
+                     : phase == ROTATE             ? m->count[j]
                      : phase == SCATTER ? 2u * (uint32_t)auvid_metric_order(m, (int)j) + 1u
                                         : n;
     return phase < DONE && WORD(confidence.at_row) < steps;

@@ -236,20 +236,18 @@ static void finish_set(job_t *c)
     memset(c->influence, 0, sizeof c->influence);
 }
 
-/* All sets are through: s_j^2, and the right-hand side of the bias into influence. */
-static void finish_scatter(job_t *c)
+/* ---- BIAS ---- */
+
+/* All sets are through: s_j^2, and DoF j's part of the bias' right-hand side into influence. */
+static void find_bias(job_t *c, int j)
 {
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t residual = c->result.residual[j];
-        if (is_driven(c, j)) {
-            bool several = c->freedom[j] > AUVID_C(1e-4);
-            auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
-            auvid_real_t freedom = several ? c->freedom[j] : AUVID_C(0.0);
-            c->result.noise[j] =
-                auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
-            auvid_confidence_bias(c, j);
-        }
-    }
+    auvid_real_t residual = c->result.residual[j];
+    bool several = c->freedom[j] > AUVID_C(1e-4);
+    auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
+    auvid_real_t freedom = several ? c->freedom[j] : AUVID_C(0.0);
+    c->result.noise[j] =
+        auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
+    auvid_confidence_bias(c, j);
 }
 
 /* ---- JUDGE ---- */
@@ -351,6 +349,9 @@ static void work_step(job_t *c)
             take_row(c, set, j, i / n, i % n);
         }
         break;
+    case BIAS:
+        find_bias(c, j);
+        break;
     default:
         judge(c, i);
         break;
@@ -362,6 +363,7 @@ static int steps_of(const job_t *c)
 {
     switch (c->phase) {
     case OWN:
+    case BIAS:
         return 1;
     case ROTATE:
         return c->metric->count[c->at_dof];
@@ -388,7 +390,7 @@ static void end_phase(job_t *c)
 /* Go on to the next step. */
 static void move_on(job_t *c)
 {
-    bool by_dof = c->phase == OWN || c->phase == ROTATE || c->phase == SCATTER;
+    bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase != JUDGE;
     if (++c->at_row < steps_of(c)) {
         return;
     }
@@ -402,7 +404,6 @@ static void move_on(job_t *c)
             (void)seek_dof(c, 0);
             return;
         }
-        finish_scatter(c);
         c->at_set = 0;
     }
     end_phase(c);
@@ -468,7 +469,8 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
                                      uint32_t *budget)
 {
     static const uint8_t price[] = {[OWN] = 16,   [ROTATE] = 8,   [BOUND] = 8,
-                                    [INVERT] = 6, [SCATTER] = 10, [JUDGE] = 50}; /* [units] */
+                                    [INVERT] = 6, [SCATTER] = 10, [BIAS] = 45,
+                                    [JUDGE] = 50}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }

@@ -11,7 +11,7 @@
 enum { NOWHERE = 255 };
 
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
-enum { OWN, ROTATE, BOUND, INVERT, SCATTER, JUDGE, DONE };
+enum { OWN, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, DONE };
 
 /** Add DoF j's share of the right-hand side of the masses' bias to the influences. */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j);

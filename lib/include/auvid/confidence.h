@@ -23,7 +23,7 @@
  * the model itself, are not in them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.0k units of work, 0.25 million multiplications. Memory:
+ * Cost, Girona500 and eight sets: 7.2k units of work, 0.25 million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
