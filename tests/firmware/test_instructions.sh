@@ -9,7 +9,7 @@ work=$LOGS/instructions
 mkdir -p "$work"
 
 # Most instructions of one tick at the default budget on a Cortex-M4F: see port/cortex_m/README.md.
-most=120000
+most=130000
 
 names=(m4f-O2 m4f-Os)
 [ -z "${AUVID_TEST_LONG:-}" ] ||
