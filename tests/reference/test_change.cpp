@@ -190,6 +190,7 @@ static void test_a_change_is_noticed_at_small_budgets_later()
                          {{1, 60, 130}, 20, 1800}};
     bool held = true;
     for (const auto &b : budgets) {
+        double unchanged = 0; // sets
         int runs = campaign_is_long() ? 40 : b.plan.budget >= 10 ? 3 : 1, in_time = 0, early = 0;
         std::vector<double> after;
         for (int k = 0; k < runs; ++k) {
@@ -198,15 +199,17 @@ static void test_a_change_is_noticed_at_small_budgets_later()
             plan.changed += uint32_t(k % b.span);
             Watch w = fly(7600001u + uint64_t(k), 1.0, &change, plan);
             early += int(w.early);
+            unchanged += plan.changed;
             in_time += w.alarm_s > 0 && w.alarm_s - w.moment_s <= b.within_s;
             after.push_back(w.alarm_s > 0 ? w.alarm_s - w.moment_s : 1e9);
         }
         std::sort(after.begin(), after.end());
-        std::printf("budget %3u: noticed after %.0f s (median), %.0f s at most; before %d; "
-                    "%d of %d within %.0f s\n",
-                    unsigned(b.plan.budget), after[after.size() / 2], after.back(), early, in_time,
-                    runs, b.within_s);
-        held &= in_time == runs && early == 0;
+        std::printf("budget %3u: noticed after %.0f s (median), %.0f s at most; %d of %d within "
+                    "%.0f s; %d false alarms in %.0f sets before\n",
+                    unsigned(b.plan.budget), after[after.size() / 2], after.back(), in_time, runs,
+                    b.within_s, early, unchanged);
+        // not more than one false alarm in a thousand sets
+        held &= in_time == runs && binomial_lower(early, unchanged, 0.025) <= 1e-3;
     }
     TEST_ASSERT_TRUE(held);
 }
