@@ -25,6 +25,7 @@ static struct {
     bool outside;  /* something, without the guard being in EXCITING */
     double done_s; /* when everything was known; 0: not yet */
     double square; /* mean square error then */
+    double rest_s; /* when the excitation had faded out: SETTLING; 0: not yet */
     double end_s;  /* when the guard was DONE; 0: not yet */
     uint32_t changed;
 } seen;
@@ -42,6 +43,9 @@ static void watch(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     if (seen.done_s <= 0.0 && c->id.estimate.confidence.identifiable == ALL) {
         seen.done_s = 1e-6 * (double)c->t_us;
         seen.square = chain_mean_square(c);
+    }
+    if (seen.rest_s <= 0.0 && out->guard == AUVID_GUARD_SETTLING) {
+        seen.rest_s = 1e-6 * (double)c->t_us;
     }
     if (seen.end_s <= 0.0 && out->guard == AUVID_GUARD_DONE) {
         seen.end_s = 1e-6 * (double)c->t_us;
@@ -95,7 +99,9 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.given_up);
-    TEST_ASSERT_TRUE(seen.end_s < seen.done_s + 12.0); /* the fade, and the vehicle calm */
+    /* at once: with the fade and two ticks */
+    const double fade_s = (double)chain.id.excitation.config.fade_s;
+    TEST_ASSERT_TRUE(seen.rest_s > 0.0 && seen.rest_s <= seen.done_s + fade_s + 0.04);
     TEST_ASSERT_FALSE(seen.over);
     TEST_ASSERT_FALSE(seen.outside);
     TEST_ASSERT_TRUE((chain.events & AUVID_EVENT_EXCITATION_DONE) != 0);

@@ -143,9 +143,6 @@ static void test_thrusters_driven_without_pause_yield_estimates(void)
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 20};
     double seconds = 7200;
     auvid_thrusters_config_t two;
-    if (!campaign_is_long()) {
-        TEST_IGNORE_MESSAGE("in the long form");
-    }
     auvid_thrusters_defaults(&two);
     two.hull = &auvid_girona500;
     two.thrusters = THRUSTERS;
@@ -188,6 +185,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_current_driven_without_pause_yields_estimates);
-    RUN_TEST(test_thrusters_driven_without_pause_yield_estimates);
+    if (campaign_is_long()) {
+        RUN_TEST(test_thrusters_driven_without_pause_yield_estimates);
+    }
     return UNITY_END();
 }
