@@ -121,7 +121,7 @@ static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_ful
     for (uint32_t inside = 0; inside <= SIZE; ++inside) {
         auvid_can_frame_t frame;
         setUp();
-        fifo.pushed = fifo.popped = UINT32_MAX - inside; /* wraps besides */
+        fifo.pushed = fifo.popped = UINT32_MAX - inside; /* and wraps */
         fifo.aborts = fifo.aborted = UINT32_MAX;
         auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT);
         for (uint32_t i = 0; i < inside; ++i) {

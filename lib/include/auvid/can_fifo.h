@@ -18,7 +18,7 @@
  * where producer and consumer run on one core. An aligned 32-bit load or store must be one access,
  * as it is on every target with a CAN controller of 32 bits.
  *
- * Cost: a copy of 24 bytes and 20 instructions each; an abort, its checksum besides. Memory: the
+ * Cost: a copy of 24 bytes and 20 instructions each; an abort also its checksum. Memory: the
  * caller's, one frame each place.
  */
 #ifndef AUVID_CAN_FIFO_H
