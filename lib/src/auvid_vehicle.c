@@ -234,7 +234,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
 #else
 #define BIAS(name) 0u
 #endif
-/* What the coupled equations read, see the top of the file; each its own besides. */
+/* What the coupled equations read, see the top of the file, and each its own. */
 #define READ(dof) (1u << AUVID_##dof)
 #define MOVES (READ(SURGE) | READ(SWAY))
 #define READS_COUPLED                                                                              \
