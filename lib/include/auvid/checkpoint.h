@@ -24,9 +24,9 @@
  * to that.
  *
  * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte to save
- * (17k a page of 256), 110 to restore, and 27k to begin. Size: 19.3 to 25.5 KB with default sizes,
+ * (17k a page of 256), 110 to restore, and 27k to begin. Size: 20 to 26 KB with default sizes,
  * by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the cursor,
- * 56 bytes; stack 0.6 KiB. Code: 11 KiB on a Cortex-M4F (-Os), none where not called.
+ * 56 bytes; stack 0.6 KiB. Code: 13 KB on a Cortex-M4F (-Os), none where not called.
  * Not in the paper.
  */
 #ifndef AUVID_CHECKPOINT_H
