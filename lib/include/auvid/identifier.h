@@ -436,7 +436,8 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 /** Optimize with what time is left.
  * @param budget units of work; 0 does nothing
  * @return AUVID_OK (nothing left to do until the next set completes); AUVID_PENDING (budget used
- * up); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
+ * up); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no degree of freedom
+ * moved in the sets that are kept; the search ends, the last estimate stays). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
 
 #ifdef __cplusplus
