@@ -198,7 +198,7 @@ static const row_t confidence[] = {
     REALS(auvid_confidence_t, sigma, bound),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
     BYTE(auvid_confidence_t, note, lost),
-    REALS(auvid_confidence_t, noise, residual),
+    REALS(auvid_confidence_t, noise, uncertainty),
 };
 
 static const row_t estimate[] = {
@@ -305,7 +305,7 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, search, TABLE_SEARCH),
     ENUM(auvid_identifier_t, velocity),
     BYTE(auvid_identifier_t, velocity_every_tick, velocity_every_tick),
-    REALS(auvid_identifier_t, dry_mass_kg, dry_mass_kg),
+    REALS(auvid_identifier_t, dry_mass_kg, uncertainty),
     STRUCT(auvid_identifier_t, nav, TABLE_NAV),
     STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),
     STRUCT(auvid_identifier_t, metric, TABLE_METRIC),

@@ -410,7 +410,8 @@ static void move_on(job_t *c)
 }
 
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
-                            const auvid_real_t *pi, auvid_real_t dry_mass_kg)
+                            const auvid_real_t *pi, auvid_real_t dry_mass_kg,
+                            const auvid_uncertainty_t *uncertainty)
 {
     if (job == NULL || metric == NULL || pi == NULL) {
         return;
@@ -419,6 +420,9 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     memset(c, 0, sizeof *c);
     c->metric = metric; /* for this call only: a job may be copied */
     c->dry_mass_kg = dry_mass_kg;
+    if (uncertainty != NULL) {
+        c->result.uncertainty = *uncertainty;
+    }
     bool linear = auvid_metric_has_regressor(metric);
     uint32_t searched = linear ? auvid_metric_searched(metric) : auvid_metric_active(metric);
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {

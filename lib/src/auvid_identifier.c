@@ -145,6 +145,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->velocity = cfg->velocity;
         id->velocity_every_tick = cfg->velocity_every_tick;
         id->dry_mass_kg = cfg->dry_mass_kg;
+        id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
         id->listening = cfg->listening;
         status = init_modules(id, cfg);

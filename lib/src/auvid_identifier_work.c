@@ -198,7 +198,8 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
                                               : auvid_identifier_optimum(id, budget);
         if (status == AUVID_OK) {
             id->searching = false;
-            auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg);
+            auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg,
+                                   &id->uncertainty);
             auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
                                     id->capped && !identifier_residual_path(id));
             id->phase = AUVID_WORK_CONFIDENCE;

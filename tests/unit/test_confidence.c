@@ -120,7 +120,7 @@ static void judge(auvid_real_t dry_mass_kg)
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
-    auvid_confidence_begin(&job, &metric, estimate, dry_mass_kg);
+    auvid_confidence_begin(&job, &metric, estimate, dry_mass_kg, NULL);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
@@ -216,7 +216,7 @@ static void test_any_budget_gives_the_same_bits(void)
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
         auvid_status_t status = AUVID_PENDING;
         uint32_t turns = 0;
-        auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+        auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
         while (status == AUVID_PENDING) {
             finish_turn(&turns, 1000000);
             uint32_t budget = pieces[k];
@@ -236,7 +236,7 @@ static void test_a_job_copied_half_way_with_its_metric_goes_on(void)
     uint32_t budget = 400;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     whole = *verdict;
-    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_confidence_work(&job, &metric, &budget));
     other = metric;
     copy = job;
@@ -250,7 +250,7 @@ static void test_the_cost_of_eight_sets_is_what_the_header_says(void)
 {
     uint32_t budget = UINT32_MAX;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
     TEST_ASSERT_UINT32_WITHIN(50, 7200, UINT32_MAX - budget);
 }
@@ -440,7 +440,7 @@ static void judge_within_bounds(bool capped)
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
-    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0));
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
     auvid_confidence_limits(&job, lower, upper, capped);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
@@ -732,9 +732,9 @@ static void test_wrong_arguments_are_named(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_work(&job, NULL, &budget));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_work(&job, &metric, NULL));
     TEST_ASSERT_EQUAL_UINT32(1, budget);
-    auvid_confidence_begin(NULL, &metric, estimate, AUVID_C(0.0));
-    auvid_confidence_begin(&job, NULL, estimate, AUVID_C(0.0));
-    auvid_confidence_begin(&job, &metric, NULL, AUVID_C(0.0));
+    auvid_confidence_begin(NULL, &metric, estimate, AUVID_C(0.0), NULL);
+    auvid_confidence_begin(&job, NULL, estimate, AUVID_C(0.0), NULL);
+    auvid_confidence_begin(&job, &metric, NULL, AUVID_C(0.0), NULL);
     auvid_confidence_limits(NULL, lower, upper, true);
     auvid_confidence_limits(&job, NULL, upper, true);
     auvid_confidence_limits(&job, lower, NULL, true);

@@ -67,10 +67,25 @@ typedef enum {
 /** Part of a DoF's rms wrench below which a parameter's share is small. */
 #define AUVID_CONFIDENCE_SMALL AUVID_C(0.01)
 
+/** Entries of a covariance of all parameters, packed. */
+#define AUVID_COVARIANCE (AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2)
+
+/** What the user supplies but does not know exactly, and no motion shows: standard deviations. */
+typedef struct {
+    auvid_real_t thrust_scale; /**< of the common scale of the thrust as told, relative; 0..1 */
+    auvid_real_t dvl_scale;    /**< of the scale of the DVL's velocity, relative; 0..1 */
+    auvid_real_t delay_s;      /**< of the delay between thrust as told and motion, where the data
+                                    do not determine it [s]; 0..1 */
+} auvid_uncertainty_t;
+
 /** The verdict on one estimate. Written by auvid_confidence_work. */
 typedef struct {
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard error, bias included [parameter's unit];
                                                    AUVID_LARGEST: not known */
+    /** What one standard deviation of the thrust scale, and of the DVL's, moves each parameter by,
+     * with its sign [parameter's unit]. Their squares are part of that of sigma. */
+    auvid_real_t thrust_error[AUVID_MAX_PARAMETERS];
+    auvid_real_t dvl_error[AUVID_MAX_PARAMETERS];
     auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit] */
     uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
     uint32_t implausible;                     /**< bit i: parameter i is implausible; only of
@@ -86,6 +101,7 @@ typedef struct {
                                               make the parameters as uncertain [N, Nm]; 0: DoF not
                                               driven */
     auvid_real_t residual[AUVID_DOF_COUNT]; /**< rms residual, bands weighted [N, Nm] */
+    auvid_uncertainty_t uncertainty;        /**< that it was told */
 } auvid_confidence_t;
 
 /** The computation. Private. */
@@ -101,6 +117,7 @@ typedef struct {
         /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
         auvid_real_t part[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2];
         auvid_regressor_t regressor; /* between the last set and the verdict */
+        auvid_real_t covariance[AUVID_COVARIANCE]; /* from the verdict on; goes to the estimate */
     };
     auvid_real_t score[AUVID_MAX_PARAMETERS];     /* of one DoF of one set, at its own optimum */
     auvid_real_t influence[AUVID_MAX_PARAMETERS]; /* of one set on the estimate */
@@ -123,9 +140,11 @@ typedef struct {
  * (residual path)
  * @param pi [n] the result of a search over the parameters auvid_metric_searched
  * @param dry_mass_kg masses must be above; 0: above zero
+ * @param uncertainty of what is told; null: none
  * Null is ignored. */
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
-                            const auvid_real_t *pi, auvid_real_t dry_mass_kg);
+                            const auvid_real_t *pi, auvid_real_t dry_mass_kg,
+                            const auvid_uncertainty_t *uncertainty);
 
 #define auvid_confidence_limits AUVID_SIZED(auvid_confidence_limits)
 /** Tell, after begin, what limited the search; else there was nothing. Null is ignored.

@@ -107,6 +107,7 @@ typedef struct {
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0, below the upper bounds of
                                    all free masses; default 0: not known */
+    auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0: all is as told */
     const auvid_listener_t *listener; /**< default null: nobody */
     void *listening;                  /**< its context */
 } auvid_identifier_config_t;
@@ -217,6 +218,10 @@ typedef struct {
                               or what serves the driven DoF best (auvid_metric_searched) */
     uint8_t driven;      /**< bit j: DoF j was driven */
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /**< parameters, in the model's order */
+    /** Covariance of the n parameters with thrust and DVL scale as told, packed: rows of the upper
+     * triangle, the first has n entries; 0 where it is not known. The total has the products of
+     * confidence.thrust_error and of .dvl_error added. */
+    auvid_real_t covariance[AUVID_COVARIANCE];
     auvid_real_t cost;                     /**< J, Eq. 11, in the metric's units */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response */
     uint8_t lagged; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
@@ -297,6 +302,7 @@ typedef struct auvid_identifier {
     auvid_velocity_source_t velocity;
     bool velocity_every_tick;
     auvid_real_t dry_mass_kg;
+    auvid_uncertainty_t uncertainty;
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
