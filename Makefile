@@ -31,7 +31,8 @@ MEMORY := $(addprefix port/linux_socketcan/,bus.c bus_memory.c)
 PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c),$(MEMORY))
 PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
 # What of the program tests run as well: the demo's world.
-WORLD := tools/auvid/world.c tools/auvid/frames.c tools/auvid/vehicles.c $(MEMORY)
+WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c field_run.c field_table.c \
+    statistics.c report.c complain.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)

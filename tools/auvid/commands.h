@@ -10,6 +10,7 @@
 
 int demo(const options_t *options);
 int scenario(const options_t *options); /**< demo --scenario */
+int field_demo(const options_t *options); /**< demo --field, --mismatch, --matched */
 int fit(const options_t *options);
 
 /* Where there is the Linux port. */

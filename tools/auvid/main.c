@@ -55,6 +55,23 @@ static const char demo_help[] =
     "                     operator-abort, current (0.3 m/s, seen by bottom and by water lock),\n"
     "                     dvl-lost (for good, under way)\n"
     "\n";
+static const char field_help[] =
+    "options of demo in the field: a vehicle with the small mismatches that are usual, drawn anew in\n"
+    "each run, and statistics of what was right; with --seed, --runs (default 20), --sets, --budget\n"
+    "and --json as above\n"
+    "  --field F          all mismatches of the mixture, F times as large as usual; 0: none\n"
+    "  --mismatch NAME=SIZE  this one, in its unit; as often as needed. Alone or beside --field\n"
+    "  --mismatch list    names, units and usual sizes\n"
+    "  --perfect-thrust   the thrust alone has no mismatch\n"
+    "  --matched          no mismatch but in the scales of thrust and DVL, drawn as the identifier\n"
+    "                     is told that they are uncertain\n"
+    "  --vehicle NAME     girona500 (default), or rov20: a ROV of 20 kg\n"
+    "  --driver NAME      excited (default); or, in 600 s without excitation, joystick, lawnmower\n"
+    "                     (PID), station\n"
+    "  --thrust-scale S, --dvl-scale S, --delay S   the uncertainties that the identifier is told:\n"
+    "                     of both scales (relative), of the delay [s]\n"
+    "  --perfect-inputs   all three are zero\n"
+    "\n";
 static const char fit_help[] =
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
@@ -114,6 +131,7 @@ static const struct {
     const char *of, *text; /* the commands that it is about */
 } section[] = {{"demo fit", demo_fit_help},
                {"demo", demo_help},
+               {"demo", field_help},
                {"fit", fit_help},
 #ifdef __linux__
                {"node", node_help},
@@ -215,7 +233,9 @@ int main(int count, char **argument)
     if (strcmp(command, "demo") == 0) {
         status = options_demo(&options, count - 2, argument + 2);
         if (status == 0) {
-            status = options.scenario != NULL ? scenario(&options) : demo(&options);
+            status = options.scenario != NULL ? scenario(&options)
+                     : options.field.wanted   ? field_demo(&options)
+                                              : demo(&options);
         }
     } else if (strcmp(command, "fit") == 0) {
         status = options_fit(&options, count - 2, argument + 2);

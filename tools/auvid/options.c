@@ -6,15 +6,7 @@
 #include <string.h>
 
 #include "complain.h"
-
-/* The arguments, and how far they have been read. */
-typedef struct {
-    int count, next;
-    char **argument;
-    const char *name;   /* option at hand, "--seed" */
-    const char *value;  /* what follows "=" in it, or null */
-    char name_text[32]; /* room for its name */
-} reader_t;
+#include "options_reader.h"
 
 /* Take the next argument: an option, its value split off, or a plain word (name null). */
 static bool next(reader_t *r)
@@ -42,8 +34,7 @@ static bool is(const reader_t *r, const char *name)
     return strcmp(r->name, name) == 0;
 }
 
-/* The option's value: after "=", or the next argument. */
-static int take_value(reader_t *r, const char **value)
+int take_value(reader_t *r, const char **value)
 {
     if (r->value == NULL && r->next < r->count) {
         r->value = r->argument[r->next++];
@@ -55,7 +46,7 @@ static int take_value(reader_t *r, const char **value)
     return 0;
 }
 
-static int take_flag(const reader_t *r, bool *flag)
+int take_flag(const reader_t *r, bool *flag)
 {
     if (r->value != NULL) {
         return complain("%s takes no value", r->name);
@@ -99,7 +90,7 @@ static bool number(const char *text, const char **end, double *out)
     return stop != text && stop <= text + plain && isfinite(*out);
 }
 
-static int take_number(reader_t *r, double high, double *out)
+int take_number(reader_t *r, double high, double *out)
 {
     const char *text = NULL, *end = NULL;
     double x = 0.0;
@@ -164,11 +155,17 @@ static int common_option(reader_t *r, options_t *options)
     return -1;
 }
 
-static int take_vehicle(reader_t *r, options_t *options)
+/* in_field: the field's vehicles, too. */
+static int take_vehicle(reader_t *r, options_t *options, bool in_field)
 {
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
         return EXIT_REFUSED;
+    }
+    if (in_field && strcmp(text, "rov20") == 0) {
+        options->field.vehicle = FIELD_ROV20;
+        options->field.chosen = "--vehicle rov20";
+        return 0;
     }
     options->vehicle = vehicle_named(text);
     return options->vehicle != NULL
@@ -227,7 +224,7 @@ static int demo_option(reader_t *r, options_t *options)
         return take_value(r, &options->csv);
     }
     if (is(r, "--vehicle")) {
-        return take_vehicle(r, options);
+        return take_vehicle(r, options, true);
     }
     if (is(r, "--adaptive")) {
         return take_flag(r, &options->adaptive);
@@ -235,7 +232,9 @@ static int demo_option(reader_t *r, options_t *options)
     if (is(r, "--scenario")) {
         return take_value(r, &options->scenario);
     }
-    return complain("demo: unknown option %s (auvid --help lists them)", r->name);
+    int status = options_field_take(r, options);
+    return status >= 0 ? status
+                       : complain("demo: unknown option %s (auvid --help lists them)", r->name);
 }
 
 static int fit_option(reader_t *r, options_t *options)
@@ -284,7 +283,7 @@ static int bus_option(reader_t *r, options_t *options)
         return take_flag(r, &options->realtime);
     }
     if (is(r, "--vehicle")) {
-        return take_vehicle(r, options);
+        return take_vehicle(r, options, false);
     }
     return -1;
 }
@@ -343,7 +342,7 @@ static int vehicle_option(reader_t *r, options_t *options)
 static int replay_option(reader_t *r, options_t *options)
 {
     if (is(r, "--vehicle")) {
-        return take_vehicle(r, options);
+        return take_vehicle(r, options, false);
     }
     if (is(r, "--warm")) {
         return take_value(r, &options->warm);
@@ -366,6 +365,7 @@ static int read_all(options_t *options, int count, char **argument, const char *
                            .model = &auvid_girona500,
                            .speed = 1,
                            .disturbance_N = -1.0,
+                           .field = {.thrust_scale = -1.0, .dvl_scale = -1.0, .delay_s = -1.0},
                            .lower = -1000.0,
                            .upper = 1000.0};
     while (next(&r)) {
@@ -411,6 +411,7 @@ int options_demo(options_t *options, int count, char **argument)
 {
     int status = read_all(options, count, argument, "demo", demo_option, NULL);
     status = status != 0 ? status : check_scenario(options);
+    status = status != 0 ? status : options_field_check(options);
     if (options->disturbance_N < 0.0) {
         options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;
     }

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "field.h"
 #include "vehicles.h"
 
 /** Is the coupling between the degrees of freedom part of the model? */
@@ -15,6 +16,25 @@ typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
 /** Most --fix and --free together. */
 enum { OPTIONS_CHOICES = 64 };
+
+/** Words of field_driver_t. */
+extern const char *const options_drivers[FIELD_DRIVERS];
+
+/** Runs in the field (field.h). */
+typedef struct {
+    bool wanted;         /**< the run is one in the field */
+    bool mixture;        /**< mismatches are drawn, */
+    double strength;     /**< times this */
+    bool matched;        /**< nothing but the scales of thrust and DVL are drawn, as configured */
+    bool perfect_thrust; /**< of the mixture, what is wrong with the thrust is left out */
+    bool perfect_inputs; /**< every uncertainty is zero */
+    const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
+    int mismatches;
+    field_vehicle_t vehicle;
+    field_driver_t driver;
+    double thrust_scale, dvl_scale, delay_s; /**< uncertainties; negative: the library's default */
+    const char *chosen;                      /**< an option that needs a run in the field, or null */
+} options_field_t;
 
 /** Everything that can be chosen. */
 typedef struct {
@@ -32,6 +52,7 @@ typedef struct {
     bool adaptive;        /**< excite what is not known yet, for as long as `sets` at most */
     const char *csv;      /**< file to write; null: none */
     const char *scenario; /**< null: none */
+    options_field_t field;
 
     /* fit */
     const char *train;

@@ -82,8 +82,7 @@ void vehicle_quicken(auvid_identifier_config_t *cfg)
 #endif
 }
 
-/* Steps and sines of the moments, for a vehicle that swings in seconds. */
-static void hasten(auvid_excitation_config_t *excitation)
+void vehicle_hasten(auvid_excitation_config_t *excitation)
 {
     for (int i = 0; i < excitation->segments; ++i) {
         auvid_segment_t *segment = &excitation->segment[i];
@@ -112,7 +111,7 @@ void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t s
     (void)auvid_excitation_plan(&cfg->excitation, amplitude, set_s, sets, seed);
     if (vehicle->quick) {
         vehicle_quicken(cfg);
-        hasten(&cfg->excitation);
+        vehicle_hasten(&cfg->excitation);
     }
     if (vehicle->tilt_max_rad > 0) {
         cfg->guard.roll_max_rad = cfg->guard.pitch_max_rad = vehicle->tilt_max_rad;

@@ -44,6 +44,9 @@ extern const char vehicle_model_words[];
  * with shorter filters of the moments. */
 void vehicle_quicken(auvid_identifier_config_t *cfg);
 
+/** Steps and sines of the moments, for a vehicle that swings in seconds. */
+void vehicle_hasten(auvid_excitation_config_t *excitation);
+
 /** Configure its simulation: craft_defaults of this vehicle. */
 void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config);
 

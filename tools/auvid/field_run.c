@@ -1,0 +1,215 @@
+#include "field_run.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "vehicles.h"
+
+/* Length of a set, and the time for which the last one may be late [s]. */
+#define SET_S 30.0
+#define LATE_S 60.0
+
+/* The excitation begins after this time [s]. */
+#define BEGIN_S 1.0
+
+/* From one sample of the DVL to the next. */
+#define DVL_US 200000u
+
+/* Ticks from one look at the truth to the next. */
+#define LOOK 4
+
+/* Units of work in a call, when nobody waits. */
+#define AT_EASE 1000000u
+
+const double field_part[FIELD_PARTS] = {0.3, 0.6, 1.0};
+
+void field_run_defaults(field_run_config_t *config)
+{
+    memset(config, 0, sizeof *config);
+    field_defaults(&config->field, FIELD_GIRONA500, FIELD_EXCITED, 1);
+    config->thrust_scale = config->dvl_scale = config->delay_s = -1.0;
+    config->sets = 8;
+    config->budget = AUVID_DEFAULT_BUDGET;
+}
+
+/* The thrusters as the operator knows them. */
+static void allocate(field_vehicle_t vehicle, auvid_allocation_config_t *to)
+{
+    double matrix[6][SIM_THRUSTERS], most_N = 0.0;
+    auvid_allocation_defaults(to);
+    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &most_N);
+    for (int i = 0; i < to->thrusters; ++i) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            to->thruster[i].wrench[j] = (auvid_real_t)matrix[j][i];
+        }
+        to->thruster[i].max_N = (auvid_real_t)most_N;
+        to->thruster[i].min_N = (auvid_real_t)-most_N;
+    }
+    for (int e = 0; e < FIELD_EQUATIONS; ++e) {
+        to->dofs |= AUVID_DOF_BIT(field_dof(e));
+    }
+}
+
+void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *averaged,
+                          auvid_identifier_config_t *cfg)
+{
+    const field_config_t *field = &config->field;
+    double amplitude[6];
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    auvid_identifier_defaults(cfg, &auvid_girona500);
+    field_amplitude(field->vehicle, amplitude);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        peak[j] = (auvid_real_t)amplitude[j];
+        cfg->metric.tau_max[j] = amplitude[j] > 0.0 ? peak[j] : cfg->metric.tau_max[j];
+    }
+    allocate(field->vehicle, &cfg->allocation);
+    if (field->driver == FIELD_EXCITED) {
+        (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, config->sets,
+                                    field->seed);
+    }
+    if (field->vehicle == FIELD_ROV20) {
+        (void)auvid_averaged_init(averaged, &auvid_girona500, cfg->recorder.cell_us, DVL_US);
+        cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
+        cfg->metric.half_width[1] = 4;
+        vehicle_hasten(&cfg->excitation);
+    }
+    cfg->guard.off = AUVID_GUARD_SWITCHABLE;
+    cfg->search.seed = field->seed;
+    const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};
+    auvid_real_t *to[] = {&cfg->uncertainty.thrust_scale, &cfg->uncertainty.dvl_scale,
+                          &cfg->uncertainty.delay_s};
+    for (int k = 0; k < 3; ++k) {
+        *to[k] = given[k] >= 0.0 ? (auvid_real_t)given[k] : *to[k];
+    }
+}
+
+static void copy(auvid_real_t *to, const double *from, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        to[i] = (auvid_real_t)from[i];
+    }
+}
+
+static void sense(const field_output_t *seen, auvid_input_t *in)
+{
+    const sim_measurement_t *s = seen->sensor;
+    memset(in, 0, sizeof *in);
+    in->t_us = seen->t_us;
+    in->imu.present = s[SIM_IMU].has;
+    in->imu.t_us = s[SIM_IMU].t_us;
+    copy(in->imu.attitude, s[SIM_IMU].value, 3);
+    copy(in->imu.rates, s[SIM_IMU].value + 3, 3);
+    in->dvl.present = s[SIM_DVL].has;
+    in->dvl.sample.t_us = s[SIM_DVL].t_us;
+    in->dvl.sample.lock = s[SIM_DVL].bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
+    in->dvl.sample.valid = s[SIM_DVL].axes;
+    copy(in->dvl.sample.velocity, s[SIM_DVL].value, 3);
+    in->depth.present = s[SIM_DEPTH].has;
+    in->depth.t_us = s[SIM_DEPTH].t_us;
+    in->depth.depth_m = (auvid_real_t)s[SIM_DEPTH].value[0];
+    in->gps.present = s[SIM_GPS].has;
+    in->gps.t_us = s[SIM_GPS].t_us;
+    in->gps.x_m = (auvid_real_t)s[SIM_GPS].value[0];
+    in->gps.y_m = (auvid_real_t)s[SIM_GPS].value[1];
+}
+
+/* Once the filter runs: arm, and excite. */
+static void begin(auvid_identifier_t *id)
+{
+    if (id->guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(id) == AUVID_OK) {
+        (void)auvid_identifier_excite(id);
+    }
+}
+
+/* Record until all sets are complete, or the time of a passive run is over. */
+static void record_motion(field_run_t *run, const field_run_config_t *config)
+{
+    bool excited = config->field.driver == FIELD_EXCITED;
+    double end_s = excited ? (double)config->sets * SET_S + LATE_S : FIELD_PASSIVE_S;
+    long ticks = lround(end_s * 1e6 / SIM_TICK_US), begin_at = lround(BEGIN_S * 1e6 / SIM_TICK_US);
+    double thruster_N[SIM_THRUSTERS] = {0.0};
+    auvid_identifier_t *id = &run->id;
+    for (long k = 1; k <= ticks && !(excited && id->metric.sets_recorded >= config->sets); ++k) {
+        field_output_t seen;
+        auvid_input_t in;
+        auvid_output_t out;
+        field_step(&run->field, excited ? thruster_N : NULL, &seen);
+        if (seen.told) {
+            auvid_real_t wrench[AUVID_DOF_COUNT];
+            copy(wrench, seen.wrench, AUVID_DOF_COUNT);
+            (void)auvid_identifier_applied(id, seen.told_us, wrench, NULL);
+        }
+        if (excited && k >= begin_at) {
+            begin(id);
+        }
+        sense(&seen, &in);
+        (void)auvid_identifier_step(id, &in, &out);
+        (void)auvid_identifier_work(id, config->budget);
+        for (int i = 0; i < SIM_THRUSTERS && i < AUVID_MAX_THRUSTERS; ++i) {
+            thruster_N[i] = (double)out.thruster_N[i];
+        }
+        if (k % LOOK == 0) {
+            field_projection_add(&run->projection, field_truth(&run->field));
+        }
+    }
+}
+
+/* The drag forces of the estimate. */
+static void estimate_forces(field_record_t *record)
+{
+    for (int k = 0; k < FIELD_PARTS; ++k) {
+        for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
+            int e = d / 2;
+            double speed = field_part[k] * record->truth.speed[e][d % 2];
+            field_force_t *to = &record->force[k][d];
+            to->estimated = record->estimated[SIM_X_U + 2 * e];
+            to->value = field_drag(record->pi, e, d % 2 == 0 ? speed : -speed);
+            to->half = HUGE_VAL;
+        }
+    }
+}
+
+static void gather(const field_run_t *run, const field_run_config_t *config, field_record_t *record)
+{
+    const auvid_identifier_t *id = &run->id;
+    const auvid_estimate_t *estimate = &id->estimate;
+    field_built_t built;
+    memset(record, 0, sizeof *record);
+    record->seed = config->field.seed;
+    memcpy(record->size, config->field.size, sizeof record->size);
+    record->capped = estimate->capped;
+    record->sets = id->metric.sets_recorded;
+    record->simulated_s = field_truth(&run->field)->t_s;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        auvid_real_t sigma = estimate->confidence.sigma[i];
+        record->estimated[i] = estimate->number > 0 && (estimate->identified >> i & 1u) != 0;
+        record->flagged[i] =
+            record->estimated[i] && (estimate->confidence.identifiable >> i & 1u) != 0;
+        record->note[i] =
+            record->estimated[i] ? estimate->confidence.note[i] : (uint8_t)AUVID_NOTE_NOT_DRIVEN;
+        record->pi[i] = (double)estimate->pi[i];
+        record->sigma[i] = record->estimated[i] && sigma < AUVID_LARGEST ? (double)sigma : HUGE_VAL;
+    }
+    for (int e = 0; e < FIELD_EQUATIONS; ++e) {
+        record->tau_max[e] = (double)id->metric.cfg.tau_max[field_dof(e)];
+        record->delay_s[e] = (double)estimate->delay_s[field_dof(e)];
+    }
+    field_built(&run->field, &built);
+    field_projection_solve(&run->projection, &built, &record->truth);
+    estimate_forces(record);
+}
+
+bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record)
+{
+    auvid_identifier_config_t *cfg = &run->id.config;
+    memset(run, 0, sizeof *run);
+    field_run_identifier(config, &run->averaged, cfg);
+    if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0) {
+        return false;
+    }
+    record_motion(run, config);
+    while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
+    }
+    gather(run, config, record);
+    return true;
+}

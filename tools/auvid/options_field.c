@@ -1,0 +1,107 @@
+/*
+ * Options of demo in the field.
+ */
+#include <string.h>
+
+#include "complain.h"
+#include "options_reader.h"
+
+const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawnmower", "station"};
+
+/* Runs, unless told. */
+#define RUNS 20
+
+static int take_driver(reader_t *r, options_field_t *f)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    for (int i = 0; i < FIELD_DRIVERS; ++i) {
+        if (strcmp(text, options_drivers[i]) == 0) {
+            f->driver = (field_driver_t)i;
+            return 0;
+        }
+    }
+    return complain("%s: '%s' is not one of excited, joystick, lawnmower, station", r->name, text);
+}
+
+static int take_mismatch(reader_t *r, options_field_t *f)
+{
+    if (f->mismatches == FIELD_MISMATCHES) {
+        return complain("demo: more than %d of --mismatch", FIELD_MISMATCHES);
+    }
+    return take_value(r, &f->mismatch[f->mismatches++]);
+}
+
+int options_field_take(reader_t *r, options_t *options)
+{
+    options_field_t *f = &options->field;
+    const struct {
+        const char *name;
+        double *to;
+    } uncertainties[] = {{"--thrust-scale", &f->thrust_scale},
+                         {"--dvl-scale", &f->dvl_scale},
+                         {"--delay", &f->delay_s}};
+    for (size_t k = 0; k < sizeof uncertainties / sizeof uncertainties[0]; ++k) {
+        if (strcmp(r->name, uncertainties[k].name) == 0) {
+            f->chosen = uncertainties[k].name;
+            return take_number(r, 1.0, uncertainties[k].to);
+        }
+    }
+    if (strcmp(r->name, "--field") == 0) {
+        f->mixture = true;
+        return take_number(r, 10.0, &f->strength);
+    }
+    if (strcmp(r->name, "--mismatch") == 0) {
+        return take_mismatch(r, f);
+    }
+    if (strcmp(r->name, "--driver") == 0) {
+        f->chosen = "--driver";
+        return take_driver(r, f);
+    }
+    if (strcmp(r->name, "--perfect-inputs") == 0) {
+        f->chosen = "--perfect-inputs";
+        f->thrust_scale = f->dvl_scale = f->delay_s = 0.0;
+        return take_flag(r, &f->perfect_inputs);
+    }
+    if (strcmp(r->name, "--perfect-thrust") == 0) {
+        f->chosen = "--perfect-thrust";
+        return take_flag(r, &f->perfect_thrust);
+    }
+    return strcmp(r->name, "--matched") == 0 ? take_flag(r, &f->matched) : -1;
+}
+
+int options_field_check(options_t *options)
+{
+    options_field_t *f = &options->field;
+    bool matched = f->matched && (f->mixture || f->perfect_thrust || f->mismatches > 0);
+    const char *other = options->scenario != NULL    ? "--scenario"
+                        : options->csv != NULL       ? "--csv"
+                        : options->literal           ? "--literal"
+                        : options->adaptive          ? "--adaptive"
+                        : options->disturbance_N > 0 ? "--disturbance"
+                        : options->lag_s > 0         ? "--lag"
+                                                     : NULL;
+    f->wanted = f->mixture || f->matched || f->mismatches > 0;
+    if (!f->wanted) {
+        return f->chosen != NULL
+                   ? complain("demo: %s is for --field, --mismatch or --matched", f->chosen)
+                   : 0;
+    }
+    if (matched) {
+        return complain("demo: --matched is a world of its own: no --field, --mismatch or "
+                        "--perfect-thrust beside it");
+    }
+    if (other != NULL) {
+        return complain("demo: --field and %s do not go together", other);
+    }
+    if (options->vehicle != &vehicle_girona500) {
+        return complain("demo: in the field there are girona500 and rov20");
+    }
+    if (options->sets > 0 && f->driver != FIELD_EXCITED) {
+        return complain("demo: --sets is for --driver excited");
+    }
+    options->runs = options->runs > 0 ? options->runs : RUNS;
+    return 0;
+}
