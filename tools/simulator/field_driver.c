@@ -1,0 +1,206 @@
+/*
+ * Who drives. All but the excitation see what the sensors tell, no more: depth, attitude and rates
+ * as measured, velocity of the last DVL sample, position by dead reckoning from both. What they want
+ * is a wrench in surge, sway, heave and yaw, on top of hover thrust; the thrusters share it by the
+ * pseudo-inverse, and each stops at its limit.
+ *
+ * Hover thrust is for the weight in water that the vehicle has at the start, as told thrust.
+ */
+#include "field_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { X, Y, Z, N, WANTED };
+
+#define TICK_S (SIM_TICK_US * 1e-6)
+/* Excited: beyond so many metres from the start's depth thrust leads back, by so much of the
+ * amplitude a metre. */
+#define EXCITED_DEPTH_M 3.0
+#define EXCITED_LEAD 0.05
+/* The pilot corrects the depth from so many metres off until so many. */
+#define PILOT_FAR_M 2.0
+#define PILOT_NEAR_M 0.5
+#define PILOT_HAND_S 0.3
+#define LEG_M 18.0
+#define LANE_M 3.0
+#define LANES 6
+/* A new DVL sample this far from the one before is left out. */
+#define VELOCITY_JUMP_M_S 0.6
+
+void field_pilot_init(field_t *field)
+{
+    static const int axis[WANTED] = {0, 1, 2, 5};
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    field_pilot_t *p = &field->pilot;
+    memset(p, 0, sizeof *p);
+    p->position[2] = field->truth.position[2];
+    sim_rng_seed(&p->rng, field->config.seed, FIELD_STREAM_PILOT);
+    for (int i = 0; i < WANTED; ++i) { /* T' (T T')^-1 */
+        double square[6][6] = {{0}}, x[6] = {0};
+        for (int k = 0; k < 6; ++k) {
+            square[k][k] = k < WANTED ? 0.0 : 1.0;
+        }
+        for (int k = 0; k < WANTED; ++k) {
+            for (int l = 0; l < WANTED; ++l) {
+                for (int j = 0; j < sheet->thrusters; ++j) {
+                    square[k][l] += sheet->matrix[axis[k]][j] * sheet->matrix[axis[l]][j];
+                }
+            }
+        }
+        x[i] = 1.0;
+        (void)sim_solve(square, x); /* of full rank: both vehicles move in all four */
+        for (int j = 0; j < sheet->thrusters; ++j) {
+            for (int k = 0; k < WANTED; ++k) {
+                p->mix[j][i] += sheet->matrix[axis[k]][j] * x[k];
+            }
+        }
+    }
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        p->hover_N[j] = -p->mix[j][Z] * (field->hull.weight_N - field->hull.buoyancy_N);
+    }
+}
+
+void field_pilot_hear(field_t *field, const field_output_t *out)
+{
+    field_pilot_t *p = &field->pilot;
+    const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
+    double r[3][3], over[3];
+    if (imu->has) {
+        memcpy(p->euler, imu->value, sizeof p->euler);
+        memcpy(p->rates, imu->value + 3, sizeof p->rates);
+    }
+    if (dvl->has && dvl->axes == 7) {
+        double jump = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            jump = fmax(jump, fabs(dvl->value[i] - p->velocity[i]));
+        }
+        if (!p->has_velocity || jump < VELOCITY_JUMP_M_S) {
+            memcpy(p->velocity, dvl->value, sizeof p->velocity);
+        }
+        p->has_velocity = jump < VELOCITY_JUMP_M_S; /* after two of them it is believed */
+    }
+    sim_rotation(p->euler, r);
+    field_rotate(r, p->velocity, over);
+    for (int i = 0; i < 2; ++i) {
+        p->position[i] += over[i] * TICK_S;
+    }
+    p->position[2] = out->sensor[SIM_DEPTH].has ? out->sensor[SIM_DEPTH].value[0] : p->position[2];
+}
+
+/* ---- the excitation, and a pilot with a joystick ---- */
+
+static void excited(field_t *field, double want[WANTED])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    double low = field->pilot.position[2] - FIELD_START_M;
+    double beyond = copysign(fmax(fabs(low) - EXCITED_DEPTH_M, 0.0), low);
+    want[Z] = -EXCITED_LEAD * sheet->amplitude[2] * fmax(-4.0, fmin(4.0, beyond));
+}
+
+/* Each stick goes to a new place now and then, more often than not away from the middle. */
+static void joystick(field_t *field, double want[WANTED])
+{
+    static const int axis[WANTED] = {0, 1, 2, 5};
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    field_pilot_t *p = &field->pilot;
+    double now = 1e-6 * (double)field->t_us, low = p->position[2] - FIELD_START_M;
+    p->deep = fabs(low) > (p->deep ? PILOT_NEAR_M : PILOT_FAR_M);
+    for (int i = 0; i < WANTED; ++i) {
+        if (now >= p->stick_s[i]) {
+            bool away = sim_rng_uniform(&p->rng) < 0.65;
+            double far = 0.3 + 0.7 * sim_rng_uniform(&p->rng);
+            far = sim_rng_uniform(&p->rng) < 0.5 ? far : -far;
+            p->stick_to[i] = away ? far : 0.0;
+            p->stick_s[i] = now + 2.0 + 6.0 * sim_rng_uniform(&p->rng);
+        }
+        double to = i == Z && p->deep ? copysign(0.6, -low) : p->stick_to[i];
+        p->stick[i] += (to - p->stick[i]) * TICK_S / PILOT_HAND_S;
+        want[i] = p->stick[i] * sheet->amplitude[axis[i]];
+    }
+}
+
+/* ---- controllers ---- */
+
+/* PID of a body with mass m: poles at `bandwidth`, the integral slower. */
+static double pid(double *sum, double error, double error_rate, double m, double bandwidth,
+                  double most)
+{
+    double gain = m * bandwidth * bandwidth, damping = 2.0 * m * bandwidth;
+    *sum += gain * bandwidth / 6.0 * error * TICK_S;
+    *sum = fmax(-most, fmin(most, *sum));
+    return fmax(-most, fmin(most, gain * error + damping * error_rate + *sum));
+}
+
+/* Hold the reference: place, depth, heading. */
+static void hold(field_t *field, const double rate[2], double want[WANTED])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const double *mass = sheet->parameter + SIM_M_U, *most = sheet->amplitude;
+    field_pilot_t *p = &field->pilot;
+    double c = cos(p->euler[2]), s = sin(p->euler[2]), b = sheet->bandwidth;
+    double north = p->reference[0] - p->position[0], east = p->reference[1] - p->position[1];
+    double turn = remainder(p->reference_heading - p->euler[2], 2.0 * FIELD_PI);
+    double down = FIELD_START_M - p->position[2];
+    want[X] = pid(&p->sum[X], c * north + s * east, c * rate[0] + s * rate[1] - p->velocity[0],
+                  mass[0], b, most[0]);
+    want[Y] = pid(&p->sum[Y], c * east - s * north, c * rate[1] - s * rate[0] - p->velocity[1],
+                  mass[1], b, most[1]);
+    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, most[2]);
+    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, most[5]);
+}
+
+static void station(field_t *field, double want[WANTED])
+{
+    const double still[2] = {0};
+    hold(field, still, want);
+}
+
+/* The reference runs along the leg, then across to the next one while the heading turns. */
+static void lawnmower(field_t *field, double want[WANTED])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    field_pilot_t *p = &field->pilot;
+    bool across = p->leg % 2 == 1;
+    int lane = p->leg / 2;
+    double back = lane % 2 == 0 ? 1.0 : -1.0, side = lane / LANES % 2 == 0 ? 1.0 : -1.0;
+    double length = across ? LANE_M : LEG_M, rate[2];
+    double to =
+        across ? (side > 0.0 ? FIELD_PI / 2.0 : -FIELD_PI / 2.0) : (back > 0.0 ? 0.0 : FIELD_PI);
+    double gone = hypot(p->reference[0] - p->from[0], p->reference[1] - p->from[1]);
+    double wanted = fmin(sheet->speed_m_s * (across ? 0.5 : 1.0), 0.3 * (length - gone) + 0.03);
+    p->reference_speed += (wanted - p->reference_speed) * TICK_S / 1.5;
+    rate[0] = p->reference_speed * cos(to);
+    rate[1] = p->reference_speed * sin(to);
+    p->reference[0] += rate[0] * TICK_S;
+    p->reference[1] += rate[1] * TICK_S;
+    double heading = across ? (back > 0.0 ? FIELD_PI : 0.0) : to;
+    double turn = remainder(heading - p->reference_heading, 2.0 * FIELD_PI);
+    p->reference_heading += fmax(-0.3, fmin(0.3, turn)) * TICK_S;
+    if (gone >= length) {
+        ++p->leg;
+        memcpy(p->from, p->reference, sizeof p->from);
+    }
+    hold(field, rate, want);
+}
+
+void field_pilot_drive(field_t *field, const double *thruster_N, double command_N[SIM_THRUSTERS])
+{
+    static void (*const drive[FIELD_DRIVERS])(field_t *,
+                                              double[WANTED]) = {[FIELD_EXCITED] = excited,
+                                                                 [FIELD_JOYSTICK] = joystick,
+                                                                 [FIELD_LAWNMOWER] = lawnmower,
+                                                                 [FIELD_STATION] = station};
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_pilot_t *p = &field->pilot;
+    bool added = field->config.driver == FIELD_EXCITED && thruster_N != NULL;
+    double want[WANTED] = {0};
+    drive[field->config.driver](field, want);
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        double asked = added && isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
+        command_N[j] = p->hover_N[j] + asked;
+        for (int i = 0; i < WANTED; ++i) {
+            command_N[j] += p->mix[j][i] * want[i];
+        }
+    }
+}

@@ -1,0 +1,212 @@
+/*
+ * From the command of a tick to what acts. For each thruster, forces as parts of f_max:
+ *   command c, acting when its time has come
+ *   ESC        PWM pulse of 1 us steps, dead zone d: |c| = s^2, s -> (400 s - d) / (400 - d)
+ *   propeller  |f|^(1 + e), weaker backwards, less the dead band, times gain, sag and battery
+ *   speed      n = sign(f) sqrt|f|: limited in its slope, then lagging; force n |n|
+ *   inflow     times 1 - a v, v the water's speed along the force
+ * The operator is told c, or what the pulse alone says, or that times the voltage squared.
+ */
+#include "field_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of the width of a pulse from standstill to full speed. */
+#define PULSE_US 400.0
+/* Thrust by voltage at a given pulse, of thrusters of the T200's kind between 12 and 20 V. */
+#define VOLTAGE_EXPONENT 1.2
+/* Of the voltage lost over the run, what full load takes at once. */
+#define LOAD_SHARE 0.5
+
+void field_thrust_init(field_t *field)
+{
+    const double *size = field->config.size;
+    field_thrust_t *t = &field->thrust;
+    sim_rng_t rng;
+    memset(t, 0, sizeof *t);
+    sim_rng_seed(&rng, field->config.seed, FIELD_STREAM_THRUSTERS);
+    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        double each = 1.0 + size[FIELD_THRUST_EACH] * sim_rng_gauss(&rng);
+        t->gain[j] = fmax((1.0 + size[FIELD_THRUST_COMMON]) * each, 0.0);
+    }
+}
+
+/* Part of the run that has gone by. */
+static double part_of_run(const field_t *field)
+{
+    return fmin(1e-6 * (double)field->t_us / field->config.length_s, 1.0);
+}
+
+/* Voltage by that of the full battery, at a mean load 0..1. */
+static double voltage(const field_t *field, double load)
+{
+    const double *size = field->config.size;
+    double lost = fmax(size[FIELD_BATTERY], size[FIELD_BATTERY_CORRECTED]);
+    return 1.0 - lost * (part_of_run(field) + LOAD_SHARE * load);
+}
+
+static double mean_load(const field_sheet_t *sheet, const double command_N[SIM_THRUSTERS])
+{
+    double sum = 0.0;
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        sum += fabs(command_N[j]) / sheet->thruster_max_N;
+    }
+    return sum / sheet->thrusters;
+}
+
+/* Width of the pulse off standstill for a part of the largest force. */
+static double pulse_us(double part)
+{
+    return copysign(floor(PULSE_US * sqrt(fabs(part)) + 0.5), part);
+}
+
+void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const double *size = field->config.size;
+    field_thrust_t *t = &field->thrust;
+    field_command_t *c = &t->ring[t->written++ % FIELD_RING];
+    double f_max = sheet->thruster_max_N;
+    memset(c, 0, sizeof *c);
+    c->t_us = field->t_us;
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        command_N[j] = fmax(-f_max, fmin(f_max, command_N[j]));
+        c->command_N[j] = c->told_N[j] = command_N[j];
+        if (size[FIELD_COMMAND_PWM] > 0.0) {
+            double s = pulse_us(command_N[j] / f_max) / PULSE_US;
+            c->told_N[j] = f_max * s * fabs(s);
+        }
+    }
+    if (size[FIELD_BATTERY_CORRECTED] > 0.0) {
+        double v = voltage(field, mean_load(sheet, command_N));
+        for (int j = 0; j < sheet->thrusters; ++j) {
+            c->told_N[j] *= v * v;
+        }
+    }
+}
+
+/* The force that thruster j has in the long run under a command, in still water [N]. */
+static double steady(const field_t *field, int j, double command_N, double by_voltage)
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const double *size = field->config.size;
+    double f_max = sheet->thruster_max_N, part = command_N / f_max, dead = size[FIELD_COMMAND_PWM];
+    if (dead > 0.0) {
+        double s = fmax(fabs(pulse_us(part)) - dead, 0.0) / (PULSE_US - dead);
+        part = copysign(s * s, part);
+    }
+    double force = f_max * pow(fabs(part), 1.0 + size[FIELD_THRUST_EXPONENT]);
+    force = fmax(force - size[FIELD_THRUST_DEAD_BAND], 0.0);
+    force *= part < 0.0 ? 1.0 - size[FIELD_THRUST_BACKWARD] : 1.0;
+    force *= field->thrust.gain[j] * (1.0 - size[FIELD_THRUST_SAG] * part_of_run(field));
+    return copysign(force * by_voltage, part);
+}
+
+/* A first-order lag. */
+static double lagged(double x, double to, double lag_s, double h)
+{
+    return lag_s > 0.0 ? x - expm1(-h / lag_s) * (to - x) : to;
+}
+
+/* The newest command whose time has come, to the nearest substep. */
+static const field_command_t *find_acting(field_t *field, double h)
+{
+    field_thrust_t *t = &field->thrust;
+    double early_s = fmax(-field->config.size[FIELD_THRUST_LATE], 0.0);
+    double now = 1e-6 * (double)field->t_us + h / 2.0;
+    while (t->acting < t->written &&
+           1e-6 * (double)t->ring[t->acting % FIELD_RING].t_us + early_s <= now) {
+        ++t->acting;
+    }
+    return t->acting > 0 ? &t->ring[(t->acting - 1) % FIELD_RING] : NULL;
+}
+
+/* What the water's speed along the force takes or gives. */
+static double inflow(const field_t *field, int j, double force)
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    double along = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        along += sheet->matrix[i][j] * field->truth.nu[i];
+    }
+    double loss = field->config.size[FIELD_THRUST_ADVANCE] * (force < 0.0 ? -along : along);
+    return force * fmax(0.0, fmin(2.0, 1.0 - loss));
+}
+
+/* Move a thruster by h seconds towards a steady force. */
+static void follow(field_t *field, int j, double force, double h)
+{
+    const double *size = field->config.size;
+    field_thrust_t *t = &field->thrust;
+    if (size[FIELD_THRUST_LAG] > 0.0 || size[FIELD_SLEW] > 0.0) {
+        double to = copysign(sqrt(fabs(force)), force);
+        double most = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
+                      fmax(size[FIELD_SLEW], 1e-9);
+        t->slewed[j] += fmax(-most, fmin(most, to - t->slewed[j]));
+        t->speed[j] = lagged(t->speed[j], t->slewed[j], size[FIELD_THRUST_LAG], h);
+        force = t->speed[j] * fabs(t->speed[j]);
+    }
+    t->force[j] = lagged(t->force[j], force, size[FIELD_THRUST_FORCE_LAG], h);
+}
+
+void field_thrust_advance(field_t *field, double h, double wrench[6])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const double *size = field->config.size;
+    field_thrust_t *t = &field->thrust;
+    const field_command_t *c = find_acting(field, h);
+    double by_voltage = 1.0;
+    memset(wrench, 0, 6 * sizeof wrench[0]);
+    if (c != NULL && (size[FIELD_BATTERY] > 0.0 || size[FIELD_BATTERY_CORRECTED] > 0.0)) {
+        by_voltage = pow(voltage(field, mean_load(sheet, c->command_N)), VOLTAGE_EXPONENT);
+    }
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        double force = c != NULL ? steady(field, j, c->command_N[j], by_voltage) : 0.0;
+        follow(field, j, force, h / 2.0);
+        double middle = inflow(field, j, t->force[j]);
+        follow(field, j, force, h / 2.0);
+        for (int i = 0; i < 6; ++i) {
+            wrench[i] += sheet->matrix[i][j] * middle;
+        }
+    }
+}
+
+void field_thrust_truth(const field_t *field, double delivered[6], double told[6])
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_thrust_t *t = &field->thrust;
+    memset(delivered, 0, 6 * sizeof delivered[0]);
+    memset(told, 0, 6 * sizeof told[0]);
+    for (int j = 0; j < sheet->thrusters; ++j) {
+        double acts = inflow(field, j, t->force[j]);
+        double said = t->acting > 0 ? t->ring[(t->acting - 1) % FIELD_RING].told_N[j] : 0.0;
+        for (int i = 0; i < 6; ++i) {
+            delivered[i] += sheet->matrix[i][j] * acts;
+            told[i] += sheet->matrix[i][j] * said;
+        }
+    }
+}
+
+void field_thrust_tell(field_t *field, field_output_t *out)
+{
+    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const double *size = field->config.size;
+    field_thrust_t *t = &field->thrust;
+    uint64_t late_us = (uint64_t)(1e6 * fmax(size[FIELD_THRUST_LATE], 0.0) + 0.5);
+    if (t->told == t->written || t->ring[t->told % FIELD_RING].t_us + late_us >= out->t_us) {
+        return;
+    }
+    const field_command_t *c = &t->ring[t->told % FIELD_RING];
+    out->told = size[FIELD_COMMAND_10HZ] == 0.0 || t->told % 5 == 0;
+    ++t->told;
+    if (out->told) {
+        out->told_us = c->t_us + late_us;
+        memcpy(out->thruster_N, c->told_N, sizeof out->thruster_N);
+        for (int j = 0; j < sheet->thrusters; ++j) {
+            for (int i = 0; i < 6; ++i) {
+                out->wrench[i] += sheet->matrix[i][j] * c->told_N[j];
+            }
+        }
+    }
+}
