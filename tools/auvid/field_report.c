@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const group_names[FIELD_CLASSES] = {"all", "masses", "W-B", "linear drag",
-                                                       "quadratic drag"};
-static const char *const group_keys[FIELD_CLASSES] = {"all", "masses", "W-B", "linear_drag",
-                                                      "quadratic_drag"};
+static const char *const group_names[FIELD_CLASSES] = {"all", "all but W-B", "masses",
+                                                       "W-B", "linear drag", "quadratic drag"};
+static const char *const group_keys[FIELD_CLASSES] = {"all", "all_but_W-B", "masses",
+                                                      "W-B", "linear_drag", "quadratic_drag"};
 static const char *const question_names[FIELD_QUESTIONS] = {
     "flagged",   "wrong",        "beyond",         "error_over_sigma", "rms_error_flagged",
     "rms_error", "within_sigma", "within_2_sigma", "told_wrong",       "told_beyond"};

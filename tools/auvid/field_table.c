@@ -61,6 +61,9 @@ static void answer(field_ratio_t *run, int question, int i, double part)
     if (!(relative && i == SIM_WB)) {
         add(&run[FIELD_AT(question, FIELD_ALL)], part, 1.0);
     }
+    if (i != SIM_WB) {
+        add(&run[FIELD_AT(question, FIELD_BUT_WEIGHT)], part, 1.0);
+    }
     add(&run[FIELD_AT(question, class_of(i))], part, 1.0);
     add(&run[FIELD_AT(question, FIELD_CLASSES + i)], part, 1.0);
 }

@@ -21,6 +21,7 @@
 /** Which parameters a figure is about: classes, then each by itself. */
 enum {
     FIELD_ALL,
+    FIELD_BUT_WEIGHT, /* all but W-B */
     FIELD_MASSES,
     FIELD_WEIGHT, /* W-B */
     FIELD_LINEAR,
