@@ -291,6 +291,7 @@ void field_report_json(const field_campaign_t *campaign, const field_table_t *ta
     json_figure(",\n  ", "runs_not_converged", &table->figure[FIELD_AT_CAPPED_RUN]);
     json_groups(table);
     json_forces(table);
+    json_list("tau_max", record[0].tau_max, FIELD_EQUATIONS);
     printf(",\n  \"parameters\": [");
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         printf("%s\"%s\"", i == 0 ? "" : ", ", parameter_name(i));

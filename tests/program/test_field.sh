@@ -1,0 +1,191 @@
+#!/usr/bin/env bash
+# auvid demo --field, --mismatch, --matched: statistics of what the identifier says of vehicles with
+# ordinary mismatches. Long form: the table of all worlds, 300 runs each, and what holds of it.
+. "$(dirname "$0")/common.sh"
+
+cat >figures.py <<'END'
+import json, math, os, subprocess, sys
+NAMES = "m_u m_v m_w m_r W-B X_u X_uu Y_v Y_vv Z_w Z_ww N_r N_rr".split()
+EQUATION = [0, 1, 2, 3, 2, 0, 0, 1, 1, 2, 2, 3, 3]
+WB = 4
+near = lambda a, b: math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-8)
+
+
+def is_wrong(run, i, tau_max, truth="truth"):
+    """More than 20 % off, and by a force of more than 2 % of tau_max; W-B: the latter."""
+    e, error = EQUATION[i], abs(run["estimate"][i] - run[truth][i])
+    speed = max(run["speed"][2 * e:2 * e + 2])
+    motion = (1 if i == WB else run["acceleration"][e] if i < WB else
+              speed if (i - WB) % 2 == 1 else speed ** 2)
+    return error * motion > 0.02 * tau_max[e] and (i == WB or error > 0.2 * abs(run[truth][i]))
+
+
+def recount(d):
+    """The shares once more, from the runs."""
+    flags = [(run, i) for run in d["each"] for i in range(13) if run["flagged"][i]]
+    assert near(d["flagged"]["all"]["value"], len(flags) / (13 * d["runs"]))
+    for truth, told in (("truth", ""), ("told_truth", "told_")):
+        wrong = sum(is_wrong(run, i, d["tau_max"], truth) for run, i in flags)
+        beyond = sum(abs(run["estimate"][i] - run[truth][i]) > 2.1 * run["sigma"][i]
+                     for run, i in flags)
+        for name, count in (("wrong", wrong), ("beyond", beyond)):
+            f = d[told + name]["all"]
+            assert f["of"] == len(flags)
+            assert f["value"] is None if not flags else near(f["value"], count / len(flags)), f
+    runs = sum(any(run["flagged"][i] and is_wrong(run, i, d["tau_max"]) for i in range(13))
+               for run in d["each"])
+    assert near(d["runs_with_wrong_flag"]["value"], runs / d["runs"])
+
+
+def whole(d, runs):
+    """Everything is there, and is what the runs say."""
+    assert d["runs"] == len(d["each"]) == runs and d["parameters"] == NAMES
+    assert [run["seed"] for run in d["each"]] == [d["seed"] + k for k in range(runs)]
+    assert d["flagged"]["all"]["of"] == 13 * runs and d["flagged"]["masses"]["of"] == 4 * runs
+    assert near(sum(f["value"] for f in d["said"].values()), 1)
+    shares = [point["flagged"]["value"] for point in d["curve"]]
+    assert [point["limit"] for point in d["curve"]] == [0.1, 0.15, 0.2, 0.25, 0.3, 0.4]
+    assert shares == sorted(shares)
+    assert set(d["drag_force"]) == {"off", "flagged", "wrong", "beyond"}
+    for question in ("flagged", "wrong", "beyond", "error_over_sigma", "rms_error"):
+        for f in d[question].values():
+            assert f["value"] is None or f["low"] - 1e-9 <= f["value"] <= f["high"] + 1e-9, f
+    recount(d)
+
+
+if __name__ == "__main__":
+    d = json.load(open(sys.argv[1]))
+    V = lambda question, group="all": d[question][group]["value"]
+    exec(sys.argv[2])
+END
+
+# holds FILE CODE: Python that sees the JSON object in FILE as d.
+holds() {
+    python3 figures.py "$@"
+}
+
+# ---- what is refused ----
+check "a mismatch without a size" refuses "'cg_x' is not NAME=SIZE, or list" demo --mismatch cg_x
+check "a mismatch that is none" refuses "'storm' is none \(--mismatch list" demo --mismatch storm=1
+for bad in '' x nan 9 0.1m; do
+    check "--mismatch cg_x=$bad" refuses 'is not a number from -0.1 to 0.1' demo "--mismatch=cg_x=$bad"
+done
+for bad in -1 11 nan x; do
+    check "--field $bad" refuses -- '--field: .* is not a number from 0 to 10' demo "--field=$bad"
+done
+check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
+    demo --field 1 --driver cat
+for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust \
+    "--thrust-scale 0.1" "--dvl-scale 0.1" "--delay 0.1"; do
+    # shellcheck disable=SC2086
+    check "$other without the field" refuses \
+        "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other
+done
+for other in "--scenario payload" "--csv x.csv" --literal --adaptive "--disturbance 1" "--lag 1"; do
+    # shellcheck disable=SC2086
+    check "--field with $other" refuses -- "--field and ${other%% *} do not go together" \
+        demo --field 1 $other
+done
+check "--field with a vehicle that it does not have" refuses 'there are girona500 and rov20' \
+    demo --field 1 --vehicle bluerov2
+check "--sets of a passive run" refuses -- '--sets is for --driver excited' \
+    demo --field 1 --driver joystick --sets 4
+check "--matched beside a mixture" refuses -- '--matched is a world of its own' \
+    demo --matched --field 1
+check "rov20 on a bus" refuses "'rov20' is not one of" vehicle --bus memory --vehicle rov20
+
+# ---- what is said ----
+check "--mismatch list" exits 0 demo --mismatch list
+check "  names, units, sizes" grep -Eq '^thrust_lag +s +0\.05 \.\. 0\.25 +first-order lag' out
+check "tables" exits 0 demo --field 1 --runs 2
+check "  every part is there" python3 -c '
+text = open("out").read()
+for line in ("mismatches   mixture of strength 1", "uncertainty  of the thrust", "  masses   ",
+             "  quadratic drag", "by the told truth", "at 0.6", "half-width limit", "said of"):
+    assert line in text, (line, text)'
+check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
+for vehicle in girona500 rov20; do
+    for driver in excited joystick lawnmower station; do
+        check "$vehicle, $driver" exits 0 demo --field 1 --vehicle "$vehicle" --driver "$driver" \
+            --runs 2 --seed 11 --json
+        check "  the figures are those of the runs" holds out "whole(d, 2)"
+    done
+done
+exits 0 demo --field 1 --runs 4 --sets 4 --json
+cp out four
+exits 0 demo --field 1 --runs 4 --sets 4 --json
+check "the same seeds, the same figures" cmp out four
+exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
+check "seeds are counted on: runs may be shared out" holds out '
+assert d["each"] == json.load(open("four"))["each"][2:]'
+
+# ---- what is right ----
+perfect="demo --field 0 --perfect-inputs --json"
+for vehicle in girona500 rov20; do
+    # shellcheck disable=SC2086
+    check "no mismatch, $vehicle" exits 0 $perfect --vehicle $vehicle --runs 8
+    check "  no flag is wrong, >= 95 % are flagged" holds out '
+assert V("wrong") == 0 and V("flagged") >= 0.95 and V("rms_error") < 0.03
+assert all(f["value"] == 0 for f in d["drag_force"]["off"].values())
+assert all(abs(g - 1) < 1e-9 for run in d["each"] for g in run["told_gain"])
+assert all(r < 0.1 for run in d["each"] for r in run["residual"])'
+done
+check "a fifth of the thrust is missing" exits 0 \
+    demo --mismatch thrust_common=-0.2 --perfect-inputs --runs 3 --json
+check "  masses are wrong in newtons, and right in newtons as told" holds out '
+assert V("wrong", "masses") == 1 and V("told_wrong", "all_but_W-B") == 0
+assert all(abs(g - 0.8) < 0.01 for run in d["each"] for g in run["told_gain"])
+assert all(run["mismatch"] == {"thrust_common": -0.2} for run in d["each"])'
+check "perfect thrust" exits 0 demo --field 2 --perfect-thrust --runs 2 --sets 2 --json
+check "  is delivered as told" holds out '
+assert all(abs(g - 1) < 1e-3 for run in d["each"] for g in run["told_gain"])
+assert all("cross" in run["mismatch"] for run in d["each"])'
+check "a mismatch beside a mixture takes its place" exits 0 \
+    demo --field 1 --mismatch thrust_sag=0 --mismatch ballast=2 --runs 2 --sets 2 --json
+check "  in every run" holds out '
+assert all(run["mismatch"]["ballast"] == 2 and "thrust_sag" not in run["mismatch"]
+           and "thrust_lag" in run["mismatch"] for run in d["each"])'
+check "the matched world" exits 0 demo --matched --thrust-scale 0.05 --dvl-scale 0.01 --runs 12 \
+    --sets 2 --json
+check "  has the scales that are told, and no other mismatch" holds out '
+assert all(set(run["mismatch"]) == {"thrust_common", "dvl_scale", "hull"} for run in d["each"])
+for name, sigma in (("thrust_common", 0.05), ("dvl_scale", 0.01)):
+    z = [run["mismatch"][name] / sigma for run in d["each"]]
+    assert 0.3 < sum(x * x for x in z) / len(z) < 2.2, z'
+
+# ---- the table ----
+table() {
+    AUVID="$AUVID" python3 - >table.txt <<'END'
+import os, subprocess, sys
+sys.path.insert(0, ".")
+from figures import json, whole
+RUNS, SEED, D = 300, 20001, {}
+WORLDS = [("excited", "0"), ("excited", "0.5"), ("excited", "1"), ("excited", "2"),
+          ("joystick", "1"), ("lawnmower", "0"), ("lawnmower", "1"), ("station", "1")]
+show = lambda f: "-" if f["value"] is None else "%.1f [%.1f, %.1f]" % tuple(
+    100 * f[k] for k in ("value", "low", "high"))
+for vehicle in ("girona500", "rov20"):
+    for driver, strength in WORLDS:
+        out = subprocess.run([os.environ["AUVID"], "demo", "--field", strength, "--driver", driver,
+                              "--vehicle", vehicle, "--perfect-inputs", "--runs", str(RUNS),
+                              "--seed", str(SEED), "--json"], capture_output=True, check=True)
+        d = D[vehicle, driver, strength] = json.loads(out.stdout)
+        whole(d, RUNS)
+        print(vehicle, driver, strength, "flagged", show(d["flagged"]["all"]), "wrong",
+              show(d["wrong"]["all"]), "beyond", show(d["beyond"]["all"]), "force at 0.6 off",
+              show(d["drag_force"]["off"]["0.6"]), flush=True)
+    wrong = [D[vehicle, "excited", f]["wrong"]["all"] for f in ("0", "0.5", "1", "2")]
+    flagged = [D[vehicle, "excited", f]["flagged"]["all"] for f in ("0", "0.5", "1", "2")]
+    assert wrong[0]["value"] == 0 and flagged[0]["low"] > 0.95
+    for less, more in zip(range(3), range(1, 4)):  # more mismatch: fewer flags, more of them wrong
+        assert wrong[less]["high"] < wrong[more]["low"], wrong
+        assert flagged[less]["low"] > flagged[more]["high"], flagged
+    closed = D[vehicle, "lawnmower", "1"]["wrong"]["all"]
+    assert closed["value"] is None or closed["low"] > wrong[2]["high"], closed
+END
+}
+if [ -n "${AUVID_TEST_LONG:-}" ]; then
+    check "the table of all worlds" table
+    sed 's/^/# /' table.txt
+fi
+finish
