@@ -133,7 +133,8 @@ static void see_residual(void)
 {
     double left[6];
     residual(left);
-    worst = fmax(worst, fmax(fmax(fabs(left[X]), fabs(left[Y])), fmax(fabs(left[Z]), fabs(left[N]))));
+    worst =
+        fmax(worst, fmax(fmax(fabs(left[X]), fabs(left[Y])), fmax(fabs(left[Z]), fabs(left[N]))));
 }
 
 static void test_without_mismatch_the_vehicles_are_those_of_eq_12_to_15(void)

@@ -333,8 +333,8 @@ static void test_a_cable_pulls_at_the_stern(void)
     for (cfg.seed = 1; cfg.seed <= 40; ++cfg.seed) {
         begin_with("cable", 10);
         residual_at(still, left);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10, sqrt(left[X] * left[X] + left[Y] * left[Y] +
-                                                 left[Z] * left[Z]));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10,
+                                  sqrt(left[X] * left[X] + left[Y] * left[Y] + left[Z] * left[Z]));
         TEST_ASSERT_TRUE(hypot(left[X], left[Y]) > 9);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, -0.75 * left[Y], left[N]);
         points += field.hull.cable_point;
@@ -367,8 +367,8 @@ static void test_near_a_wall_added_mass_and_drag_are_up(void)
     field.truth.position[2] = 20.5;
     residual_at(nu, left);
     double u = field.truth.nu[X], k = 0.5 * pow(0.5 / (21 - field.truth.position[2]), 3);
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, k * (added * field.truth.nu_dot[X] + 42.4181 * u +
-                                        125.3578 * u * u), left[X]);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        0.3, k * (added * field.truth.nu_dot[X] + 42.4181 * u + 125.3578 * u * u), left[X]);
 }
 
 /* ---- water ---- */
