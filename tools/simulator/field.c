@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define SUBSTEP_US (SIM_TICK_US / SIM_SUBSTEPS)
+#define SUBSTEP_S (SIM_TICK_US * 1e-6 / SIM_SUBSTEPS)
 #define COLOUR_S 2.0     /* correlation time of the noise */
 #define MOMENT_SHARE 0.4 /* of the noise in N, for its moments in Nm */
 #define SWELL 0.7        /* vertical by horizontal amplitude of the waves */
@@ -112,7 +113,7 @@ bool field_init(field_t *field, const field_config_t *config)
 /* One substep. */
 static void advance(field_t *field)
 {
-    const double h = SUBSTEP_US * 1e-6;
+    const double h = SUBSTEP_S;
     const double keep = exp(-h / COLOUR_S), renew = sqrt(-expm1(-2.0 * h / COLOUR_S));
     field_truth_t *t = &field->truth;
     double state[12], external[6], disturbance[6];
@@ -147,7 +148,7 @@ void field_step(field_t *field, const double *thruster_N, field_output_t *out)
     for (int i = 0; i < SIM_SUBSTEPS; ++i) {
         field_truth_t before = field->truth;
         advance(field);
-        field_sensors_sample(field, &before, &field->truth, SUBSTEP_US * 1e-6);
+        field_sensors_sample(field, &before, &field->truth, SUBSTEP_S);
     }
     out->t_us = field->t_us;
     complete_truth(field);

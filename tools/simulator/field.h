@@ -9,7 +9,14 @@
  * describes, but for what roll and pitch do.
  *
  * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored. Four who
- * drive: the identifier's excitation, a joystick pilot, a PID lawnmower, station keeping.
+ * drive: the identifier's excitation, a joystick pilot, a PID lawnmower, station keeping. Always
+ * there is the noise of the sensors: IMU 50 Hz, 0.2 deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth
+ * 10 Hz, 15 mm; no GPS.
+ *
+ * The state is the velocity through the water: a constant current leaves the equations of motion as
+ * they are (Fossen 2011, property 8.1). RK4 at 5 ms, four steps a tick; a core simulates two to five
+ * thousand times as fast as the clock. What is not there: contact with the bottom, waves as moving
+ * water, stall of the propellers.
  *
  * Same configuration, same numbers (to the last digits of libm). No globals, no heap.
  */
@@ -25,27 +32,28 @@ extern "C" {
 typedef enum { FIELD_GIRONA500, FIELD_ROV20, FIELD_VEHICLES } field_vehicle_t;
 
 typedef enum {
-    FIELD_EXCITED,   /**< thrust as field_step is told, on top of hover thrust */
+    FIELD_EXCITED,   /**< thrust as field_step is told, on top of hover thrust; a gentle pull of
+                          told thrust more than 3 m off the start's depth */
     FIELD_JOYSTICK,  /**< a pilot's sticks: open loop, but for holding depth now and then */
-    FIELD_LAWNMOWER, /**< PID of heading, depth and surge along parallel legs */
+    FIELD_LAWNMOWER, /**< PID of position, heading and depth along parallel legs of 18 m */
     FIELD_STATION,   /**< PID of position, depth and heading at one place */
     FIELD_DRIVERS
 } field_driver_t;
 
 /** One kind of mismatch. */
 typedef struct {
-    const char *name;  /**< on the command line, "thrust_backward" */
-    const char *unit;  /**< "m", "deg", "" */
-    const char *about; /**< half a sentence */
+    const char *name;          /**< on the command line, "thrust_backward" */
+    const char *unit;          /**< "m", "deg", "" */
+    const char *about;         /**< half a sentence */
+    double low, high;          /**< at strength 1; both the same: always of this size */
+    double chance;             /**< share of the runs in which it is drawn */
+    double min_size, max_size; /**< what field_set and field_init accept */
     enum {
         FIELD_NORMAL,  /**< standard deviation `high` */
         FIELD_UNIFORM, /**< low .. high */
         FIELD_ALONE    /**< never drawn: by field_set only */
     } draw;
-    double low, high;  /**< at strength 1; both the same: always of this size */
-    double chance;     /**< share of the runs in which it is drawn */
-    bool force;        /**< drawn forces [N]: times 0.3 for the ROV */
-    double min_size, max_size; /**< what field_set and field_init accept */
+    bool force; /**< drawn forces [N]: times 0.3 for the ROV */
 } field_mismatch_t;
 
 /** Most kinds of mismatch. */
@@ -54,10 +62,10 @@ typedef struct {
 typedef struct {
     field_vehicle_t vehicle;
     field_driver_t driver;
-    uint64_t seed;                 /**< of noise, disturbance, driver, and of what a size alone does
-                                        not tell (which thruster, which direction) */
-    double length_s;               /**< of the run, > 0: sag and battery reach their size at its end,
-                                        ballast changes at its half; default 240 (excited), 600 */
+    uint64_t seed;   /**< of noise, disturbance, driver, and of what a size alone does not tell
+                          (which thruster, which direction) */
+    double length_s; /**< of the run, > 0: sag and battery reach their size at its end, ballast
+                          comes at its half; default 240 (excited), 600 */
     double size[FIELD_MISMATCHES]; /**< of each mismatch, in its unit; 0: none */
 } field_config_t;
 
@@ -80,8 +88,8 @@ typedef struct {
     double delivered[6];          /**< what the thrusters do to the vehicle [N, Nm] */
     double told[6];               /**< what was told to act now, without wrong stamps [N, Nm] */
     double disturbance[6];        /**< waves and coloured noise [N, Nm]; not the hull's */
-    double hull[6];               /**< left side of the equations of motion, M nu' + all that the hull
-                                       does: delivered + disturbance [N, Nm] */
+    double hull[6];               /**< left side of the equations of motion, M nu' + all that the
+                                       hull does: delivered + disturbance [N, Nm] */
 } field_truth_t;
 
 /** The parameters of Eq. 12-15 that the vehicle was built with, as it is at present: masses
@@ -97,45 +105,46 @@ typedef struct {
 /** The body in the water. Drag coefficients: positive dissipates. */
 typedef struct {
     double dry_kg, weight_N, buoyancy_N;
-    double r_g[3], r_b[3];        /* centres of gravity and buoyancy [m] */
-    double inertia[3];            /* of the rigid body about its centre of gravity */
-    double added[6][6];           /* added mass, away from walls */
-    double mass[6][6];            /* rigid body and added mass */
-    double inverse[6][6];         /* of mass */
+    double r_g[3], r_b[3]; /* centres of gravity and buoyancy [m] */
+    double inertia[3];     /* of the rigid body about its centre of gravity */
+    double added[6][6];    /* added mass, away from walls */
+    double mass[6][6];     /* rigid body and added mass */
+    double inverse[6][6];  /* of mass */
     double linear[6], quadratic[6];
-    double asymmetry[6];          /* drag (1 + asymmetry) forwards, (1 - asymmetry) backwards */
-    double exponent_loss;         /* of the quadratic drag */
-    double side_centre_m;         /* where the linear side drag acts, ahead of the origin */
+    double asymmetry[6];  /* drag (1 + asymmetry) forwards, (1 - asymmetry) backwards */
+    double exponent_loss; /* of the quadratic drag */
+    double side_centre_m; /* where the linear side drag acts, ahead of the origin */
     double lift_sway, lift_yaw, lift_heave; /* of |u| v, u v, u^2 */
-    double cable_N, cable_arm[3], cable_to[3]; /* pull, where it is fixed, direction or point */
-    bool cable_point;             /* cable_to is a point in the world, else a direction */
-    double current[3];            /* of the water over ground, NED [m/s] */
-    double wall;                  /* share of added mass and drag more at FIELD_NEAR_M */
-    double seabed_m;              /* depth of the bottom */
+    double cable_N, cable_arm[3];           /* pull, where it is fixed */
+    double cable_to[3];                     /* direction or point */
+    bool cable_point;                       /* cable_to is a point in the world, else a direction */
+    double current[3];                      /* of the water over ground, NED [m/s] */
+    double wall;                            /* share of added mass and drag more at FIELD_NEAR_M */
+    double seabed_m;                        /* depth of the bottom */
 } field_hull_t;
 
 /** Commands on their way. */
 #define FIELD_RING 32
 typedef struct {
-    uint64_t t_us;                 /* start of its tick */
+    uint64_t t_us; /* start of its tick */
     double command_N[SIM_THRUSTERS];
-    double told_N[SIM_THRUSTERS];  /* what the operator believes that it gives */
+    double told_N[SIM_THRUSTERS]; /* what the operator believes that it gives */
 } field_command_t;
 
 typedef struct {
-    double gain[SIM_THRUSTERS];    /* true by told, at the start of the run */
-    double speed[SIM_THRUSTERS];   /* of the propeller, sqrt(N), signed */
-    double slewed[SIM_THRUSTERS];  /* what the electronics ask of it, likewise */
-    double force[SIM_THRUSTERS];   /* after the lag of force [N] */
+    double gain[SIM_THRUSTERS];   /* true by told, at the start of the run */
+    double speed[SIM_THRUSTERS];  /* of the propeller, sqrt(N), signed */
+    double slewed[SIM_THRUSTERS]; /* what the electronics ask of it, likewise */
+    double force[SIM_THRUSTERS];  /* after the lag of force [N] */
     field_command_t ring[FIELD_RING];
-    unsigned written, told;        /* how many commands entered, and have been told */
-    unsigned acting;               /* one more than the number of the command that acts now */
+    unsigned written, told; /* how many commands entered, and have been told */
+    unsigned acting;        /* one more than the number of the command that acts now */
 } field_thrust_t;
 
 typedef struct {
     sim_rng_t noise, loss;
-    uint64_t period_us, next_us;   /* of the moments at which it measures */
-    uint64_t late_us;              /* from there to its stamp, which nobody is told */
+    uint64_t period_us, next_us; /* of the moments at which it measures */
+    uint64_t late_us;            /* from there to its stamp, which nobody is told */
     sim_measurement_t queue[SIM_QUEUE];
     uint64_t arrival_us[SIM_QUEUE];
     unsigned head, count;
@@ -145,24 +154,24 @@ typedef struct {
     field_sensor_t sensor[SIM_SENSORS];
     double imu_mount[3][3], dvl_mount[3][3]; /* body from sensor */
     double gyro_bias[3];
-    double velocity[3], jump[3];   /* of the autopilot's filter, NED [m/s] */
-    int64_t clock_us;              /* the instruments' clock is behind by so much more */
+    double velocity[3], jump[3]; /* of the autopilot's filter, NED [m/s] */
+    int64_t clock_us;            /* the instruments' clock is behind by so much more */
     sim_rng_t clock, filter;
 } field_sensing_t;
 
 typedef struct {
-    double position[3];            /* as the operator knows it, NED */
+    double position[3];                     /* as the operator knows it, NED */
     double euler[3], rates[3], velocity[3]; /* measured last */
     bool has_velocity;
-    double sum[4];                 /* integrals of the controllers [N, Nm] */
+    double sum[4]; /* integrals of the controllers [N, Nm] */
     double reference[2], reference_speed, reference_heading;
-    double from[2];                /* where the leg begins */
+    double from[2]; /* where the leg begins */
     int leg;
     double stick[4], stick_to[4], stick_s[4]; /* deflection, where to, until when */
-    bool deep;                     /* the pilot corrects the depth */
+    bool deep;                                /* the pilot corrects the depth */
     sim_rng_t rng;
     double hover_N[SIM_THRUSTERS];
-    double mix[SIM_THRUSTERS][4];  /* thrust by X Y Z N: pseudo-inverse */
+    double mix[SIM_THRUSTERS][4]; /* thrust by X Y Z N: pseudo-inverse */
 } field_pilot_t;
 
 /** A vehicle in the field: a plain struct, which may be copied to branch a run. */
@@ -175,7 +184,7 @@ typedef struct {
     field_sensing_t sensing;
     field_pilot_t pilot;
     sim_rng_t disturbance;
-    double coloured[6];            /* noise [N, Nm] */
+    double coloured[6];                     /* noise [N, Nm] */
     double wave[3], wave_rad_s, wave_phase; /* amplitude, NED [N] */
     bool ballasted;
 } field_t;
@@ -207,8 +216,8 @@ int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], do
 bool field_init(field_t *field, const field_config_t *config);
 
 /** Advance by one tick of SIM_TICK_US.
- * @param thruster_N [thrusters] FIELD_EXCITED: force commanded in addition to hover; null: none. Else
- *                   not read
+ * @param thruster_N [thrusters] FIELD_EXCITED: force commanded in addition to hover; null: none.
+ *                   Else not read
  * @param out        written */
 void field_step(field_t *field, const double *thruster_N, field_output_t *out);
 

@@ -1,7 +1,7 @@
 /*
  * Who drives. All but the excitation see what the sensors tell, no more: depth, attitude and rates
- * as measured, velocity of the last DVL sample, position by dead reckoning from both. What they want
- * is a wrench in surge, sway, heave and yaw, on top of hover thrust; the thrusters share it by the
+ * as measured, velocity of the last DVL sample, position by dead reckoning. What they want is a
+ * wrench in surge, sway, heave and yaw, on top of hover thrust; the thrusters share it by the
  * pseudo-inverse, and each stops at its limit.
  *
  * Hover thrust is for the weight in water that the vehicle has at the start, as told thrust.

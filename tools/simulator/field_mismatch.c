@@ -6,117 +6,118 @@
 #include <math.h>
 #include <string.h>
 
-#define NORMAL(sigma) FIELD_NORMAL, 0.0, sigma, 1.0, false
-#define UNIFORM(low, high) FIELD_UNIFORM, low, high, 1.0, false
-#define ALWAYS(size) FIELD_UNIFORM, size, size, 1.0, false
-#define FORCE(low, high, chance) FIELD_UNIFORM, low, high, chance, true
-#define ALONE FIELD_ALONE, 0.0, 0.0, 0.0, false
+/* low, high, chance, min_size, max_size, draw, force */
+#define NORMAL(sigma, min, max) 0.0, sigma, 1.0, min, max, FIELD_NORMAL, false
+#define UNIFORM(low, high, min, max) low, high, 1.0, min, max, FIELD_UNIFORM, false
+#define ALWAYS(size, min, max) size, size, 1.0, min, max, FIELD_UNIFORM, false
+#define FORCE(low, high, chance, min, max) low, high, chance, min, max, FIELD_UNIFORM, true
+#define ALONE(min, max) 0.0, 0.0, 0.0, min, max, FIELD_ALONE, false
 
-static const field_mismatch_t table[FIELD_KINDS] = {
-    [FIELD_IMU_ROLL] = {"imu_roll", "deg", "IMU mounted with this roll", NORMAL(1.0), -30, 30},
-    [FIELD_IMU_PITCH] = {"imu_pitch", "deg", "IMU mounted with this pitch", NORMAL(1.0), -30, 30},
-    [FIELD_IMU_YAW] = {"imu_yaw", "deg", "IMU mounted with this yaw", NORMAL(1.0), -30, 30},
+static const field_mismatch_t kinds[FIELD_KINDS] = {
+    [FIELD_IMU_ROLL] = {"imu_roll", "deg", "IMU mounted with this roll", NORMAL(1.0, -30, 30)},
+    [FIELD_IMU_PITCH] = {"imu_pitch", "deg", "IMU mounted with this pitch", NORMAL(1.0, -30, 30)},
+    [FIELD_IMU_YAW] = {"imu_yaw", "deg", "IMU mounted with this yaw", NORMAL(1.0, -30, 30)},
     [FIELD_GYRO_BIAS] = {"gyro_bias", "deg/s", "rms bias of the gyros; each axis by the seed",
-                         ALWAYS(0.1), 0, 5},
+                         ALWAYS(0.1, 0, 5)},
     [FIELD_ATTITUDE_DELAY] = {"attitude_delay", "s", "angles and rates are older than their stamp",
-                              UNIFORM(0.0, 0.03), 0, 0.3},
-    [FIELD_DVL_ARM_X] = {"dvl_arm_x", "m", "DVL ahead of where it is said to be", NORMAL(0.05), -2,
-                         2},
+                              UNIFORM(0.0, 0.03, 0, 0.3)},
+    [FIELD_DVL_ARM_X] = {"dvl_arm_x", "m", "DVL ahead of where it is said to be",
+                         NORMAL(0.05, -2, 2)},
     [FIELD_DVL_ARM_Y] = {"dvl_arm_y", "m", "DVL to starboard of where it is said to be",
-                         NORMAL(0.03), -2, 2},
-    [FIELD_DVL_ARM_Z] = {"dvl_arm_z", "m", "DVL below where it is said to be", NORMAL(0.05), -2, 2},
-    [FIELD_DVL_YAW] = {"dvl_yaw", "deg", "DVL mounted with this yaw", NORMAL(1.0), -30, 30},
-    [FIELD_DVL_ROLL] = {"dvl_roll", "deg", "DVL mounted with this roll", NORMAL(0.7), -30, 30},
-    [FIELD_DVL_PITCH] = {"dvl_pitch", "deg", "DVL mounted with this pitch", NORMAL(0.7), -30, 30},
-    [FIELD_DVL_SCALE] = {"dvl_scale", "", "DVL velocity too large by this share", NORMAL(0.005),
-                         -0.3, 0.3},
+                         NORMAL(0.03, -2, 2)},
+    [FIELD_DVL_ARM_Z] = {"dvl_arm_z", "m", "DVL below where it is said to be", NORMAL(0.05, -2, 2)},
+    [FIELD_DVL_YAW] = {"dvl_yaw", "deg", "DVL mounted with this yaw", NORMAL(1.0, -30, 30)},
+    [FIELD_DVL_ROLL] = {"dvl_roll", "deg", "DVL mounted with this roll", NORMAL(0.7, -30, 30)},
+    [FIELD_DVL_PITCH] = {"dvl_pitch", "deg", "DVL mounted with this pitch", NORMAL(0.7, -30, 30)},
+    [FIELD_DVL_SCALE] = {"dvl_scale", "", "DVL velocity too large by this share",
+                         NORMAL(0.005, -0.3, 0.3)},
     [FIELD_DVL_LATENCY] = {"dvl_latency", "s", "DVL samples are stamped so late, on arrival",
-                           UNIFORM(0.0, 0.1), 0, 1},
-    [FIELD_DVL_LOST] = {"dvl_lost", "", "share of DVL samples that never arrive", UNIFORM(0.0, 0.1),
-                        0, 0.9},
+                           UNIFORM(0.0, 0.1, 0, 1)},
+    [FIELD_DVL_LOST] = {"dvl_lost", "", "share of DVL samples that never arrive",
+                        UNIFORM(0.0, 0.1, 0, 0.9)},
     [FIELD_DVL_OUTLIERS] = {"dvl_outliers", "", "share of DVL samples off by 0.5 m/s (1 sigma)",
-                            UNIFORM(0.0, 0.01), 0, 0.5},
+                            UNIFORM(0.0, 0.01, 0, 0.5)},
     [FIELD_DVL_PARTIAL] = {"dvl_partial", "", "share of DVL samples with one or two axes only",
-                           UNIFORM(0.0, 0.05), 0, 0.9},
+                           UNIFORM(0.0, 0.05, 0, 0.9)},
     [FIELD_THRUST_COMMON] = {"thrust_common", "", "all thrusters stronger by this share",
-                             NORMAL(0.05), -0.9, 2},
+                             NORMAL(0.05, -0.9, 2)},
     [FIELD_THRUST_EACH] = {"thrust_each", "",
                            "rms share by which a thruster is stronger; each by the seed",
-                           ALWAYS(0.05), 0, 0.3},
+                           ALWAYS(0.05, 0, 0.3)},
     [FIELD_THRUST_BACKWARD] = {"thrust_backward", "",
-                               "a thruster's negative force weaker by this share", NORMAL(0.05),
-                               -0.9, 0.9},
+                               "a thruster's negative force weaker by this share",
+                               NORMAL(0.05, -0.9, 0.9)},
     [FIELD_THRUST_SAG] = {"thrust_sag", "", "thrust lost from the run's start to its end",
-                          UNIFORM(0.0, 0.1), -0.5, 0.9},
+                          UNIFORM(0.0, 0.1, -0.5, 0.9)},
     [FIELD_THRUST_EXPONENT] = {"thrust_exponent", "",
-                               "force is f_max |f / f_max| to the power of 1 + this", NORMAL(0.05),
-                               -0.5, 1},
+                               "force is f_max |f / f_max| to the power of 1 + this",
+                               NORMAL(0.05, -0.5, 1)},
     [FIELD_THRUST_DEAD_BAND] = {"thrust_dead_band", "N",
-                                "force is smaller by this, and zero below it", FORCE(0.0, 3.0, 1.0),
-                                0, 50},
+                                "force is smaller by this, and zero below it",
+                                FORCE(0.0, 3.0, 1.0, 0, 50)},
     [FIELD_THRUST_LAG] = {"thrust_lag", "s", "first-order lag of the propellers' speed",
-                          UNIFORM(0.05, 0.25), 0, 2},
+                          UNIFORM(0.05, 0.25, 0, 2)},
     [FIELD_THRUST_ADVANCE] = {"thrust_advance", "s/m",
-                              "share of thrust lost for each m/s of inflow", UNIFORM(0.0, 0.3), 0,
-                              2},
+                              "share of thrust lost for each m/s of inflow",
+                              UNIFORM(0.0, 0.3, 0, 2)},
     [FIELD_THRUST_LATE] = {"thrust_late", "s",
                            "wrenches are stamped so late; negative: so early that they act later",
-                           UNIFORM(0.0, 0.05), -0.3, 0.3},
+                           UNIFORM(0.0, 0.05, -0.3, 0.3)},
     [FIELD_DRAG_ASYMMETRY] = {"drag_asymmetry", "",
                               "drag more one way and less the other by this share; signs by seed",
-                              NORMAL(0.1), -0.9, 0.9},
+                              NORMAL(0.1, -0.9, 0.9)},
     [FIELD_DRAG_EXPONENT] = {"drag_exponent", "",
                              "quadratic drag grows with speed to the power of 2 less this",
-                             UNIFORM(0.0, 0.15), -0.5, 0.9},
+                             UNIFORM(0.0, 0.15, -0.5, 0.9)},
     [FIELD_CROSS] = {"cross", "", "rms size of Y_r, N_v and lift by drag and length; by the seed",
-                     ALWAYS(0.15), 0, 1},
-    [FIELD_CG_X] = {"cg_x", "m", "centre of gravity ahead of the origin", NORMAL(0.01), -0.1, 0.1},
-    [FIELD_CG_Y] = {"cg_y", "m", "centre of gravity to starboard of the origin", NORMAL(0.01), -0.1,
-                    0.1},
-    [FIELD_CABLE] = {"cable", "N", "pull of a cable at the stern; where to by the seed",
-                     FIELD_NORMAL, 0.0, 4.0, 0.3, true, -100, 100},
+                     ALWAYS(0.15, 0, 1)},
+    [FIELD_CG_X] = {"cg_x", "m", "centre of gravity ahead of the origin", NORMAL(0.01, -0.1, 0.1)},
+    [FIELD_CG_Y] = {"cg_y", "m", "centre of gravity to starboard of the origin",
+                    NORMAL(0.01, -0.1, 0.1)},
+    [FIELD_CABLE] = {"cable", "N", "pull of a cable at the stern; where to by the seed", 0.0, 4.0,
+                     0.3, -100, 100, FIELD_NORMAL, true},
     [FIELD_WAVES] = {"waves", "N", "amplitude of an orbital force of 4 to 8 s",
-                     FORCE(1.0, 5.0, 0.3), 0, 100},
-    [FIELD_CURRENT] = {"current", "m/s", "current under a DVL that sees the bottom", FIELD_UNIFORM,
-                       0.0, 0.1, 0.5, false, 0, 2},
+                     FORCE(1.0, 5.0, 0.3, 0, 100)},
+    [FIELD_CURRENT] = {"current", "m/s", "current under a DVL that sees the bottom", 0.0, 0.1, 0.5,
+                       0, 2, FIELD_UNIFORM, false},
     [FIELD_DISTURBANCE] = {"disturbance", "N",
                            "rms of a force coloured by 2 s; moments 0.4 of it in Nm",
-                           FORCE(0.5, 2.0, 1.0), 0, 100},
+                           FORCE(0.5, 2.0, 1.0, 0, 100)},
     [FIELD_HULL] = {"hull", "", "each mass and drag of the vehicle up to this share off its sheet",
-                    ALWAYS(0.15), 0, 0.2},
-    [FIELD_THRUST_FORCE_LAG] = {"thrust_force_lag", "s", "first-order lag of the force", ALONE, 0,
-                                2},
+                    ALWAYS(0.15, 0, 0.2)},
+    [FIELD_THRUST_FORCE_LAG] = {"thrust_force_lag", "s", "first-order lag of the force",
+                                ALONE(0, 2)},
     [FIELD_FILTER_TAU] = {"filter_tau", "s",
-                          "velocity is an autopilot's, lagging by this time constant", ALONE, 0, 2},
+                          "velocity is an autopilot's, lagging by this time constant", ALONE(0, 2)},
     [FIELD_FILTER_RESETS] = {"filter_resets", "1/min",
-                             "jumps of 0.1 m/s (1 sigma) of the autopilot's velocity", ALONE, 0,
-                             60},
-    [FIELD_COMMAND_10HZ] = {"command_10hz", "", "1: wrenches are told every 0.1 s only", ALONE, 0,
-                            1},
+                             "jumps of 0.1 m/s (1 sigma) of the autopilot's velocity",
+                             ALONE(0, 60)},
+    [FIELD_COMMAND_10HZ] = {"command_10hz", "", "1: wrenches are told every 0.1 s only",
+                            ALONE(0, 1)},
     [FIELD_COMMAND_PWM] = {"command_pwm", "us",
-                           "thrust is told as PWM of 1 us without this dead zone of the ESC", ALONE,
-                           0, 100},
-    [FIELD_SLEW] = {"slew", "s", "an ESC takes so long from standstill to full speed", ALONE, 0, 5},
+                           "thrust is told as PWM of 1 us without this dead zone of the ESC",
+                           ALONE(0, 100)},
+    [FIELD_SLEW] = {"slew", "s", "an ESC takes so long from standstill to full speed", ALONE(0, 5)},
     [FIELD_BATTERY] = {"battery", "", "share of voltage lost by the end; told thrust ignores it",
-                       ALONE, 0, 0.4},
+                       ALONE(0, 0.4)},
     [FIELD_BATTERY_CORRECTED] = {"battery_corrected", "",
                                  "the same; told thrust goes with the measured voltage squared",
-                                 ALONE, 0, 0.4},
-    [FIELD_CLOCK_DRIFT] = {"clock_drift", "ppm", "clock of DVL and depth too slow by this", ALONE,
-                           -1000, 1000},
+                                 ALONE(0, 0.4)},
+    [FIELD_CLOCK_DRIFT] = {"clock_drift", "ppm", "clock of DVL and depth too slow by this",
+                           ALONE(-1000, 1000)},
     [FIELD_CLOCK_JUMPS] = {"clock_jumps", "1/min",
-                           "jumps of 50 ms, to and fro, of the clock of DVL and depth", ALONE, 0,
-                           60},
-    [FIELD_BALLAST] = {"ballast", "kg", "lead added halfway through the run", ALONE, -10, 100},
-    [FIELD_WALL] = {"wall", "",
-                    "added mass and drag more by this share 0.5 m above a bottom 1 m "
-                    "below the start",
-                    ALONE, 0, 2},
+                           "jumps of 50 ms, to and fro, of the clock of DVL and depth",
+                           ALONE(0, 60)},
+    [FIELD_BALLAST] = {"ballast", "kg", "lead added halfway through the run", ALONE(-10, 100)},
+    [FIELD_WALL] =
+        {"wall", "",
+         "added mass and drag more by this share 0.5 m above a bottom 1 m below the start",
+         ALONE(0, 2)},
 };
 
-int field_mismatches(const field_mismatch_t **kinds)
+int field_mismatches(const field_mismatch_t **table)
 {
-    *kinds = table;
+    *table = kinds;
     return FIELD_KINDS;
 }
 
@@ -134,7 +135,7 @@ void field_draw(field_config_t *config, double strength)
 {
     memset(config->size, 0, sizeof config->size);
     for (int k = 0; k < FIELD_KINDS; ++k) {
-        const field_mismatch_t *kind = &table[k];
+        const field_mismatch_t *kind = &kinds[k];
         double scale = (k == FIELD_HULL ? 1.0 : strength) *
                        (kind->force && config->vehicle == FIELD_ROV20 ? 0.3 : 1.0);
         sim_rng_t rng;
@@ -151,8 +152,8 @@ void field_draw(field_config_t *config, double strength)
 bool field_set(field_config_t *config, const char *name, double size)
 {
     for (int k = 0; k < FIELD_KINDS; ++k) {
-        if (strcmp(table[k].name, name) == 0) {
-            bool good = size >= table[k].min_size && size <= table[k].max_size;
+        if (strcmp(kinds[k].name, name) == 0) {
+            bool good = size >= kinds[k].min_size && size <= kinds[k].max_size;
             config->size[k] = good ? size : config->size[k];
             return good;
         }
@@ -167,7 +168,7 @@ bool field_config_is_good(const field_config_t *config)
                 isfinite(config->length_s);
     for (int k = 0; k < FIELD_KINDS; ++k) {
         double size = config->size[k];
-        good = good && size >= table[k].min_size && size <= table[k].max_size;
+        good = good && size >= kinds[k].min_size && size <= kinds[k].max_size;
     }
     return good;
 }

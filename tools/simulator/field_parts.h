@@ -12,7 +12,7 @@
 #define FIELD_PI 3.14159265358979323846
 #define FIELD_DEGREE (FIELD_PI / 180.0)
 #define FIELD_GRAVITY 9.81
-/** Where the vehicle starts and the bottom is [m]; with a wall, the bottom is 1 m below the start. */
+/** Depth of the start and of the bottom [m]; with a wall, the bottom is 1 m below the start. */
 #define FIELD_START_M 20.0
 #define FIELD_SEABED_M 50.0
 /** Distance for which a wall's size is told. */

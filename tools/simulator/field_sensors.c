@@ -27,8 +27,8 @@ static void mount(double roll_deg, double pitch_deg, double yaw_deg, double r[3]
 
 void field_sensors_init(field_t *field)
 {
-    static const double rate_hz[SIM_SENSORS] = {
-        [SIM_IMU] = 50.0, [SIM_DVL] = 5.0, [SIM_DEPTH] = 10.0};
+    static const uint64_t period_us[SIM_SENSORS] = {
+        [SIM_IMU] = 20000, [SIM_DVL] = 200000, [SIM_DEPTH] = 100000};
     const field_config_t *c = &field->config;
     const double *size = c->size;
     field_sensing_t *s = &field->sensing;
@@ -46,7 +46,7 @@ void field_sensors_init(field_t *field)
         field_sensor_t *sensor = &s->sensor[i];
         sim_rng_seed(&sensor->noise, c->seed, FIELD_STREAM_SENSORS + 2 * i);
         sim_rng_seed(&sensor->loss, c->seed, FIELD_STREAM_SENSORS + 2 * i + 1);
-        sensor->period_us = rate_hz[i] > 0.0 ? (uint64_t)(1e6 / rate_hz[i] + 0.5) : 0;
+        sensor->period_us = period_us[i];
         sensor->next_us = sensor->period_us;
     }
     s->sensor[SIM_DVL].late_us = (uint64_t)(1e6 * size[FIELD_DVL_LATENCY] + 0.5);
@@ -194,13 +194,13 @@ typedef void measure_t(const field_t *field, moment_t *at, sim_rng_t *noise, sim
 void field_sensors_sample(field_t *field, const field_truth_t *before, const field_truth_t *now,
                           double h)
 {
-    static measure_t *const measure[SIM_SENSORS] = {
+    static measure_t *const measure[SIM_GPS] = {
         [SIM_IMU] = measure_imu, [SIM_DVL] = measure_dvl, [SIM_DEPTH] = measure_depth};
     uint64_t h_us = (uint64_t)(1e6 * h + 0.5);
     move_filter(field, now, h);
-    for (int i = 0; i < SIM_SENSORS; ++i) {
+    for (int i = 0; i < SIM_GPS; ++i) { /* there is none under water */
         field_sensor_t *s = &field->sensing.sensor[i];
-        while (s->period_us > 0 && s->next_us <= field->t_us) {
+        while (s->next_us <= field->t_us) {
             sim_measurement_t m = {.has = true};
             moment_t at;
             double part = 1.0 - (double)(field->t_us - s->next_us) / (double)h_us;

@@ -1,0 +1,457 @@
+/* Each mismatch of the field simulator does what the table says of it, in its size. */
+#include "field.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "auvid/vehicle.h"
+#include "unity.h"
+
+enum { X, Y, Z, K, M, N };
+
+/* The Girona500's sway thruster makes Y, as told, and little else. */
+#define SIDE 4
+#define F_MAX 153.8
+
+static field_config_t cfg;
+static field_t field;
+static field_output_t out;
+static double force[SIM_THRUSTERS];
+
+void setUp(void)
+{
+    memset(force, 0, sizeof force);
+    field_defaults(&cfg, FIELD_GIRONA500, FIELD_EXCITED, 1);
+}
+
+void tearDown(void)
+{
+}
+
+static void set(const char *name, double size)
+{
+    TEST_ASSERT_TRUE_MESSAGE(field_set(&cfg, name, size), name);
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_TRUE(field_init(&field, &cfg));
+}
+
+static void begin_with(const char *name, double size)
+{
+    field_defaults(&cfg, cfg.vehicle, cfg.driver, cfg.seed);
+    set(name, size);
+    begin();
+}
+
+static void run(double seconds)
+{
+    for (long tick = lround(seconds * 50); tick > 0; --tick) {
+        field_step(&field, force, &out);
+    }
+}
+
+/* Side thrust that acts where `told` is commanded for so long. */
+static double side(double told, double seconds)
+{
+    force[SIDE] = told;
+    run(seconds);
+    return field.truth.delivered[Y];
+}
+
+/* ---- thrust ---- */
+
+static void test_common_makes_all_thrusters_stronger(void)
+{
+    begin_with("thrust_common", 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 55, side(50, 1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 37.3058 * 1.1, field.truth.delivered[Z]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.told[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, out.wrench[Y]);
+}
+
+static void test_each_makes_every_thruster_differ_by_its_own_share(void)
+{
+    double sum = 0, square = 0;
+    for (cfg.seed = 1; cfg.seed <= 400; ++cfg.seed) {
+        begin_with("thrust_each", 0.05);
+        double off = side(50, 0.02) / 50 - 1;
+        sum += off;
+        square += off * off;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, sum / 400);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 0.05, sqrt(square / 400));
+}
+
+static void test_backward_takes_from_negative_force_alone(void)
+{
+    begin_with("thrust_backward", 0.2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -40, side(-50, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, side(50, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -37.3058 * 0.8, -field.truth.delivered[Z]);
+}
+
+static void test_sag_grows_from_nothing_to_its_size_at_the_runs_end(void)
+{
+    begin_with("thrust_sag", 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 20, side(20, 1));
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, 19, side(20, 119));
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, 18, side(20, 120));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 18, side(20, 10));
+}
+
+static void test_exponent_bends_thrust_between_zero_and_the_limit(void)
+{
+    begin_with("thrust_exponent", 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX, side(F_MAX, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX * pow(0.25, 1.1), side(F_MAX / 4, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -F_MAX * pow(0.25, 1.1), side(-F_MAX / 4, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(0, 0.1));
+}
+
+static void test_dead_band_takes_its_newtons(void)
+{
+    begin_with("thrust_dead_band", 3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 7, side(10, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -7, side(-10, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(2.9, 0.1));
+}
+
+static void test_lag_is_of_the_propellers_speed(void)
+{
+    begin_with("thrust_lag", 0.2);
+    double gone = 1 - exp(-1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100 * gone * gone, side(100, 0.2));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 100, side(100, 2));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 100 * exp(-2), side(0, 0.2)); /* (e^-1)^2 */
+}
+
+static void test_force_lag_is_of_the_force(void)
+{
+    begin_with("thrust_force_lag", 0.2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100 * (1 - exp(-1)), side(100, 0.2));
+}
+
+static void test_slew_limits_how_fast_the_speed_changes(void)
+{
+    begin_with("slew", 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, F_MAX * 0.25, side(F_MAX, 0.5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, F_MAX, side(F_MAX, 0.5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -F_MAX * 0.04, side(-F_MAX, 1.2));
+}
+
+static void test_advance_takes_thrust_where_the_vehicle_moves_along_it(void)
+{
+    begin_with("thrust_advance", 0.3);
+    double with = side(100, 10), v = field.truth.nu[Y] + 0.05 * field.truth.nu[K];
+    TEST_ASSERT_TRUE(v > 0.3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100 * (1 - 0.3 * v), with);
+    v = (side(-100, 0.02), field.truth.nu[Y] + 0.05 * field.truth.nu[K]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -100 * (1 + 0.3 * v), field.truth.delivered[Y]);
+}
+
+/* The stamp of a wrench that was commanded at 1 s, and when it acts. */
+static void when(double *stamp_s, double *acts_s)
+{
+    *stamp_s = *acts_s = -1;
+    run(1);
+    force[SIDE] = 50;
+    for (int tick = 0; tick < 30; ++tick) {
+        field_step(&field, force, &out);
+        if (*acts_s < 0 && field.truth.delivered[Y] > 1) {
+            *acts_s = field.truth.t_s - 0.02;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.told[Y]);
+        }
+        if (*stamp_s < 0 && out.told && out.wrench[Y] > 1) {
+            *stamp_s = 1e-6 * (double)out.told_us;
+            TEST_ASSERT_TRUE(out.told_us < out.t_us && out.told_us + SIM_TICK_US >= out.t_us);
+        }
+    }
+}
+
+static void test_late_stamps_come_after_thrust_acts_and_early_ones_before(void)
+{
+    static const double late[] = {0, 0.035, 0.1, 0.2, -0.1, -0.04, -0.2};
+    for (size_t i = 0; i < sizeof late / sizeof late[0]; ++i) {
+        double stamp, acts;
+        setUp();
+        begin_with("thrust_late", late[i]);
+        when(&stamp, &acts);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, late[i], stamp - acts);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1, late[i] < 0 ? stamp : acts);
+    }
+}
+
+static void test_pwm_is_told_in_whole_microseconds_without_the_dead_zone(void)
+{
+    begin_with("command_pwm", 25);
+    (void)side(F_MAX / 4, 0.1); /* 200 us */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX / 4, out.thruster_N[SIDE]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX * pow(175 / 375.0, 2), field.truth.delivered[Y]);
+    (void)side(-F_MAX / 4 * 1.004, 0.1); /* 200.4 us */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -F_MAX / 4, out.thruster_N[SIDE]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(F_MAX * pow(25 / 400.0, 2), 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX, side(F_MAX, 0.1));
+}
+
+static void test_commands_at_10_hz_are_told_in_one_tick_of_five(void)
+{
+    int told = 0;
+    begin_with("command_10hz", 1);
+    for (int tick = 0; tick < 100; ++tick) {
+        force[SIDE] = tick;
+        field_step(&field, force, &out);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, tick, field.truth.delivered[Y]);
+        TEST_ASSERT_EQUAL_DOUBLE(out.told ? tick : 0, out.wrench[Y]);
+        told += out.told;
+    }
+    TEST_ASSERT_EQUAL(20, told);
+}
+
+static void test_battery_takes_thrust_that_the_operator_counts_on(void)
+{
+    double load = (50 + 37.3058) / 5 / F_MAX;
+    set("battery", 0.2);
+    cfg.length_s = 2;
+    begin();
+    (void)side(50, 4);
+    double volts = 1 - 0.2 * (1 + 0.5 * load);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 50 * pow(volts, 1.2), field.truth.delivered[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, out.wrench[Y]);
+}
+
+static void test_a_corrected_battery_is_corrected_too_much(void)
+{
+    double load = (50 + 37.3058) / 5 / F_MAX, volts = 1 - 0.2 * (1 + 0.5 * load);
+    set("battery_corrected", 0.2);
+    cfg.length_s = 2;
+    begin();
+    (void)side(50, 4);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 50 * pow(volts, 1.2), field.truth.delivered[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 50 * volts * volts, out.wrench[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, out.wrench[Y], field.truth.told[Y]);
+}
+
+/* ---- hull ---- */
+
+/* What of the hull's force Eq. 12-15 leave, at a velocity. */
+static void residual_at(const double nu[6], double left[6])
+{
+    field_built_t built;
+    auvid_regressor_t y;
+    auvid_sample_t s;
+    memcpy(field.truth.nu, nu, sizeof field.truth.nu);
+    run(0.02);
+    const field_truth_t *t = field_truth(&field);
+    memset(&s, 0, sizeof s);
+    s.phi = (auvid_real_t)t->euler[0];
+    s.theta = (auvid_real_t)t->euler[1];
+    for (int i = 0; i < 6; ++i) {
+        s.nu[i] = (auvid_real_t)t->nu[i];
+        s.nu_dot[i] = (auvid_real_t)t->nu_dot[i];
+    }
+    memset(&y, 0, sizeof y);
+    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
+    field_built(&field, &built);
+    for (int i = 0; i < 6; ++i) {
+        left[i] = t->hull[i];
+        for (int k = 0; k < SIM_PARAMETERS; ++k) {
+            left[i] -= y.row[i][k] * built.parameter[k];
+        }
+    }
+}
+
+static void test_asymmetry_is_more_drag_one_way_and_less_the_other(void)
+{
+    double left[6], nu[6] = {0.5};
+    begin_with("drag_asymmetry", 0.1);
+    residual_at(nu, left);
+    double u = field.truth.nu[X], share = left[X] / (42.4181 * u + 125.3578 * u * u);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.1, fabs(share));
+    nu[X] = -0.5;
+    begin();
+    residual_at(nu, left);
+    u = field.truth.nu[X];
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, share, left[X] / (-42.4181 * u + 125.3578 * u * u));
+}
+
+static void test_drag_exponent_bends_quadratic_drag(void)
+{
+    double left[6], nu[6] = {0.5, 0, 0, 0, 0, 0};
+    begin_with("drag_exponent", 0.15);
+    residual_at(nu, left);
+    double u = field.truth.nu[X];
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 125.3578 * (pow(u, 1.85) - u * u), left[X]);
+}
+
+static void test_cross_terms_couple_sway_and_yaw_alike(void)
+{
+    double turning[6], sliding[6], both[6], r[6] = {[N] = 0.5}, v[6] = {[Y] = 0.3};
+    double uv[6] = {0.4, 0.3};
+    begin_with("cross", 0.15);
+    residual_at(r, turning);
+    begin();
+    residual_at(v, sliding);
+    double y_r = 75.7673 * field.hull.side_centre_m;
+    TEST_ASSERT_TRUE(fabs(y_r) > 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(y_r), y_r, turning[Y] / 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(y_r), y_r, sliding[N] / 0.3);
+    begin();
+    residual_at(uv, both);
+    TEST_ASSERT_TRUE(both[Y] > 0.5); /* lift of the side drag's sign, and heave by speed */
+    TEST_ASSERT_TRUE(fabs(both[Z]) > 0.05);
+    TEST_ASSERT_TRUE(fabs(both[N] - sliding[N]) > 0.05);
+}
+
+static void test_the_centre_of_side_drag_is_where_the_seed_says(void)
+{
+    double square = 0;
+    for (cfg.seed = 1; cfg.seed <= 400; ++cfg.seed) {
+        begin_with("cross", 0.15);
+        square += field.hull.side_centre_m * field.hull.side_centre_m / 400;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 0.15 * 0.75, 0.15 * 0.75, sqrt(square));
+}
+
+static void test_centre_of_gravity_trims_the_vehicle(void)
+{
+    begin();
+    double trim = atan(0.03 * field.hull.weight_N / (0.3 * field.hull.buoyancy_N));
+    begin_with("cg_x", 0.03);
+    run(60);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -trim, field.truth.euler[1]);
+    begin_with("cg_y", 0.03);
+    run(60);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, trim, field.truth.euler[0]);
+}
+
+static void test_a_cable_pulls_at_the_stern(void)
+{
+    double left[6], still[6] = {0};
+    int points = 0;
+    for (cfg.seed = 1; cfg.seed <= 40; ++cfg.seed) {
+        begin_with("cable", 10);
+        residual_at(still, left);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10,
+                                  sqrt(left[X] * left[X] + left[Y] * left[Y] + left[Z] * left[Z]));
+        TEST_ASSERT_TRUE(hypot(left[X], left[Y]) > 9);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, -0.75 * left[Y], left[N]);
+        points += field.hull.cable_point;
+    }
+    TEST_ASSERT_INT_WITHIN(10, 20, points);
+}
+
+static void test_ballast_comes_halfway(void)
+{
+    field_built_t before, after;
+    begin_with("ballast", 5);
+    run(119.9);
+    field_built(&field, &before);
+    run(0.2);
+    field_built(&field, &after);
+    TEST_ASSERT_EQUAL_DOUBLE(160, before.dry_kg);
+    TEST_ASSERT_EQUAL_DOUBLE(165, after.dry_kg);
+    for (int i = SIM_M_U; i <= SIM_M_W; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 5, after.parameter[i] - before.parameter[i]);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 5 * 9.81 * (1 - 1 / 11.34),
+                              after.parameter[SIM_WB] - before.parameter[SIM_WB]);
+}
+
+static void test_near_a_wall_added_mass_and_drag_are_up(void)
+{
+    double left[6], nu[6] = {0.5}, added = 249.5384 - 160;
+    begin_with("wall", 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 21, field.hull.seabed_m);
+    field.truth.position[2] = 20.5;
+    residual_at(nu, left);
+    double u = field.truth.nu[X], k = 0.5 * pow(0.5 / (21 - field.truth.position[2]), 3);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        0.3, k * (added * field.truth.nu_dot[X] + 42.4181 * u + 125.3578 * u * u), left[X]);
+}
+
+/* ---- water ---- */
+
+static void test_a_current_carries_the_vehicle_and_the_dvl_sees_it(void)
+{
+    begin_with("current", 0.1);
+    run(60);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, hypot(field.truth.nu[X], field.truth.nu[Y]));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 6, hypot(field.truth.position[0], field.truth.position[1]));
+    const double *seen = out.sensor[SIM_DVL].value;
+    TEST_ASSERT_TRUE(out.sensor[SIM_DVL].has && out.sensor[SIM_DVL].bottom);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1, hypot(seen[0], seen[1]));
+}
+
+static void test_disturbance_has_its_rms_and_colour(void)
+{
+    double square[6] = {0}, product = 0, before = 0;
+    cfg.length_s = 2000;
+    set("disturbance", 2);
+    begin();
+    for (int i = 0; i < 1000; ++i) {
+        run(2);
+        for (int k = 0; k < 6; ++k) {
+            square[k] += field.truth.disturbance[k] * field.truth.disturbance[k] / 1000;
+        }
+        product += before * field.truth.disturbance[X] / 1000;
+        before = field.truth.disturbance[X];
+    }
+    for (int k = 0; k < 6; ++k) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.15 * (k < 3 ? 2 : 0.8), k < 3 ? 2 : 0.8, sqrt(square[k]));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.15, exp(-1), product / square[X]);
+}
+
+static void test_waves_go_to_and_fro_with_their_amplitude(void)
+{
+    for (cfg.seed = 1; cfg.seed <= 20; ++cfg.seed) {
+        double most = 0, before = 0;
+        int turns = 0;
+        begin_with("waves", 4);
+        for (int tick = 0; tick < 60 * 50; ++tick) {
+            run(0.02);
+            double *d = field.truth.disturbance, c = cos(field.truth.euler[2]);
+            double along = field.wave[0] * (c * d[X] - sin(field.truth.euler[2]) * d[Y]) +
+                           field.wave[1] * (c * d[Y] + sin(field.truth.euler[2]) * d[X]);
+            most = fmax(most, fabs(along) / 4);
+            turns += along * before < 0;
+            before = along;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 4, most);
+        TEST_ASSERT_TRUE(turns >= 14 && turns <= 31); /* 60 s of 4..8 s, two a period */
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_common_makes_all_thrusters_stronger);
+    RUN_TEST(test_each_makes_every_thruster_differ_by_its_own_share);
+    RUN_TEST(test_backward_takes_from_negative_force_alone);
+    RUN_TEST(test_sag_grows_from_nothing_to_its_size_at_the_runs_end);
+    RUN_TEST(test_exponent_bends_thrust_between_zero_and_the_limit);
+    RUN_TEST(test_dead_band_takes_its_newtons);
+    RUN_TEST(test_lag_is_of_the_propellers_speed);
+    RUN_TEST(test_force_lag_is_of_the_force);
+    RUN_TEST(test_slew_limits_how_fast_the_speed_changes);
+    RUN_TEST(test_advance_takes_thrust_where_the_vehicle_moves_along_it);
+    RUN_TEST(test_late_stamps_come_after_thrust_acts_and_early_ones_before);
+    RUN_TEST(test_pwm_is_told_in_whole_microseconds_without_the_dead_zone);
+    RUN_TEST(test_commands_at_10_hz_are_told_in_one_tick_of_five);
+    RUN_TEST(test_battery_takes_thrust_that_the_operator_counts_on);
+    RUN_TEST(test_a_corrected_battery_is_corrected_too_much);
+    RUN_TEST(test_asymmetry_is_more_drag_one_way_and_less_the_other);
+    RUN_TEST(test_drag_exponent_bends_quadratic_drag);
+    RUN_TEST(test_cross_terms_couple_sway_and_yaw_alike);
+    RUN_TEST(test_the_centre_of_side_drag_is_where_the_seed_says);
+    RUN_TEST(test_centre_of_gravity_trims_the_vehicle);
+    RUN_TEST(test_a_cable_pulls_at_the_stern);
+    RUN_TEST(test_ballast_comes_halfway);
+    RUN_TEST(test_near_a_wall_added_mass_and_drag_are_up);
+    RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_sees_it);
+    RUN_TEST(test_disturbance_has_its_rms_and_colour);
+    RUN_TEST(test_waves_go_to_and_fro_with_their_amplitude);
+    return UNITY_END();
+}
