@@ -7,8 +7,8 @@
 #include "unity.h"
 
 static const field_built_t built = {
-static const field_built_t built = {
     .parameter = {250, 370, 660, 75, -37, -42, -125, -76, -448, -44, -325, -21, -61}};
+static field_projection_t run;
 static field_reference_t truth;
 
 void setUp(void)
