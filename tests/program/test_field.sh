@@ -46,7 +46,7 @@ def whole(d, runs):
     shares = [point["flagged"]["value"] for point in d["curve"]]
     assert [point["limit"] for point in d["curve"]] == [0.1, 0.15, 0.2, 0.25, 0.3, 0.4]
     assert shares == sorted(shares)
-    assert set(d["drag_force"]) == {"off", "flagged", "wrong", "beyond"}
+    assert set(d["drag_force"]) == {"off", "flagged", "wrong", "beyond", "within"}
     for question in ("flagged", "wrong", "beyond", "error_over_sigma", "rms_error"):
         for f in d[question].values():
             assert f["value"] is None or f["low"] - 1e-9 <= f["value"] <= f["high"] + 1e-9, f
@@ -68,7 +68,8 @@ holds() {
 check "a mismatch without a size" refuses "'cg_x' is not NAME=SIZE, or list" demo --mismatch cg_x
 check "a mismatch that is none" refuses "'storm' is none \(--mismatch list" demo --mismatch storm=1
 for bad in '' x nan 9 0.1m; do
-    check "--mismatch cg_x=$bad" refuses 'is not a number from -0.1 to 0.1' demo "--mismatch=cg_x=$bad"
+    check "--mismatch cg_x=$bad" refuses 'is not a number from -0.1 to 0.1' \
+        demo "--mismatch=cg_x=$bad"
 done
 for bad in -1 11 nan x; do
     check "--field $bad" refuses -- '--field: .* is not a number from 0 to 10' demo "--field=$bad"

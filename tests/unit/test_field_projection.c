@@ -105,7 +105,7 @@ static void test_drag_of_the_model_s_form_is_found_in_each_equation(void)
     assert_parameters(wanted, truth.si);
 }
 
-/* 20 N forward and 10 N backward of |u|: of the form 15 |u| u + 5 u^2, whose second part is even. */
+/* 20 u^2 forward and 10 u^2 backward: 15 |u| u + 5 u^2, whose second part is even. */
 static void asymmetric(field_truth_t *t, double force[6])
 {
     double u = t->nu[0];

@@ -199,12 +199,14 @@ static void test_forces_are_judged_flagged_or_not(void)
     force[2].flagged = false; /* off, but not flagged */
     force[4].value *= 1.15;   /* beyond */
     force[6].estimated = force[6].flagged = false;
+    force[6].half = HUGE_VAL;
     field_table_add(&table, &run);
     const field_figure_t *f = finish() + FIELD_AT_FORCE + 1;
     TEST_ASSERT_EQUAL_DOUBLE(2.0 / 7, f[FIELD_FORCE_OFF * FIELD_PARTS].value);
     TEST_ASSERT_EQUAL_DOUBLE(6.0 / 8, f[FIELD_FORCE_FLAGGED * FIELD_PARTS].value);
     TEST_ASSERT_EQUAL_DOUBLE(1.0 / 6, f[FIELD_FORCE_WRONG * FIELD_PARTS].value);
     TEST_ASSERT_EQUAL_DOUBLE(2.0 / 6, f[FIELD_FORCE_BEYOND * FIELD_PARTS].value);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0 / 7, f[FIELD_FORCE_WITHIN * FIELD_PARTS].value);
     TEST_ASSERT_EQUAL_DOUBLE(0, f[FIELD_FORCE_OFF * FIELD_PARTS + 1].value);
 }
 

@@ -10,34 +10,41 @@ static const char *const group_keys[FIELD_CLASSES] = {"all", "all_but_W-B", "mas
 static const char *const question_names[FIELD_QUESTIONS] = {
     "flagged",   "wrong",        "beyond",         "error_over_sigma", "rms_error_flagged",
     "rms_error", "within_sigma", "within_2_sigma", "told_wrong",       "told_beyond"};
-static const char *const force_names[FIELD_FORCE_QUESTIONS] = {"off", "flagged", "wrong", "beyond"};
+static const char *const force_names[FIELD_FORCE_QUESTIONS] = {"off", "flagged", "wrong", "beyond",
+                                                               "within"};
 
 static const char *parameter_name(int i)
 {
     return auvid_girona500.parameter[i].name;
 }
 
+/* How a mixture draws a kind. */
+static void describe_draw(const field_mismatch_t *kind, char *text, size_t size)
+{
+    char chance[32] = "";
+    if (kind->chance < 1.0) {
+        (void)snprintf(chance, sizeof chance, ", in %g %%", 100.0 * kind->chance);
+    }
+    if (kind->draw == FIELD_ALONE) {
+        (void)snprintf(text, size, "not in mixtures");
+    } else if (kind->draw == FIELD_NORMAL) {
+        (void)snprintf(text, size, "+- %g%s", kind->high, chance);
+    } else if (kind->low == kind->high) {
+        (void)snprintf(text, size, "%g%s", kind->high, chance);
+    } else {
+        (void)snprintf(text, size, "%g .. %g%s", kind->low, kind->high, chance);
+    }
+}
+
 void field_report_mismatches(void)
 {
     const field_mismatch_t *kind;
     int count = field_mismatches(&kind);
-    printf("%-18s %-6s %-22s %s\n", "name", "unit", "in a mixture of 1", "about");
+    printf("%-18s %-6s %-18s %s\n", "name", "unit", "in a mixture of 1", "about");
     for (int k = 0; k < count; ++k) {
-        char drawn[64] = "not in mixtures";
-        if (kind[k].draw == FIELD_NORMAL) {
-            (void)snprintf(drawn, sizeof drawn, "+- %g", kind[k].high);
-        } else if (kind[k].draw == FIELD_UNIFORM) {
-            (void)snprintf(drawn, sizeof drawn, "%g .. %g", kind[k].low, kind[k].high);
-        }
-        if (kind[k].draw != FIELD_ALONE && kind[k].chance < 1.0) {
-            size_t length = 0;
-            while (drawn[length] != '\0') {
-                ++length;
-            }
-            (void)snprintf(drawn + length, sizeof drawn - length, ", %g %%",
-                           100.0 * kind[k].chance);
-        }
-        printf("%-18s %-6s %-22s %s\n", kind[k].name, kind[k].unit, drawn, kind[k].about);
+        char drawn[64];
+        describe_draw(&kind[k], drawn, sizeof drawn);
+        printf("%-18s %-6s %-18s %s\n", kind[k].name, kind[k].unit, drawn, kind[k].about);
     }
 }
 
@@ -97,7 +104,7 @@ static void print_forces(const field_table_t *table)
     printf("\n  %-13s%13s%19s%21s%22s\n", "drag force", "> 20 % off", "flagged", "wrong", "beyond");
     for (int k = 0; k < FIELD_PARTS; ++k) {
         printf("  at %.1f      ", field_part[k]);
-        for (int q = 0; q < FIELD_FORCE_QUESTIONS; ++q) {
+        for (int q = 0; q <= FIELD_FORCE_BEYOND; ++q) {
             print_share(&table->figure[FIELD_AT_FORCE + q * FIELD_PARTS + k]);
         }
         putchar('\n');

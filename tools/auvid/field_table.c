@@ -110,6 +110,9 @@ static void take_force(field_ratio_t *run, const field_record_t *record, int k, 
     if (force->estimated) {
         add(&to[FIELD_FORCE_OFF * FIELD_PARTS], off, 1.0);
     }
+    if (isfinite(force->half)) {
+        add(&to[FIELD_FORCE_WITHIN * FIELD_PARTS], error <= force->half, 1.0);
+    }
     if (force->flagged) {
         bool matters = !(error <= FIELD_WRONG_FORCE * record->tau_max[e]);
         add(&to[FIELD_FORCE_WRONG * FIELD_PARTS], off && matters, 1.0);

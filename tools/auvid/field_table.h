@@ -52,6 +52,7 @@ enum {
     FIELD_FORCE_FLAGGED, /* share of all directions */
     FIELD_FORCE_WRONG,   /* share of the flags */
     FIELD_FORCE_BEYOND,  /* share of the flags */
+    FIELD_FORCE_WITHIN,  /* share of those with a half-width, within it, flagged or not */
     FIELD_FORCE_QUESTIONS
 };
 

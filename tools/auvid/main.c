@@ -56,20 +56,20 @@ static const char demo_help[] =
     "                     dvl-lost (for good, under way)\n"
     "\n";
 static const char field_help[] =
-    "options of demo in the field: a vehicle with the small mismatches that are usual, drawn anew in\n"
-    "each run, and statistics of what was right; with --seed, --runs (default 20), --sets, --budget\n"
-    "and --json as above\n"
+    "options of demo in the field: a vehicle with the small mismatches that are usual, drawn in\n"
+    "each run, and statistics of what was right; with --seed, --runs (default 20), --sets,\n"
+    "--budget and --json as above\n"
     "  --field F          all mismatches of the mixture, F times as large as usual; 0: none\n"
     "  --mismatch NAME=SIZE  this one, in its unit; as often as needed. Alone or beside --field\n"
     "  --mismatch list    names, units and usual sizes\n"
     "  --perfect-thrust   the thrust alone has no mismatch\n"
-    "  --matched          no mismatch but in the scales of thrust and DVL, drawn as the identifier\n"
-    "                     is told that they are uncertain\n"
+    "  --matched          no mismatch but in the scales of thrust and DVL, drawn as the\n"
+    "                     identifier is told that they are uncertain\n"
     "  --vehicle NAME     girona500 (default), or rov20: a ROV of 20 kg\n"
     "  --driver NAME      excited (default); or, in 600 s without excitation, joystick, lawnmower\n"
     "                     (PID), station\n"
-    "  --thrust-scale S, --dvl-scale S, --delay S   the uncertainties that the identifier is told:\n"
-    "                     of both scales (relative), of the delay [s]\n"
+    "  --thrust-scale S, --dvl-scale S, --delay S   the uncertainties that the identifier is\n"
+    "                     told: of both scales (relative), of the delay [s]\n"
     "  --perfect-inputs   all three are zero\n"
     "\n";
 static const char fit_help[] =

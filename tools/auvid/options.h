@@ -33,7 +33,7 @@ typedef struct {
     field_vehicle_t vehicle;
     field_driver_t driver;
     double thrust_scale, dvl_scale, delay_s; /**< uncertainties; negative: the library's default */
-    const char *chosen;                      /**< an option that needs a run in the field, or null */
+    const char *chosen; /**< an option that needs the field, or null */
 } options_field_t;
 
 /** Everything that can be chosen. */
