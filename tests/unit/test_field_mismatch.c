@@ -404,22 +404,27 @@ static void test_disturbance_has_its_rms_and_colour(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.15, exp(-1), product / square[X]);
 }
 
-static void test_waves_go_to_and_fro_with_their_amplitude(void)
+static void test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude(void)
 {
     for (cfg.seed = 1; cfg.seed <= 20; ++cfg.seed) {
-        double most = 0, before = 0;
+        double most = 0, down = 0, before = 0;
         int turns = 0;
         begin_with("waves", 4);
         for (int tick = 0; tick < 60 * 50; ++tick) {
+            double r[3][3], *d = field.truth.disturbance, world[3];
             run(0.02);
-            double *d = field.truth.disturbance, c = cos(field.truth.euler[2]);
-            double along = field.wave[0] * (c * d[X] - sin(field.truth.euler[2]) * d[Y]) +
-                           field.wave[1] * (c * d[Y] + sin(field.truth.euler[2]) * d[X]);
-            most = fmax(most, fabs(along) / 4);
+            sim_rotation(field.truth.euler, r);
+            for (int i = 0; i < 3; ++i) {
+                world[i] = r[i][0] * d[0] + r[i][1] * d[1] + r[i][2] * d[2];
+            }
+            double along = (field.wave[0] * world[0] + field.wave[1] * world[1]) / 4;
+            most = fmax(most, fabs(along));
+            down = fmax(down, fabs(world[2]));
             turns += along * before < 0;
             before = along;
         }
-        TEST_ASSERT_DOUBLE_WITHIN(0.1, 4, most);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 4, most);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 2.8, down);
         TEST_ASSERT_TRUE(turns >= 14 && turns <= 31); /* 60 s of 4..8 s, two a period */
     }
 }
@@ -452,6 +457,6 @@ int main(void)
     RUN_TEST(test_near_a_wall_added_mass_and_drag_are_up);
     RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_sees_it);
     RUN_TEST(test_disturbance_has_its_rms_and_colour);
-    RUN_TEST(test_waves_go_to_and_fro_with_their_amplitude);
+    RUN_TEST(test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude);
     return UNITY_END();
 }

@@ -395,6 +395,7 @@ static void test_a_clock_jumps_to_and_fro_by_50_ms(void)
         double step = 1e-6 * ((double)seen.sample[i].t_us - (double)seen.sample[i - 1].t_us) - 0.2;
         TEST_ASSERT_TRUE(fabs(step) < 1e-9 || fabs(fabs(step) - 0.05) < 1e-9);
         jumps += fabs(step) > 0.01;
+        TEST_ASSERT_TRUE(seen.arrived_s[i] > 0.2 * (i + 1) - 1e-9); /* not before it is measured */
     }
     TEST_ASSERT_INT_WITHIN(14, 24, jumps);
 }

@@ -14,9 +14,9 @@
  * 10 Hz, 15 mm; no GPS.
  *
  * The state is the velocity through the water: a constant current leaves the equations of motion as
- * they are (Fossen 2011, property 8.1). RK4 at 5 ms, four steps a tick; a core simulates two to five
- * thousand times as fast as the clock. What is not there: contact with the bottom, waves as moving
- * water, stall of the propellers.
+ * they are (Fossen 2011, property 8.1). RK4 at 5 ms, four steps a tick; a core simulates more than
+ * two thousand times as fast as the clock. What is not there: contact with the bottom, waves as
+ * moving water, stall of the propellers.
  *
  * Same configuration, same numbers (to the last digits of libm). No globals, no heap.
  */
