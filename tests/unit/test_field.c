@@ -66,7 +66,7 @@ static double energy(void)
 {
     const field_hull_t *h = &field.hull;
     const field_truth_t *t = field_truth(&field);
-    double r[3][3], sum = 0, clear = fmax(h->seabed_m - t->position[2], 0.25);
+    double r[3][3], sum = 0, clear = fmax(h->seabed_m - t->position[2], 0.5);
     double wall = h->wall * pow(0.5 / clear, 3);
     sim_rotation(t->euler, r);
     for (int i = 0; i < 6; ++i) {
@@ -444,6 +444,17 @@ static void drive(field_vehicle_t vehicle, field_driver_t driver, double strengt
     run(seconds, see_range);
 }
 
+static void test_over_a_near_bottom_the_excited_vehicle_stays_near_it(void)
+{
+    TEST_ASSERT_TRUE(field_set(&cfg, "wall", 0.5));
+    begin();
+    least[2] = 1e9;
+    most[2] = -1e9;
+    excite(120, see_range);
+    TEST_ASSERT_DOUBLE_WITHIN(2.5, 20, least[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(2.5, 20, most[2]);
+}
+
 static void test_the_lawnmower_follows_its_legs(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
@@ -536,6 +547,7 @@ int main(void)
     RUN_TEST(test_another_seed_gives_other_numbers);
     RUN_TEST(test_a_copy_goes_the_same_way);
     RUN_TEST(test_under_excitation_thrust_too_weak_to_hover_loses_a_few_metres);
+    RUN_TEST(test_over_a_near_bottom_the_excited_vehicle_stays_near_it);
     RUN_TEST(test_the_lawnmower_follows_its_legs);
     RUN_TEST(test_station_keeping_stays_at_its_place);
     RUN_TEST(test_the_pilot_keeps_the_depth_and_moves_in_all_directions);

@@ -15,9 +15,11 @@ enum { X, Y, Z, N, WANTED };
 
 #define TICK_S (SIM_TICK_US * 1e-6)
 /* Excited: beyond so many metres from the start's depth thrust leads back, by so much of the
- * amplitude a metre. */
+ * amplitude a metre. Over a near bottom with more care. */
 #define EXCITED_DEPTH_M 3.0
 #define EXCITED_LEAD 0.05
+#define NEAR_DEPTH_M 0.3
+#define NEAR_LEAD 0.4
 /* The pilot corrects the depth from so many metres off until so many. */
 #define PILOT_FAR_M 2.0
 #define PILOT_NEAR_M 0.5
@@ -93,9 +95,11 @@ void field_pilot_hear(field_t *field, const field_output_t *out)
 static void excited(field_t *field, double want[WANTED])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    bool near = field->config.size[FIELD_WALL] > 0.0;
     double low = field->pilot.position[2] - FIELD_START_M;
-    double beyond = copysign(fmax(fabs(low) - EXCITED_DEPTH_M, 0.0), low);
-    want[Z] = -EXCITED_LEAD * sheet->amplitude[2] * fmax(-4.0, fmin(4.0, beyond));
+    double beyond = copysign(fmax(fabs(low) - (near ? NEAR_DEPTH_M : EXCITED_DEPTH_M), 0.0), low);
+    double lead = near ? NEAR_LEAD : EXCITED_LEAD;
+    want[Z] = -lead * sheet->amplitude[2] * fmax(-4.0, fmin(4.0, beyond));
 }
 
 /* Each stick goes to a new place now and then, more often than not away from the middle. */

@@ -301,12 +301,12 @@ static void add_cable(const field_hull_t *h, const double position[3], double r[
 }
 
 /* Share k of added mass and drag that the bottom at distance h adds, and dk/dh. It grows no more
- * within half of FIELD_NEAR_M; there is no contact. */
+ * nearer than FIELD_NEAR_M; there is no contact. */
 static double near_wall(const field_hull_t *hull, double h, double *slope)
 {
-    double least = FIELD_NEAR_M / 2.0, at = h > least ? h : least;
+    double at = h > FIELD_NEAR_M ? h : FIELD_NEAR_M;
     double part = FIELD_NEAR_M / at, k = hull->wall * part * part * part;
-    *slope = h > least ? -3.0 * k / at : 0.0;
+    *slope = h > FIELD_NEAR_M ? -3.0 * k / at : 0.0;
     return k;
 }
 

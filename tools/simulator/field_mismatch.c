@@ -111,7 +111,7 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_BALLAST] = {"ballast", "kg", "lead added halfway through the run", ALONE(-10, 100)},
     [FIELD_WALL] =
         {"wall", "",
-         "added mass and drag more by this share 0.5 m above a bottom 1 m below the start",
+         "added mass and drag more by this share within 0.5 m of a bottom 1 m below the start",
          ALONE(0, 2)},
 };
 

@@ -127,7 +127,7 @@ static void measure_dvl(const field_t *field, moment_t *at, sim_rng_t *noise, si
         m->value[i] *= 1.0 + size[FIELD_DVL_SCALE];
         m->value[i] += DVL_M_S * sim_rng_gauss(noise);
     }
-    m->value[3] = field->hull.seabed_m - at->position[2];
+    m->value[3] = fmax(field->hull.seabed_m - at->position[2], 0.0);
     m->bottom = true;
 }
 
