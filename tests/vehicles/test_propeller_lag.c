@@ -1,0 +1,272 @@
+/*
+ * Propellers whose speed lags behind the command, and thrust with wrong time stamps: is what is
+ * flagged right, and are the flags kept?
+ *
+ * The thrust of a propeller is k n |n|. When its speed n follows the command with a first-order lag
+ * (0.05-0.3 s), the thrust follows neither by a shift nor by a first-order lag. A stamp is late when
+ * the identifier is given a later time than that at which the thrust acted: the delay from thrust to
+ * motion is negative then. Stamps are from 0.1 s early to 0.2 s late.
+ *
+ * Four vehicles: Girona500; vehicles of about 60 kg and 1500 kg, whose parameters are drawn within
+ * +-25 % of Girona500's, scaled; and BlueROV2 Heavy in six degrees of freedom, its centre of
+ * buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2: 90 s); the disturbance is
+ * 1 % of the amplitude (BlueROV2: 0.2 N, 0.08 Nm).
+ *
+ * Wrong is a flag of a parameter more than 20 % off, where the error's force at the largest motion
+ * of the run is above 2 % of the amplitude; for W-B the force alone decides. Kept is the share of
+ * the flags that the same run has without lag and with right stamps.
+ *
+ * Short form: a few runs of each vehicle. Long form (AUVID_TEST_LONG): 400 runs.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/fossen.h"
+#include "chain.h"
+#include "finish.h"
+#include "unity.h"
+
+enum { N = AUVID_MAX_PARAMETERS, SETS = 8, TICKS_PER_S = 1000000 / SIM_TICK_US, PAST = 32 };
+enum { GIRONA500, SMALL, MIDDLE, LARGE, BLUEROV2, VEHICLES };
+
+static const char *const name_of[VEHICLES] = {"Girona500", "20 kg", "60 kg", "1500 kg",
+                                            "BlueROV2"};
+
+/* Of a run. */
+typedef struct {
+    double lag_s; /* of the propellers' speed */
+    int late;     /* ticks by which stamps are late; negative: early */
+} fault_t;
+
+static sim_t sim;
+static sim_config_t world;
+static auvid_identifier_t id;
+static auvid_identifier_config_t cfg;
+static double truth[N];
+static double speed[SIM_THRUSTERS];        /* square root of the thrust, signed */
+static double largest[2][AUVID_DOF_COUNT]; /* velocity and acceleration of a run */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- vehicles ---- */
+
+/* A vehicle of k times Girona500's mass, of the same density. */
+static void scale_girona500(int v, double k)
+{
+    static const double power[SIM_PARAMETERS] = {1,       1,       1,       5. / 3., 2. / 3.,
+                                                 2. / 3., 2. / 3., 2. / 3., 2. / 3., 2. / 3.,
+                                                 2. / 3., 4. / 3., 5. / 3.};
+    double force = pow(k, 2. / 3.);
+    sim_rng_t rng;
+    sim_defaults(&world);
+    sim_rng_seed(&rng, 77, (uint64_t)v);
+    cfg.allocation = auvid_allocation_girona500;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double own = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
+        world.parameter[i] *= own * pow(k, power[i]);
+        truth[i] = world.parameter[i];
+    }
+    if (v == SMALL) { /* an open frame */
+        for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
+            truth[i] = world.parameter[i] *= 2;
+        }
+        truth[SIM_M_R] = world.parameter[SIM_M_R] /= 4;
+    }
+    world.tilt_inertia *= pow(k, 5. / 3.);
+    world.tilt_linear *= pow(k, 4. / 3.);
+    world.tilt_quadratic *= pow(k, 5. / 3.);
+    world.tilt_righting *= pow(k, 4. / 3.);
+    world.roll_arm_m *= cbrt(k);
+    world.pitch_arm_m *= cbrt(k);
+    world.thruster_max_N *= force;
+    for (int t = 0; t < world.thrusters; ++t) {
+        cfg.allocation.thruster[t].max_N *= (auvid_real_t)force;
+        cfg.allocation.thruster[t].min_N *= (auvid_real_t)force;
+        for (int j = AUVID_ROLL; j < AUVID_DOF_COUNT; ++j) {
+            world.thruster_matrix[j][t] *= cbrt(k);
+            cfg.allocation.thruster[t].wrench[j] *= (auvid_real_t)cbrt(k);
+        }
+    }
+}
+
+/* Its centre of buoyancy is 5 cm up, so that it need not be held upright by thrusters that lag. See
+ * test_bluerov2.c for the shorter filter and the sequences. */
+static void make_bluerov2(void)
+{
+    sim_bluerov2(&world);
+    world.hold_Nm_rad = world.hold_Nms_rad = 0;
+    world.fossen.r_b[2] = -0.05;
+    sim_fossen_parameters(&world.fossen, truth);
+    cfg.allocation = auvid_allocation_bluerov2_heavy;
+    cfg.metric.half_width[1] = 4;
+    cfg.guard.roll_max_rad = cfg.guard.pitch_max_rad = AUVID_C(1.2);
+    cfg.guard.yaw_rate_max = AUVID_C(3.0);
+}
+
+static void quicken_tilt(void)
+{
+    for (int i = 0; i < cfg.excitation.segments; ++i) {
+        auvid_segment_t *segment = &cfg.excitation.segment[i];
+        if (segment->dof == AUVID_ROLL || segment->dof == AUVID_PITCH) {
+            segment->frequency_hz = AUVID_C(0.1);
+            segment->frequency_high_hz = AUVID_C(0.8);
+            segment->hold_min_s = 1;
+            segment->hold_max_s = 3;
+        }
+    }
+}
+
+static void make_vehicle(int v, uint64_t seed, const auvid_uncertainty_t *uncertainty)
+{
+    static const double size[VEHICLES] = {1, 0.06, 0.18, 4.5, 0};
+    static const auvid_real_t rov[AUVID_DOF_COUNT] = {40, 40, 35, 1.5, 1.5, 6};
+    auvid_real_t amplitude[AUVID_DOF_COUNT] = {0};
+    auvid_identifier_defaults(&cfg, v == BLUEROV2 ? &auvid_bluerov2_heavy : &auvid_girona500);
+    if (v == BLUEROV2) {
+        make_bluerov2();
+        memcpy(amplitude, rov, sizeof rov);
+    } else {
+        scale_girona500(v, size[v]);
+        amplitude[AUVID_SURGE] = amplitude[AUVID_SWAY] = amplitude[AUVID_HEAVE] =
+            (auvid_real_t)(100 * pow(size[v], 2. / 3.));
+        amplitude[AUVID_YAW] = (auvid_real_t)(40 * pow(size[v], 4. / 3.));
+    }
+    uint32_t set_s = v == BLUEROV2 ? 90 : 30;
+    world.seed = cfg.search.seed = seed;
+    world.disturbance_N = v == BLUEROV2 ? 0.2 : 0.01 * (double)amplitude[AUVID_SURGE];
+    world.disturbance_Nm = v == BLUEROV2 ? 0.08 : 0.01 * (double)amplitude[AUVID_YAW];
+    cfg.uncertainty = *uncertainty;
+    cfg.metric.set_rows = (uint16_t)(2 * set_s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        cfg.metric.tau_max[j] = amplitude[j] > 0 ? amplitude[j] : cfg.metric.tau_max[j];
+    }
+    for (int i = 0; i < cfg.vehicle->parameters && v != BLUEROV2; ++i) {
+        cfg.search.upper[i] = (auvid_real_t)(8 * fabs(truth[i]));
+        cfg.search.lower[i] = -cfg.search.upper[i];
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&cfg.excitation, amplitude, set_s, SETS, seed));
+    if (v == BLUEROV2) {
+        quicken_tilt();
+    }
+}
+
+/* ---- thrust ---- */
+
+/* The thrusters' mean force over the next tick, having been told `force`. */
+static void propel(const fault_t *fault, const double *force, double *acting)
+{
+    double left = fault->lag_s > 0 ? exp(-1e-6 * SIM_TICK_US / fault->lag_s) : 0;
+    for (int i = 0; i < world.thrusters; ++i) {
+        double n = copysign(sqrt(fabs(force[i])), force[i]), before = speed[i];
+        double middle = n + sqrt(left) * (before - n);
+        speed[i] = n + left * (before - n);
+        acting[i] = fault->lag_s > 0 ? (before * fabs(before) + 4 * middle * fabs(middle) +
+                                        speed[i] * fabs(speed[i])) /
+                                           6
+                                     : force[i];
+    }
+}
+
+/* ---- a run ---- */
+
+static double past[PAST][SIM_THRUSTERS]; /* thrust told, by tick */
+
+static void watch_motion(void)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        largest[0][j] = fmax(largest[0][j], fabs(sim.truth.nu[j]));
+        largest[1][j] = fmax(largest[1][j], fabs(sim.truth.nu_dot[j]));
+    }
+}
+
+static void begin(int v, auvid_allocation_result_t *hover)
+{
+    auvid_real_t lift[AUVID_DOF_COUNT] = {0};
+    TEST_ASSERT_TRUE(sim_init(&sim, &world));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    lift[AUVID_HEAVE] =
+        (auvid_real_t)(-truth[v == BLUEROV2 ? (int)AUVID_FOSSEN_W_B : (int)SIM_WB]);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&id.allocation, lift, hover));
+    memset(largest, 0, sizeof largest);
+    for (int i = 0; i < world.thrusters; ++i) {
+        double force = (double)hover->force_N[i];
+        speed[i] = copysign(sqrt(fabs(force)), force);
+        for (int k = 0; k < PAST; ++k) {
+            past[k][i] = force;
+        }
+    }
+}
+
+/* The thrust of `late` ticks ago is what the identifier is told of. */
+static void tell(uint64_t t_us, const double *force)
+{
+    auvid_real_t wrench[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double sum = 0;
+        for (int i = 0; i < world.thrusters; ++i) {
+            sum += world.thruster_matrix[j][i] * force[i];
+        }
+        wrench[j] = (auvid_real_t)sum;
+    }
+    (void)auvid_identifier_applied(&id, t_us, wrench, NULL);
+}
+
+static void identify(int v, uint64_t seed, const fault_t *fault,
+                     const auvid_uncertainty_t *uncertainty)
+{
+    int held = fault->late > 0 ? fault->late : 0, early = fault->late < 0 ? -fault->late : 0;
+    auvid_allocation_result_t hover;
+    make_vehicle(v, seed, uncertainty);
+    begin(v, &hover);
+    int ticks = (SETS * cfg.metric.set_rows / 2 + 6) * TICKS_PER_S;
+    for (int k = 0; k < ticks; ++k) {
+        double acting[SIM_THRUSTERS] = {0}, *next = past[(k + 1) % PAST];
+        sim_output_t seen;
+        auvid_input_t in;
+        auvid_output_t out;
+        propel(fault, past[(k + PAST - early) % PAST], acting);
+        sim_step(&sim, acting, NULL, &seen);
+        watch_motion();
+        chain_sense(&seen, 0, &in);
+        if (id.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+        TEST_ASSERT_EQUAL_STRING(
+            "", out.guard == AUVID_GUARD_ABORTED ? auvid_guard_cause_str(out.cause) : "");
+        for (int i = 0; i < world.thrusters; ++i) {
+            next[i] = (double)(out.thruster_N[i] + hover.force_N[i]);
+        }
+        tell(in.t_us, past[(k + 1 + PAST - held) % PAST]);
+    }
+    finish_work(&id, 100000);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
+}
+
+static double error_of(int i)
+{
+    return (double)id.estimate.pi[i] - truth[i];
+}
+
+static bool is_wrong(int i)
+{
+    const auvid_parameter_t *p = &cfg.vehicle->parameter[i];
+    int j = (int)p->dof;
+    bool mass = p->kind == AUVID_PARAMETER_MASS || p->kind == AUVID_PARAMETER_INERTIA;
+    bool quadratic = p->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+    bool drag = quadratic || p->kind == AUVID_PARAMETER_LINEAR_DRAG;
+    double motion = (mass ? largest[1][j] : drag ? largest[0][j] : 1) *
+                    (quadratic ? largest[0][j] : 1);
+    double error = fabs(error_of(i));
+    return (strcmp(p->name, "W-B") == 0 || error > 0.2 * fabs(truth[i])) &&
+           error * motion > 0.02 * (double)cfg.metric.tau_max[j];
+}
