@@ -133,7 +133,7 @@ static void rotate_row(job_t *c, int j, int i)
     const auvid_metric_t *m = c->metric;
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    bool bordered = c->delayed && m->delay_s[j] > AUVID_C(0.0);
+    bool bordered = c->delayed && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
     int count = m->count[j];
     const auvid_real_t *r = merged(c, j) + auvid_triangle_row(auvid_metric_order(m, j), i);
     if (bordered) {
@@ -441,7 +441,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     /* with delays taken, first what they cost: BOUND comes back here for the plain triangle */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         c->delayed |=
-            is_driven(c, j) && metric->cfg.estimate_delay && metric->delay_s[j] > AUVID_C(0.0);
+            is_driven(c, j) && metric->cfg.estimate_delay && auvid_abs(metric->delay_s[j]) > AUVID_C(0.0);
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         auvid_confidence_note_idle(c, i);

@@ -111,6 +111,7 @@ static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier
     metric->cfg = cfg->metric;
     metric->cfg.vehicle = cfg->vehicle;
     metric->cfg.cell_us = cfg->recorder.cell_us;
+    metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
     return auvid_metric_init(metric, &metric->cfg);
 }
 

@@ -109,6 +109,9 @@ typedef struct {
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..6 cells,
                                                 default 0; a shift. Not read in the residual
                                               path: evaluations are told the delay */
+    auvid_real_t delay_sigma_s; /**< standard deviation of the delay before the data are seen [s],
+                                     0..1; default 0: see above. The identifier's is that of its
+                                     uncertainty */
     uint8_t lagged;                        /**< bit j: DoF j's given delay is that of a first-order
                                                 lag, not a shift; default 0 */
     auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the
