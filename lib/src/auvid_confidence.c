@@ -105,25 +105,77 @@ static void find_own(job_t *c, int j)
 
 /* ---- ROTATE: the DoF's rows into the joint triangle ---- */
 
+/* Does the uncertainty of DoF j's delay count, and that of its shape? */
+static bool is_considered(const job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    return is_driven(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
+           (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
+}
+
+/* Was DoF j's delay estimated? */
+static bool is_estimated(const job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    return is_driven(c, j) && m->cfg.estimate_delay && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
+}
+
+/* Columns of DoF j's delay in `part`. */
+static int delay_columns(const job_t *c, int j)
+{
+    return is_considered(c, j) ? 2 : 1;
+}
+
+/* The priors of DoF j's delay and of half its second moment, as rows: 1 / sigma times the noise,
+ * that of what neither parameters nor delay explain. */
+static void add_priors(job_t *c, int j, int order)
+{
+    auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
+    auvid_real_t left = c->part[AUVID_TRIANGLE(order) - 1];
+    auvid_real_t noise = auvid_sqrt(SMOOTHED * left * left / c->rows[j]);
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    row[0] = noise / sigma;
+    auvid_triangle_add(c->part, order, 0, row);
+    memset(row, 0, sizeof row);
+    row[1] = noise / (AUVID_C(2.0) * sigma * sigma);
+    auvid_triangle_add(c->part, order, 1, row);
+}
+
 /* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
- * left for the parameters. Into part, order count + 1. */
+ * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay, half
+ * its second moment, the parameters, the residual at the estimate. */
 static void border(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->count[j];
-    auvid_real_t l[AUVID_METRIC_DELAYS], row[AUVID_MAX_PARAMETERS + 1];
-    delay_weights(c, j, true, l);
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    int first = delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
+    auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
+    static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
+                                                           AUVID_C(1.0)};
+    delay_weights(c, j, true, slope);
+    delay_weights(c, j, false, l);
     memset(c->part, 0, sizeof c->part);
     for (int i = 0; i < n; ++i) {
         const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
-        memset(row, 0, sizeof row);
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+        auvid_real_t residual = AUVID_C(0.0), second = AUVID_C(0.0);
         for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
-            row[k + 1] = r[k - i];
+            row[k + first] = r[k - i];
+            residual -= r[k - i] * c->pi[m->index[at + k]];
         }
         for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {
-            row[0] -= r[count + d - i] * l[d];
+            row[0] -= r[count + d - i] * slope[d];
+            second -= r[count + d - i] * bend[d];
+            residual += r[count + d - i] * l[d];
         }
-        auvid_triangle_add(c->part, count + 1, 0, row);
+        if (first == 2) {
+            row[1] = second;
+            row[order - 1] = residual;
+        }
+        auvid_triangle_add(c->part, order, 0, row);
+    }
+    if (first == 2) {
+        add_priors(c, j, order);
     }
 }
 
@@ -131,21 +183,22 @@ static void border(job_t *c, int j)
 static void rotate_row(job_t *c, int j, int i)
 {
     const auvid_metric_t *m = c->metric;
-    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    bool bordered = c->delayed && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
-    int count = m->count[j];
+    int count = m->count[j], first = delay_columns(c, j);
     const auvid_real_t *r = merged(c, j) + auvid_triangle_row(auvid_metric_order(m, j), i);
-    if (bordered) {
+    if (c->delayed && (is_considered(c, j) || is_estimated(c, j))) {
         if (i == 0) {
             border(c, j);
         }
-        r = c->part + auvid_triangle_row(count + 1, i + 1);
+        r = c->part + auvid_triangle_row(first == 1 ? count + 1 : count + 3, i + first);
+        residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
     }
     for (int k = i; k < count; ++k) {
         int place = c->place[m->index[m->channel_at[j] + k]];
         if (place != NOWHERE) {
             row[place] += scale * r[k - i];
+            c->influence[place] += scale * r[k - i] * residual;
         }
     }
     auvid_triangle_add(c->joint, c->n, 0, row);
@@ -163,12 +216,18 @@ static void bound_pivot(job_t *c, int i)
 static void invert(job_t *c, int i)
 {
     auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
+    if (c->delayed && i == 0) {
+        auvid_triangle_solve_left(c->joint, c->n, c->n, c->influence);
+    }
     y[i] = AUVID_C(1.0);
     auvid_triangle_solve_left(c->joint, c->n, c->n, y);
     for (int k = i; k < c->n; ++k) {
         squares += y[k] * y[k];
     }
     if (c->delayed) {
+        for (int k = i; k < c->n; ++k) {
+            c->moved[i] += y[k] * c->influence[k];
+        }
         c->widening[i] = squares;
         return;
     }
@@ -305,7 +364,7 @@ static void judge(job_t *c, int i)
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
-    found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i]);
+    found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i] + c->moved[i] * c->moved[i]);
     found.bias = auvid_abs(delta);
     found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
     auvid_confidence_conclude(c, i, &found);
@@ -379,6 +438,7 @@ static void end_phase(job_t *c)
     if (c->phase == INVERT && c->delayed) {
         c->delayed = false; /* once more, for given delays */
         memset(c->joint, 0, sizeof c->joint);
+        memset(c->influence, 0, sizeof c->influence);
         c->phase = ROTATE;
     } else {
         ++c->phase;
@@ -438,10 +498,9 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
         c->result.sets = (uint8_t)(c->result.sets + driven);
     }
-    /* with delays taken, first what they cost: BOUND comes back here for the plain triangle */
+    /* with delays taken or uncertain, first what they cost: BOUND comes back here for the plain triangle */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        c->delayed |=
-            is_driven(c, j) && metric->cfg.estimate_delay && auvid_abs(metric->delay_s[j]) > AUVID_C(0.0);
+        c->delayed = c->delayed || is_considered(c, j) || is_estimated(c, j);
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         auvid_confidence_note_idle(c, i);

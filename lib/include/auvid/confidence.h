@@ -115,7 +115,7 @@ typedef struct {
     auvid_real_t joint[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2]; /* J'J = sum w H */
     union {
         /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
-        auvid_real_t part[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2];
+        auvid_real_t part[(AUVID_MAX_PARAMETERS + 3) * (AUVID_MAX_PARAMETERS + 4) / 2];
         auvid_regressor_t regressor; /* between the last set and the verdict */
         auvid_real_t covariance[AUVID_COVARIANCE]; /* from the verdict on; goes to the estimate */
     };
@@ -123,7 +123,8 @@ typedef struct {
     auvid_real_t influence[AUVID_MAX_PARAMETERS]; /* of one set on the estimate */
     auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of influences */
     auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
-    auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated delays */
+    auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated and uncertain delays */
+    auvid_real_t moved[AUVID_MAX_PARAMETERS]; /* by the delays that the data and their priors say */
     auvid_real_t scatter[AUVID_DOF_COUNT], freedom[AUVID_DOF_COUNT]; /* of the scores */
     auvid_real_t rows[AUVID_DOF_COUNT];
     uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
