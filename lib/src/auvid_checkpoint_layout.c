@@ -117,7 +117,7 @@ static const row_t metric[] = {
     BYTE(auvid_metric_t, cfg.sets, cfg.sets),
     ENUM(auvid_metric_t, cfg.smoothing),
     BYTE(auvid_metric_t, cfg.half_width, cfg.estimate_delay),
-    REALS(auvid_metric_t, cfg.delay_s, cfg.delay_s),
+    REALS(auvid_metric_t, cfg.delay_s, cfg.delay_sigma_s),
     BYTE(auvid_metric_t, cfg.lagged, cfg.lagged),
     SPAN(auvid_metric_t, uint64_t, window_us, resume_us),
     SPAN(auvid_metric_t, uint32_t, memory.known, memory.known),

@@ -38,7 +38,8 @@
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
 #define SIZE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
 #define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
-#define DELAY(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(6.01))
+#define DELAY(table, type, first, last)                                                            \
+    RANGE(table, type, first, last, AUVID_C(-2.01), AUVID_C(6.01))
 
 enum { MOST_ROWS = 60000 }; /* of all sets */
 
@@ -107,6 +108,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     RANGE(TABLE_METRIC, auvid_metric_t, cfg.lag, cfg.lag, AUVID_C(1.0), AUVID_METRIC_LAGS),
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.estimate_delay, cfg.estimate_delay),
     DELAY(TABLE_METRIC, auvid_metric_t, cfg.delay_s, cfg.delay_s),
+    UP_TO(TABLE_METRIC, auvid_metric_t, cfg.delay_sigma_s, cfg.delay_sigma_s, 1),
     DOFS(TABLE_METRIC, auvid_metric_t, cfg.lagged),
     SAME(TABLE_METRIC, auvid_metric_t, columns, count),
     RANGE(TABLE_METRIC, auvid_metric_t, taps, taps, AUVID_C(1.0), AUVID_MAX_TAPS),
@@ -181,7 +183,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOFS(TABLE_SAMPLE, auvid_sample_t, missing),
 
     VALUE(TABLE_VALIDATION, auvid_validation_t, pi, pi),
-    DELAY(TABLE_VALIDATION, auvid_validation_t, delay_cells, delay_cells),
+    UP_TO(TABLE_VALIDATION, auvid_validation_t, delay_cells, delay_cells, AUVID_C(6.01)),
     VALUE(TABLE_VALIDATION, auvid_validation_t, wrench, wrench),
     UP_TO(TABLE_VALIDATION, auvid_validation_t, cell_s, cell_s, 1),
     DOFS(TABLE_VALIDATION, auvid_validation_t, dofs),

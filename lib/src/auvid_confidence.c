@@ -447,6 +447,13 @@ static void end_phase(job_t *c)
     (void)seek_dof(c, 0);
 }
 
+/* What the next step costs beside its phase's price. */
+static int price_of_border(const job_t *c)
+{
+    bool due = c->phase == ROTATE && c->delayed && c->at_row == 0;
+    return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at_dof) + 2) : 0;
+}
+
 /* Go on to the next step. */
 static void move_on(job_t *c)
 {
@@ -540,7 +547,7 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
     job->metric = metric;
     while (job->phase != DONE && *budget > 0) {
         --*budget;
-        if (++job->paid < price[job->phase]) {
+        if (++job->paid < price[job->phase] + price_of_border(job)) {
             continue;
         }
         job->paid = 0;

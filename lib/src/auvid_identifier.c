@@ -27,6 +27,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
         cfg->search.upper[i] = AUVID_C(1000.0);
     }
     cfg->search.seed = 1;
+    cfg->uncertainty.delay_s = AUVID_C(0.1);
 }
 
 void auvid_identifier_literal(auvid_identifier_config_t *cfg)

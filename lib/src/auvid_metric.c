@@ -74,20 +74,24 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     if (status < 0) {
         return status;
     }
-    auvid_real_t longest = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6) *
-                           (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
+    auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
+    auvid_real_t longest =
+        cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
+    auvid_real_t earliest = -cell_s * (auvid_real_t)AUVID_METRIC_EARLY_CELLS;
     if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) || !auvid_is_finite(cfg->driven) ||
         !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT)) {
+        !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->delay_sigma_s)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!(cfg->tau_max[j] > AUVID_C(0.0) && cfg->delay_s[j] >= AUVID_C(0.0) &&
+        if (!(cfg->tau_max[j] > AUVID_C(0.0) && cfg->delay_s[j] >= earliest &&
               cfg->delay_s[j] <= longest)) {
             return AUVID_ERR_RANGE;
         }
     }
-    if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) || cfg->cell_us < 1000 ||
+    if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) ||
+        !(cfg->delay_sigma_s >= AUVID_C(0.0) && cfg->delay_sigma_s <= AUVID_C(1.0)) ||
+        cfg->cell_us < 1000 ||
         cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 || cfg->row_cells < 1 ||
         cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
         (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||

@@ -24,17 +24,17 @@
  * better with it and predicts worse. */
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
-extern float K1;
-#define KNOWN K1
 
 /* A pivot up to this part of its column is rounding, of stored triangles above all. */
 #define ROUNDED                                                                                    \
     (AUVID_METRIC_DIGITS == 15 ? AUVID_C(4.0) / AUVID_C(32768.0) : AUVID_C(100.0) * AUVID_EPSILON)
 
 /* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command, but late
- * stamps make it look so: with cfg.delay_sigma_s shifts from -2/3, two cells, on. */
+ * stamps make it look so: where the delay is uncertain, shifts from -2/3 (two cells) are tried. */
 enum { DELAY_STEPS = 20, EARLY_STEPS = 7 };
 #define DELAY_STEP AUVID_C(0.1)
+#define EARLIEST                                                                                   \
+    (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
 
 /* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
  * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
@@ -71,8 +71,8 @@ auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real
 static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 {
     auvid_real_t least = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
-    int first = lag || !(m->cfg.delay_sigma_s > AUVID_C(0.0)) ? 0 : -EARLY_STEPS;
-    for (int i = first; i <= DELAY_STEPS; ++i) {
+    bool early = !lag && m->cfg.delay_sigma_s > AUVID_C(0.0);
+    for (int i = early ? -EARLY_STEPS : 0; i <= DELAY_STEPS; ++i) {
         auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = auvid_metric_unexplained(m, j, s, lag);
         if (e < least) {
             least = e;
@@ -84,7 +84,7 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
     auvid_real_t bend = left - AUVID_C(2.0) * least + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
-    return auvid_clamp(best, DELAY_STEP * (auvid_real_t)first,
+    return auvid_clamp(best, early ? EARLIEST : AUVID_C(0.0),
                        DELAY_STEP * (auvid_real_t)DELAY_STEPS);
 }
 
@@ -99,8 +99,7 @@ static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
     auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
     auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
                         (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - leaves);
-    auvid_real_t precise = s * auvid_metric_node_s(m) /
-                           auvid_max(DELAY_PRECISION_S, KNOWN * m->cfg.delay_sigma_s);
+    auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
     bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
     *lag = *lag && sure;
     return sure ? s : AUVID_C(0.0);

@@ -50,7 +50,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
     }
     for (int j = 0; j < AUVID_DOF_COUNT && delay_s != NULL; ++j) {
         auvid_real_t cells = delay_s[j] / cell_s; /* a metric's own delay must pass, rounded */
-        if (!(cells >= AUVID_C(0.0) && cells <= AUVID_C(6.001))) {
+        if (!(cells >= AUVID_C(-2.001) && cells <= AUVID_C(6.001))) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -71,7 +71,8 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool integrate = vehicle->columns[j] != 0 && (dofs == 0 || (dofs >> j & 1u));
         v->dofs |= (uint32_t)integrate << j;
-        v->delay_cells[j] = delay_s == NULL ? AUVID_C(0.0) : delay_s[j] / cell_s;
+        v->delay_cells[j] =
+            delay_s == NULL ? AUVID_C(0.0) : auvid_max(delay_s[j] / cell_s, AUVID_C(0.0));
     }
     return AUVID_OK;
 }

@@ -7,16 +7,17 @@
  * the identifier is given a later time than that at which the thrust acted: the delay from thrust to
  * motion is negative then. Stamps are from 0.1 s early to 0.2 s late.
  *
- * Four vehicles: Girona500; vehicles of about 60 kg and 1500 kg, whose parameters are drawn within
- * +-25 % of Girona500's, scaled; and BlueROV2 Heavy in six degrees of freedom, its centre of
- * buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2: 90 s); the disturbance is
+ * Five vehicles: Girona500; vehicles of about 20, 60 and 1500 kg, whose parameters are drawn within
+ * +-25 % of Girona500's, scaled (the smallest has twice the drag and a quarter of the yaw inertia,
+ * which then can hardly be told from a delay); and BlueROV2 Heavy in six degrees of freedom, its
+ * centre of buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2: 90 s); the disturbance is
  * 1 % of the amplitude (BlueROV2: 0.2 N, 0.08 Nm).
  *
  * Wrong is a flag of a parameter more than 20 % off, where the error's force at the largest motion
  * of the run is above 2 % of the amplitude; for W-B the force alone decides. Kept is the share of
  * the flags that the same run has without lag and with right stamps.
  *
- * Short form: a few runs of each vehicle. Long form (AUVID_TEST_LONG): 400 runs.
+ * Short form: one run of each vehicle and kind. Long form (AUVID_TEST_LONG): 400 runs of each kind.
  */
 #include <math.h>
 #include <stdio.h>
@@ -31,8 +32,7 @@
 enum { N = AUVID_MAX_PARAMETERS, SETS = 8, TICKS_PER_S = 1000000 / SIM_TICK_US, PAST = 32 };
 enum { GIRONA500, SMALL, MIDDLE, LARGE, BLUEROV2, VEHICLES };
 
-static const char *const name_of[VEHICLES] = {"Girona500", "20 kg", "60 kg", "1500 kg",
-                                            "BlueROV2"};
+static const char *const name_of[VEHICLES] = {"Girona500", "20 kg", "60 kg", "1500 kg", "BlueROV2"};
 
 /* Of a run. */
 typedef struct {
@@ -169,10 +169,11 @@ static void propel(const fault_t *fault, const double *force, double *acting)
         double n = copysign(sqrt(fabs(force[i])), force[i]), before = speed[i];
         double middle = n + sqrt(left) * (before - n);
         speed[i] = n + left * (before - n);
-        acting[i] = fault->lag_s > 0 ? (before * fabs(before) + 4 * middle * fabs(middle) +
-                                        speed[i] * fabs(speed[i])) /
-                                           6
-                                     : force[i];
+        acting[i] =
+            fault->lag_s > 0
+                ? (before * fabs(before) + 4 * middle * fabs(middle) + speed[i] * fabs(speed[i])) /
+                      6
+                : force[i];
     }
 }
 
@@ -193,8 +194,7 @@ static void begin(int v, auvid_allocation_result_t *hover)
     auvid_real_t lift[AUVID_DOF_COUNT] = {0};
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    lift[AUVID_HEAVE] =
-        (auvid_real_t)(-truth[v == BLUEROV2 ? (int)AUVID_FOSSEN_W_B : (int)SIM_WB]);
+    lift[AUVID_HEAVE] = (auvid_real_t)(-truth[v == BLUEROV2 ? (int)AUVID_FOSSEN_W_B : (int)SIM_WB]);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&id.allocation, lift, hover));
     memset(largest, 0, sizeof largest);
     for (int i = 0; i < world.thrusters; ++i) {
@@ -264,9 +264,193 @@ static bool is_wrong(int i)
     bool mass = p->kind == AUVID_PARAMETER_MASS || p->kind == AUVID_PARAMETER_INERTIA;
     bool quadratic = p->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
     bool drag = quadratic || p->kind == AUVID_PARAMETER_LINEAR_DRAG;
-    double motion = (mass ? largest[1][j] : drag ? largest[0][j] : 1) *
+    double motion = (mass   ? largest[1][j]
+                     : drag ? largest[0][j]
+                            : 1) *
                     (quadratic ? largest[0][j] : 1);
     double error = fabs(error_of(i));
     return (strcmp(p->name, "W-B") == 0 || error > 0.2 * fabs(truth[i])) &&
            error * motion > 0.02 * (double)cfg.metric.tau_max[j];
+}
+
+/* ---- campaign ---- */
+
+enum { FLAGS, KEPT, WRONG, BEFORE, COUNTS }; /* BEFORE: of the run without a fault */
+
+typedef struct {
+    int runs;
+    int sum[COUNTS];
+    int of[400][COUNTS]; /* by run */
+} tally_t;
+
+static tally_t tally[VEHICLES + 1]; /* last: all */
+
+static uint32_t flagged(void)
+{
+    return id.estimate.confidence.identifiable & ~id.estimate.confidence.implausible;
+}
+
+static void count(tally_t *to, const int *counts)
+{
+    for (int k = 0; k < COUNTS; ++k) {
+        to->sum[k] += counts[k];
+        to->of[to->runs][k] = counts[k];
+    }
+    ++to->runs;
+}
+
+/* The same run as it should be, and with the fault. */
+static void compare(int v, uint64_t seed, const fault_t *fault,
+                    const auvid_uncertainty_t *uncertainty)
+{
+    const fault_t none = {0, 0};
+    identify(v, seed, &none, uncertainty);
+    uint32_t before = flagged();
+    identify(v, seed, fault, uncertainty);
+    uint32_t now = flagged();
+    int counts[COUNTS] = {__builtin_popcount(now), __builtin_popcount(now & before), 0,
+                          __builtin_popcount(before)};
+    for (int i = 0; i < cfg.vehicle->parameters; ++i) {
+        bool wrong = (now >> i & 1u) != 0 && is_wrong(i);
+        counts[WRONG] += wrong;
+        if (wrong) {
+            printf("  %s, seed %llu, lag %.2f s, stamps %.2f s late: %s %.4g, is %.4g\n",
+                   name_of[v], (unsigned long long)seed, fault->lag_s,
+                   1e-6 * SIM_TICK_US * fault->late, cfg.vehicle->parameter[i].name,
+                   (double)id.estimate.pi[i], truth[i]);
+        }
+    }
+    count(&tally[v], counts);
+    count(&tally[VEHICLES], counts);
+}
+
+static double share(const tally_t *t, const int *run, int over, int under)
+{
+    double sum[2] = {0, 0};
+    for (int k = 0; k < t->runs; ++k) {
+        sum[0] += t->of[run == NULL ? k : run[k]][over];
+        sum[1] += t->of[run == NULL ? k : run[k]][under];
+    }
+    return sum[1] > 0 ? 100 * sum[0] / sum[1] : 0;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* "3.1 % (2.7 .. 3.6)": 95 %, by bootstrap over runs. */
+static void print_share(const char *title, const tally_t *t, int over, int under)
+{
+    enum { DRAWS = 1000 };
+    static double drawn[DRAWS];
+    int run[400];
+    sim_rng_t rng;
+    sim_rng_seed(&rng, 1, 99);
+    for (int d = 0; d < DRAWS; ++d) {
+        for (int k = 0; k < t->runs; ++k) {
+            run[k] = (int)(sim_rng_uniform(&rng) * t->runs);
+        }
+        drawn[d] = share(t, run, over, under);
+    }
+    qsort(drawn, DRAWS, sizeof drawn[0], ascending);
+    printf("%s %.2f %% (%.2f .. %.2f)", title, share(t, NULL, over, under), drawn[DRAWS / 40],
+           drawn[DRAWS - DRAWS / 40]);
+}
+
+static void print_tally(const char *name, const tally_t *t)
+{
+    printf("%-10s %3d runs: ", name, t->runs);
+    print_share("wrong", t, WRONG, FLAGS);
+    print_share(" of the flags;", t, KEPT, BEFORE);
+    printf(" of %d kept\n", t->sum[BEFORE]);
+}
+
+/* Lag and stamps of a run. */
+typedef enum { LAG, STAMPS, BOTH } kind_t;
+
+static fault_t draw(uint64_t seed, kind_t kind)
+{
+    sim_rng_t rng;
+    sim_rng_seed(&rng, seed, 4711);
+    double lag_s = 0.05 + 0.25 * sim_rng_uniform(&rng);
+    int late = (int)lrint((-0.1 + 0.3 * sim_rng_uniform(&rng)) * TICKS_PER_S);
+    fault_t fault = {kind == STAMPS ? 0 : lag_s, kind == LAG ? 0 : late};
+    return fault;
+}
+
+static int runs_of(int in_short)
+{
+    return getenv("AUVID_TEST_LONG") != NULL ? 400 : in_short;
+}
+
+static void campaign(const char *title, kind_t kind, uint64_t first)
+{
+    auvid_identifier_config_t usual;
+    int runs = runs_of(VEHICLES);
+    memset(tally, 0, sizeof tally);
+    auvid_identifier_defaults(&usual, &auvid_girona500);
+    usual.uncertainty.thrust_scale = usual.uncertainty.dvl_scale = 0;
+    for (int run = 0; run < runs; ++run) {
+        fault_t fault = draw(first + (uint64_t)run, kind);
+        compare(run % VEHICLES, first + (uint64_t)run, &fault, &usual.uncertainty);
+    }
+    printf("%s\n", title);
+    for (int v = 0; v < VEHICLES; ++v) {
+        print_tally(name_of[v], &tally[v]);
+    }
+    print_tally("all", &tally[VEHICLES]);
+    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, WRONG, FLAGS) <= 1);
+    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
+}
+
+static void test_a_lag_of_the_propellers_speed_makes_no_flag_wrong(void)
+{
+    campaign("propellers lag", LAG, 810001);
+}
+
+static void test_wrong_stamps_make_no_flag_wrong(void)
+{
+    campaign("wrong stamps", STAMPS, 820001);
+}
+
+static void test_a_lag_and_wrong_stamps_make_no_flag_wrong(void)
+{
+    campaign("propellers lag and stamps are wrong", BOTH, 830001);
+}
+
+static void test_without_the_delays_uncertainty_flags_are_wrong(void)
+{
+    const auvid_uncertainty_t none = {0, 0, 0};
+    const fault_t late = {0, 5}, worst = {0.3, 10};
+    memset(tally, 0, sizeof tally);
+    compare(SMALL, 1, &worst, &none);
+    compare(GIRONA500, 1, &late, &none);
+    TEST_ASSERT_TRUE(tally[SMALL].sum[WRONG] > 0);
+    TEST_ASSERT_TRUE(tally[GIRONA500].sum[WRONG] > 0);
+}
+
+static void test_the_longest_lag_with_the_latest_stamps_makes_no_flag_wrong(void)
+{
+    const auvid_uncertainty_t usual = {0, 0, AUVID_C(0.1)};
+    const fault_t worst = {0.3, 10};
+    memset(tally, 0, sizeof tally);
+    for (int v = 0; v < VEHICLES; ++v) {
+        compare(v, 1, &worst, &usual);
+    }
+    print_tally("0.3 s, 0.2 s late", &tally[VEHICLES]);
+    TEST_ASSERT_EQUAL_INT(0, tally[VEHICLES].sum[WRONG]);
+    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_without_the_delays_uncertainty_flags_are_wrong);
+    RUN_TEST(test_a_lag_of_the_propellers_speed_makes_no_flag_wrong);
+    RUN_TEST(test_wrong_stamps_make_no_flag_wrong);
+    RUN_TEST(test_a_lag_and_wrong_stamps_make_no_flag_wrong);
+    RUN_TEST(test_the_longest_lag_with_the_latest_stamps_makes_no_flag_wrong);
+    return UNITY_END();
 }

@@ -107,7 +107,8 @@ typedef struct {
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0, below the upper bounds of
                                    all free masses; default 0: not known */
-    auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0: all is as told */
+    auvid_uncertainty_t uncertainty; /**< see confidence.h; default of delay_s 0.1, of
+                                          the others 0; 0: all is as told */
     const auvid_listener_t *listener; /**< default null: nobody */
     void *listening;                  /**< its context */
 } auvid_identifier_config_t;
@@ -223,7 +224,8 @@ typedef struct {
      * confidence.thrust_error and of .dvl_error added. */
     auvid_real_t covariance[AUVID_COVARIANCE];
     auvid_real_t cost;                     /**< J, Eq. 11, in the metric's units */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response */
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response; negative: the wrench's
+                                                stamps are late */
     uint8_t lagged; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */

@@ -26,7 +26,9 @@
  * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a
  * first-order lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi
  * explains is smallest, over all sets in the ring, from 0 to 6 cells;
- * none is taken unless the data determine it. In the residual path one shift, common to wrench
+ * none is taken unless the data determine it. Where the configuration says how uncertain the delay
+ * is, shifts from -2 cells on are looked at, too: thrust whose stamps are late seems to follow the
+ * motion. What is not taken enters the standard errors (confidence.h). In the residual path one shift, common to wrench
  * and commands, is searched together with the parameters.
  *
  * Where a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
@@ -55,6 +57,8 @@ extern "C" {
 /** Delays at which the wrench is kept, and their distance in cells. */
 #define AUVID_METRIC_DELAYS 3
 #define AUVID_METRIC_DELAY_CELLS 3
+/** Most negative delay: the weights of the three nodes are extrapolated [cells]. */
+#define AUVID_METRIC_EARLY_CELLS 2
 
 /** Bands into which the rows are split: sums and differences of neighbours. */
 #define AUVID_METRIC_BANDS 2
@@ -106,12 +110,12 @@ typedef struct {
     uint8_t passes; /**< how often the smoother is applied (its derivative once), 1
                                 or 2; default 2 */
     bool estimate_delay; /**< default true; must be false with AUVID_SMOOTH_STATES */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; 0..6 cells,
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; -2..6 cells,
                                                 default 0; a shift. Not read in the residual
                                               path: evaluations are told the delay */
-    auvid_real_t delay_sigma_s; /**< standard deviation of the delay before the data are seen [s],
-                                     0..1; default 0: see above. The identifier's is that of its
-                                     uncertainty */
+    auvid_real_t delay_sigma_s; /**< uncertainty of the delay [s], 0..1; > 0: negative ones are
+                                     estimated, too; default 0. The identifier sets its own
+                                     uncertainty.delay_s */
     uint8_t lagged;                        /**< bit j: DoF j's given delay is that of a first-order
                                                 lag, not a shift; default 0 */
     auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the

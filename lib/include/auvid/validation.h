@@ -56,7 +56,8 @@ typedef struct {
  * their masses > 0
  * @param dofs bit j: integrate DoF j, which the model must cover (0: every modelled DoF); others
  * come from the record. Leave out what was not identified
- * @param delay_s [6] delay of each DoF's wrench, 0 to 6 cells (rounding aside); null: none
+ * @param delay_s [6] delay of each DoF's wrench, -2 to 6 cells (rounding aside); a negative
+ * one counts as 0, since the wrench to come is not known; null: none
  * @param lagged bit j: DoF j's delay is that of a first-order lag (estimate.lagged)
  * @param cell_s the record's cell [s], > 0, <= 1
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_NOT_FINITE (pi);
