@@ -48,6 +48,7 @@ struct Dof {
     double weight, band[AUVID_METRIC_BANDS], count = 0;
     Vector3d delay, slope;
     bool delayed;
+    double sigma; // of the delay, in distances of the nodes; 0: known
     std::vector<int> columns;
 };
 
@@ -60,7 +61,8 @@ static Dof read(int j)
     d.weight = double(m.weight[j]);
     d.delay = delay_weights(s, lag, false);
     d.slope = delay_weights(s, lag, true);
-    d.delayed = m.cfg.estimate_delay && m.delay_s[j] > 0;
+    d.delayed = m.cfg.estimate_delay && std::fabs(m.delay_s[j]) > 0;
+    d.sigma = double(m.cfg.delay_sigma_s) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
     d.columns.assign(m.index + m.channel_at[j], m.index + m.channel_at[j] + m.count[j]);
     int n = m.count[j] + DELAYS, sets = m.cfg.sets;
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
@@ -145,7 +147,30 @@ struct Sums {
     MatrixXd middle = MatrixXd::Zero(PARAMETERS, PARAMETERS);   // of the pooled sandwich
     MatrixXd scores = MatrixXd::Zero(PARAMETERS, SETS);         // at the estimate
     VectorXd bias = VectorXd::Zero(PARAMETERS);
+    VectorXd pull = VectorXd::Zero(PARAMETERS); // of what uncertain delays leave of the residual
 };
+
+// The delay and half its second moment as parameters with a prior each: what they leave of the
+// normal matrix, and of the right-hand side at the estimate.
+static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, const VectorXd &at)
+{
+    long n = long(d.columns.size());
+    MatrixXd to = MatrixXd::Zero(n + DELAYS, n + 2), inner(2, 2), across;
+    to.topLeftCorner(n, n).setIdentity();
+    to.block(n, n, DELAYS, 1) = -d.slope;
+    to.block(n, n + 1, DELAYS, 1) << -1, 2, -1;
+    MatrixXd h = to.transpose() * all * to;
+    VectorXd g = -(to.transpose() * all * at);
+    double left = at.dot(all * at) - g.dot(inverse_of(h) * g); // what nothing explains
+    double noise = std::sqrt(2.6 * left / d.count);
+    inner = h.bottomRightCorner(2, 2);
+    inner(0, 0) += std::pow(noise / d.sigma, 2);
+    inner(1, 1) += std::pow(noise / (2 * d.sigma * d.sigma), 2);
+    across = h.topRightCorner(n, 2) * inner.inverse();
+    VectorXd pull = g.head(n) - across * g.tail(2);
+    sums.pull += d.weight * spread(d, pull);
+    return h.topLeftCorner(n, n) - across * h.bottomLeftCorner(2, n);
+}
 
 // One DoF's part; fills what the library calls noise and residual.
 static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &residual)
@@ -181,6 +206,9 @@ static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &re
     VectorXd column = (all * delay).head(n);
     MatrixXd left =
         d.delayed ? MatrixXd(h - column * column.transpose() / delay.dot(all * delay)) : h;
+    if (d.sigma > 0) {
+        left = without_delay(sums, d, all, at);
+    }
     sums.h += d.weight * spread(d, h);
     sums.bordered += d.weight * spread(d, left);
     sums.middle += d.weight * d.weight * counts * spread(d, h);
@@ -199,7 +227,8 @@ static void agrees(double expected, double actual)
     TEST_ASSERT_DOUBLE_WITHIN(4e-4 * std::fabs(expected), expected, actual);
 }
 
-static void compare(uint64_t seed, double disturbance_N, double lag_s, double noise)
+static void compare(uint64_t seed, double disturbance_N, double lag_s, double noise,
+                    double delay_sigma_s = 0)
 {
     chain_config_t config;
     Sums sums;
@@ -207,6 +236,7 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     bool delayed = false;
     chain_defaults(&config, seed, SETS, disturbance_N);
     config.sim.lag_s = lag_s;
+    config.id.uncertainty.delay_s = auvid_real_t(delay_sigma_s);
     config.sim.dvl_m_s *= noise;
     config.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
@@ -225,12 +255,13 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
     MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;
     MatrixXd pooled = p * sums.middle * p;
-    VectorXd delta = -p * sums.bias;
+    VectorXd delta = -p * sums.bias, moved = wide * sums.pull;
     for (int i = 0; i < PARAMETERS; ++i) {
         VectorXd psi = influence.row(i).transpose();
         double own = (psi.array() - psi.mean()).square().sum();
         double variance = 1.3 * (10 * pooled(i, i) + SETS * own) / (10 + SETS - 1);
-        double total = variance * wide(i, i) / p(i, i) + delta(i) * delta(i);
+        double total =
+            variance * wide(i, i) / p(i, i) + moved(i) * moved(i) + delta(i) * delta(i);
         agrees(std::sqrt(total), double(actual.sigma[i]));
     }
 }
@@ -254,10 +285,21 @@ static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
     std::printf("largest relative difference, with a lag: %.1e\n", worst);
 }
 
+static void test_what_an_uncertain_delay_costs_is_that_of_the_formulas()
+{
+    worst = 0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        compare(seed, 1, 0, 1, 0.1);
+        compare(seed, 3, 0.1, 1, 0.1);
+    }
+    std::printf("largest relative difference, delay uncertain: %.1e\n", worst);
+}
+
 int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_standard_errors_are_those_of_the_formulas);
     RUN_TEST(test_what_an_estimated_delay_costs_is_that_of_the_formulas);
+    RUN_TEST(test_what_an_uncertain_delay_costs_is_that_of_the_formulas);
     return UNITY_END();
 }

@@ -265,6 +265,7 @@ static void test_an_estimated_delay_widens_the_masses(void)
         chain_defaults(&config, 3, 4, 1.0);
         config.sim.lag_s = 0.15;
         config.budget = 0;
+        config.id.uncertainty.delay_s = 0; /* of what is given there is none */
         if (known) { /* as it was found */
             memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
                    sizeof config.id.metric.delay_s);
