@@ -176,7 +176,7 @@ static void test_an_undetermined_delay_widens_the_mass(void)
 
 static void test_a_determined_delay_hardly_widens(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, 0};
+    const world_t world = {auvid_girona500_paper, 1, 0, false};
     auvid_real_t before[N];
     observe(&world, AUVID_C(0.0));
     memcpy(before, verdict->sigma, sizeof before);
@@ -193,7 +193,7 @@ static void test_a_determined_delay_hardly_widens(void)
 /* The user gives a delay of zero, and the data know better. */
 static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_errors(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, -1};
+    const world_t world = {auvid_girona500_paper, 1, -1, false};
     int far = 0;
     cfg.estimate_delay = false;
     observe(&world, AUVID_C(0.0));
@@ -211,7 +211,7 @@ static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_error
 
 static void test_late_stamps_are_found_as_a_negative_delay(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, 1};
+    const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
         TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)verdict->sigma[i]);
@@ -225,7 +225,7 @@ static void test_late_stamps_are_found_as_a_negative_delay(void)
 
 static void test_late_stamps_beyond_two_cells_give_no_earlier_delay(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, 4};
+    const world_t world = {auvid_girona500_paper, 1, 4, false};
     observe(&world, AUVID_C(0.1));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         TEST_ASSERT_TRUE(metric.delay_s[j] >= AUVID_C(-0.2001));
@@ -235,7 +235,7 @@ static void test_late_stamps_beyond_two_cells_give_no_earlier_delay(void)
 
 static void test_without_uncertainty_no_delay_is_negative(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, 1};
+    const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.0));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         TEST_ASSERT_TRUE(metric.delay_s[j] >= AUVID_C(0.0));
@@ -247,7 +247,7 @@ static void test_without_uncertainty_no_delay_is_negative(void)
 /* Of the library before it knew of this uncertainty. */
 static void test_without_uncertainty_the_numbers_are_as_before(void)
 {
-    static const world_t world = {auvid_girona500_paper, 1, -1};
+    static const world_t world = {auvid_girona500_paper, 1, -1, false};
     static const double pi[N] = {0x1.f2a238p+7,  0x1.6fabc6p+8,  0x1.49d8acp+9,  0x1.2bfc8cp+6,
                                  -0x1.2a7b9cp+5, -0x1.501458p+5, -0x1.fbb86ep+6, -0x1.2f8b94p+6,
                                  -0x1.bee8dap+8, -0x1.5c0cb6p+5, -0x1.461e2cp+8, -0x1.4cc7b4p+4,
@@ -269,7 +269,7 @@ static void test_any_budget_gives_the_same_bits(void)
     static const uint32_t pieces[] = {1, 7, 100};
     static auvid_confidence_t whole;
     const auvid_uncertainty_t uncertainty = {0, 0, AUVID_C(0.1)};
-    const world_t world = {auvid_girona500_paper, 1, 1};
+    const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
     whole = *verdict;
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
@@ -287,7 +287,7 @@ static void test_any_budget_gives_the_same_bits(void)
 
 static void test_the_uncertainty_costs_what_the_header_says(void)
 {
-    const world_t world = {auvid_girona500_paper, 1, 0};
+    const world_t world = {auvid_girona500_paper, 1, 0, false};
     observe(&world, AUVID_C(0.0));
     uint32_t without = judge(AUVID_C(0.0));
     TEST_ASSERT_UINT32_WITHIN(20, 538, judge(AUVID_C(0.1)) - without);
