@@ -3,7 +3,7 @@
 //
 // The library is in float32: over the runs below the largest difference is 1e-5 of a standard
 // error, but in one 2e-4, since sets are rounded when they are stored; twice that fails. With an
-// uncertain delay 1.3e-3: the library's noise of yaw, by which the prior is weighted, lacks the
+// uncertain delay 2.2e-3: the library's noise of yaw, by which the prior is weighted, lacks the
 // direction that the rounding of a dependent column (m_u, m_v) takes, one of some hundred.
 #include <Eigen/Dense>
 

@@ -53,7 +53,7 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
     REFUSED(AUVID_ERR_RANGE, cfg.order = 6);
     REFUSED(AUVID_ERR_RANGE, cfg.smoothing = (auvid_smoothing_t)2);
     REFUSED(AUVID_ERR_RANGE, cfg.smoothing = AUVID_SMOOTH_STATES); /* with estimate_delay */
-    REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(-0.01));
+    REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(-0.21));
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(0.61));
     REFUSED(AUVID_ERR_RANGE, (auvid_metric_literal(&cfg), cfg.order = 0)); /* no derivative */
 }

@@ -477,7 +477,7 @@ static void test_init_refuses_what_it_cannot_use_and_changes_nothing(void)
     refuse(AUVID_ERR_RANGE, good, 0, 0, -0.1);
     refuse(AUVID_ERR_RANGE, good, 0, 0, NAN);
     refuse(AUVID_ERR_RANGE, good, 0, 0.61, 0.1);
-    refuse(AUVID_ERR_RANGE, good, 0, -0.01, 0.1);
+    refuse(AUVID_ERR_RANGE, good, 0, -0.3, 0.1);
     refuse(AUVID_ERR_RANGE, good, 0, NAN, 0.1);
     refuse(AUVID_ERR_RANGE, good, 1u << AUVID_ROLL, 0, 0.1);
     model.acceleration = NULL;

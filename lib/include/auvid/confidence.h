@@ -18,8 +18,12 @@
  *   its bound is released.
  * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative; and the
  *   force is explained at all.
- * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
- * is part of the standard errors. Disturbances whose time scale is longer than a set, and errors of
+ * Where a delay was estimated, its uncertainty is part of the standard errors. With
+ * uncertainty.delay_s > 0 that of every driven DoF's delay is, estimated, given or taken for none:
+ * the delay has that standard deviation about the value in use, half its second moment (a lag of
+ * another shape, such as that of a propeller's speed) twice its square, and the standard errors
+ * hold, besides the widening, by how much the parameters would move if delay and shape were where
+ * these and the data want them. In the residual path this holds where the delay is searched. Disturbances whose time scale is longer than a set, and errors of
  * the model itself, are not in them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
@@ -75,7 +79,8 @@ typedef struct {
     auvid_real_t thrust_scale; /**< of the common scale of the thrust as told, relative; 0..1 */
     auvid_real_t dvl_scale;    /**< of the scale of the DVL's velocity, relative; 0..1 */
     auvid_real_t delay_s;      /**< of the delay between thrust as told and motion, where the data
-                                    do not determine it [s]; 0..1 */
+                                    do not determine it [s]; 0..1. Besides, > 0 lets the metric
+                                    estimate negative delays (late stamps) */
 } auvid_uncertainty_t;
 
 /** The verdict on one estimate. Written by auvid_confidence_work. */
