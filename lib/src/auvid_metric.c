@@ -77,7 +77,8 @@ static auvid_status_t check(const auvid_metric_config_t *cfg)
     auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
     auvid_real_t longest =
         cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
-    auvid_real_t earliest = -cell_s * (auvid_real_t)AUVID_METRIC_EARLY_CELLS;
+    auvid_real_t earliest = /* one of its own must pass, rounded */
+        -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
     if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) || !auvid_is_finite(cfg->driven) ||
         !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
         !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->delay_sigma_s)) {
