@@ -26,8 +26,8 @@
  * with nu_j from the high band, in which little else is.
  *
  * Uncertain delay: with the columns D_j = -[Z l', Z (1 -2 1)'] of the delay and of half its second
- * moment in each DoF's rows, the rows diag(n / sigma_d, n / (2 sigma_d^2)) below them, n^2 = f times
- * the mean square of what parameters and D_j leave, and R~, e~ what D_j leaves of R and of the
+ * moment in each DoF's rows, the rows diag(n / sigma_d, n / (2 sigma_d^2)) below them, n^2 = f
+ * times the mean square of what parameters and D_j leave, and R~, e~ what D_j leaves of R and of the
  * residual at the estimate,
  *
  *     P~ = (sum_j w_j R~'R~)^-1,  moved = P~ sum_j w_j R~'e~,
@@ -150,8 +150,8 @@ static void add_priors(job_t *c, int j, int order)
 }
 
 /* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
- * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay, half
- * its second moment, the parameters, the residual at the estimate. */
+ * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay,
+ * half its second moment, the parameters, the residual at the estimate. */
 static void border(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
@@ -513,7 +513,8 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
         c->result.sets = (uint8_t)(c->result.sets + driven);
     }
-    /* with delays taken or uncertain, first what they cost: BOUND comes back here for the plain triangle */
+    /* with delays taken or uncertain, first what they cost: INVERT comes back here for the plain
+     * triangle */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         c->delayed = c->delayed || is_considered(c, j) || is_estimated(c, j);
     }

@@ -3,15 +3,15 @@
  * flagged right, and are the flags kept?
  *
  * The thrust of a propeller is k n |n|. When its speed n follows the command with a first-order lag
- * (0.05-0.3 s), the thrust follows neither by a shift nor by a first-order lag. A stamp is late when
- * the identifier is given a later time than that at which the thrust acted: the delay from thrust to
- * motion is negative then. Stamps are from 0.1 s early to 0.2 s late.
+ * (0.05-0.3 s), the thrust follows neither by a shift nor by a first-order lag. A stamp is late if
+ * the identifier is given a later time than that at which the thrust acted: the delay from thrust
+ * to motion is negative then. Stamps are from 0.1 s early to 0.2 s late.
  *
  * Five vehicles: Girona500; vehicles of about 20, 60 and 1500 kg, whose parameters are drawn within
  * +-25 % of Girona500's, scaled (the smallest has twice the drag and a quarter of the yaw inertia,
  * which then can hardly be told from a delay); and BlueROV2 Heavy in six degrees of freedom, its
- * centre of buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2: 90 s); the disturbance is
- * 1 % of the amplitude (BlueROV2: 0.2 N, 0.08 Nm).
+ * centre of buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2:
+ * 90 s); the disturbance is 1 % of the amplitude (BlueROV2: 0.2 N, 0.08 Nm).
  *
  * Wrong is a flag of a parameter more than 20 % off, where the error's force at the largest motion
  * of the run is above 2 % of the amplitude; for W-B the force alone decides. Kept is the share of

@@ -23,11 +23,13 @@
  * the delay has that standard deviation about the value in use, half its second moment (a lag of
  * another shape, such as that of a propeller's speed) twice its square, and the standard errors
  * hold, besides the widening, by how much the parameters would move if delay and shape were where
- * these and the data want them. In the residual path this holds where the delay is searched. Disturbances whose time scale is longer than a set, and errors of
- * the model itself, are not in them.
+ * these and the data want them. In the residual path this holds where the delay is searched.
+ * Disturbances whose time scale is longer than a set, and errors of the model itself, are not in
+ * them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.2k units of work, 0.25 million multiplications. Memory:
+ * Cost, Girona500 and eight sets: 7.2k units of work (7.8k with uncertain
+ * delays), 0.25 million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);

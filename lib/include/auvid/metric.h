@@ -28,8 +28,9 @@
  * explains is smallest, over all sets in the ring, from 0 to 6 cells;
  * none is taken unless the data determine it. Where the configuration says how uncertain the delay
  * is, shifts from -2 cells on are looked at, too: thrust whose stamps are late seems to follow the
- * motion. What is not taken enters the standard errors (confidence.h). In the residual path one shift, common to wrench
- * and commands, is searched together with the parameters.
+ * motion. What is not taken enters the standard errors (confidence.h).
+ * In the residual path one shift, common to wrench and commands, is searched together with the
+ * parameters.
  *
  * Where a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
  * window, the equation has no row; the others have theirs. So each DoF counts its own rows.
