@@ -27,7 +27,7 @@
  *
  * Uncertain delay: with the columns D_j = -[Z l', Z (1 -2 1)'] of the delay and of half its second
  * moment in each DoF's rows, the rows diag(n / sigma_d, n / (2 sigma_d^2)) below them, n^2 = f
- * times the mean square of what parameters and D_j leave, and R~, e~ what D_j leaves of R and of the
+ * times the mean square that pi and D_j leave, and R~, e~ what D_j leaves of R and of the
  * residual at the estimate,
  *
  *     P~ = (sum_j w_j R~'R~)^-1,  moved = P~ sum_j w_j R~'e~,

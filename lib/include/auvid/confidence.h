@@ -28,7 +28,7 @@
  * them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.2k units of work (7.8k with uncertain
+ * Cost, Girona500 and eight sets: 7.2k units of work (7.7k with uncertain
  * delays), 0.25 million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
  *
