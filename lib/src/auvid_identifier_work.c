@@ -161,6 +161,7 @@ static void publish(auvid_identifier_t *id)
     e->evaluations_crs = id->searched.crs;
     e->evaluations_line = id->searched.line_search;
     e->confidence = id->confidence.result;
+    memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;

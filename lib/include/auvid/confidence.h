@@ -23,7 +23,7 @@
  * the model itself, are not in them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.2k units of work, 0.25 million multiplications. Memory:
+ * Cost, Girona500 and eight sets: 7.7k units of work, 0.26 million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
@@ -51,19 +51,26 @@ typedef enum {
                                  DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
-    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but a mass not above the dry mass, a drag that
-                                 drives, or all in a DoF whose force the result explains worse than
-                                 its mean does: the model, a bound, a sign or a unit is wrong */
+    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but in a DoF whose force the result explains worse
+                                 than its mean does: the model, a bound, a sign or a unit is wrong */
     AUVID_NOTE_AT_BOUND,    /**< the search stopped it at its `bound`: `partner` is 0 for the lower
                                  one, 1 for the upper one. Within a thousandth of the distance of
                                  the two, and not further from it than its half-width */
     AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
                                   without that bound it would differ by more than its half-width */
-    AUVID_NOTE_NOT_CONVERGED /**< the search has not converged (auvid_estimate_t.capped) */
+    AUVID_NOTE_NOT_CONVERGED, /**< the search has not converged (auvid_estimate_t.capped) */
+    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe the parameter itself)
+                                 is impossible: a mass not above the dry mass, a drag that drives.
+                                 It is so by more than its half-width, or its impossible part makes
+                                 more than a tenth of the equation's rms wrench */
+    AUVID_NOTE_THRUST_SCALE /**< identifiable with the thrust as told; the uncertainty of its scale
+                                 alone makes the half-width too large */
 } auvid_note_t;
 
 /** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
 #define AUVID_CONFIDENCE_IDENTIFIABLE AUVID_C(0.2)
+/** The same of an AUVID_PARAMETER_FORCE, relative to its DoF's tau_max. */
+#define AUVID_CONFIDENCE_FORCE AUVID_C(0.02)
 /** Part of a DoF's rms wrench below which a parameter's share is small. */
 #define AUVID_CONFIDENCE_SMALL AUVID_C(0.01)
 
@@ -88,8 +95,9 @@ typedef struct {
     auvid_real_t dvl_error[AUVID_MAX_PARAMETERS];
     auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit] */
     uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
-    uint32_t implausible;                     /**< bit i: parameter i is implausible; only of
-                                                   identifiable ones */
+    uint32_t implausible;                     /**< bit i: parameter i is impossible (its equation
+                                                   has no identifiable parameter then), or has
+                                                   AUVID_NOTE_IMPLAUSIBLE */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< what the note says of it; else 0 */
     uint8_t sets; /**< data sets whose scatter the errors are of: those of the estimate that were

@@ -107,7 +107,8 @@ typedef struct {
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0, below the upper bounds of
                                    all free masses; default 0: not known */
-    auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0: all is as told */
+    auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0.05 of the thrust, 0.005 of
+                                          the DVL; 0: all is as told */
     const auvid_listener_t *listener; /**< default null: nobody */
     void *listening;                  /**< its context */
 } auvid_identifier_config_t;
@@ -354,6 +355,16 @@ typedef struct auvid_identifier {
     };
 } auvid_identifier_t;
 
+#define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)
+/** Covariance of two parameters with thrust and DVL scale as told; i = k: a variance. For the total
+ * add thrust_error[i] thrust_error[k] + dvl_error[i] dvl_error[k] of the confidence.
+ * @param vehicle the estimate's model
+ * @param i, k numbers of parameters, in either order
+ * @return in the product of their units; 0 if one of them is not known, or for null or a number out
+ * of range. Cost: O(1). */
+auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
+                                       const auvid_vehicle_t *vehicle, int i, int k);
+
 #define auvid_identifier_defaults AUVID_SIZED(auvid_identifier_defaults)
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. Null is ignored. */
@@ -367,9 +378,9 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 /** Check the arithmetic (selftest.h) and the configuration, and start.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
- * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
- * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass
- * below zero); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
+ * AUVID_ERR_NOT_FINITE (the good point, the uncertainty, too); AUVID_ERR_LIMIT (the excitation asks
+ * for more than the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every
+ * tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
  * plausible); and the errors of the modules' init. On error every other function refuses *id with
  * AUVID_ERR_STATE; so it does one that is all zeros.
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
