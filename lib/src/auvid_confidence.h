@@ -49,6 +49,9 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j);
 /** Norm of the column that parameter i has in DoF j's merged triangle; 0: it is not in it. */
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i);
 
+/** Half-width up to which parameter i is identifiable, if it is `value`. */
+auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, auvid_real_t value);
+
 /** Degree of a parameter in the thrust scale and in the DVL's: it is proportional to that power. */
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i);
 auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i);

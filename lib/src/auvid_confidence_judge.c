@@ -68,8 +68,9 @@ static void invert(const job_t *c, auvid_real_t *x)
 
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
 {
-    bool scales =
-        vehicle->regressor != NULL || vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER;
+    bool linear = vehicle->regressor != NULL; /* else nothing is known of how others scale */
+    bool scales = linear || (!vehicle->own_thrust &&
+                             vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
     return scales ? AUVID_C(1.0) : AUVID_C(0.0);
 }
 
@@ -125,7 +126,7 @@ static void consider(job_t *c, int p)
     for (int f = 0; f < vehicle->parameters; ++f) {
         if (c->place[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
             auvid_real_t share = share_of(c, p, f) * c->pi[f];
-            thrust += share;
+            thrust += auvid_confidence_thrust_degree(vehicle, f) * share;
             dvl += auvid_confidence_dvl_degree(vehicle, f) * share;
         }
     }

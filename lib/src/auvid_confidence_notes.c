@@ -108,6 +108,14 @@ auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int
     return AUVID_C(0.0);
 }
 
+auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, auvid_real_t value)
+{
+    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[i];
+    return parameter->kind == AUVID_PARAMETER_FORCE
+               ? AUVID_CONFIDENCE_FORCE * cfg->tau_max[parameter->dof]
+               : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
+}
+
 /* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
 static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
 {
@@ -220,6 +228,7 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
         if (claimed >> p & 1u) {
             to->note[p] = AUVID_NOTE_DISCREDITED;
             to->partner[p] = culprit;
+            to->bound[p] = c->pi[culprit];
         }
     }
 }
@@ -254,9 +263,7 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     auvid_real_t all = auvid_sqrt(told * told + thrust * thrust);
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
-    auvid_real_t allowed = parameter->kind == AUVID_PARAMETER_FORCE
-                               ? AUVID_CONFIDENCE_FORCE * cfg->tau_max[parameter->dof]
-                               : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(c->pi[p]);
+    auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
     auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * sigma + bias, found);
     bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
     to->sigma[p] = known ? total : AUVID_LARGEST;
@@ -272,7 +279,10 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
     } else if (known && AUVID_HALF_WIDTH * told + bias <= allowed) {
+        auvid_real_t room = (allowed - bias) / AUVID_HALF_WIDTH;
         to->note[p] = AUVID_NOTE_THRUST_SCALE;
+        to->bound[p] = to->uncertainty.thrust_scale *
+                       (auvid_sqrt(room * room - told * told) / auvid_abs(thrust));
     } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
         to->partner[p] = found->partner;

@@ -77,7 +77,7 @@ done
 check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
     demo --field 1 --driver cat
 for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust \
-    "--thrust-scale 0.1" "--dvl-scale 0.1" "--delay 0.1"; do
+    "--delay 0.1"; do
     # shellcheck disable=SC2086
     check "$other without the field" refuses \
         "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other

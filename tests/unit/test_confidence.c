@@ -752,7 +752,7 @@ static void test_a_text_too_long_is_cut_and_ended(void)
 
 static void test_every_note_has_a_phrase(void)
 {
-    for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_NOT_CONVERGED; ++a) {
+    for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_THRUST_SCALE; ++a) {
         TEST_ASSERT_TRUE(strlen(auvid_note_str((auvid_note_t)a)) > 5);
         for (int b = AUVID_NOTE_NONE; b < a; ++b) {
             TEST_ASSERT_TRUE(

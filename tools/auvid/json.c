@@ -30,6 +30,12 @@ static void json_parameter(const result_t *result, int i)
     json_number(known ? (double)result->estimate.pi[i] : NAN);
     printf(", \"sigma\": ");
     json_number(report_sigma(result, i));
+    printf(", \"sigma_told\": ");
+    json_number(report_sigma_told(result, i));
+    printf(", \"thrust_error\": ");
+    json_number(known ? (double)result->estimate.confidence.thrust_error[i] : NAN);
+    printf(", \"dvl_error\": ");
+    json_number(known ? (double)result->estimate.confidence.dvl_error[i] : NAN);
     printf(", \"identifiable\": %s, \"note\": \"%s\"", sure ? "true" : "false", note);
     if (known && report_is_at_bound(result, i)) {
         printf(", \"at_bound\": true");

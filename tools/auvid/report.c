@@ -100,7 +100,7 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
     case AUVID_PARAMETER_FORCE:
         return "cmd";
     default:
-        return "cmd s2";
+        return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
     }
 }
 
@@ -136,6 +136,13 @@ double report_sigma(const result_t *result, int i)
     return report_is_identified(result, i) && sigma < AUVID_LARGEST ? (double)sigma : HUGE_VAL;
 }
 
+double report_sigma_told(const result_t *result, int i)
+{
+    auvid_real_t variance =
+        auvid_estimate_covariance(&result->estimate, result->vehicle, i, i);
+    return isfinite(report_sigma(result, i)) ? sqrt((double)variance) : HUGE_VAL;
+}
+
 void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
@@ -148,6 +155,9 @@ void report_note(const result_t *result, int i, char *text, size_t size)
                        result->vehicle->parameter[c->partner[i]].name);
     } else if (c->note[i] == AUVID_NOTE_COMBINATION) {
         (void)snprintf(text, size, "only a combination with %s",
+                       result->vehicle->parameter[c->partner[i]].name);
+    } else if (c->note[i] == AUVID_NOTE_DISCREDITED) {
+        (void)snprintf(text, size, "%s is impossible",
                        result->vehicle->parameter[c->partner[i]].name);
     } else {
         (void)snprintf(text, size, "%s", auvid_note_str((auvid_note_t)c->note[i]));

@@ -114,6 +114,7 @@ bool report_is_identified(const result_t *result, int i);
 bool report_is_driven(const result_t *result, auvid_dof_t j);
 bool report_is_at_bound(const result_t *result, int i);
 double report_sigma(const result_t *result, int i); /**< infinite: not known */
+double report_sigma_told(const result_t *result, int i); /**< with thrust and DVL scale as told */
 
 /** Table of one identification. last: that of the last set only, beside it; may be null. */
 void report_result(const result_t *result, const result_t *last);

@@ -96,7 +96,9 @@ enum {
     AUVID_CAN_NOTE_IMPLAUSIBLE = 7,
     AUVID_CAN_NOTE_AT_BOUND = 8,
     AUVID_CAN_NOTE_BESIDE_BOUND = 9,
-    AUVID_CAN_NOTE_NOT_CONVERGED = 10
+    AUVID_CAN_NOTE_NOT_CONVERGED = 10,
+    AUVID_CAN_NOTE_DISCREDITED = 11,
+    AUVID_CAN_NOTE_THRUST_SCALE = 12
 };
 
 /** Values of `guard`. */
@@ -384,7 +386,9 @@ typedef struct {
     uint32_t number;
     /** What is to be said about it: auvid_note_t of confidence.h; 0..15 */
     uint32_t note;
-    /** Standard error, bias included, in the parameter's unit; NaN: not available; float32 */
+    /** Standard error, bias included, in the parameter's unit; NaN: not available. It has what
+     * the scale of the thrust, uncertain by a relative e (0.05 unless configured), adds: with
+     * the thrust as told it is sqrt(sigma^2 - (e value)^2), if no parameter is fixed; float32 */
     auvid_real_t sigma;
 } auvid_can_estimate_sigma_t;
 

@@ -93,7 +93,10 @@ typedef struct {
      * with its sign [parameter's unit]. Their squares are part of that of sigma. */
     auvid_real_t thrust_error[AUVID_MAX_PARAMETERS];
     auvid_real_t dvl_error[AUVID_MAX_PARAMETERS];
-    auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit] */
+    auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit];
+                                                   _DISCREDITED: the impossible value [partner's
+                                                   unit]; _THRUST_SCALE: the largest thrust_scale
+                                                   with which it is identifiable */
     uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
     uint32_t implausible;                     /**< bit i: parameter i is impossible (its equation
                                                    has no identifiable parameter then), or has

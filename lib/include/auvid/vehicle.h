@@ -93,6 +93,9 @@ typedef struct {
      * them is not measured, the equation gives no rows; others do. A bit too many costs rows, a bit
      * missing lets guesses in. */
     uint8_t reads[AUVID_DOF_COUNT];
+
+    bool own_thrust; /**< `residual` forms the thrust from commands and does not read sample->tau: the
+                          scale of the thrust as told is nothing to the parameters (thrusters.h) */
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.
