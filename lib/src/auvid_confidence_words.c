@@ -130,7 +130,7 @@ static void add_scale(writer_t *w, const auvid_confidence_t *c, const auvid_para
     }
     add(w, " in your newtons; calibrate thrust to ");
     add_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    add(w, " to state it in SI");
+    add(w, " for SI");
 }
 
 /* Parameter i's equation has an impossible estimate. */

@@ -10,17 +10,38 @@ assert list(d) == ["version", "status", "seed", "model", "parameters", "missing"
                    "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
-assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note", "truth"}
+assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
+                          "dvl_error", "identifiable", "note", "truth"}
            for p in d["parameters"])
 assert all(abs(p["truth"] - TRUTH[p["name"]]) < 1e-4 for p in d["parameters"])
 for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "uvwr"):
     assert list(d[key]) == list(names) and all(isinstance(x, (int, float)) for x in d[key].values())
 assert d["evaluations"]["crs"] > 0 and d["evaluations"]["line_search"] > 0'
-check "every parameter is identifiable, within four standard errors" is one.json '
-assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"])
-assert all(abs(p["estimate"] - p["truth"]) < 4 * p["sigma"] < 0.2 * abs(p["truth"])
-           for p in d["parameters"])
-assert d["missing"] == [] and d["not_modelled"] == ["roll", "pitch"]'
+check "every parameter is identifiable, W-B with the thrust as told only" is one.json '
+assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.items())
+assert d["missing"] == ["heave: W-B is known to 0.3 N in your newtons; calibrate thrust to 2 % for "
+                        "SI"] and d["not_modelled"] == ["roll", "pitch"]'
+check "  within four standard errors with thrust and DVL as told, the total has both" is one.json '
+for n, p in P.items():
+    assert abs(p["estimate"] - p["truth"]) < 4 * p["sigma_told"] < 0.2 * abs(p["truth"]), p
+    assert abs(p["thrust_error"] / p["estimate"] - 0.05) < 1e-6, p
+    degree = 0 if n[0] in "NW" or n == "m_r" else 2 if len(n) == 4 else 1
+    assert abs(p["dvl_error"] / p["estimate"] + 0.005 * degree) < 1e-6, p
+    total = math.hypot(p["sigma_told"], p["thrust_error"], p["dvl_error"])
+    assert abs(p["sigma"] / total - 1) < 1e-5, p'
+check "scales that are known exactly may be told" exits 0 demo --json --thrust-scale 0 \
+    --dvl-scale 0
+check "  then every parameter is identifiable, and nothing is missing" is out '
+one = {p["name"]: p for p in json.load(open("one.json"))["parameters"]}
+assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"]) and d["missing"] == []
+for n, p in P.items():
+    assert p["estimate"] == one[n]["estimate"] and p["thrust_error"] == p["dvl_error"] == 0
+    assert abs(p["sigma"] / one[n]["sigma_told"] - 1) < 1e-5, p'
+check "a thrust that is hardly known makes nothing identifiable" exits 0 demo --json \
+    --thrust-scale 0.2
+check "  and it is said what it takes" is out '
+assert not any(p["identifiable"] for p in d["parameters"]) and len(d["missing"]) == 13
+assert all(" in your newtons; calibrate thrust to " in s for s in d["missing"]), d["missing"]'
 check "the last set was foretold, and nothing has changed" is one.json '
 j = d["judgement"]
 assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]

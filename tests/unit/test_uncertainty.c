@@ -306,14 +306,12 @@ static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING("surge: m_u is known to 2 % in your newtons; calibrate thrust to 9 % "
-                             "to state it in SI",
-                             text);
+    TEST_ASSERT_EQUAL_STRING(
+        "surge: m_u is known to 2 % in your newtons; calibrate thrust to 9 % for SI", text);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING("heave: W-B is known to 0.1 N in your newtons; calibrate thrust to 2 "
-                             "% to state it in SI",
-                             text);
+    TEST_ASSERT_EQUAL_STRING(
+        "heave: W-B is known to 0.1 N in your newtons; calibrate thrust to 2 % for SI", text);
     uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
     observe(&cfg, &told_truly);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);

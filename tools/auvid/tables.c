@@ -56,7 +56,7 @@ static void print_error(const result_t *result, int i, int width, bool known)
     }
 }
 
-/* Estimate, half-width, that with thrust and DVL scale as told, truth, error, note. */
+/* Estimate, half-width, truth, error, note. */
 static void parameter_row(const result_t *result, int i)
 {
     bool known = report_is_identified(result, i);
@@ -65,7 +65,6 @@ static void parameter_row(const result_t *result, int i)
     report_note(result, i, note, sizeof note);
     print_number(10, digits, known ? (double)result->estimate.pi[i] : NAN);
     print_number(8, digits, HALF_WIDTH * report_sigma(result, i));
-    print_number(8, digits, HALF_WIDTH * report_sigma_told(result, i));
     if (result->has_truth) {
         print_number(9, 3, result->truth[i]);
         print_error(result, i, 6, known);
@@ -93,8 +92,7 @@ static void heading(const result_t *result, const result_t *last, int width)
                "estimate", "truth", "error", "estimate", "error");
         return;
     }
-    printf("  %-*s  %-*s  %10s  %8s  %8s", names, "parameter", width, "unit", "estimate", "+- 95 %",
-           "as told");
+    printf("  %-*s  %-*s  %10s  %8s", names, "parameter", width, "unit", "estimate", "+- 95 %");
     if (result->has_truth) {
         printf("  %9s  %8s", "truth", "error");
     }
@@ -113,8 +111,8 @@ static void rms_row(const result_t *result, const result_t *last, int width)
         printf("  %-*s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%%s\n", names, "rms", width, "",
                "", "", rms, "", report_rms_percent(&last->estimate, last->truth), note);
     } else if (result->estimate.identified != 0) {
-        printf("  %-*s  %-*s  %10s  %8s  %8s  %9s  %6.2f %%%s\n", names, "rms", width, "", "", "",
-               "", "", rms, note);
+        printf("  %-*s  %-*s  %10s  %8s  %9s  %6.2f %%%s\n", names, "rms", width, "", "", "", "",
+               rms, note);
     }
 }
 
