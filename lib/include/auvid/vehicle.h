@@ -33,7 +33,8 @@ typedef enum {
     AUVID_PARAMETER_INERTIA,        /**< moment of inertia, likewise: positive */
     AUVID_PARAMETER_LINEAR_DRAG,    /**< negative when it dissipates */
     AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative when it dissipates */
-    AUVID_PARAMETER_FORCE           /**< constant force or moment, weight less buoyancy */
+    AUVID_PARAMETER_FORCE           /**< constant force or moment, weight less buoyancy:
+                                         identifiable by its size in newtons */
 } auvid_parameter_kind_t;
 
 /** One parameter of a model. */
