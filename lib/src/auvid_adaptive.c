@@ -162,8 +162,7 @@ static auvid_real_t excess(const auvid_identifier_t *id, int i)
 {
     const auvid_estimate_t *e = &id->estimate;
     auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
-    auvid_real_t ratio =
-        AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
+    auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
     auvid_real_t square = ratio * ratio * variance;
     return square > AUVID_C(0.0) && square < UNKNOWN ? square : UNKNOWN; /* NaN, too */
 }

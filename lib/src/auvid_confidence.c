@@ -37,7 +37,7 @@
 #define RIDGE                                                                                      \
     AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
                                      determine gets an error of 1e4 times the column's own */
-#define NEAR AUVID_C(1e-3)           /* a bound, in distances of the two */
+#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
 
 typedef auvid_confidence_job_t job_t;
 
@@ -418,9 +418,9 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget)
 {
-    static const uint8_t price[] = {[OWN] = 16,   [ROTATE] = 8,   [BOUND] = 8,
-                                    [INVERT] = 6, [SCATTER] = 10, [BIAS] = 45,
-                                    [JUDGE] = 80,  [CONCLUDE] = 12}; /* [units] */
+    static const uint8_t price[] = {
+        [OWN] = 16,     [ROTATE] = 8, [BOUND] = 8,  [INVERT] = 6,
+        [SCATTER] = 10, [BIAS] = 45,  [JUDGE] = 80, [CONCLUDE] = 12}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }

@@ -71,8 +71,8 @@ static void invert(const job_t *c, auvid_real_t *x)
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
 {
     bool linear = vehicle->regressor != NULL; /* else nothing is known of how others scale */
-    bool scales = linear || (!vehicle->own_thrust &&
-                             vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
+    bool scales =
+        linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
     return scales ? AUVID_C(1.0) : AUVID_C(0.0);
 }
 
@@ -175,7 +175,7 @@ void auvid_confidence_judge(job_t *c, int i)
     auvid_real_t sets = (auvid_real_t)c->result.sets, widening = c->widening[i];
     auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
     int partner = i, p = c->index[i];
-    c->widening[i] = AUVID_C(0.0); /* no covariance, unless its error is known */
+    c->widening[i] = AUVID_C(0.0);          /* no covariance, unless its error is known */
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, p);
         return;

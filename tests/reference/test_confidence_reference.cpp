@@ -217,8 +217,8 @@ static void compare_covariance(const MatrixXd &pooled, const VectorXd &told)
     for (int i = 0; i < PARAMETERS; ++i) {
         for (int k = 0; k < PARAMETERS; ++k) {
             double expected = pooled(i, k) / std::sqrt(pooled(i, i) * pooled(k, k));
-            actual(i, k) = double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) /
-                           (told(i) * told(k));
+            actual(i, k) =
+                double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) / (told(i) * told(k));
             double off = std::fabs(actual(i, k) - expected);
             worst_correlation = std::fmax(worst_correlation, off);
             TEST_ASSERT_TRUE(off < 1e-4);

@@ -195,7 +195,8 @@ static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share
             cfg.free &= ~(1u << known);
             cfg.fixed[known] = truth[known];
             differentiate(&cfg, thrust == 1, slope);
-            double considered = (double)(thrust ? verdict->thrust_error : verdict->dvl_error)[other];
+            double considered =
+                (double)(thrust ? verdict->thrust_error : verdict->dvl_error)[other];
             double ratio = considered / (thrust ? 0.05 : 0.005) / slope[other];
             TEST_ASSERT_TRUE(fabs(slope[other]) > 1.2 * fabs((double)estimate[other]));
             TEST_ASSERT_TRUE(ratio > 0.95);
@@ -299,8 +300,8 @@ static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
         TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, verdict->note[i]);
         bool force = i == AUVID_G500_W_B;
         double room = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
-        double told = sqrt(pow((double)verdict->sigma[i], 2.0) -
-                           pow((double)verdict->thrust_error[i], 2.0));
+        double told =
+            sqrt(pow((double)verdict->sigma[i], 2.0) - pow((double)verdict->thrust_error[i], 2.0));
         double most = sqrt(room * room - told * told) / fabs((double)estimate[i]);
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, most, (double)verdict->bound[i]);
     }
@@ -347,9 +348,9 @@ static void test_an_impossible_estimate_is_told_once_for_its_equation(void)
     TEST_ASSERT_EQUAL_MEMORY("surge: X_uu is impossible (+8", text, 29);
     TEST_ASSERT_NOT_NULL(
         strstr(text, "): the equation is not trusted; check signs, units, the model"));
-    TEST_ASSERT_EQUAL(AUVID_FINISHED,
-                      auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text,
-                                               sizeof text));
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
 }
 
 /* ---- covariance ---- */
@@ -466,8 +467,9 @@ static void test_an_uncertainty_out_of_range_is_refused(void)
     chain_defaults(&config, 1, 2, 0.0);
     for (int k = 0; k < 3; ++k) {
         auvid_uncertainty_t *told = &config.id.uncertainty;
-        auvid_real_t *one = k == 0 ? &told->thrust_scale : k == 1 ? &told->dvl_scale
-                                                                  : &told->delay_s;
+        auvid_real_t *one = k == 0   ? &told->thrust_scale
+                            : k == 1 ? &told->dvl_scale
+                                     : &told->delay_s;
         *one = (auvid_real_t)NAN;
         TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &config.id));
         *one = AUVID_C(-0.01);

@@ -138,8 +138,7 @@ double report_sigma(const result_t *result, int i)
 
 double report_sigma_told(const result_t *result, int i)
 {
-    auvid_real_t variance =
-        auvid_estimate_covariance(&result->estimate, result->vehicle, i, i);
+    auvid_real_t variance = auvid_estimate_covariance(&result->estimate, result->vehicle, i, i);
     return isfinite(report_sigma(result, i)) ? sqrt((double)variance) : HUGE_VAL;
 }
 

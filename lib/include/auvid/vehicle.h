@@ -95,8 +95,9 @@ typedef struct {
      * missing lets guesses in. */
     uint8_t reads[AUVID_DOF_COUNT];
 
-    bool own_thrust; /**< `residual` forms the thrust from commands and does not read sample->tau: the
-                          scale of the thrust as told is nothing to the parameters (thrusters.h) */
+    /** `residual` forms the thrust from commands and does not read sample->tau (thrusters.h): the
+     * parameters do not depend on the scale of the thrust as told. Default false. */
+    bool own_thrust;
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.
