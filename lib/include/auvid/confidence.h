@@ -11,28 +11,29 @@
  *   with the scores' own scatter for each parameter.
  * - *Bias* of the masses: noise of the measured acceleration makes them smaller. Its size is
  *   predicted from the high band of the residuals and added to the uncertainty, not corrected.
- * - *Considered*: the common scale of the thrust as told, and that of the DVL, which no motion
- *   shows. They are not estimated; one standard deviation of them times what it moves the parameters
- *   by is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all move alike,
+ * - *Considered*: the common scale of the thrust as told, and that of the DVL. No motion shows them,
+ *   so they are not estimated. What one standard deviation of them moves the parameters by is added
+ *   to the uncertainty (auvid_confidence_judge.c). With the thrust scale all move alike,
  *   thrust_error = thrust_scale pi, unless parameters are fixed: known drags are allowed for, known
- *   masses taken as orthogonal to the rest. Of a model without regressor, parameters of kind OTHER
- *   are taken not to scale; with vehicle.own_thrust none does.
+ *   masses are taken as orthogonal to the rest. Of a model without regressor, parameters of kind
+ *   OTHER are taken not to scale; with vehicle.own_thrust none does.
  * - *Identifiable*: the DoF was driven, and the 95 % half-width, all of this included, is at most
- *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was not
- *   driven; only a combination with another parameter is known; its force is too small to matter; too
- *   little motion; the search has not converged; it is at its bound, or moves by more than its
- *   half-width when another one that is at its bound is released; the thrust scale alone prevents it.
+ *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was
+ *   not driven; only a combination with another parameter is known; its force is too small to
+ *   matter; too little motion; the search has not converged; it is at its bound, or moves by more
+ *   than its half-width when another one that is at its bound is released; the thrust scale alone
+ *   prevents it.
  * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative. An estimate
  *   that is impossible by more than its half-width, or whose impossible part makes more than a tenth
- *   of the rms wrench that its equation has left to explain, discredits the whole equation. And the
- *   force is explained at all.
+ *   of the rms wrench that its equation has left to explain, discredits the whole equation. (Both
+ *   are rms over the rows.) And the force is explained at all.
  * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
  * is part of the standard errors. Disturbances whose time scale is longer than a set, and errors of
  * the model itself, are not in them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
  * Cost, Girona500 and eight sets: 7.7k units of work, 0.26 million multiplications. Memory:
- * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
+ * sizeof(auvid_confidence_job_t), 2.5 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
  * Fuller 1987, 1.2 (errors in variables). None of it is in the paper.
@@ -67,7 +68,7 @@ typedef enum {
     AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
                                   without that bound it would differ by more than its half-width */
     AUVID_NOTE_NOT_CONVERGED, /**< the search has not converged (auvid_estimate_t.capped) */
-    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe the parameter itself)
+    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe this one itself)
                                  is impossible: a mass not above the dry mass, a drag that drives.
                                  It is so by more than its half-width, or its impossible part makes
                                  more than a tenth of the equation's rms wrench */

@@ -3,12 +3,12 @@
  * What is known of the vehicle, in 236 bytes: saved at the end of a dive, the next one starts with
  * it.
  *
- * The record holds the parameters, their standard errors with thrust and DVL scale as told (the next
- * dive has the same thrusters) and the noise of the forces. Started warm,
- * the identifier has them as its first estimate (not identifiable yet: the vehicle may have been
- * changed ashore), and as one data set that was recorded before. The first set that is recorded is
- * held against it: when the two do not belong to the same vehicle, the record is dropped, and all
- * is as after a cold start.
+ * The record holds the parameters, their standard errors with thrust and DVL scale as told (the
+ * next dive has the same thrusters), and the noise of the forces. Started warm, the identifier
+ * has them as its first estimate (not identifiable yet: the vehicle may have been changed ashore),
+ * and as one data set that was recorded before. The first set that is recorded is held against it:
+ * when the two do not belong to the same vehicle, the record is dropped, and all is as after a cold
+ * start.
  *
  * A model without regressor takes the record's parameters as a point to search from, no more.
  *
