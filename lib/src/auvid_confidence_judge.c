@@ -13,9 +13,9 @@
  * A known drag's is nearly proportional to that of the other drag of the same DoF, which takes its
  * part: h_i = c (degree) pi_known, c from the rms of column i. A known mass or constant force has a
  * column nearly orthogonal to the others: h = 0. (A known m_u stands in sway, too, as m_u u r: in
- * coupled motion sway's s were 12 % too small to 50 % too large.) The yaw equation's
- * (m_u - m_v) u v is of degree 2 where the forces' terms are of degree 1: the masses are taken as
- * the forces show them, where most of what is known of them comes from (in coupled motion 15 % off).
+ * coupled motion sway's s were 12 % too small to 50 % too large.) The yaw equation's (m_u - m_v) u
+ * v is of degree 2 where the forces' terms are of degree 1: the masses are taken as the forces show
+ * them, where most of what is known of them comes from (in coupled motion 15 % off).
  */
 #include "auvid/confidence.h"
 

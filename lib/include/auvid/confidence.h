@@ -18,15 +18,15 @@
  *   masses are taken as orthogonal to the rest. Of a model without regressor, parameters of kind
  *   OTHER are taken not to scale; with vehicle.own_thrust none does.
  * - *Identifiable*: the DoF was driven, and the 95 % half-width, all of this included, is at most
- *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was
- *   not driven; only a combination with another parameter is known; its force is too small to
- *   matter; too little motion; the search has not converged; it is at its bound, or moves by more
- *   than its half-width when another one that is at its bound is released; the thrust scale alone
- *   prevents it.
+ *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was not
+ *   driven; only a combination with another parameter is known; its force is too small to matter;
+ *   too little motion; the search has not converged; it is at its bound, or moves by more than its
+ *   half-width when another one that is at its bound is released; the thrust scale alone prevents
+ *   it.
  * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative. An estimate
- *   that is impossible by more than its half-width, or whose impossible part makes more than a tenth
- *   of the rms wrench that its equation has left to explain, discredits the whole equation. (Both
- *   are rms over the rows.) And the force is explained at all.
+ *   that is impossible by more than its half-width, or whose impossible part makes more than a
+ *   tenth of the rms wrench that its equation has left to explain, discredits the whole equation.
+ *   (Both are rms over the rows.) And the force is explained at all.
  * The delays are conditional on their kind (shift or lag); where one was estimated, its uncertainty
  * is part of the standard errors. Disturbances whose time scale is longer than a set, and errors of
  * the model itself, are not in them.
@@ -61,15 +61,16 @@ typedef enum {
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
     AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but in a DoF whose force the result explains worse
-                                 than its mean does: the model, a bound, a sign or a unit is wrong */
+                                 than its mean does: a sign, a unit, a bound or the model is
+                                 wrong */
     AUVID_NOTE_AT_BOUND,    /**< the search stopped it at its `bound`: `partner` is 0 for the lower
                                  one, 1 for the upper one. Within a thousandth of the distance of
                                  the two, and not further from it than its half-width */
     AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
                                   without that bound it would differ by more than its half-width */
     AUVID_NOTE_NOT_CONVERGED, /**< the search has not converged (auvid_estimate_t.capped) */
-    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe this one itself)
-                                 is impossible: a mass not above the dry mass, a drag that drives.
+    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe this one itself) is
+                                 impossible: a mass not above the dry mass, a drag that drives.
                                  It is so by more than its half-width, or its impossible part makes
                                  more than a tenth of the equation's rms wrench */
     AUVID_NOTE_THRUST_SCALE /**< identifiable with the thrust as told; the uncertainty of its scale

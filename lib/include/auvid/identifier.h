@@ -381,8 +381,9 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * AUVID_ERR_NOT_FINITE (the good point, the uncertainty, too); AUVID_ERR_LIMIT (the excitation asks
  * for more than the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every
  * tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not below
- * the upper bound of a free mass, which could not be plausible); and the errors of the modules' init. On error every other function refuses *id with
- * AUVID_ERR_STATE; so it does one that is all zeros.
+ * the upper bound of a free mass, which could not be plausible); and the errors of the modules'
+ * init. On error every other function refuses *id with AUVID_ERR_STATE; so it does one that is all
+ * zeros.
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
