@@ -11,15 +11,15 @@
  *   with the scores' own scatter for each parameter.
  * - *Bias* of the masses: noise of the measured acceleration makes them smaller. Its size is
  *   predicted from the high band of the residuals and added to the uncertainty, not corrected.
- * - *Considered*: the common scale of the thrust as told, and that of the DVL. No motion shows them,
- *   so they are not estimated. What one standard deviation of them moves the parameters by is added
- *   to the uncertainty (auvid_confidence_judge.c). With the thrust scale all move alike,
+ * - *Considered*: the common scale of the thrust as told, and that of the DVL. No motion shows
+ *   them, so they are not estimated. What one standard deviation of them moves the parameters by is
+ *   added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all move alike,
  *   thrust_error = thrust_scale pi, unless parameters are fixed: known drags are allowed for, known
  *   masses are taken as orthogonal to the rest. Of a model without regressor, parameters of kind
  *   OTHER are taken not to scale; with vehicle.own_thrust none does.
  * - *Identifiable*: the DoF was driven, and the 95 % half-width, all of this included, is at most
- *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was not
- *   driven; only a combination with another parameter is known; its force is too small to matter;
+ *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was
+ *   not driven; only a combination with another parameter is known; its force is too small to matter;
  *   too little motion; the search has not converged; it is at its bound, or moves by more than its
  *   half-width when another one that is at its bound is released; the thrust scale alone prevents
  *   it.
