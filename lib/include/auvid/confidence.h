@@ -21,8 +21,8 @@
  *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was
  *   not driven; only a combination with another parameter is known; its force is too small to
  *   matter; too little motion; the search has not converged; it is at its bound, or moves by more
- *   than its half-width when another one that is at its bound is released; the thrust scale alone prevents
- *   it.
+ *   than its half-width when another one that is at its bound is released; the thrust scale
+ *   alone prevents it.
  * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative. An estimate
  *   that is impossible by more than its half-width, or whose impossible part makes more than a
  *   tenth of the rms wrench that its equation has left to explain, discredits the whole equation.
