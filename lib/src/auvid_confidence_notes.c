@@ -208,7 +208,8 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
             continue;
         }
         auvid_real_t part = impossible_part(c, p);
-        auvid_real_t force = part * auvid_confidence_column(c, j, p);
+        auvid_real_t force =
+            part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
         bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
         to->implausible |= (uint32_t)sure << p;
         claimed |= (uint32_t)is_claimed(to, p) << p;
