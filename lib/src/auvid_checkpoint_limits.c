@@ -170,6 +170,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, driven),
     VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
     WITHIN(TABLE_ESTIMATE, auvid_estimate_t, covariance, covariance, AUVID_C(1e37)),
+    UP_TO(TABLE_ESTIMATE, auvid_estimate_t, speed, speed, 66),
     COST(TABLE_ESTIMATE, auvid_estimate_t, cost, cost),
     DELAY(TABLE_ESTIMATE, auvid_estimate_t, delay_s, delay_s),
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, lagged),

@@ -27,8 +27,7 @@ typedef struct {
     uint8_t beside;           /**< of those at their bounds the most correlated one, or NOWHERE */
 } auvid_finding_t;
 
-/** Standard errors in a 95 % half-width: eight sets are few. */
-#define AUVID_HALF_WIDTH AUVID_C(2.1)
+#define AUVID_HALF_WIDTH AUVID_CONFIDENCE_HALF_WIDTH
 
 /** Largest standard error and considered error: squares are finite. */
 #define AUVID_LARGEST_SIGMA AUVID_C(1e18)

@@ -141,6 +141,20 @@ static void rest(auvid_identifier_t *id)
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
 
+/* Largest speeds of the sets that the estimate is of. */
+static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
+{
+    memset(e->speed, 0, sizeof e->speed);
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+            auvid_real_t speed = AUVID_C(0.001) * (auvid_real_t)set->fastest[k / 2][k % 2];
+            bool faster = (set->driven >> k / 2 & 1) != 0 && speed > e->speed[k / 2][k % 2];
+            e->speed[k / 2][k % 2] = faster ? speed : e->speed[k / 2][k % 2];
+        }
+    }
+}
+
 static void publish(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
@@ -157,6 +171,7 @@ static void publish(auvid_identifier_t *id)
     }
     e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
+    gather_speeds(&id->metric, e);
     e->capped = id->capped;
     e->evaluations_crs = id->searched.crs;
     e->evaluations_line = id->searched.line_search;

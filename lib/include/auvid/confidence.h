@@ -77,6 +77,8 @@ typedef enum {
                                  alone makes the half-width too large */
 } auvid_note_t;
 
+/** Standard errors in a 95 % half-width: eight sets are few. */
+#define AUVID_CONFIDENCE_HALF_WIDTH AUVID_C(2.1)
 /** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
 #define AUVID_CONFIDENCE_IDENTIFIABLE AUVID_C(0.2)
 /** The same of an AUVID_PARAMETER_FORCE, relative to its DoF's tau_max. */
