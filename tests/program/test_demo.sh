@@ -6,8 +6,8 @@ check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the keys it should have" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "delay_s", "r2_force", "r2_validation", "judgement", "guard",
-                   "evaluations", "budget", "estimates"], list(d)
+                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "judgement",
+                   "guard", "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
@@ -42,6 +42,22 @@ check "a thrust that is hardly known makes nothing identifiable" exits 0 demo --
 check "  and it is said what it takes" is out '
 assert not any(p["identifiable"] for p in d["parameters"]) and len(d["missing"]) == 13
 assert all(" in your newtons; calibrate thrust to " in s for s in d["missing"]), d["missing"]'
+check "drag force at parts of the largest speed in each direction is known" is one.json '
+assert list(d["drag"]) == list("XYZN")
+for j, (linear, quadratic) in zip("XYZN", (("X_u", "X_uu"), ("Y_v", "Y_vv"), ("Z_w", "Z_ww"),
+                                           ("N_r", "N_rr"))):
+    at = d["drag"][j]
+    assert len(at) == 6 and all(list(x) == ["speed", "force", "half_width", "identifiable",
+                                            "truth"] for x in at)
+    for k, x in enumerate(at):
+        v, fastest = x["speed"], at[k // 3 * 3 + 2]["speed"]
+        assert v * (1, -1)[k // 3] > 0 and math.isclose(v, (0.3, 0.6, 1.0)[k % 3] * fastest,
+                                                        rel_tol=1e-6)
+        force = lambda of: of(linear) * v + of(quadratic) * v * abs(v)
+        assert math.isclose(x["force"], force(lambda n: P[n]["estimate"]), rel_tol=1e-5)
+        assert math.isclose(x["truth"], force(lambda n: P[n]["truth"]), rel_tol=1e-5)
+        assert abs(x["force"] - x["truth"]) < 2 * x["half_width"] < 0.4 * abs(x["force"])
+        assert x["identifiable"]'
 check "the last set was foretold, and nothing has changed" is one.json '
 j = d["judgement"]
 assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]

@@ -142,6 +142,30 @@ double report_sigma_told(const result_t *result, int i)
     return isfinite(report_sigma(result, i)) ? sqrt((double)variance) : HUGE_VAL;
 }
 
+const double report_drag_part[REPORT_DRAG_PARTS] = {0.3, 0.6, 1.0};
+
+bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part, auvid_drag_t *drag)
+{
+    double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
+    auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
+    return largest != 0.0 &&
+           auvid_estimate_drag(&result->estimate, result->vehicle, j, speed, drag) == AUVID_OK;
+}
+
+double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
+{
+    double force = 0.0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        const auvid_parameter_t *p = &result->vehicle->parameter[i];
+        if (p->dof == j && p->kind == AUVID_PARAMETER_LINEAR_DRAG) {
+            force += result->truth[i] * speed;
+        } else if (p->dof == j && p->kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
+            force += result->truth[i] * speed * fabs(speed);
+        }
+    }
+    return force;
+}
+
 void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];

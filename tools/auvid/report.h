@@ -108,6 +108,16 @@ bool report_is_modelled(const result_t *result, auvid_dof_t j);
 /** Unit of a cause's value and limit; empty where they have none. */
 const char *report_cause_unit(auvid_guard_cause_t cause);
 
+/** Drag force of degree of freedom j at a part of the largest speed seen in a direction. False: the
+ * model has no drag there, or there was no motion in that direction. */
+enum { REPORT_DRAG_PARTS = 3 };
+extern const double report_drag_part[REPORT_DRAG_PARTS];
+bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
+                 auvid_drag_t *drag);
+
+/** What it is in truth, where that is known. */
+double report_true_drag(const result_t *result, auvid_dof_t j, double speed);
+
 /** Smaller questions that tables and JSON have in common. */
 const char *report_unit(const result_t *result, int i);
 bool report_is_identified(const result_t *result, int i);
