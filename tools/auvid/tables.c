@@ -154,7 +154,8 @@ static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
         }
         print_number(8, digits, (double)drag.force);
         print_number(7, digits, drag.half_width < AUVID_LARGEST ? (double)drag.half_width : NAN);
-        putchar(drag.identifiable ? ' ' : '?');
+        bool last = part == REPORT_DRAG_PARTS - 1;
+        printf("%s", !drag.identifiable ? "?" : (last ? "" : " "));
     }
     putchar('\n');
 }
@@ -165,7 +166,7 @@ static void drag_table(const result_t *result)
            result->in_commands ? "cmd" : "N, Nm");
     printf("  %-15s  %7s", "", "largest");
     for (int part = 0; part < REPORT_DRAG_PARTS; ++part) {
-        printf("  %8.1f  %7s ", report_drag_part[part], "+- 95 %");
+        printf("%s  %8.1f  %7s", part > 0 ? " " : "", report_drag_part[part], "+- 95 %");
     }
     putchar('\n');
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
