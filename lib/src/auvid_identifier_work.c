@@ -144,14 +144,14 @@ static void rest(auvid_identifier_t *id)
 /* Largest speeds of the sets that the estimate is of. */
 static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
 {
-    memset(e->speed, 0, sizeof e->speed);
-    for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
-            auvid_real_t speed = AUVID_C(0.001) * (auvid_real_t)set->fastest[k / 2][k % 2];
-            bool faster = (set->driven >> k / 2 & 1) != 0 && speed > e->speed[k / 2][k % 2];
-            e->speed[k / 2][k % 2] = faster ? speed : e->speed[k / 2][k % 2];
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+        uint16_t most = 0;
+        for (int age = 0; age < auvid_metric_sets(m); ++age) {
+            const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+            uint16_t speed = (set->driven >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+            most = speed > most ? speed : most;
         }
+        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)most;
     }
 }
 

@@ -409,6 +409,7 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(unjudged = 1);
     IMPOSSIBLE(active = 1u << 31);
     IMPOSSIBLE(searching = true);
+    IMPOSSIBLE(estimate.speed[0][0] = -1);
     IMPOSSIBLE(estimate.confidence.lost[0] = 101);
     IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_THRUST_SCALE + 1);
     IMPOSSIBLE(estimate.confidence.thrust_error[0] = AUVID_C(2e18));
