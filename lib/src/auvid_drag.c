@@ -51,6 +51,10 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
     if (!auvid_is_finite(speed)) {
         return AUVID_ERR_NOT_FINITE;
     }
+    if ((unsigned)dof >= AUVID_DOF_COUNT || vehicle->columns[dof] == 0 ||
+        auvid_abs(speed) > AUVID_RECORDER_LARGEST) {
+        return AUVID_ERR_RANGE;
+    }
     sum_t s = {.known = true};
     uint32_t equation = 0;
     bool any = false;
@@ -63,7 +67,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
             any = true;
         }
     }
-    if (!any || (unsigned)dof >= AUVID_DOF_COUNT || auvid_abs(speed) > AUVID_RECORDER_LARGEST) {
+    if (!any) {
         return AUVID_ERR_RANGE;
     }
     auvid_real_t seen = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];

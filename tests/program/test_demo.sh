@@ -180,6 +180,11 @@ assert len(sure) == 17
 for p in sure:
     off = abs(p["estimate"] - p["truth"])
     assert off < 0.1 * abs(p["truth"]) and off < 4 * p["sigma"], p'
+check "  drag force is known in every degree of freedom, also where linear drag is not" is rov.json '
+assert not any(P[n]["identifiable"] for n in ("Y_v", "K_p", "N_r"))
+force = [x for at in d["drag"].values() for x in at]
+assert len(force) == 36 and all(x["identifiable"] for x in force)
+assert all(abs(x["force"] - x["truth"]) < 1.5 * x["half_width"] for x in force)'
 check "  masses and inertias within 2 %" is rov.json '
 assert all(abs(p["estimate"] / p["truth"] - 1) < 0.02 for p in d["parameters"][:6])'
 check "  held-out velocity is predicted" is rov.json '

@@ -24,7 +24,7 @@ check "a log is identified" exits 0 fit train.csv --json --validate test.csv
 cp out fit.json
 check "its JSON has the keys it should have" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "delay_s", "r2_force", "r2_validation", "r2_interval",
+                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "judgement", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}

