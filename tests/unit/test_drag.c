@@ -304,6 +304,29 @@ static void test_a_velocity_that_was_not_measured_was_not_seen(void)
     TEST_ASSERT_UINT_WITHIN(1, 2500, newest()->fastest[AUVID_SWAY][FORWARD]);
 }
 
+/* Half a set, then at 3 m/s while no row is taken, then at 2 m/s while they are again. */
+static void test_a_speed_of_which_no_row_is_taken_was_not_seen(void)
+{
+    cfg.sets = 2;
+    use_residual_path(1, 120);
+    start();
+    world_t w = world_of(&cfg);
+    int taken = 60, late = taken + 200, end = late + 100;
+    auvid_metric_hold(&metric, cell_at(&w, taken * w.cell_s).t_us);
+    for (int k = 0; k < end; ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        s.nu[AUVID_SURGE] = k > taken ? 3 : s.nu[AUVID_SURGE];
+        if (k == late) {
+            TEST_ASSERT_TRUE(auvid_metric_release(&metric, s.t_us) >= 0);
+        }
+        s.nu[AUVID_SURGE] = k >= late ? 2 : s.nu[AUVID_SURGE];
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, metric.sets_recorded);
+    TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000);
+    TEST_ASSERT_EQUAL_UINT16(2000, metric.fastest[AUVID_SURGE][FORWARD]);
+}
+
 static double fastest_of(const auvid_set_t *set, int j, int backward)
 {
     return (set->driven >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
@@ -356,6 +379,7 @@ int main(void)
     RUN_TEST(test_refusals_are_named_and_write_nothing);
     RUN_TEST(test_a_set_keeps_its_largest_speed_in_each_direction);
     RUN_TEST(test_a_velocity_that_was_not_measured_was_not_seen);
+    RUN_TEST(test_a_speed_of_which_no_row_is_taken_was_not_seen);
     RUN_TEST(test_an_estimate_has_seen_the_speeds_of_its_sets);
     return UNITY_END();
 }
