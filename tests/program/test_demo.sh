@@ -180,7 +180,7 @@ assert len(sure) == 17
 for p in sure:
     off = abs(p["estimate"] - p["truth"])
     assert off < 0.1 * abs(p["truth"]) and off < 4 * p["sigma"], p'
-check "  drag force is known in every degree of freedom, also where linear drag is not" is rov.json '
+check "  drag force is known in every degree of freedom, linear drag is not" is rov.json '
 assert not any(P[n]["identifiable"] for n in ("Y_v", "K_p", "N_r"))
 force = [x for at in d["drag"].values() for x in at]
 assert len(force) == 36 and all(x["identifiable"] for x in force)

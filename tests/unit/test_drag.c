@@ -22,7 +22,7 @@ static int entry(int i, int j)
     return i * N - i * (i - 1) / 2 + j - i;
 }
 
-/* X_u = -40 +- 10, X_uu = -120 +- 20, which move against each other: the sum at 0.6 m/s is known. */
+/* X_u = -40 +- 10, X_uu = -120 +- 20 move against each other: the sum at 0.6 m/s is known. */
 void setUp(void)
 {
     cells_defaults();

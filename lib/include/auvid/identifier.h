@@ -250,10 +250,10 @@ typedef struct {
     auvid_real_t sigma;      /**< standard error [N, Nm]; AUVID_LARGEST: not known */
     auvid_real_t half_width; /**< 95 %: AUVID_CONFIDENCE_HALF_WIDTH of them; AUVID_LARGEST: not
                                   known */
-    bool identifiable; /**< the half-width is at most AUVID_CONFIDENCE_IDENTIFIABLE of the force, the
-                            force opposes the motion, the DoF was driven up to this speed in this
-                            direction, no parameter of its equation is implausible, and the search
-                            converged */
+    bool identifiable; /**< the half-width is at most AUVID_CONFIDENCE_IDENTIFIABLE of the force,
+                            the force opposes the motion, the DoF was driven up to this speed in
+                            this direction, no parameter of its equation is implausible, and the
+                            search converged */
 } auvid_drag_t;
 
 /** Speed up to which a drag force may be identifiable, relative to the largest seen. */
@@ -477,11 +477,11 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
  * over the parameters of the kinds AUVID_PARAMETER_LINEAR_DRAG and _QUADRATIC_DRAG whose `dof` it
  * is; C, d_thrust and d_dvl are the estimate's covariance, confidence.thrust_error and .dvl_error.
  * Linear and quadratic drag move against each other: F is known where neither of them is. Drag by
- * other velocities than the DoF's own is not part of it. Where the model has a current, the speed is
- * that through the water, but the largest speed seen is that which was recorded.
+ * other velocities than the DoF's own is not part of it. Where the model has a current, the speed
+ * is that through the water, but the largest speed seen is that which was recorded.
  * @param vehicle the estimate's model; averaged.h, current.h and thrusters.h keep the hull's drag
- * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. What users rely on is 0.3
- * to 1 of estimate->speed
+ * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. What users rely on is
+ * 0.3 to 1 of estimate->speed
  * @param drag written if AUVID_OK. A parameter that is fixed is exact; one whose standard error is
  * not known makes sigma and half_width AUVID_LARGEST
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_NOT_FINITE
