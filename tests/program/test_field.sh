@@ -127,6 +127,8 @@ for vehicle in girona500 rov20; do
     check "no mismatch, $vehicle" exits 0 $perfect --vehicle $vehicle --runs 8
     check "  no flag is wrong, >= 95 % are flagged" holds out '
 assert V("wrong") == 0 and V("flagged") >= 0.95 and V("rms_error") < 0.03
+assert all(f["value"] == 1 for part, f in d["drag_force"]["flagged"].items() if part != "1.0")
+assert all(f["value"] == 0 for f in d["drag_force"]["wrong"].values())
 assert all(f["value"] == 0 for f in d["drag_force"]["off"].values())
 assert all(abs(g - 1) < 1e-9 for run in d["each"] for g in run["told_gain"])
 assert all(r < 0.1 for run in d["each"] for r in run["residual"])'
