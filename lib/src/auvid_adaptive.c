@@ -24,10 +24,10 @@
 
 #include <string.h>
 
+#include "auvid_confidence.h"
 #include "auvid_identifier.h"
 #include "auvid_math.h"
 
-#define HALF_WIDTH AUVID_C(2.1) /* standard errors in a 95 % half-width, as in confidence */
 #define HOPELESS AUVID_C(2.25)  /* 1.5^2: of a squared half-width over what is allowed */
 #define UNKNOWN AUVID_C(1e9)    /* the same of a parameter that nothing is known about */
 
@@ -156,13 +156,15 @@ static auvid_real_t factor(auvid_identifier_t *id, int j)
 
 /* ---- a new estimate ---- */
 
-/* (half-width / what is allowed)^2 of parameter i: above 1, it is not identifiable. */
+/* (half-width with thrust and DVL scale as told / what is allowed)^2 of parameter i: above 1, more
+ * motion is needed. */
 static auvid_real_t excess(const auvid_identifier_t *id, int i)
 {
-    auvid_real_t allowed = AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(id->estimate.pi[i]);
-    auvid_real_t ratio = HALF_WIDTH * id->estimate.confidence.sigma[i] / allowed;
-    auvid_real_t square = ratio * ratio;
-    return square < UNKNOWN ? square : UNKNOWN; /* NaN, too */
+    const auvid_estimate_t *e = &id->estimate;
+    auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
+    auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
+    auvid_real_t square = ratio * ratio * variance;
+    return square > AUVID_C(0.0) && square < UNKNOWN ? square : UNKNOWN; /* NaN, too */
 }
 
 /* Rows that the run may still bring, with those that there are, within the ring. */
@@ -184,6 +186,7 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool known = (e->confidence.identifiable >> i & 1u) ||
                  e->confidence.note[i] == AUVID_NOTE_SMALL ||
+                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* motion does not help */
                  e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.dof_rows[j];
     a->missing &= ~(1u << i);

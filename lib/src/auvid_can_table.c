@@ -97,13 +97,16 @@ const auvid_can_signal_t auvid_can_signals[] = {
     {24, 23, WORD(heartbeat, uptime), 0},
     {48, 19, WORD(heartbeat, major), 0},
     {56, 19, WORD(heartbeat, minor), 1},
+    {12, 3, WORD(drag_half_width, speed), 0},
+    {26, 16, WORD(drag_half_width, point), 0},
+    {32, 2, WORD(drag_half_width, half_width), 1},
 };
 
 const uint8_t auvid_can_first[AUVID_CAN_KINDS] = {
-    0, 1, 3, 3, 7, 9, 11, 15, 3, 3, 19, 19, 23, 25, 27, 27, 30, 33, 34, 38, 42, 50, 55,
+    0, 1, 3, 3, 7, 9, 11, 15, 3, 3, 19, 19, 23, 25, 27, 27, 30, 33, 34, 38, 42, 50, 55, 34, 60,
 };
 
 const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS] = {
     0, 20, 20, 20, 0, 0, 20, 20, 20, 20, 200, 200, 200, 100, 1000, 100, 100, 100, 100, 100, 200,
-    1000, 500,
+    1000, 500, 200, 200,
 };

@@ -104,7 +104,7 @@ static const row_t recorder[] = {
 static const row_t set[] = {
     SPAN(auvid_set_t, uint32_t, number, number),
     REALS(auvid_set_t, tau_m2, tau_m2),
-    SPAN(auvid_set_t, uint16_t, rows, windows),
+    SPAN(auvid_set_t, uint16_t, rows, fastest),
     SPAN(auvid_set_t, auvid_share_t, factor, factor),
     BYTE(auvid_set_t, exponent, driven),
 };
@@ -129,7 +129,7 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint32_t, cells, since_gap),
     BYTE(auvid_metric_t, successive, missing),
     REALS(auvid_metric_t, factor, tau_m2),
-    SPAN(auvid_metric_t, uint16_t, rows, lost),
+    SPAN(auvid_metric_t, uint16_t, rows, fastest),
     STRUCTS(auvid_metric_t, set, TABLE_SET),
     SPAN(auvid_metric_t, uint32_t, turns, turns),
     REALS(auvid_metric_t, merged, band_weight),

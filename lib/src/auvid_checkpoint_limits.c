@@ -161,8 +161,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
-    VALUE(TABLE_CONFIDENCE, auvid_confidence_t, bound, bound),
-    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, note, note, AUVID_NOTE_NOT_CONVERGED),
+    VALUE(TABLE_CONFIDENCE, auvid_confidence_t, thrust_error, bound),
+    FLAG(TABLE_CONFIDENCE, auvid_confidence_t, uncertainty, uncertainty),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, note, note, AUVID_NOTE_THRUST_SCALE),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, partner, partner, AUVID_MAX_PARAMETERS - 1),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sets, sets, AUVID_MAX_SETS),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, lost, lost, 100),
@@ -170,6 +171,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, driven),
     VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
+    WITHIN(TABLE_ESTIMATE, auvid_estimate_t, covariance, covariance, AUVID_C(1e37)),
+    UP_TO(TABLE_ESTIMATE, auvid_estimate_t, speed, speed, 66),
     COST(TABLE_ESTIMATE, auvid_estimate_t, cost, cost),
     DELAY(TABLE_ESTIMATE, auvid_estimate_t, delay_s, delay_s),
     DOFS(TABLE_ESTIMATE, auvid_estimate_t, lagged),
@@ -242,6 +245,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity, velocity),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity_every_tick, velocity_every_tick),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, uncertainty, uncertainty),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, phase, phase, AUVID_WORK_CONFIDENCE),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, place, place, AUVID_MAX_PARAMETERS - 1),
     VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),

@@ -366,7 +366,8 @@ static bool notes_are_possible(const view_t *v, size_t confidence)
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         uint32_t note = word(v, confidence + offsetof(auvid_confidence_t, note) + i);
         uint32_t partner = word(v, confidence + offsetof(auvid_confidence_t, partner) + i);
-        bool names = note == AUVID_NOTE_COMBINATION || note == AUVID_NOTE_BESIDE_BOUND;
+        bool names = note == AUVID_NOTE_COMBINATION || note == AUVID_NOTE_BESIDE_BOUND ||
+                     note == AUVID_NOTE_DISCREDITED;
         good = good && partner < (names ? identifier_vehicle(v->id)->parameters
                                         : (uint32_t)AUVID_MAX_PARAMETERS);
     }

@@ -42,12 +42,9 @@
 #include "auvid_metric.h"
 
 #define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
-#define POOLED AUVID_C(10.0)  /* nu */
-#define WIDENED AUVID_C(1.3)  /* m */
 #define RIDGE                                                                                      \
     AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
                                      determine gets an error of 1e4 times the column's own */
-#define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
 #define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
 
 typedef auvid_confidence_job_t job_t;
@@ -317,67 +314,6 @@ static void find_bias(job_t *c, int j)
     auvid_confidence_bias(c, j);
 }
 
-/* ---- JUDGE ---- */
-
-/* C_ii = sum_j w_j^2 s_j^2 ||R_j x||^2, x = P e_i. */
-static auvid_real_t pooled_variance(const job_t *c, const auvid_real_t *x)
-{
-    const auvid_metric_t *m = c->metric;
-    auvid_real_t sum = AUVID_C(0.0);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int n = auvid_metric_order(m, j), count = m->count[j];
-        auvid_real_t scale = m->weight[j] * c->result.noise[j];
-        for (int i = 0; i < count && is_driven(c, j); ++i) {
-            const auvid_real_t *r = merged(c, j) + auvid_triangle_row(n, i);
-            auvid_real_t e = AUVID_C(0.0);
-            for (int k = i; k < count; ++k) {
-                int place = c->place[m->index[m->channel_at[j] + k]];
-                e += place == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[place];
-            }
-            sum += scale * scale * e * e;
-        }
-    }
-    return sum;
-}
-
-/* Standard error, bias and verdict of the joint triangle's column i. */
-static void judge(job_t *c, int i)
-{
-    auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, delta = AUVID_C(0.0);
-    auvid_real_t sets = (auvid_real_t)c->result.sets, largest = AUVID_C(0.0), most = AUVID_C(0.0);
-    auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
-    int partner = i;
-    if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
-        auvid_confidence_note_idle(c, c->index[i]);
-        return;
-    }
-    x[i] = AUVID_C(1.0);
-    auvid_triangle_solve_left(c->joint, c->n, c->n, x);
-    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);
-    for (int k = 0; k < c->n; ++k) {
-        auvid_real_t correlation =
-            k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
-        if ((c->at_bound >> c->index[k] & 1u) && correlation > most) {
-            found.beside = c->index[k];
-            most = correlation;
-        }
-        delta -= x[k] * c->influence[k];
-        partner = correlation > largest ? k : partner;
-        largest = auvid_max(largest, correlation);
-    }
-    auvid_real_t variance = pooled_variance(c, x);
-    if (c->result.sets > 1) {
-        auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
-        own *= (auvid_real_t)c->metric->sets_merged / sets; /* those that are gone scattered, too */
-        variance =
-            (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
-    }
-    found.sigma = auvid_sqrt(WIDENED * variance * c->widening[i] + c->moved[i] * c->moved[i]);
-    found.bias = auvid_abs(delta);
-    found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
-    auvid_confidence_conclude(c, i, &found);
-}
-
 /* ---- the machine ---- */
 
 /* The first driven DoF from j on. @return there is one */
@@ -419,8 +355,16 @@ static void work_step(job_t *c)
     case BIAS:
         find_bias(c, j);
         break;
+    case JUDGE:
+        auvid_confidence_judge(c, i);
+        break;
     default:
-        judge(c, i);
+        auvid_confidence_scale(c, i);
+        for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
+            if (is_driven(c, j)) {
+                auvid_confidence_discredit(c, j);
+            }
+        }
         break;
     }
 }
@@ -451,7 +395,9 @@ static void end_phase(job_t *c)
     } else {
         ++c->phase;
     }
-    memset(c->part, 0, sizeof c->part);
+    if (c->phase <= JUDGE) { /* from then on the covariance stands there */
+        memset(c->part, 0, sizeof c->part);
+    }
     (void)seek_dof(c, 0);
 }
 
@@ -465,7 +411,7 @@ static int price_of_border(const job_t *c)
 /* Go on to the next step. */
 static void move_on(job_t *c)
 {
-    bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase != JUDGE;
+    bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase < JUDGE;
     if (++c->at_row < steps_of(c)) {
         return;
     }
@@ -547,9 +493,9 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget)
 {
-    static const uint8_t price[] = {[OWN] = 16,   [ROTATE] = 8,   [BOUND] = 8,
-                                    [INVERT] = 6, [SCATTER] = 10, [BIAS] = 45,
-                                    [JUDGE] = 50}; /* [units] */
+    static const uint8_t price[] = {
+        [OWN] = 16,     [ROTATE] = 8, [BOUND] = 8,  [INVERT] = 6,
+        [SCATTER] = 10, [BIAS] = 45,  [JUDGE] = 80, [CONCLUDE] = 12}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }

@@ -9,7 +9,8 @@
 #include "auvid_linalg.h"
 #include "auvid_metric.h"
 
-#define HALF_WIDTH AUVID_C(2.1) /* standard errors in a 95 % half-width: eight sets are few */
+/* Part of an equation's rms wrench that the impossible part of an estimate may make. */
+#define IMPOSSIBLE AUVID_C(0.1)
 
 /* ---- bias of masses by the noise of the measured acceleration ---- */
 
@@ -96,12 +97,30 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
                                  : AUVID_NOTE_NOT_DRIVEN;
 }
 
+auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    for (int k = 0; k < m->count[j]; ++k) {
+        if (m->index[m->channel_at[j] + k] == i) {
+            return auvid_triangle_norm(m->merged + m->factor_at[j], auvid_metric_order(m, j), k);
+        }
+    }
+    return AUVID_C(0.0);
+}
+
+auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, auvid_real_t value)
+{
+    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[i];
+    return parameter->kind == AUVID_PARAMETER_FORCE
+               ? AUVID_CONFIDENCE_FORCE * cfg->tau_max[parameter->dof]
+               : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
+}
+
 /* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
 static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j);
-    auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0), column = AUVID_C(0.0);
+    auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         if (set->driven >> j & 1) {
@@ -109,12 +128,8 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
             rows += (auvid_real_t)set->rows_of[j];
         }
     }
-    for (int k = 0; k < m->count[j]; ++k) {
-        if (m->index[m->channel_at[j] + k] == i) {
-            column = auvid_triangle_norm(m->merged + m->factor_at[j], n, k);
-        }
-    }
-    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) / column;
+    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) /
+           auvid_confidence_column(c, j, i);
 }
 
 /* The same in whichever driven DoF it matters most. */
@@ -140,22 +155,82 @@ static bool is_explained(const auvid_metric_t *m, int j)
     return m->sse[j] <= total;
 }
 
-static bool is_plausible(const auvid_confidence_job_t *c, int i)
+/* How far parameter i is beyond what is possible; 0: it is not. */
+static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
 {
-    auvid_real_t value = c->pi[i];
-    if (!is_explained(c->metric, (int)c->metric->cfg.vehicle->parameter[i].dof)) {
-        return false;
-    }
+    auvid_real_t value = c->pi[i], beyond = AUVID_C(0.0);
     switch (c->metric->cfg.vehicle->parameter[i].kind) {
     case AUVID_PARAMETER_MASS:
-        return value > c->dry_mass_kg;
+        beyond = c->dry_mass_kg - value;
+        break;
     case AUVID_PARAMETER_INERTIA:
-        return value > AUVID_C(0.0);
+        beyond = -value;
+        break;
     case AUVID_PARAMETER_LINEAR_DRAG:
     case AUVID_PARAMETER_QUADRATIC_DRAG:
-        return value < AUVID_C(0.0);
+        beyond = value;
+        break;
     default:
-        return true;
+        break;
+    }
+    return auvid_max(beyond, AUVID_C(0.0));
+}
+
+/* Norm of DoF j's wrench at its delay, less what known parameters explain. */
+static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    auvid_real_t square = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    for (int k = 0; k < m->count[j]; ++k) {
+        auvid_real_t z = m->z[m->channel_at[j] + k];
+        square += z * z;
+    }
+    return auvid_sqrt(square);
+}
+
+/* Does its note say that the parameter is known? */
+static bool is_claimed(const auvid_confidence_t *c, int p)
+{
+    return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_IMPLAUSIBLE ||
+           c->note[p] == AUVID_NOTE_THRUST_SCALE;
+}
+
+void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
+{
+    auvid_confidence_t *to = &c->result;
+    auvid_real_t most = IMPOSSIBLE * wrench_norm(c, j), worst = AUVID_C(0.0);
+    uint32_t beyond = 0, claimed = 0;
+    uint8_t culprit = NOWHERE;
+    for (int k = 0; k < c->n; ++k) {
+        int p = c->index[k];
+        if ((int)c->metric->cfg.vehicle->parameter[p].dof != j) {
+            continue;
+        }
+        auvid_real_t part = impossible_part(c, p);
+        auvid_real_t force =
+            part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
+        bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
+        to->implausible |= (uint32_t)sure << p;
+        claimed |= (uint32_t)is_claimed(to, p) << p;
+        if (sure || force > most) {
+            beyond |= 1u << p;
+            culprit = force > worst ? (uint8_t)p : culprit;
+            worst = auvid_max(worst, force);
+        }
+    }
+    if (culprit == NOWHERE || claimed == 0) {
+        return;
+    }
+    to->implausible |= beyond;
+    to->identifiable &= ~claimed;
+    for (int k = 0; k < c->n; ++k) {
+        int p = c->index[k];
+        if (claimed >> p & 1u) {
+            to->note[p] = AUVID_NOTE_DISCREDITED;
+            to->partner[p] = culprit;
+            to->bound[p] = c->pi[culprit];
+        }
     }
 }
 
@@ -181,27 +256,38 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     if (to->note[p] == AUVID_NOTE_NOT_DRIVEN) {
         return; /* a by-product */
     }
+    const auvid_metric_config_t *cfg = &c->metric->cfg;
+    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[p];
     auvid_real_t sigma = found->sigma, bias = found->bias;
-    auvid_real_t total = auvid_sqrt(sigma * sigma + bias * bias);
-    auvid_real_t half = HALF_WIDTH * sigma + bias;
-    auvid_real_t allowed = AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(c->pi[p]);
-    auvid_note_t limit = limit_of(c, p, half, found);
-    to->sigma[p] = auvid_is_finite(total) && limit == AUVID_NOTE_NONE ? total : AUVID_LARGEST;
+    auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
+    auvid_real_t told = auvid_sqrt(sigma * sigma + dvl * dvl);
+    auvid_real_t all = auvid_sqrt(told * told + thrust * thrust);
+    auvid_real_t total = auvid_sqrt(all * all + bias * bias);
+    auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
+    auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
+    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * sigma + bias, found);
+    bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
+    to->sigma[p] = known ? total : AUVID_LARGEST;
     to->note[p] = AUVID_NOTE_UNCERTAIN;
     if (limit != AUVID_NOTE_NONE) {
         to->note[p] = (uint8_t)limit;
         to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
-    } else if (half <= allowed) {
-        bool plausible = is_plausible(c, p);
+    } else if (known && half <= allowed) {
+        bool plausible = is_explained(c->metric, (int)parameter->dof);
         to->identifiable |= 1u << p;
         to->implausible |= (uint32_t)!plausible << p;
         to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
     } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
+    } else if (known && AUVID_HALF_WIDTH * told + bias <= allowed) {
+        auvid_real_t room = (allowed - bias) / AUVID_HALF_WIDTH;
+        to->note[p] = AUVID_NOTE_THRUST_SCALE;
+        to->bound[p] = to->uncertainty.thrust_scale *
+                       (auvid_sqrt(room * room - told * told) / auvid_abs(thrust));
     } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
         to->partner[p] = found->partner;
-    } else if (HALF_WIDTH * sigma <= allowed) {
+    } else if (AUVID_HALF_WIDTH * all <= allowed) {
         to->note[p] = AUVID_NOTE_NOISE;
     }
 }

@@ -3,6 +3,7 @@
  */
 #include "auvid/confidence.h"
 
+#include "auvid_confidence.h"
 #include "auvid_math.h"
 
 const char *auvid_note_str(auvid_note_t note)
@@ -30,6 +31,10 @@ const char *auvid_note_str(auvid_note_t note)
         return "depends on a parameter at its bound";
     case AUVID_NOTE_NOT_CONVERGED:
         return "the search has not converged";
+    case AUVID_NOTE_DISCREDITED:
+        return "its equation has an impossible estimate";
+    case AUVID_NOTE_THRUST_SCALE:
+        return "known in your newtons only";
     default:
         return "unknown note";
     }
@@ -85,6 +90,58 @@ static bool add_number(writer_t *w, auvid_real_t x)
     add(w, x < AUVID_C(0.0) ? "-" : "");
     add(w, c);
     return true;
+}
+
+/* A number in whole steps, at most nine decimals; of one too large for that, nothing. */
+static void add_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
+{
+    auvid_real_t steps = x / step;
+    if (steps < AUVID_C(1e9)) {
+        uint32_t whole = (uint32_t)steps;
+        whole += up && (auvid_real_t)whole < steps;
+        (void)add_number(w, (auvid_real_t)whole * step);
+    }
+}
+
+/* x per cent, in tenths below one. */
+static void add_percent(writer_t *w, auvid_real_t x, bool up)
+{
+    add_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
+    add(w, " %");
+}
+
+/* Parameter i is known but for the scale of the thrust. With the limit that bound holds its
+ * half-width would be what is allowed. */
+static void add_scale(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
+                      int i)
+{
+    auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
+    auvid_real_t told = auvid_sqrt(sigma * sigma - thrust * thrust);
+    auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
+    auvid_real_t allowed = auvid_sqrt(told * told + limit * limit);
+    add(w, parameter->name);
+    add(w, " is known to ");
+    if (parameter->kind == AUVID_PARAMETER_FORCE) {
+        add_steps(w, AUVID_HALF_WIDTH * told, AUVID_C(0.1), true);
+        add(w, " ");
+        add(w, parameter->unit);
+    } else {
+        add_percent(w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * told / allowed, true);
+    }
+    add(w, " in your newtons; calibrate thrust to ");
+    add_percent(w, AUVID_C(100.0) * c->bound[i], false);
+    add(w, " for SI");
+}
+
+/* Parameter i's equation has an impossible estimate. */
+static void add_impossible(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                           int i)
+{
+    add(w, vehicle->parameter[c->partner[i]].name);
+    add(w, " is impossible (");
+    add(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
+    (void)add_number(w, c->bound[i]);
+    add(w, "): the equation is not trusted; check signs, units, the model");
 }
 
 /* Parameter i at its bound. */
@@ -167,19 +224,21 @@ static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
     }
     return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
            (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k) ||
+           (c->note[i] == AUVID_NOTE_DISCREDITED && c->partner[i] == c->partner[k]) ||
            (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
 }
 
 /* Does parameter i get a sentence, and is it the first to give it? A DoF that was not driven has
- * one for all its parameters, a pair has one for both, a bound one for all that depend on it, and a
- * search that has not converged one. */
+ * one for all its parameters, a pair has one for both, a bound one for all that depend on it, an
+ * impossible estimate one for its equation, and a search that has not converged one. */
 static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
                     int i)
 {
     static const uint32_t told = 1u << AUVID_NOTE_NOT_DRIVEN | 1u << AUVID_NOTE_COMBINATION |
                                  1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
-                                 1u << AUVID_NOTE_NOT_CONVERGED;
+                                 1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
+                                 1u << AUVID_NOTE_THRUST_SCALE;
     if ((free != 0 && !(free >> i & 1u)) || (c != NULL && !(told >> (c->note[i] & 31u) & 1u))) {
         return false;
     }
@@ -210,6 +269,10 @@ static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_v
         add_bound(w, c, parameter, i);
     } else if (note == AUVID_NOTE_BESIDE_BOUND) {
         add_dependents(w, c, vehicle, i);
+    } else if (note == AUVID_NOTE_DISCREDITED) {
+        add_impossible(w, c, vehicle, i);
+    } else if (note == AUVID_NOTE_THRUST_SCALE) {
+        add_scale(w, c, parameter, i);
     } else {
         add_need(w, parameter);
     }

@@ -27,6 +27,8 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
         cfg->search.upper[i] = AUVID_C(1000.0);
     }
     cfg->search.seed = 1;
+    cfg->uncertainty.thrust_scale = AUVID_C(0.05);
+    cfg->uncertainty.dvl_scale = AUVID_C(0.005);
     cfg->uncertainty.delay_s = AUVID_C(0.1);
 }
 
@@ -74,6 +76,21 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
     return auvid_crs_check(&search);
 }
 
+static auvid_status_t check_uncertainty(const auvid_uncertainty_t *told)
+{
+    const auvid_real_t all[] = {told->thrust_scale, told->dvl_scale, told->delay_s};
+    enum { ALL = sizeof all / sizeof all[0] };
+    if (!auvid_all_finite(all, ALL)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < ALL; ++i) {
+        if (!(all[i] >= AUVID_C(0.0) && all[i] <= AUVID_C(1.0))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    return AUVID_OK;
+}
+
 static auvid_status_t check(const auvid_identifier_config_t *cfg)
 {
     auvid_status_t status = auvid_selftest();
@@ -87,6 +104,9 @@ static auvid_status_t check(const auvid_identifier_config_t *cfg)
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
     bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
+    if (status >= 0) {
+        status = check_uncertainty(&cfg->uncertainty);
+    }
     return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
@@ -133,6 +153,16 @@ static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifie
         status = auvid_guard_init(&id->guard, &cfg->guard);
     }
     return status < 0 ? status : init_excitation(id, cfg);
+}
+
+auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
+                                       const auvid_vehicle_t *vehicle, int i, int k)
+{
+    int row = i < k ? i : k, column = i < k ? k : i;
+    if (estimate == NULL || vehicle == NULL || row < 0 || column >= vehicle->parameters) {
+        return AUVID_C(0.0);
+    }
+    return estimate->covariance[row * vehicle->parameters - row * (row - 1) / 2 + column - row];
 }
 
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)

@@ -141,6 +141,20 @@ static void rest(auvid_identifier_t *id)
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
 
+/* Largest speeds of the sets that the estimate is of. */
+static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
+{
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+        uint16_t most = 0;
+        for (int age = 0; age < auvid_metric_sets(m); ++age) {
+            const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+            uint16_t speed = (set->driven >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+            most = speed > most ? speed : most;
+        }
+        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)most;
+    }
+}
+
 static void publish(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
@@ -157,10 +171,12 @@ static void publish(auvid_identifier_t *id)
     }
     e->lagged = id->metric.lagged;
     auvid_metric_r2(&id->metric, e->r2_force);
+    gather_speeds(&id->metric, e);
     e->capped = id->capped;
     e->evaluations_crs = id->searched.crs;
     e->evaluations_line = id->searched.line_search;
     e->confidence = id->confidence.result;
+    memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;

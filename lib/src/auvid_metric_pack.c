@@ -123,6 +123,7 @@ void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
     set->rows = m->rows;
     memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
     set->lost = m->lost;
+    memcpy(set->fastest, m->fastest, sizeof set->fastest);
     set->driven = driven;
     memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
     if (auvid_metric_has_regressor(m)) {

@@ -354,6 +354,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     m->rows = 0;
     memset(m->rows_of, 0, sizeof m->rows_of);
     m->lost = 0;
+    memset(m->fastest, 0, sizeof m->fastest);
     memset(m->factor, 0, sizeof m->factor);
     memset(m->tau_mean, 0, sizeof m->tau_mean);
     memset(m->tau_m2, 0, sizeof m->tau_m2);
@@ -410,6 +411,18 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
 }
 
+/* Largest speed in each direction, in thousandths. */
+static void watch_speed(auvid_metric_t *m, const auvid_sample_t *sample)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t speed = AUVID_C(1000.0) * auvid_abs(sample->nu[j]);
+        uint16_t *fastest = &m->fastest[j][sample->nu[j] < AUVID_C(0.0)];
+        if ((sample->missing >> j & 1) == 0 && speed > (auvid_real_t)*fastest) {
+            *fastest = (uint16_t)auvid_min(speed, (auvid_real_t)UINT16_MAX);
+        }
+    }
+}
+
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
 {
     if (metric == NULL || sample == NULL) {
@@ -424,6 +437,9 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         return AUVID_ERR_NOT_FINITE;
     }
     m->full = m->full || (m->held && sample->t_us > m->until_us);
+    if (!m->full && sample->t_us >= m->resume_us) {
+        watch_speed(m, sample);
+    }
     memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
     memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
     auvid_status_t status = AUVID_OK;

@@ -67,6 +67,52 @@ static void report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *c
     auvid_node_send(node, &m, frame, count);
 }
 
+/* Parts of the largest speed seen in a direction. */
+static const auvid_real_t drag_part[] = {AUVID_C(0.3), AUVID_C(0.6), AUVID_C(1.0)};
+enum { PARTS = sizeof drag_part / sizeof drag_part[0], POINTS = 2 * PARTS };
+
+/* Drag force at a point: see the DBC. */
+static auvid_status_t drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)
+{
+    const auvid_estimate_t *e = &node->id.estimate;
+    int dof = point / POINTS, backward = point % POINTS >= PARTS;
+    auvid_real_t speed = drag_part[point % PARTS] * e->speed[dof][backward];
+    return auvid_estimate_drag(e, node->id.metric.cfg.vehicle, (auvid_dof_t)dof,
+                               backward ? -speed : speed, drag);
+}
+
+/* Points take turns; degrees of freedom without drag have none. */
+static void report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    auvid_drag_t drag;
+    int point = node->point;
+    auvid_status_t status = drag_at(node, point, &drag);
+    for (int j = 0; status == AUVID_ERR_RANGE && j < AUVID_DOF_COUNT; ++j) {
+        point = (point / POINTS + 1) % AUVID_DOF_COUNT * POINTS;
+        status = drag_at(node, point, &drag);
+    }
+    if (status < 0) {
+        return;
+    }
+    node->point = (uint8_t)((point + 1) % (POINTS * AUVID_DOF_COUNT));
+    bool seen = auvid_abs(drag.speed) > AUVID_C(0.0);
+    bool known = seen && drag.half_width < AUVID_LARGEST;
+    auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
+    m.as.drag.point = (uint32_t)point;
+    m.as.drag.number = node->id.estimate.number % 128u;
+    m.as.drag.flags = drag.identifiable;
+    m.as.drag.force = drag.force;
+    m.absent = seen ? 0u : AUVID_CAN_DRAG_NO_FORCE;
+    auvid_node_send(node, &m, frame, count);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_DRAG_HALF_WIDTH};
+    m.as.drag_half_width.point = (uint32_t)point;
+    m.as.drag_half_width.speed = drag.speed;
+    m.as.drag_half_width.half_width = drag.half_width;
+    m.absent = (seen ? 0u : AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED) |
+               (known ? 0u : AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH);
+    auvid_node_send(node, &m, frame, count);
+}
+
 static void report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_identifier_t *id = &node->id;
@@ -132,6 +178,8 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
         report_estimate(node, frame, count);
     } else if (turn % 10u == 3u) {
         report_progress(node, frame, count);
+    } else if (turn % 10u == 8u) {
+        report_drag(node, frame, count);
     } else if (turn == 4u) {
         report_health(node, most(node->load, 255u), frame, count);
         node->load = 0;

@@ -153,6 +153,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;
     vehicle->residual = residual;
+    vehicle->own_thrust = true;
     vehicle->context = th;
     memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);
     memcpy(vehicle->reads, cfg->hull->reads, sizeof vehicle->reads);

@@ -6,7 +6,8 @@
  *          8  parameters whose standard error is known, bit i
  *         12  colour of the DoF [6], see auvid_memory_t, single precision
  *         36  parameters [32], single precision
- *        164  standard errors [32], upper halves of single precision, not rounded down
+ *        164  standard errors with thrust and DVL scale as told [32], upper halves of single
+ *             precision, not rounded down
  *        228  0
  *        232  CRC-32 of all before
  */
@@ -15,6 +16,7 @@
 #include <string.h>
 
 #include "auvid_checksum.h"
+#include "auvid_confidence.h"
 #include "auvid_identifier.h"
 #include "auvid_math.h"
 #include "auvid_metric.h"
@@ -73,8 +75,10 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
         auvid_put_word(record + COLOUR + 4 * j, auvid_single_bits(colour(&e->confidence, j)));
     }
     for (int i = 0; i < vehicle->parameters; ++i) {
-        auvid_real_t sigma = e->confidence.sigma[i];
-        bool has = (e->identified >> i & 1u) && sigma > AUVID_C(0.0) && sigma < MOST_SIGMA &&
+        auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
+        auvid_real_t total = e->confidence.sigma[i];
+        bool has = (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < MOST_SIGMA &&
+                   sigma > AUVID_C(0.0) &&
                    colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;
@@ -101,18 +105,42 @@ static void read_memory(const uint8_t *record, int parameters, auvid_memory_t *m
     }
 }
 
+/* What parameter i of a record was known to: with the thrust as told, by the same thrusters. */
+static void add_considered(auvid_identifier_t *id, int i)
+{
+    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    const auvid_uncertainty_t *told = &id->uncertainty;
+    auvid_confidence_t *c = &id->estimate.confidence;
+    auvid_real_t pi = id->estimate.pi[i], sigma = c->sigma[i];
+    auvid_real_t thrust = told->thrust_scale * auvid_confidence_thrust_degree(vehicle, i) * pi;
+    auvid_real_t dvl = told->dvl_scale * auvid_confidence_dvl_degree(vehicle, i) * pi;
+    c->thrust_error[i] = thrust;
+    c->dvl_error[i] = dvl;
+    c->sigma[i] = auvid_sqrt(sigma * sigma + thrust * thrust + dvl * dvl);
+}
+
 /* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
-static void publish(auvid_identifier_t *id, const auvid_memory_t *memory)
+static void publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
 {
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    int parameters = vehicle->parameters;
+    e->confidence.uncertainty = id->uncertainty;
     e->number = 1;
     e->identified = memory->known;
     memcpy(e->pi, memory->pi, sizeof e->pi);
     for (int i = 0; i < vehicle->parameters; ++i) {
         bool known = (memory->known >> i & 1u) != 0;
         e->driven = (uint8_t)(e->driven | (unsigned)known << vehicle->parameter[i].dof);
-        e->confidence.sigma[i] = known ? memory->sigma[i] : AUVID_LARGEST;
+        e->confidence.sigma[i] = AUVID_LARGEST;
+        if (known && memory->sigma[i] <= AUVID_LARGEST_SIGMA) {
+            int diagonal = i * parameters - i * (i - 1) / 2;
+            e->covariance[diagonal] = memory->sigma[i] * memory->sigma[i];
+            e->confidence.sigma[i] = memory->sigma[i];
+            if (told) {
+                add_considered(id, i);
+            }
+        }
     }
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
@@ -124,11 +152,12 @@ static bool is_fresh(const auvid_identifier_t *id)
     return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
 }
 
-static auvid_status_t begin(auvid_identifier_t *id, const auvid_memory_t *memory)
+/* told: known with the thrust as told, not in SI. */
+static auvid_status_t begin(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
 {
     auvid_status_t status = auvid_metric_remember(&id->metric, memory);
     if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
-        publish(id, memory);
+        publish(id, memory, told);
         status = AUVID_OK;
     }
     return status;
@@ -154,7 +183,7 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     }
     auvid_memory_t memory;
     read_memory(record, identifier_vehicle(id)->parameters, &memory);
-    return begin(id, &memory);
+    return begin(id, &memory, true);
 }
 
 auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
@@ -184,5 +213,5 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         memory.sigma[i] = sigma[i];
         memory.colour[identifier_vehicle(id)->parameter[i].dof] = COMMON_COLOUR;
     }
-    return begin(id, &memory);
+    return begin(id, &memory, false);
 }

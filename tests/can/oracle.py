@@ -58,7 +58,8 @@ class Signal:
 
     def raw(self, x):
         """The raw value that x must leave as, by cantools."""
-        return self.cantools.conversion.numeric_scaled_to_raw(min(max(x, self.low), self.high))
+        raw = self.cantools.conversion.numeric_scaled_to_raw(min(max(x, self.low), self.high))
+        return struct.unpack("<f", struct.pack("<f", raw))[0] if self.is_float else raw
 
     def legal(self, raw):
         if self.is_float:

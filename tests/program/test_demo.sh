@@ -6,21 +6,58 @@ check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the keys it should have" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "delay_s", "r2_force", "r2_validation", "judgement", "guard",
-                   "evaluations", "budget", "estimates"], list(d)
+                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "judgement",
+                   "guard", "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
-assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note", "truth"}
+assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
+                          "dvl_error", "identifiable", "note", "truth"}
            for p in d["parameters"])
 assert all(abs(p["truth"] - TRUTH[p["name"]]) < 1e-4 for p in d["parameters"])
 for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "uvwr"):
     assert list(d[key]) == list(names) and all(isinstance(x, (int, float)) for x in d[key].values())
 assert d["evaluations"]["crs"] > 0 and d["evaluations"]["line_search"] > 0'
-check "every parameter is identifiable, within four standard errors" is one.json '
-assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"])
-assert all(abs(p["estimate"] - p["truth"]) < 4 * p["sigma"] < 0.2 * abs(p["truth"])
-           for p in d["parameters"])
-assert d["missing"] == [] and d["not_modelled"] == ["roll", "pitch"]'
+check "every parameter is identifiable, W-B with the thrust as told only" is one.json '
+assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.items())
+assert d["missing"] == ["heave: W-B is known to 0.3 N in your newtons; calibrate thrust to 2 % for "
+                        "SI"] and d["not_modelled"] == ["roll", "pitch"]'
+check "  within four standard errors with thrust and DVL as told, the total has both" is one.json '
+for n, p in P.items():
+    assert abs(p["estimate"] - p["truth"]) < 4 * p["sigma_told"] < 0.2 * abs(p["truth"]), p
+    assert abs(p["thrust_error"] / p["estimate"] - 0.05) < 1e-6, p
+    degree = 0 if n[0] in "NW" or n == "m_r" else 2 if len(n) == 4 else 1
+    assert abs(p["dvl_error"] / p["estimate"] + 0.005 * degree) < 1e-6, p
+    total = math.hypot(p["sigma_told"], p["thrust_error"], p["dvl_error"])
+    assert abs(p["sigma"] / total - 1) < 1e-5, p'
+check "scales that are known exactly may be told" exits 0 demo --json --thrust-scale 0 \
+    --dvl-scale 0
+check "  then every parameter is identifiable, and nothing is missing" is out '
+one = {p["name"]: p for p in json.load(open("one.json"))["parameters"]}
+assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"]) and d["missing"] == []
+for n, p in P.items():
+    assert p["estimate"] == one[n]["estimate"] and p["thrust_error"] == p["dvl_error"] == 0
+    assert abs(p["sigma"] / one[n]["sigma_told"] - 1) < 1e-5, p'
+check "a thrust that is hardly known makes nothing identifiable" exits 0 demo --json \
+    --thrust-scale 0.2
+check "  and it is said what it takes" is out '
+assert not any(p["identifiable"] for p in d["parameters"]) and len(d["missing"]) == 13
+assert all(" in your newtons; calibrate thrust to " in s for s in d["missing"]), d["missing"]'
+check "drag force at parts of the largest speed in each direction is known" is one.json '
+assert list(d["drag"]) == list("XYZN")
+for j, (linear, quadratic) in zip("XYZN", (("X_u", "X_uu"), ("Y_v", "Y_vv"), ("Z_w", "Z_ww"),
+                                           ("N_r", "N_rr"))):
+    at = d["drag"][j]
+    assert len(at) == 6 and all(list(x) == ["speed", "force", "half_width", "identifiable",
+                                            "truth"] for x in at)
+    for k, x in enumerate(at):
+        v, fastest = x["speed"], at[k // 3 * 3 + 2]["speed"]
+        assert v * (1, -1)[k // 3] > 0 and math.isclose(v, (0.3, 0.6, 1.0)[k % 3] * fastest,
+                                                        rel_tol=1e-6)
+        force = lambda of: of(linear) * v + of(quadratic) * v * abs(v)
+        assert math.isclose(x["force"], force(lambda n: P[n]["estimate"]), rel_tol=1e-5)
+        assert math.isclose(x["truth"], force(lambda n: P[n]["truth"]), rel_tol=1e-5)
+        assert abs(x["force"] - x["truth"]) < 2 * x["half_width"] < 0.4 * abs(x["force"])
+        assert x["identifiable"]'
 check "the last set was foretold, and nothing has changed" is one.json '
 j = d["judgement"]
 assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]
@@ -143,6 +180,11 @@ assert len(sure) == 17
 for p in sure:
     off = abs(p["estimate"] - p["truth"])
     assert off < 0.1 * abs(p["truth"]) and off < 4 * p["sigma"], p'
+check "  drag force is known in every degree of freedom, linear drag is not" is rov.json '
+assert not any(P[n]["identifiable"] for n in ("Y_v", "K_p", "N_r"))
+force = [x for at in d["drag"].values() for x in at]
+assert len(force) == 36 and all(x["identifiable"] for x in force)
+assert all(abs(x["force"] - x["truth"]) < 1.5 * x["half_width"] for x in force)'
 check "  masses and inertias within 2 %" is rov.json '
 assert all(abs(p["estimate"] / p["truth"] - 1) < 0.02 for p in d["parameters"][:6])'
 check "  held-out velocity is predicted" is rov.json '

@@ -77,7 +77,7 @@ done
 check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
     demo --field 1 --driver cat
 for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust \
-    "--thrust-scale 0.1" "--dvl-scale 0.1" "--delay 0.1"; do
+    "--delay 0.1"; do
     # shellcheck disable=SC2086
     check "$other without the field" refuses \
         "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other
@@ -127,6 +127,8 @@ for vehicle in girona500 rov20; do
     check "no mismatch, $vehicle" exits 0 $perfect --vehicle $vehicle --runs 8
     check "  no flag is wrong, >= 95 % are flagged" holds out '
 assert V("wrong") == 0 and V("flagged") >= 0.95 and V("rms_error") < 0.03
+assert all(f["value"] == 1 for part, f in d["drag_force"]["flagged"].items() if part != "1.0")
+assert all(f["value"] == 0 for f in d["drag_force"]["wrong"].values())
 assert all(f["value"] == 0 for f in d["drag_force"]["off"].values())
 assert all(abs(g - 1) < 1e-9 for run in d["each"] for g in run["told_gain"])
 assert all(r < 0.1 for run in d["each"] for r in run["residual"])'

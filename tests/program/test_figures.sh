@@ -42,7 +42,7 @@ def program(name, pattern, text):
 
 def demo(disturbance, *options):
     return json.loads(run(auvid, "demo", "--runs", "200", "--disturbance", disturbance, "--json",
-                          *options))
+                          "--thrust-scale", "0", "--dvl-scale", "0", *options))
 
 
 def accuracy():

@@ -24,18 +24,26 @@ check "a log is identified" exits 0 fit train.csv --json --validate test.csv
 cp out fit.json
 check "its JSON has the keys it should have" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "delay_s", "r2_force", "r2_validation", "r2_interval",
+                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "judgement", "evaluations", "budget"], list(d)
-assert all(set(p) == {"name", "unit", "estimate", "sigma", "identifiable", "note"}
+assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
+                          "dvl_error", "identifiable", "note"}
            for p in d["parameters"])
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)'
 check "parameters within 10 %, masses within 2 %" is fit.json '
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in TRUTH), {n: error(n) for n in TRUTH}'
-check "every parameter is identifiable, within four standard errors" is fit.json '
-assert all(p["identifiable"] and p["note"] == "" for p in d["parameters"])
-assert all(abs(p["estimate"] - TRUTH[p["name"]]) < 4 * p["sigma"] for p in d["parameters"]), \
-    {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma"] for n in P}
-assert d["missing"] == [] and d["judgement"] is None'
+check "every parameter is within four standard errors, W-B known with the thrust as told" is \
+    fit.json '
+assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.items())
+assert all(abs(p["estimate"] - TRUTH[n]) < 4 * p["sigma_told"] for n, p in P.items()), \
+    {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma_told"] for n in P}
+assert len(d["missing"]) == 1 and d["missing"][0].startswith("heave: W-B is known to ")
+assert d["judgement"] is None'
+check "with the thrust calibrated to 1 % every parameter is identifiable" exits 0 fit train.csv \
+    --json --thrust-scale 0.01
+check "  all are" is out '
+assert all(p["identifiable"] for p in d["parameters"]) and d["missing"] == []
+assert all(abs(p["thrust_error"] / p["estimate"] - 0.01) < 1e-6 for p in d["parameters"])'
 check "the other log is predicted" is fit.json '
 for k in "uvwr":
     low, high = d["r2_interval"][k]
@@ -163,9 +171,10 @@ assert d["r2_validation"]["u"] > 0.98'
 check "  which are not known, and it is said why and what to do" is out '
 for n in TRUTH:
     left_out = n in ("m_r", "N_r", "N_rr")
-    assert (P[n]["sigma"] is None) == left_out and P[n]["identifiable"] != left_out, n
-    assert P[n]["note"] == ("no input column" if left_out else ""), n
-assert len(d["missing"]) == 1 and d["missing"][0].startswith("yaw: nothing moved it; excite it")'
+    assert (P[n]["sigma"] is None) == (P[n]["sigma_told"] is None) == left_out, n
+    assert n == "W-B" or P[n]["identifiable"] != left_out, n
+    assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
+assert d["missing"][0].startswith("yaw: nothing moved it; excite it") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
 check "that it moves does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
@@ -274,7 +283,7 @@ check "true zeros may be fixed" exits 0 fit rov.csv --json --model bluerov2 --fi
 check "  which makes the drags beside them better known" is out '
 before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
 assert len(P) == 17
-assert all(P[n]["sigma"] < 0.6 * before[n]["sigma"] for n in ("K_pp", "N_rr", "Y_vv"))'
+assert all(P[n]["sigma_told"] < 0.6 * before[n]["sigma_told"] for n in ("K_pp", "N_rr", "Y_vv"))'
 change '
 names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
              N_Nm="cmd_yaw")

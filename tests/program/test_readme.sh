@@ -88,9 +88,17 @@ static bool is_close(const auvid_vehicle_t *vehicle, int i, int g)
     return error < 0.2 && error > -0.2;
 }
 
+/* X_u u + X_uu u^2 at 0.4 m/s: 37.0 N. */
+static bool holds_speed(void)
+{
+    double thrust = (double)thrust_to_hold(0.4f);
+    printf("drag force %g N\n", thrust);
+    return thrust > 0.95 * 37.02 && thrust < 1.05 * 37.02 && !(thrust_to_hold(5.0f) > 0);
+}
+
 static int judge(void)
 {
-    bool good = true;
+    bool good = holds_speed();
     for (int i = 0; i < 13; ++i) {
         good = is_close(&auvid_girona500, i, i) && good;
     }

@@ -26,10 +26,12 @@ for d in runs:
     for p in d["parameters"]:
         yaw = p["name"] in ("m_r", "N_r", "N_rr", "N_0")
         assert (p["sigma"] is None) == yaw and bool(p["note"]) != p["identifiable"], p
-        assert not p["identifiable"] or 4 * p["sigma"] < 0.5 * abs(p["estimate"]), p
+        constant = p["name"] in ("W-B", "X_0", "Y_0")
+        assert not p["identifiable"] or constant or 4 * p["sigma"] < 0.5 * abs(p["estimate"]), p
         assert not yaw or (not p["identifiable"] and p["note"] == "input is always zero"), p
     known = {p["name"] for p in d["parameters"] if p["identifiable"]}
-    assert known and known <= {"m_u", "m_v", "m_w", "X_u", "X_uu", "Y_v", "Y_vv", "Z_w"}, known
+    assert known and known <= {"m_u", "m_v", "m_w", "X_u", "X_uu", "Y_v", "Y_vv", "Z_w",
+                               "W-B", "X_0", "Y_0"}, known
     assert any(s.startswith("yaw: nothing moved it") for s in d["missing"])
     assert all(g >= l for g, l in zip(got, least)), (got, least)
     assert d["budget"]["worst"] <= d["budget"]["limit"]

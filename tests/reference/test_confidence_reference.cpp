@@ -229,6 +229,35 @@ static void agrees(double expected, double actual, double tolerance = 4e-4)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance * std::fabs(expected), expected, actual);
 }
 
+// Of the velocity: forces' masses and linear drags 1, quadratic drags 2, what turns and W-B none.
+static int dvl_degree(int i)
+{
+    const auvid_parameter_t &p = auvid_girona500.parameter[i];
+    bool twice = p.kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+    return p.dof == AUVID_YAW || p.kind == AUVID_PARAMETER_FORCE ? 0 : twice ? 2 : 1;
+}
+
+static double worst_correlation = 0;
+
+// The pooled sandwich, its rows and columns scaled to these standard errors.
+static void compare_covariance(const MatrixXd &pooled, const VectorXd &told)
+{
+    const auvid_estimate_t &e = chain.id.estimate;
+    MatrixXd actual(PARAMETERS, PARAMETERS);
+    for (int i = 0; i < PARAMETERS; ++i) {
+        for (int k = 0; k < PARAMETERS; ++k) {
+            double expected = pooled(i, k) / std::sqrt(pooled(i, i) * pooled(k, k));
+            actual(i, k) =
+                double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) / (told(i) * told(k));
+            double off = std::fabs(actual(i, k) - expected);
+            worst_correlation = std::fmax(worst_correlation, off);
+            TEST_ASSERT_TRUE(off < 1e-4);
+        }
+    }
+    Eigen::SelfAdjointEigenSolver<MatrixXd> solver(actual);
+    TEST_ASSERT_TRUE(solver.eigenvalues()(0) > 1e-5);
+}
+
 static void compare(uint64_t seed, double disturbance_N, double lag_s, double noise,
                     double delay_sigma_s = 0)
 {
@@ -241,6 +270,8 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     config.id.uncertainty.delay_s = auvid_real_t(delay_sigma_s);
     config.sim.dvl_m_s *= noise;
     config.budget = 0;
+    config.id.uncertainty.thrust_scale = auvid_real_t(0.05);
+    config.id.uncertainty.dvl_scale = auvid_real_t(0.005);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     const auvid_confidence_t &actual = chain.id.estimate.confidence;
@@ -257,15 +288,20 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
     MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;
     MatrixXd pooled = p * sums.middle * p;
-    VectorXd delta = -p * sums.bias, moved = wide * sums.pull;
+    VectorXd delta = -p * sums.bias, moved = wide * sums.pull, told(PARAMETERS);
     for (int i = 0; i < PARAMETERS; ++i) {
         VectorXd psi = influence.row(i).transpose();
         double own = (psi.array() - psi.mean()).square().sum();
         double variance = 1.3 * (10 * pooled(i, i) + SETS * own) / (10 + SETS - 1);
-        double total =
-            variance * wide(i, i) / p(i, i) + moved(i) * moved(i) + delta(i) * delta(i);
-        agrees(std::sqrt(total), double(actual.sigma[i]), delay_sigma_s > 0 ? 2.6e-3 : 4e-4);
+        told(i) = std::sqrt(variance * wide(i, i) / p(i, i) + moved(i) * moved(i) +
+                            delta(i) * delta(i));
+        double thrust = 0.05 * pi(i), dvl = -0.005 * dvl_degree(i) * pi(i);
+        agrees(std::sqrt(told(i) * told(i) + thrust * thrust + dvl * dvl), double(actual.sigma[i]),
+               delay_sigma_s > 0 ? 2.6e-3 : 4e-4);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), thrust, double(actual.thrust_error[i]));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), dvl, double(actual.dvl_error[i]));
     }
+    compare_covariance(pooled, told);
 }
 
 static void test_standard_errors_are_those_of_the_formulas()
@@ -275,16 +311,18 @@ static void test_standard_errors_are_those_of_the_formulas()
         compare(seed, 3, 0, 1);
         compare(seed, 0, 0, 3);
     }
-    std::printf("largest relative difference, no lag: %.1e\n", worst);
+    std::printf("largest relative difference, no lag: %.1e; of a correlation %.1e\n", worst,
+                worst_correlation);
 }
 
 static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
 {
-    worst = 0;
+    worst = worst_correlation = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
         compare(seed, 1, 0.15, 1);
     }
-    std::printf("largest relative difference, with a lag: %.1e\n", worst);
+    std::printf("largest relative difference, with a lag: %.1e; of a correlation %.1e\n", worst,
+                worst_correlation);
 }
 
 static void test_what_an_uncertain_delay_costs_is_that_of_the_formulas()

@@ -108,7 +108,61 @@ struct Coverage {
     }
 };
 
-static void check_share(const Coverage &c, int k, double low, double high)
+// Drag force at 0.3, 0.6 and 1.0 of the largest speed seen in each direction, of the same runs.
+struct DragCoverage {
+    enum { PARTS = 3 };
+    double runs = 0, flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
+    double share[2] = {}, share_squares[2] = {}; // as above
+    void add()
+    {
+        static const double part[PARTS] = {0.3, 0.6, 1.0};
+        static const int dof[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
+        const auvid_estimate_t &e = chain.id.estimate;
+        const double *truth = chain.sim.config.parameter + SIM_X_U;
+        double within[2] = {};
+        for (int k = 0; k < 4 * 2 * PARTS; ++k) {
+            int j = k / 6, backward = k / 3 % 2;
+            double v = part[k % 3] * double(e.speed[dof[j]][backward]) * (backward ? -1 : 1);
+            auvid_drag_t drag;
+            TEST_ASSERT_EQUAL(AUVID_OK,
+                              auvid_estimate_drag(&e, &auvid_girona500, auvid_dof_t(dof[j]),
+                                                  auvid_real_t(v), &drag));
+            double force = truth[2 * j] * v + truth[2 * j + 1] * v * std::fabs(v);
+            double error = double(drag.force) - force, sigma = double(drag.sigma);
+            flagged += drag.identifiable;
+            one[k % 3] += (std::fabs(error) < sigma) / 8.0;
+            squares[k % 3] += error * error / force / force / 8.0;
+            within[0] += (std::fabs(error) < sigma) / 24.0;
+            within[1] += (std::fabs(error) < 2 * sigma) / 24.0;
+        }
+        for (int k = 0; k < 2; ++k) {
+            share[k] += within[k];
+            share_squares[k] += within[k] * within[k];
+        }
+        runs += 1;
+    }
+    double mean(int k) const
+    {
+        return share[k] / runs;
+    }
+    double error(int k) const
+    {
+        return std::sqrt((share_squares[k] / runs - mean(k) * mean(k)) / (runs - 1));
+    }
+    void print() const
+    {
+        std::printf("  drag force: one %.1f %% +- %.1f, two %.1f %% +- %.1f; flagged %.1f %%",
+                    100 * mean(0), 196 * error(0), 100 * mean(1), 196 * error(1),
+                    100 * flagged / runs / 24);
+        for (int k = 0; k < PARTS; ++k) {
+            std::printf("; rms %.2f %%, one %.1f %%", 100 * std::sqrt(squares[k] / runs),
+                        100 * one[k] / runs);
+        }
+        std::printf("\n");
+    }
+};
+
+template <class C> static void check_share(const C &c, int k, double low, double high)
 {
     double slack = campaign_is_long() ? 0 : 3.3 * c.error(k);
     TEST_ASSERT_TRUE(c.mean(k) >= low - slack);
@@ -126,21 +180,30 @@ static void check(const Coverage &c)
     }
 }
 
-static Coverage campaign(const char *title, uint64_t runs, double disturbance_N, double lag_s)
+static Coverage campaign(const char *title, uint64_t runs, double disturbance_N, double lag_s,
+                         DragCoverage *drag = nullptr)
 {
     Coverage c;
+    DragCoverage d;
     for (uint64_t seed = 7200001; seed <= 7200000 + runs; ++seed) {
         identify(seed, disturbance_N, lag_s, -1);
         c.add();
+        d.add();
     }
     c.print(title);
+    d.print();
+    if (drag != nullptr) {
+        *drag = d;
+    }
     return c;
 }
 
 static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_should()
 {
     uint64_t runs = campaign_is_long() ? 600 : 200;
-    Coverage one = campaign("1 N", runs, 1, 0), three = campaign("3 N", runs, 3, 0);
+    DragCoverage drag[2];
+    Coverage one = campaign("1 N", runs, 1, 0, &drag[0]);
+    Coverage three = campaign("3 N", runs, 3, 0, &drag[1]);
     if (campaign_is_long()) {
         (void)campaign("0 N", 200, 0, 0);
         (void)campaign("0 N, lag 0.15 s", 200, 0, 0.15);
@@ -149,6 +212,10 @@ static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_sh
     }
     check(one);
     check(three);
+    for (const DragCoverage &d : drag) {
+        check_share(d, 0, 0.60, 0.80);
+        check_share(d, 1, 0.92, 0.98);
+    }
 }
 
 // ---- a degree of freedom that is never excited ----

@@ -88,6 +88,7 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     static const auvid_real_t high[PARAMETERS] = {300, 300, auvid_real_t(0.5), 0, 0};
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; // of the command
     auvid_identifier_defaults(cfg, &vehicle);
+    cfg->uncertainty = auvid_uncertainty_t(); // this world is as told
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;

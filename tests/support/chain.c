@@ -20,6 +20,7 @@ void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double
     auvid_identifier_defaults(&config->id, &auvid_girona500);
     config->id.allocation = auvid_allocation_girona500;
     config->id.search.seed = seed;
+    memset(&config->id.uncertainty, 0, sizeof config->id.uncertainty); /* this world is as told */
     (void)auvid_excitation_plan(&config->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
     config->budget = AUVID_DEFAULT_BUDGET;
 }

@@ -409,8 +409,15 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(unjudged = 1);
     IMPOSSIBLE(active = 1u << 31);
     IMPOSSIBLE(searching = true);
+    IMPOSSIBLE(estimate.speed[0][0] = -1);
     IMPOSSIBLE(estimate.confidence.lost[0] = 101);
-    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_NOT_CONVERGED + 1);
+    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_THRUST_SCALE + 1);
+    IMPOSSIBLE(estimate.confidence.thrust_error[0] = AUVID_C(2e18));
+    IMPOSSIBLE(estimate.confidence.dvl_error[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(estimate.confidence.uncertainty.thrust_scale = AUVID_C(1.1));
+    IMPOSSIBLE(estimate.covariance[0] = AUVID_C(2e37));
+    IMPOSSIBLE(uncertainty.thrust_scale = AUVID_C(-0.1));
+    IMPOSSIBLE(uncertainty.dvl_scale = (auvid_real_t)NAN);
     check_good();
 }
 
@@ -430,6 +437,8 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
     good.trusted.confidence.note[0] = AUVID_NOTE_COMBINATION;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
     IMPOSSIBLE(trusted.confidence.partner[0] = vehicle.parameters);
+    good.estimate.confidence.note[0] = AUVID_NOTE_DISCREDITED;
+    IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
     check_good();
 }
 

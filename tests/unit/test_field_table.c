@@ -7,7 +7,7 @@
 #include "report.h"
 #include "unity.h"
 
-enum { RUNS = 400 };
+enum { RUNS = 160 };
 
 static field_table_t table;
 static field_record_t run;

@@ -22,7 +22,9 @@ void tearDown(void)
 /* @return rms relative error of the parameters [%] */
 static double identify(uint64_t seed, double dvl_s, double imu_s)
 {
-    const world_config_t config = {.seed = seed,
+    static const options_t as_told; /* no uncertainty of thrust and DVL */
+    const world_config_t config = {.options = &as_told,
+                                   .seed = seed,
                                    .sets = 8,
                                    .disturbance_N = 1,
                                    .dvl_arm_m = {0.4, 0.3, 0},

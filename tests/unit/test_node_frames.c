@@ -874,6 +874,94 @@ static void test_each_flag_of_an_estimate_is_its_own_bit(void)
     }
 }
 
+/* An estimate that knows drag in surge, sway, heave and yaw; yaw was turned to starboard only. */
+static void know_drag(void)
+{
+    const auvid_parameter_t *p = auvid_girona500.parameter;
+    auvid_estimate_t *e = &node.id.estimate;
+    int n = auvid_girona500.parameters;
+    begin();
+    e->number = 130;
+    e->driven = 0x27;
+    for (int i = 0, diagonal = 0; i < n; diagonal += n - i, ++i) {
+        e->pi[i] = (auvid_real_t)(-10 - 7 * i);
+        e->covariance[diagonal] = e->confidence.sigma[i] = 1;
+        if (p[i].kind == AUVID_PARAMETER_QUADRATIC_DRAG && p[i].dof == AUVID_SWAY) {
+            e->confidence.sigma[i] = AUVID_LARGEST;
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        e->speed[j][0] = (auvid_real_t)(0.5 + 0.1 * j);
+        e->speed[j][1] = j == AUVID_YAW ? 0 : (auvid_real_t)(0.4 + 0.1 * j);
+    }
+}
+
+/* The pair of frames that is reported next. */
+static void next_drag(auvid_can_drag_t *force, auvid_can_drag_half_width_t *half,
+                      uint32_t absent[2])
+{
+    auvid_can_message_t m = reported(AUVID_CAN_DRAG);
+    *force = m.as.drag;
+    absent[0] = m.absent;
+    TEST_ASSERT_EQUAL(2, count); /* its half-width is in the same tick */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[1], &m));
+    TEST_ASSERT_EQUAL(AUVID_CAN_DRAG_HALF_WIDTH, m.kind);
+    *half = m.as.drag_half_width;
+    absent[1] = m.absent;
+}
+
+static void test_drag_forces_take_turns_and_are_those_of_the_estimate(void)
+{
+    static const auvid_dof_t dofs[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
+    static const double parts[] = {0.3, 0.6, 1.0};
+    know_drag();
+    const auvid_estimate_t *e = &node.id.estimate;
+    int identifiable = 0;
+    for (uint32_t k = 0; k < 2 * 24; ++k) {
+        uint32_t part = k % 3, backward = k / 3 % 2, absent[2];
+        auvid_dof_t dof = dofs[k / 6 % 4];
+        auvid_can_drag_t force;
+        auvid_can_drag_half_width_t half;
+        auvid_drag_t drag;
+        next_drag(&force, &half, absent);
+        TEST_ASSERT_EQUAL_UINT32(6 * dof + 3 * backward + part, force.point);
+        TEST_ASSERT_EQUAL_UINT32(force.point, half.point);
+        TEST_ASSERT_EQUAL_UINT32(130 % 128, force.number);
+        if (dof == AUVID_YAW && backward) { /* never seen */
+            TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_NO_FORCE, absent[0]);
+            TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED |
+                                        AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH,
+                                    absent[1]);
+            TEST_ASSERT_EQUAL_HEX32(0, force.flags);
+            continue;
+        }
+        auvid_real_t speed = (auvid_real_t)parts[part] * e->speed[dof][backward];
+        speed = backward ? -speed : speed;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_estimate_drag(e, &auvid_girona500, dof, speed, &drag));
+        TEST_ASSERT_EQUAL_FLOAT((float)drag.force, (float)force.force);
+        TEST_ASSERT_EQUAL_HEX32(drag.identifiable, force.flags);
+        TEST_ASSERT_EQUAL_HEX32(dof == AUVID_SWAY ? AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH : 0,
+                                absent[1]);
+        near(speed, half.speed, 0.001);
+        if (dof != AUVID_SWAY) {
+            TEST_ASSERT_EQUAL_FLOAT((float)drag.half_width, (float)half.half_width);
+        }
+        identifiable += drag.identifiable;
+    }
+    TEST_ASSERT_TRUE(identifiable > 10 && identifiable < 48 - 12);
+}
+
+static void test_before_the_first_estimate_no_drag_force_is_reported(void)
+{
+    begin();
+    for (int turn = 0; turn < 100; ++turn) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, 0, sent, &count));
+        for (int i = 0; i < count; ++i) {
+            TEST_ASSERT_TRUE(auvid_can_kind(NULL, sent[i].id) < AUVID_CAN_DRAG);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -917,5 +1005,7 @@ int main(void)
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
     RUN_TEST(test_navigation_is_reported_as_it_is);
     RUN_TEST(test_each_flag_of_an_estimate_is_its_own_bit);
+    RUN_TEST(test_drag_forces_take_turns_and_are_those_of_the_estimate);
+    RUN_TEST(test_before_the_first_estimate_no_drag_force_is_reported);
     return UNITY_END();
 }

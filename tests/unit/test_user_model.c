@@ -169,6 +169,23 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
     }
 }
 
+/* At 1 N, at speeds forward and backward that it has seen. */
+static void test_the_drag_force_of_a_model_without_regressor_is_known(void)
+{
+    identify(3, 2000, 1.0, 0.0);
+    for (int k = 0; k < 6; ++k) {
+        double largest = (double)id.estimate.speed[AUVID_SURGE][k % 2];
+        double v = (k % 2 ? -1 : 1) * (k < 2 ? 0.3 : k < 4 ? 0.6 : 1.0) * largest;
+        double force = truth[X_U] * v + truth[X_UU] * v * fabs(v);
+        auvid_drag_t drag;
+        TEST_ASSERT_TRUE(largest > 0.3 && largest < 2.0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_estimate_drag(&id.estimate, &vehicle, AUVID_SURGE,
+                                                        (auvid_real_t)v, &drag));
+        TEST_ASSERT_TRUE(drag.identifiable && drag.sigma > 0);
+        TEST_ASSERT_TRUE(fabs((double)drag.force - force) < 2.0 * (double)drag.half_width);
+    }
+}
+
 static void test_a_model_without_storage_for_its_rows_is_refused(void)
 {
     auvid_identifier_config_t cfg;
@@ -183,6 +200,7 @@ int main(void)
     RUN_TEST(test_dead_band_and_gains_are_identified_within_5_percent_over_20_seeds);
     RUN_TEST(test_a_delay_of_the_thrusters_is_searched_with_the_parameters);
     RUN_TEST(test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate);
+    RUN_TEST(test_the_drag_force_of_a_model_without_regressor_is_known);
     RUN_TEST(test_a_model_without_storage_for_its_rows_is_refused);
     return UNITY_END();
 }

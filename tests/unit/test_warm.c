@@ -63,6 +63,34 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
+/* The next dive has the same thrusters: their scale does not make the record weaker. What is known
+ * from elsewhere does not depend on them. */
+static void test_a_record_holds_errors_with_the_thrust_as_told(void)
+{
+    static auvid_real_t plain[N];
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    memcpy(plain, chain.id.metric.memory.sigma, sizeof plain);
+    config.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    const auvid_confidence_t *c = &chain.id.estimate.confidence;
+    for (int i = 0; i < N; ++i) {
+        double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
+        double told = (double)chain.id.metric.memory.sigma[i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(told, scale), (double)c->sigma[i]);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, auvid_girona500_paper, plain));
+    for (int i = 0; i < N; ++i) {
+        TEST_ASSERT_TRUE(c->sigma[i] == plain[i] && c->thrust_error[i] == 0);
+    }
+}
+
 /* Save the dive and begin the next with the record. */
 static void next_dive(const auvid_identifier_t *dived)
 {
@@ -515,6 +543,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
+    RUN_TEST(test_a_record_holds_errors_with_the_thrust_as_told);
     RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
     RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);

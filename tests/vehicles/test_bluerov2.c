@@ -53,6 +53,7 @@ static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
     world.disturbance_Nm = 0.08;
     sim_fossen_parameters(&world.fossen, truth);
     auvid_identifier_defaults(&cfg, vehicle);
+    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* this world is as told */
     cfg.allocation = auvid_allocation_bluerov2_heavy;
     cfg.search.seed = seed;
     cfg.metric.set_rows = 2 * SET_S;

@@ -34,7 +34,9 @@ static const auvid_estimate_t *estimate;
 
 void setUp(void)
 {
+    static const options_t as_told; /* no uncertainty of thrust and DVL */
     memset(&config, 0, sizeof config);
+    config.options = &as_told;
     config.seed = 1;
     config.disturbance_N = 1.0;
     config.sets = SETS;

@@ -59,6 +59,7 @@ static void configure(uint64_t seed)
     config.slots = SLOTS;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
+    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* this world is as told */
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE | 15u << OWN, cfg.metric.free);
     cfg.metric.rows = store;
     cfg.metric.sets = SETS;

@@ -38,6 +38,7 @@ static int begin(run_t *run)
     auvid_identifier_config_t identifier;
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);
+    options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
     cfg.excite = o->excite;
     cfg.answer = o->lock_step || run->simulated;

@@ -141,6 +141,7 @@ static int begin(run_t *run)
     auvid_identifier_config_t identifier;
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);
+    options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
     cfg.excite = true; /* obey what the log's operator ordered; nobody hears the commands */
     if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {

@@ -140,7 +140,8 @@ static void list_estimate(run_t *run)
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
     world_t *world = &run->world;
-    const world_config_t config = {.vehicle = options->vehicle,
+    const world_config_t config = {.options = options,
+                                   .vehicle = options->vehicle,
                                    .seed = seed,
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,

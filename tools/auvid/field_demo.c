@@ -115,8 +115,8 @@ static void begin(campaign_memory_t *m, const options_t *options)
     const options_field_t *f = &options->field;
     auvid_identifier_config_t *cfg = &m->run.id.config;
     field_run_defaults(&m->config);
-    m->config.thrust_scale = f->thrust_scale;
-    m->config.dvl_scale = f->dvl_scale;
+    m->config.thrust_scale = options->thrust_scale;
+    m->config.dvl_scale = options->dvl_scale;
     m->config.delay_s = f->delay_s;
     m->config.sets = options->sets;
     m->config.budget = options->budget;

@@ -154,17 +154,30 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
     }
 }
 
-/* The drag forces of the estimate. */
-static void estimate_forces(field_record_t *record)
+/* Drag force of DoF e's pair at this velocity, as the library tells it. */
+static void estimate_force(const auvid_identifier_t *id, int e, double velocity, field_force_t *to)
+{
+    auvid_drag_t drag;
+    to->half = HUGE_VAL;
+    to->estimated = to->estimated &&
+                    auvid_estimate_drag(&id->estimate, id->metric.cfg.vehicle,
+                                        (auvid_dof_t)field_dof(e), (auvid_real_t)velocity,
+                                        &drag) == AUVID_OK;
+    if (to->estimated) {
+        to->value = (double)drag.force;
+        to->half = drag.half_width < AUVID_LARGEST ? (double)drag.half_width : HUGE_VAL;
+        to->flagged = drag.identifiable;
+    }
+}
+
+static void estimate_forces(const auvid_identifier_t *id, field_record_t *record)
 {
     for (int k = 0; k < FIELD_PARTS; ++k) {
         for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
             int e = d / 2;
             double speed = field_part[k] * record->truth.speed[e][d % 2];
-            field_force_t *to = &record->force[k][d];
-            to->estimated = record->estimated[SIM_X_U + 2 * e];
-            to->value = field_drag(record->pi, e, d % 2 == 0 ? speed : -speed);
-            to->half = HUGE_VAL;
+            record->force[k][d].estimated = record->estimated[SIM_X_U + 2 * e];
+            estimate_force(id, e, d % 2 == 0 ? speed : -speed, &record->force[k][d]);
         }
     }
 }
@@ -196,7 +209,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
     }
     field_built(&run->field, &built);
     field_projection_solve(&run->projection, &built, &record->truth);
-    estimate_forces(record);
+    estimate_forces(id, record);
 }
 
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record)

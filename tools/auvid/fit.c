@@ -242,6 +242,10 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     auvid_identifier_defaults(cfg, vehicle);
     vehicle_quicken(cfg);
     cfg->search.seed = options->seed;
+    if (job->replay.kind == INPUT_COMMAND) {
+        cfg->uncertainty.thrust_scale = 0; /* in units of the command it has none */
+    }
+    options_uncertainty(options, &cfg->uncertainty);
     cfg->recorder.gap_us = GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);

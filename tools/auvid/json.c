@@ -30,6 +30,12 @@ static void json_parameter(const result_t *result, int i)
     json_number(known ? (double)result->estimate.pi[i] : NAN);
     printf(", \"sigma\": ");
     json_number(report_sigma(result, i));
+    printf(", \"sigma_told\": ");
+    json_number(report_sigma_told(result, i));
+    printf(", \"thrust_error\": ");
+    json_number(known ? (double)result->estimate.confidence.thrust_error[i] : NAN);
+    printf(", \"dvl_error\": ");
+    json_number(known ? (double)result->estimate.confidence.dvl_error[i] : NAN);
     printf(", \"identifiable\": %s, \"note\": \"%s\"", sure ? "true" : "false", note);
     if (known && report_is_at_bound(result, i)) {
         printf(", \"at_bound\": true");
@@ -107,6 +113,46 @@ static void json_dof_values(const result_t *result)
         json_dofs(result, "r2_interval", velocity, result->r2_low, result->r2_high,
                   result->validated);
     }
+}
+
+static void json_drag_force(const result_t *result, auvid_dof_t j, const auvid_drag_t *drag)
+{
+    double known = drag->half_width < AUVID_LARGEST ? (double)drag->half_width : NAN;
+    printf("{\"speed\": ");
+    json_number((double)drag->speed);
+    printf(", \"force\": ");
+    json_number((double)drag->force);
+    printf(", \"half_width\": ");
+    json_number(known);
+    printf(", \"identifiable\": %s", drag->identifiable ? "true" : "false");
+    if (result->has_truth) {
+        printf(", \"truth\": ");
+        json_number(report_true_drag(result, j, (double)drag->speed));
+    }
+    printf("}");
+}
+
+/* For each modelled degree of freedom those that are known, forward, then backward. */
+static void json_drag(const result_t *result)
+{
+    auvid_dof_t dof[AUVID_DOF_COUNT];
+    int dofs = report_dofs(result->vehicle, dof);
+    printf(",\n  \"drag\": {");
+    for (int k = 0; k < dofs; ++k) {
+        const char *separator = "";
+        printf("%s\n    \"%s\": [", k == 0 ? "" : ",", force[dof[k]]);
+        for (int i = 0; i < 2 * REPORT_DRAG_PARTS; ++i) {
+            bool backward = i >= REPORT_DRAG_PARTS;
+            auvid_drag_t drag;
+            if (report_drag(result, dof[k], backward, i % REPORT_DRAG_PARTS, &drag)) {
+                printf("%s\n      ", separator);
+                json_drag_force(result, dof[k], &drag);
+                separator = ",";
+            }
+        }
+        printf("]");
+    }
+    printf("}");
 }
 
 static void json_missing(const result_t *result)
@@ -257,6 +303,7 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     printf("  \"model\": \"%s\",\n  \"parameters\": ", result->vehicle->name);
     json_parameters(result);
     json_missing(result);
+    json_drag(result);
     json_dof_values(result);
     json_judgement(result);
     json_guard(result);

@@ -32,6 +32,9 @@ static const char demo_fit_help[] =
     "  --seed N           of all that is random; default 1\n"
     "  --literal          our reading of the paper's metric: smoothed states, raw wrench\n"
     "  --json             print one JSON object instead of tables\n"
+    "  --thrust-scale S   standard deviation of the common scale of the thrust as told, relative;\n"
+    "                     default 0.05 (5 %), of a log of commands 0: no motion shows it\n"
+    "  --dvl-scale S      the same of the DVL's velocity; default 0.005\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"
@@ -68,9 +71,8 @@ static const char field_help[] =
     "  --vehicle NAME     girona500 (default), or rov20: a ROV of 20 kg\n"
     "  --driver NAME      excited (default); or, in 600 s without excitation, joystick, lawnmower\n"
     "                     (PID), station\n"
-    "  --thrust-scale S, --dvl-scale S, --delay S   the uncertainties that the identifier is\n"
-    "                     told: of both scales (relative), of the delay [s]\n"
-    "  --perfect-inputs   all three are zero\n"
+    "  --delay S          the uncertainty of the delay that the identifier is told [s]\n"
+    "  --perfect-inputs   this, --thrust-scale and --dvl-scale are zero\n"
     "\n";
 static const char fit_help[] =
     "options of fit\n"
@@ -100,7 +102,7 @@ static const char node_help[] =
     "  --warm FILE        begin with it; where it cannot be used, a line says so\n"
     "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
     "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
-    "  --seed N, --vehicle NAME, --json   as for demo\n"
+    "  --seed N, --vehicle NAME, --json, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 static const char vehicle_help[] =
     "options of vehicle\n"
@@ -115,7 +117,7 @@ static const char replay_help[] =
     "options of replay\n"
     "  --seed N, --sets K, --vehicle NAME, --warm FILE   those of the node that wrote the log\n"
     "  --csv FILE         write its motion and thrust as a log that fit reads\n"
-    "  --json             as for demo\n"
+    "  --json, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 #endif
 static const char columns_help[] =

@@ -152,6 +152,12 @@ static int common_option(reader_t *r, options_t *options)
     if (is(r, "--literal")) {
         return take_flag(r, &options->literal);
     }
+    if (is(r, "--thrust-scale")) {
+        return take_number(r, 1.0, &options->thrust_scale);
+    }
+    if (is(r, "--dvl-scale")) {
+        return take_number(r, 1.0, &options->dvl_scale);
+    }
     return -1;
 }
 
@@ -365,7 +371,9 @@ static int read_all(options_t *options, int count, char **argument, const char *
                            .model = &auvid_girona500,
                            .speed = 1,
                            .disturbance_N = -1.0,
-                           .field = {.thrust_scale = -1.0, .dvl_scale = -1.0, .delay_s = -1.0},
+                           .field = {.delay_s = -1.0},
+                           .thrust_scale = -1.0,
+                           .dvl_scale = -1.0,
                            .lower = -1000.0,
                            .upper = 1000.0};
     while (next(&r)) {
@@ -468,8 +476,12 @@ int options_vehicle(options_t *options, int count, char **argument)
 {
     int status = read_all(options, count, argument, "vehicle", vehicle_option, NULL);
     status = status != 0 ? status : check_bus(options, "vehicle");
-    if (status == 0 && options->json) {
-        return complain("vehicle: unknown option --json (auvid --help lists them)");
+    const char *other = options->json                  ? "--json"
+                        : options->thrust_scale >= 0.0 ? "--thrust-scale"
+                        : options->dvl_scale >= 0.0    ? "--dvl-scale"
+                                                       : NULL;
+    if (status == 0 && other != NULL) {
+        return complain("vehicle: unknown option %s (auvid --help lists them)", other);
     }
     return status;
 }

@@ -32,7 +32,7 @@ typedef struct {
     int mismatches;
     field_vehicle_t vehicle;
     field_driver_t driver;
-    double thrust_scale, dvl_scale, delay_s; /**< uncertainties; negative: the library's default */
+    double delay_s;     /**< uncertainty; negative: the library's default */
     const char *chosen; /**< an option that needs the field, or null */
 } options_field_t;
 
@@ -41,6 +41,7 @@ typedef struct {
     bool json;
     bool literal;
     uint64_t seed; /**< default 1 */
+    double thrust_scale, dvl_scale; /**< uncertainties; negative: the library's default */
     const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
 
     /* demo */
@@ -86,5 +87,16 @@ int options_fit(options_t *options, int count, char **argument);
 int options_node(options_t *options, int count, char **argument);
 int options_vehicle(options_t *options, int count, char **argument);
 int options_replay(options_t *options, int count, char **argument);
+
+/** What was told of the uncertainty of thrust and DVL, into *cfg. */
+static inline void options_uncertainty(const options_t *options, auvid_uncertainty_t *cfg)
+{
+    if (options->thrust_scale >= 0.0) {
+        cfg->thrust_scale = (auvid_real_t)options->thrust_scale;
+    }
+    if (options->dvl_scale >= 0.0) {
+        cfg->dvl_scale = (auvid_real_t)options->dvl_scale;
+    }
+}
 
 #endif

@@ -37,17 +37,9 @@ static int take_mismatch(reader_t *r, options_field_t *f)
 int options_field_take(reader_t *r, options_t *options)
 {
     options_field_t *f = &options->field;
-    const struct {
-        const char *name;
-        double *to;
-    } uncertainties[] = {{"--thrust-scale", &f->thrust_scale},
-                         {"--dvl-scale", &f->dvl_scale},
-                         {"--delay", &f->delay_s}};
-    for (size_t k = 0; k < sizeof uncertainties / sizeof uncertainties[0]; ++k) {
-        if (strcmp(r->name, uncertainties[k].name) == 0) {
-            f->chosen = uncertainties[k].name;
-            return take_number(r, 1.0, uncertainties[k].to);
-        }
+    if (strcmp(r->name, "--delay") == 0) {
+        f->chosen = "--delay";
+        return take_number(r, 1.0, &f->delay_s);
     }
     if (strcmp(r->name, "--field") == 0) {
         f->mixture = true;
@@ -62,7 +54,7 @@ int options_field_take(reader_t *r, options_t *options)
     }
     if (strcmp(r->name, "--perfect-inputs") == 0) {
         f->chosen = "--perfect-inputs";
-        f->thrust_scale = f->dvl_scale = f->delay_s = 0.0;
+        options->thrust_scale = options->dvl_scale = f->delay_s = 0.0;
         return take_flag(r, &f->perfect_inputs);
     }
     if (strcmp(r->name, "--perfect-thrust") == 0) {

@@ -100,7 +100,7 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
     case AUVID_PARAMETER_FORCE:
         return "cmd";
     default:
-        return "cmd s2";
+        return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
     }
 }
 
@@ -136,6 +136,36 @@ double report_sigma(const result_t *result, int i)
     return report_is_identified(result, i) && sigma < AUVID_LARGEST ? (double)sigma : HUGE_VAL;
 }
 
+double report_sigma_told(const result_t *result, int i)
+{
+    auvid_real_t variance = auvid_estimate_covariance(&result->estimate, result->vehicle, i, i);
+    return isfinite(report_sigma(result, i)) ? sqrt((double)variance) : HUGE_VAL;
+}
+
+const double report_drag_part[REPORT_DRAG_PARTS] = {0.3, 0.6, 1.0};
+
+bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part, auvid_drag_t *drag)
+{
+    double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
+    auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
+    return largest != 0.0 &&
+           auvid_estimate_drag(&result->estimate, result->vehicle, j, speed, drag) == AUVID_OK;
+}
+
+double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
+{
+    double force = 0.0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        const auvid_parameter_t *p = &result->vehicle->parameter[i];
+        if (p->dof == j && p->kind == AUVID_PARAMETER_LINEAR_DRAG) {
+            force += result->truth[i] * speed;
+        } else if (p->dof == j && p->kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
+            force += result->truth[i] * speed * fabs(speed);
+        }
+    }
+    return force;
+}
+
 void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
@@ -148,6 +178,9 @@ void report_note(const result_t *result, int i, char *text, size_t size)
                        result->vehicle->parameter[c->partner[i]].name);
     } else if (c->note[i] == AUVID_NOTE_COMBINATION) {
         (void)snprintf(text, size, "only a combination with %s",
+                       result->vehicle->parameter[c->partner[i]].name);
+    } else if (c->note[i] == AUVID_NOTE_DISCREDITED) {
+        (void)snprintf(text, size, "%s is impossible",
                        result->vehicle->parameter[c->partner[i]].name);
     } else {
         (void)snprintf(text, size, "%s", auvid_note_str((auvid_note_t)c->note[i]));

@@ -108,12 +108,23 @@ bool report_is_modelled(const result_t *result, auvid_dof_t j);
 /** Unit of a cause's value and limit; empty where they have none. */
 const char *report_cause_unit(auvid_guard_cause_t cause);
 
+/** Drag force of degree of freedom j at a part of the largest speed seen in a direction. False: the
+ * model has no drag there, or there was no motion in that direction. */
+enum { REPORT_DRAG_PARTS = 3 };
+extern const double report_drag_part[REPORT_DRAG_PARTS];
+bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
+                 auvid_drag_t *drag);
+
+/** What it is in truth, where that is known. */
+double report_true_drag(const result_t *result, auvid_dof_t j, double speed);
+
 /** Smaller questions that tables and JSON have in common. */
 const char *report_unit(const result_t *result, int i);
 bool report_is_identified(const result_t *result, int i);
 bool report_is_driven(const result_t *result, auvid_dof_t j);
 bool report_is_at_bound(const result_t *result, int i);
 double report_sigma(const result_t *result, int i); /**< infinite: not known */
+double report_sigma_told(const result_t *result, int i); /**< with thrust and DVL scale as told */
 
 /** Table of one identification. last: that of the last set only, beside it; may be null. */
 void report_result(const result_t *result, const result_t *last);

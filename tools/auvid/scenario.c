@@ -148,6 +148,7 @@ static void tell_events(play_t *play)
 
 static bool begin(play_t *play, world_config_t config)
 {
+    config.options = play->options;
     config.seed = play->options->seed;
     config.disturbance_N = play->options->disturbance_N;
     config.lag_s = play->options->lag_s;

@@ -47,7 +47,7 @@ bool tally_begin(tally_t *tally, uint32_t runs)
     return true;
 }
 
-/* Is the estimate as sure as it says? */
+/* Is the estimate as sure as it says? Thrust and DVL of this vehicle are as told. */
 static void count_coverage(campaign_t *c, const result_t *result)
 {
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -55,7 +55,7 @@ static void count_coverage(campaign_t *c, const result_t *result)
             continue;
         }
         double off = fabs((double)result->estimate.pi[i] - result->truth[i]);
-        double sigma = report_sigma(result, i);
+        double sigma = report_sigma_told(result, i);
         bool sure = (result->estimate.confidence.identifiable >> i & 1u) != 0;
         c->known += isfinite(sigma);
         c->covered[0] += isfinite(sigma) && off <= sigma;

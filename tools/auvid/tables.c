@@ -139,6 +139,43 @@ static void parameter_table(const result_t *result, const result_t *last)
     }
 }
 
+/* Forces of one direction, each with its half-width and "?" where it is not identifiable. */
+static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
+{
+    int digits = result->in_commands ? 4 : 2;
+    auvid_drag_t drag;
+    for (int part = 0; part < REPORT_DRAG_PARTS; ++part) {
+        if (!report_drag(result, j, backward, part, &drag)) {
+            return;
+        }
+        if (part == 0) {
+            printf("  %-5s  %-8s  %7.3f", report_dof_name[j], backward ? "backward" : "forward",
+                   (double)result->estimate.speed[j][backward]);
+        }
+        print_number(8, digits, (double)drag.force);
+        print_number(7, digits, drag.half_width < AUVID_LARGEST ? (double)drag.half_width : NAN);
+        bool last = part == REPORT_DRAG_PARTS - 1;
+        printf("%s", !drag.identifiable ? "?" : (last ? "" : " "));
+    }
+    putchar('\n');
+}
+
+static void drag_table(const result_t *result)
+{
+    printf("\n  drag force [%s] at parts of the largest speed seen [m/s, rad/s]\n",
+           result->in_commands ? "cmd" : "N, Nm");
+    printf("  %-15s  %7s", "", "largest");
+    for (int part = 0; part < REPORT_DRAG_PARTS; ++part) {
+        printf("%s  %8.1f  %7s", part > 0 ? " " : "", report_drag_part[part], "+- 95 %");
+    }
+    putchar('\n');
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int backward = 0; backward < 2; ++backward) {
+            drag_row(result, (auvid_dof_t)j, backward != 0);
+        }
+    }
+}
+
 /* What the estimate does not know, and what to do about it. */
 static void missing_list(const result_t *result)
 {
@@ -265,6 +302,9 @@ void report_result(const result_t *result, const result_t *last)
 {
     const auvid_estimate_t *e = &result->estimate;
     parameter_table(result, last);
+    if (last == NULL && e->driven != 0) {
+        drag_table(result);
+    }
     missing_list(result);
     dof_table(result);
     judgement_lines(result);

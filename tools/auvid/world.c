@@ -29,6 +29,9 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
     vehicle_identifier(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
                        cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
+    if (config->options != NULL) {
+        options_uncertainty(config->options, &cfg->uncertainty);
+    }
     for (int i = 0; i < 3; ++i) {
         cfg->nav.dvl_lever[i] = (auvid_real_t)config->dvl_arm_m[i];
     }

@@ -22,7 +22,7 @@ extern "C" {
 #define AUVID_CAN_SLOW_BASE 0x400u
 /** Messages in each. */
 #define AUVID_CAN_FAST_KINDS 6u
-#define AUVID_CAN_SLOW_KINDS 17u
+#define AUVID_CAN_SLOW_KINDS 19u
 
 /** The messages. A smaller identifier goes first on the bus; the enumeration has that order. */
 typedef enum {
@@ -49,7 +49,9 @@ typedef enum {
     AUVID_CAN_PROGRESS = 20,
     AUVID_CAN_HEALTH = 21,
     AUVID_CAN_HEARTBEAT = 22,
-    AUVID_CAN_KINDS = 23
+    AUVID_CAN_DRAG = 23,
+    AUVID_CAN_DRAG_HALF_WIDTH = 24,
+    AUVID_CAN_KINDS = 25
 } auvid_can_kind_t;
 
 #define AUVID_CAN_AGE_UNKNOWN 1023u
@@ -96,7 +98,9 @@ enum {
     AUVID_CAN_NOTE_IMPLAUSIBLE = 7,
     AUVID_CAN_NOTE_AT_BOUND = 8,
     AUVID_CAN_NOTE_BESIDE_BOUND = 9,
-    AUVID_CAN_NOTE_NOT_CONVERGED = 10
+    AUVID_CAN_NOTE_NOT_CONVERGED = 10,
+    AUVID_CAN_NOTE_DISCREDITED = 11,
+    AUVID_CAN_NOTE_THRUST_SCALE = 12
 };
 
 /** Values of `guard`. */
@@ -126,6 +130,46 @@ enum {
 
 /** Values of `role`. */
 enum { AUVID_CAN_ROLE_NODE = 0, AUVID_CAN_ROLE_VEHICLE = 1, AUVID_CAN_ROLE_MONITOR = 2 };
+
+/** Values of `point`. */
+enum {
+    AUVID_CAN_POINT_SURGE_FORWARD_0_3 = 0,
+    AUVID_CAN_POINT_SURGE_FORWARD_0_6 = 1,
+    AUVID_CAN_POINT_SURGE_FORWARD_1_0 = 2,
+    AUVID_CAN_POINT_SURGE_BACKWARD_0_3 = 3,
+    AUVID_CAN_POINT_SURGE_BACKWARD_0_6 = 4,
+    AUVID_CAN_POINT_SURGE_BACKWARD_1_0 = 5,
+    AUVID_CAN_POINT_SWAY_FORWARD_0_3 = 6,
+    AUVID_CAN_POINT_SWAY_FORWARD_0_6 = 7,
+    AUVID_CAN_POINT_SWAY_FORWARD_1_0 = 8,
+    AUVID_CAN_POINT_SWAY_BACKWARD_0_3 = 9,
+    AUVID_CAN_POINT_SWAY_BACKWARD_0_6 = 10,
+    AUVID_CAN_POINT_SWAY_BACKWARD_1_0 = 11,
+    AUVID_CAN_POINT_HEAVE_FORWARD_0_3 = 12,
+    AUVID_CAN_POINT_HEAVE_FORWARD_0_6 = 13,
+    AUVID_CAN_POINT_HEAVE_FORWARD_1_0 = 14,
+    AUVID_CAN_POINT_HEAVE_BACKWARD_0_3 = 15,
+    AUVID_CAN_POINT_HEAVE_BACKWARD_0_6 = 16,
+    AUVID_CAN_POINT_HEAVE_BACKWARD_1_0 = 17,
+    AUVID_CAN_POINT_ROLL_FORWARD_0_3 = 18,
+    AUVID_CAN_POINT_ROLL_FORWARD_0_6 = 19,
+    AUVID_CAN_POINT_ROLL_FORWARD_1_0 = 20,
+    AUVID_CAN_POINT_ROLL_BACKWARD_0_3 = 21,
+    AUVID_CAN_POINT_ROLL_BACKWARD_0_6 = 22,
+    AUVID_CAN_POINT_ROLL_BACKWARD_1_0 = 23,
+    AUVID_CAN_POINT_PITCH_FORWARD_0_3 = 24,
+    AUVID_CAN_POINT_PITCH_FORWARD_0_6 = 25,
+    AUVID_CAN_POINT_PITCH_FORWARD_1_0 = 26,
+    AUVID_CAN_POINT_PITCH_BACKWARD_0_3 = 27,
+    AUVID_CAN_POINT_PITCH_BACKWARD_0_6 = 28,
+    AUVID_CAN_POINT_PITCH_BACKWARD_1_0 = 29,
+    AUVID_CAN_POINT_YAW_FORWARD_0_3 = 30,
+    AUVID_CAN_POINT_YAW_FORWARD_0_6 = 31,
+    AUVID_CAN_POINT_YAW_FORWARD_1_0 = 32,
+    AUVID_CAN_POINT_YAW_BACKWARD_0_3 = 33,
+    AUVID_CAN_POINT_YAW_BACKWARD_0_6 = 34,
+    AUVID_CAN_POINT_YAW_BACKWARD_1_0 = 35
+};
 
 /** 0x040, on event. Stop exciting and disarm. On event, and repeated until the vehicle is
  * disarmed. A receiver obeys any authentic one, repeated or jumped too. */
@@ -384,7 +428,9 @@ typedef struct {
     uint32_t number;
     /** What is to be said about it: auvid_note_t of confidence.h; 0..15 */
     uint32_t note;
-    /** Standard error, bias included, in the parameter's unit; NaN: not available; float32 */
+    /** Standard error, bias included, in the parameter's unit; NaN: not available. It has what
+     * the scale of the thrust, uncertain by a relative e (0.05 unless configured), adds: with
+     * the thrust as told it is sqrt(sigma^2 - (e value)^2), if no parameter is fixed; float32 */
     auvid_real_t sigma;
 } auvid_can_estimate_sigma_t;
 
@@ -440,6 +486,38 @@ typedef struct {
     uint32_t minor;
 } auvid_can_heartbeat_t;
 
+/** 0x411, every 200 ms. Drag force of the last estimate at a part of the largest speed that its
+ * data have seen in a direction. The points take turns; none before the first estimate. */
+typedef struct {
+    /** Bit 0: identifiable, see auvid_drag_t of identifier.h; 0..31 */
+    uint32_t flags;
+    /** Number of the estimate, modulo 128; 0..127 */
+    uint32_t number;
+    /** Degree of freedom, direction, and part of the largest speed: 6 dof + 3 (backward) + 0,
+     * 1, 2; 0..255 */
+    uint32_t point;
+    /** Force of the water on the hull, N or Nm; NaN: not available, the data have no motion in
+     * this direction; float32 */
+    auvid_real_t force;
+} auvid_can_drag_t;
+
+enum { AUVID_CAN_DRAG_NO_FORCE = 1 << 3 };
+
+/** 0x412, every 200 ms. Speed and half-width of the force in the drag frame before it. */
+typedef struct {
+    /** Speed, m/s or rad/s; backward is negative; -8.191..8.191, step 1/1000 */
+    auvid_real_t speed;
+    /** As in the drag frame; 0..63 */
+    uint32_t point;
+    /** Half-width (95 %) of the force, N or Nm; NaN: not available; float32 */
+    auvid_real_t half_width;
+} auvid_can_drag_half_width_t;
+
+enum {
+    AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED = 1 << 0,
+    AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH = 1 << 2
+};
+
 /** Any message. */
 typedef struct {
     auvid_can_kind_t kind; /**< which of the structs below holds */
@@ -470,6 +548,8 @@ typedef struct {
         auvid_can_progress_t progress;
         auvid_can_health_t health;
         auvid_can_heartbeat_t heartbeat;
+        auvid_can_drag_t drag;
+        auvid_can_drag_half_width_t drag_half_width;
     } as;
 } auvid_can_message_t;
 

@@ -11,13 +11,22 @@
  *   with the scores' own scatter for each parameter.
  * - *Bias* of the masses: noise of the measured acceleration makes them smaller. Its size is
  *   predicted from the high band of the residuals and added to the uncertainty, not corrected.
- * - *Identifiable*: the DoF was driven, and the 95 % half-width, bias included, is at most 20 % of
- *   the value. Else a note says why not: the DoF was not driven; only a combination with another
- *   parameter is known; its force is too small to matter; too little motion; the search has not
- *   converged; it is at its bound, or moves by more than its half-width when another one that is at
- *   its bound is released.
- * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative; and the
- *   force is explained at all.
+ * - *Considered*: the common scale of the thrust as told, and that of the DVL. No motion shows
+ *   them, so they are not estimated. What one standard deviation of them moves the parameters by is
+ *   added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all move alike,
+ *   thrust_error = thrust_scale pi, unless parameters are fixed: known drags are allowed for, known
+ *   masses are taken as orthogonal to the rest. Of a model without regressor, parameters of kind
+ *   OTHER are taken not to scale; with vehicle.own_thrust none does.
+ * - *Identifiable*: the DoF was driven, and the 95 % half-width, all of this included, is at most
+ *   20 % of the value; of a constant force, 2 % of tau_max. Else a note says why not: the DoF was
+ *   not driven; only a combination with another parameter is known; its force is too small to
+ *   matter; too little motion; the search has not converged; it is at its bound, or moves by more
+ *   than its half-width when another one that is at its bound is released; the thrust scale
+ *   alone prevents it.
+ * - *Plausibility* (the paper's own check): masses above the dry mass, drags negative. An estimate
+ *   that is impossible by more than its half-width, or whose impossible part makes more than a
+ *   tenth of the rms wrench that its equation has left to explain, discredits the whole equation.
+ *   (Both are rms over the rows.) And the force is explained at all.
  * Where a delay was estimated, its uncertainty is part of the standard errors. With
  * uncertainty.delay_s > 0 that of every driven DoF's delay is, estimated, given or taken for none:
  * the delay has that standard deviation about the value in use, half its second moment (a lag of
@@ -28,9 +37,8 @@
  * them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.2k units of work (7.7k with uncertain
- * delays), 0.25 million multiplications. Memory:
- * sizeof(auvid_confidence_job_t), 2.4 KiB, and the result.
+ * Cost, Girona500 and eight sets: 7.7k units of work (8.2k with uncertain delays), 0.26 million multiplications. Memory:
+ * sizeof(auvid_confidence_job_t), 2.5 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
  * Fuller 1987, 1.2 (errors in variables). None of it is in the paper.
@@ -57,19 +65,29 @@ typedef enum {
                                  DoF */
     AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
     AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
-    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but a mass not above the dry mass, a drag that
-                                 drives, or all in a DoF whose force the result explains worse than
-                                 its mean does: the model, a bound, a sign or a unit is wrong */
+    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but in a DoF whose force the result explains worse
+                                 than its mean does: a sign, a unit, a bound or the model is
+                                 wrong */
     AUVID_NOTE_AT_BOUND,    /**< the search stopped it at its `bound`: `partner` is 0 for the lower
                                  one, 1 for the upper one. Within a thousandth of the distance of
                                  the two, and not further from it than its half-width */
     AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
                                   without that bound it would differ by more than its half-width */
-    AUVID_NOTE_NOT_CONVERGED /**< the search has not converged (auvid_estimate_t.capped) */
+    AUVID_NOTE_NOT_CONVERGED, /**< the search has not converged (auvid_estimate_t.capped) */
+    AUVID_NOTE_DISCREDITED, /**< parameter `partner` of the same equation (maybe this one itself) is
+                                 impossible: a mass not above the dry mass, a drag that drives.
+                                 It is so by more than its half-width, or its impossible part makes
+                                 more than a tenth of the equation's rms wrench */
+    AUVID_NOTE_THRUST_SCALE /**< identifiable with the thrust as told; the uncertainty of its scale
+                                 alone makes the half-width too large */
 } auvid_note_t;
 
+/** Standard errors in a 95 % half-width: eight sets are few. */
+#define AUVID_CONFIDENCE_HALF_WIDTH AUVID_C(2.1)
 /** Half-width (95 %) up to which a parameter is identifiable, relative to its value. */
 #define AUVID_CONFIDENCE_IDENTIFIABLE AUVID_C(0.2)
+/** The same of an AUVID_PARAMETER_FORCE, relative to its DoF's tau_max. */
+#define AUVID_CONFIDENCE_FORCE AUVID_C(0.02)
 /** Part of a DoF's rms wrench below which a parameter's share is small. */
 #define AUVID_CONFIDENCE_SMALL AUVID_C(0.01)
 
@@ -93,10 +111,14 @@ typedef struct {
      * with its sign [parameter's unit]. Their squares are part of that of sigma. */
     auvid_real_t thrust_error[AUVID_MAX_PARAMETERS];
     auvid_real_t dvl_error[AUVID_MAX_PARAMETERS];
-    auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit] */
+    auvid_real_t bound[AUVID_MAX_PARAMETERS]; /**< AUVID_NOTE_AT_BOUND: which [parameter's unit];
+                                                   _DISCREDITED: the impossible value [partner's
+                                                   unit]; _THRUST_SCALE: the largest thrust_scale
+                                                   with which it is identifiable */
     uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
-    uint32_t implausible;                     /**< bit i: parameter i is implausible; only of
-                                                   identifiable ones */
+    uint32_t implausible;                     /**< bit i: parameter i is impossible (its equation
+                                                   has no identifiable parameter then), or has
+                                                   AUVID_NOTE_IMPLAUSIBLE */
     uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
     uint8_t partner[AUVID_MAX_PARAMETERS];    /**< what the note says of it; else 0 */
     uint8_t sets; /**< data sets whose scatter the errors are of: those of the estimate that were

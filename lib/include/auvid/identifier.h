@@ -107,8 +107,8 @@ typedef struct {
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a mass below is implausible [kg], >= 0, below the upper bounds of
                                    all free masses; default 0: not known */
-    auvid_uncertainty_t uncertainty; /**< see confidence.h; default of delay_s 0.1, of
-                                          the others 0; 0: all is as told */
+    auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0.05 of the thrust, 0.005 of
+                                          the DVL, 0.1 s of the delay; 0: all is as told */
     const auvid_listener_t *listener; /**< default null: nobody */
     void *listening;                  /**< its context */
 } auvid_identifier_config_t;
@@ -223,6 +223,8 @@ typedef struct {
      * triangle, the first has n entries; 0 where it is not known. The total has the products of
      * confidence.thrust_error and of .dvl_error added. */
     auvid_real_t covariance[AUVID_COVARIANCE];
+    auvid_real_t speed[AUVID_DOF_COUNT][2]; /**< largest speed, >= 0, forward and backward, in the
+                                                 sets in which the DoF was driven [m/s, rad/s] */
     auvid_real_t cost;                     /**< J, Eq. 11, in the metric's units */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response; negative: the wrench's
                                                 stamps are late */
@@ -240,6 +242,23 @@ typedef struct {
                         accepted before, or better */
     auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
 } auvid_estimate_t;
+
+/** Drag force at a speed. */
+typedef struct {
+    auvid_real_t speed;      /**< as asked for; < 0: backward [m/s, rad/s] */
+    auvid_real_t force;      /**< of the water on the hull [N, Nm]; its sign is not that of speed
+                                  where it dissipates */
+    auvid_real_t sigma;      /**< standard error [N, Nm]; AUVID_LARGEST: not known */
+    auvid_real_t half_width; /**< 95 %: AUVID_CONFIDENCE_HALF_WIDTH of them; AUVID_LARGEST: not
+                                  known */
+    bool identifiable; /**< the half-width is at most AUVID_CONFIDENCE_IDENTIFIABLE of the force,
+                            the force opposes the motion, the DoF was driven up to this speed in
+                            this direction, no parameter of its equation is implausible, and the
+                            search converged */
+} auvid_drag_t;
+
+/** Speed up to which a drag force may be identifiable, relative to the largest seen. */
+#define AUVID_DRAG_REACH AUVID_C(1.05)
 
 /** How well the last estimate foretold the newest set, before that set was used. */
 typedef struct {
@@ -356,6 +375,16 @@ typedef struct auvid_identifier {
     };
 } auvid_identifier_t;
 
+#define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)
+/** Covariance of two parameters with thrust and DVL scale as told; i = k: a variance. For the total
+ * add thrust_error[i] thrust_error[k] + dvl_error[i] dvl_error[k] of the confidence.
+ * @param vehicle the estimate's model
+ * @param i, k numbers of parameters, in either order
+ * @return in the product of their units; 0 if one of them is not known, or for null or a number out
+ * of range. Cost: O(1). */
+auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
+                                       const auvid_vehicle_t *vehicle, int i, int k);
+
 #define auvid_identifier_defaults AUVID_SIZED(auvid_identifier_defaults)
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. Null is ignored. */
@@ -369,11 +398,12 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 /** Check the arithmetic (selftest.h) and the configuration, and start.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC; for the search over the free parameters
  * those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...);
- * AUVID_ERR_NOT_FINITE (the good point, too); AUVID_ERR_LIMIT (the excitation asks for more than
- * the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass
- * below zero); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
- * plausible); and the errors of the modules' init. On error every other function refuses *id with
- * AUVID_ERR_STATE; so it does one that is all zeros.
+ * AUVID_ERR_NOT_FINITE (the good point, the uncertainty, too); AUVID_ERR_LIMIT (the excitation asks
+ * for more than the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in every
+ * tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not below
+ * the upper bound of a free mass, which could not be plausible); and the errors of the modules'
+ * init. On error every other function refuses *id with AUVID_ERR_STATE; so it does one that is all
+ * zeros.
  * @param cfg may be id->config: no memory besides. It is void afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
@@ -439,6 +469,27 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 #define auvid_identifier_attach AUVID_SIZED(auvid_identifier_attach)
 /** Hand every further cell of the record to a comparison (null: no more). It is not copied. */
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation);
+
+#define auvid_estimate_drag AUVID_SIZED(auvid_estimate_drag)
+/** Drag force of one degree of freedom at a speed, with its uncertainty:
+ *
+ *     F = a' pi,  a = (v, |v| v),  sigma^2 = a' C a + (a' d_thrust)^2 + (a' d_dvl)^2
+ *
+ * over the parameters of the kinds AUVID_PARAMETER_LINEAR_DRAG and _QUADRATIC_DRAG whose `dof` it
+ * is; C, d_thrust and d_dvl are the estimate's covariance, confidence.thrust_error and .dvl_error.
+ * Linear and quadratic drag move against each other: F is known where neither of them is. Drag by
+ * other velocities than the DoF's own is not part of it. Where the model has a current, the speed
+ * is that through the water, but the largest speed seen is that which was recorded.
+ * @param vehicle the estimate's model; averaged.h, current.h and thrusters.h keep the hull's drag
+ * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. What users rely on is
+ * 0.3 to 1 of estimate->speed
+ * @param drag written if AUVID_OK. A parameter that is fixed is exact; one whose standard error is
+ * not known makes sigma and half_width AUVID_LARGEST
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_NOT_FINITE
+ * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n); Girona500 560
+ * instructions of a Cortex-M4F. */
+auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid_vehicle_t *vehicle,
+                                   auvid_dof_t dof, auvid_real_t speed, auvid_drag_t *drag);
 
 #define auvid_identifier_work AUVID_SIZED(auvid_identifier_work)
 /** Optimize with what time is left.

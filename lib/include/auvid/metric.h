@@ -130,7 +130,7 @@ typedef int64_t auvid_share_t;
 typedef int16_t auvid_share_t;
 #endif
 
-/** One completed data set. Private but for `rows` and `driven`. */
+/** One completed data set. Private but for `rows`, `fastest` and `driven`. */
 typedef struct {
     uint32_t number;                      /* of the set, from 1 */
     auvid_real_t tau_m2[AUVID_DOF_COUNT]; /* sum of squares of the rows' wrench about its mean */
@@ -139,6 +139,8 @@ typedef struct {
     uint16_t lost;                     /**< rows of all DoF that gaps cost, beside `rows` */
     uint16_t windows[AUVID_DOF_COUNT]; /* residual path: rows of its triangles; see
                                           auvid_metric_linearise */
+    uint16_t fastest[AUVID_DOF_COUNT][2]; /**< largest speed measured, forward and backward [mm/s,
+                                               mrad/s] */
     auvid_share_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
     int8_t exponent[AUVID_MAX_COLUMNS];                         /* by channel */
     uint8_t driven; /**< bit j: DoF j is driven */
@@ -189,6 +191,7 @@ typedef struct auvid_metric {
     uint16_t rows; /**< so far */
     uint16_t rows_of[AUVID_DOF_COUNT];
     uint16_t lost; /* rows of all DoF that gaps in the record, or in velocities, cost */
+    uint16_t fastest[AUVID_DOF_COUNT][2]; /* see auvid_set_t */
 
     /* evaluation */
     auvid_set_t set[AUVID_MAX_SETS];       /* the ring */

@@ -106,6 +106,7 @@ typedef struct {
     uint32_t events;              /**< AUVID_EVENT_... of the last step */
     uint32_t load;                /* largest since the last health */
     uint8_t index;                /* of the parameter to be reported next */
+    uint8_t point;                /* of the drag force to be reported next */
     bool started;                 /* there was a tick */
     bool attitude, rates;         /* that half has come since the last sample */
     bool new_attitude, new_rates; /* in this tick: its time is an age still */

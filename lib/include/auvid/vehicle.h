@@ -33,7 +33,8 @@ typedef enum {
     AUVID_PARAMETER_INERTIA,        /**< moment of inertia, likewise: positive */
     AUVID_PARAMETER_LINEAR_DRAG,    /**< negative when it dissipates */
     AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative when it dissipates */
-    AUVID_PARAMETER_FORCE           /**< constant force or moment, weight less buoyancy */
+    AUVID_PARAMETER_FORCE           /**< constant force or moment, weight less buoyancy:
+                                         identifiable by its size in newtons */
 } auvid_parameter_kind_t;
 
 /** One parameter of a model. */
@@ -93,6 +94,10 @@ typedef struct {
      * them is not measured, the equation gives no rows; others do. A bit too many costs rows, a bit
      * missing lets guesses in. */
     uint8_t reads[AUVID_DOF_COUNT];
+
+    /** `residual` forms the thrust from commands and does not read sample->tau (thrusters.h): the
+     * parameters do not depend on the scale of the thrust as told. Default false. */
+    bool own_thrust;
 } auvid_vehicle_t;
 
 /** Is the model usable? Checks counts, masks and pointers.

@@ -3,11 +3,12 @@
  * What is known of the vehicle, in 236 bytes: saved at the end of a dive, the next one starts with
  * it.
  *
- * The record holds the parameters, their standard errors and the noise of the forces. Started warm,
- * the identifier has them as its first estimate (not identifiable yet: the vehicle may have been
- * changed ashore), and as one data set that was recorded before. The first set that is recorded is
- * held against it: when the two do not belong to the same vehicle, the record is dropped, and all
- * is as after a cold start.
+ * The record holds the parameters, their standard errors with thrust and DVL scale as told (the
+ * next dive has the same thrusters), and the noise of the forces. Started warm, the identifier
+ * has them as its first estimate (not identifiable yet: the vehicle may have been changed ashore),
+ * and as one data set that was recorded before. The first set that is recorded is held against it:
+ * when the two do not belong to the same vehicle, the record is dropped, and all is as after a cold
+ * start.
  *
  * A model without regressor takes the record's parameters as a point to search from, no more.
  *
@@ -52,7 +53,8 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
 /**
  * Begin with parameters known from elsewhere (a towing tank, a calculation, a sister vehicle), as
  * with a record: after init, before the first set is complete. What is known wrongly is dropped
- * like a record of another vehicle; the more often the smaller the errors that are claimed.
+ * like a record of another vehicle; the more often the smaller the errors that are claimed. Later
+ * estimates are taken to scale with the thrust all the same: fix what is known better than that.
  * @param pi [n] parameters in the model's order, within +-1e18; fixed ones are not read
  * @param sigma [n] their standard errors, above 5e-31, below 1e30; a large one for a mere guess
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (as above); AUVID_ERR_NOT_FINITE;

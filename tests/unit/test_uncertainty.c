@@ -1,0 +1,529 @@
+/*
+ * What the user supplies but does not know exactly: the scale of the thrust and of the DVL's
+ * velocity. And the covariance of an estimate, which is given with both as told.
+ *
+ * The worlds are made up as in test_confidence.c: a vehicle's own equations with made-up motion, at
+ * the cells of the recorder.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/confidence.h"
+#include "auvid/identifier.h"
+#include "chain.h"
+#include "unity.h"
+
+enum { SETS = 8, COUNT = 13 };
+
+static auvid_metric_t metric;
+static auvid_confidence_job_t job;
+static const auvid_confidence_t *const verdict = &job.result;
+static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
+static auvid_uncertainty_t uncertainty;
+
+void setUp(void)
+{
+    memcpy(truth, auvid_girona500_paper, sizeof truth);
+    uncertainty = (auvid_uncertainty_t){.thrust_scale = AUVID_C(0.05), .dvl_scale = AUVID_C(0.005)};
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- made-up data ---- */
+
+/* Scales by which what is told differs from what is. */
+typedef struct {
+    double force_N; /* rms of white noise */
+    double thrust, dvl;
+    uint64_t seed;
+} world_t;
+
+static double gauss(uint64_t *state)
+{
+    double sum = -6.0;
+    for (int k = 0; k < 12; ++k) {
+        *state = *state * 6364136223846793005u + 1442695040888963407u;
+        sum += (double)(*state >> 11) / 9007199254740992.0;
+    }
+    return sum;
+}
+
+static void move(double t, auvid_sample_t *s)
+{
+    static const double hertz[3] = {0.031, 0.083, 0.171};
+    memset(s, 0, sizeof *s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool moves = j <= AUVID_HEAVE || j == AUVID_YAW;
+        double u = 0.0, a = 0.0;
+        for (int k = 0; k < 3 && moves; ++k) {
+            double w = 6.283185307 * hertz[k] * (1.0 + 0.07 * j), part = 0.25 / (1.0 + k);
+            u += part * sin(w * t + j + k);
+            a += part * w * cos(w * t + j + k);
+        }
+        s->nu[j] = (auvid_real_t)u;
+        s->nu_dot[j] = (auvid_real_t)a;
+    }
+    s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
+}
+
+/* The wrench that the truth needs for the motion, and noise; then both as they are told. */
+static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
+{
+    auvid_regressor_t y;
+    memset(&y, 0, sizeof y);
+    auvid_girona500.regressor(auvid_girona500.context, s, &y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double tau = world->force_N * (j == AUVID_YAW ? 0.4 : 1.0) * gauss(state);
+        for (int i = 0; i < AUVID_G500_COUNT; ++i) {
+            tau += (double)y.row[j][i] * (double)truth[i];
+        }
+        s->tau[j] = (auvid_real_t)(world->thrust * tau);
+        s->nu[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);
+        s->nu_dot[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);
+    }
+}
+
+static auvid_metric_config_t usual(void)
+{
+    auvid_metric_config_t cfg;
+    auvid_metric_defaults(&cfg, &auvid_girona500);
+    cfg.estimate_delay = false;
+    cfg.velocity_us = 0;
+    return cfg;
+}
+
+/* Least squares over what is free, and the verdict. */
+static void observe(const auvid_metric_config_t *cfg, const world_t *world)
+{
+    uint32_t budget = UINT32_MAX;
+    uint64_t state = world->seed;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, cfg));
+    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+        auvid_sample_t s;
+        move(0.1 * (double)k, &s);
+        act(&s, world, &state);
+        s.t_us = 100000 * k;
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
+    }
+    auvid_metric_merge_begin(&metric);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
+    memcpy(estimate, cfg->fixed, sizeof cfg->fixed);
+    TEST_ASSERT_EQUAL(
+        AUVID_OK, auvid_metric_least_squares(&metric, auvid_metric_searched(&metric), estimate));
+    auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), &uncertainty);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+}
+
+static const world_t told_truly = {1.0, 1.0, 1.0, 5};
+
+/* d pi / d scale, by two estimates from data that differ in the scale by 4 %. */
+static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double slope[COUNT])
+{
+    world_t more = told_truly, less = told_truly;
+    *(thrust ? &more.thrust : &more.dvl) = 1.02;
+    *(thrust ? &less.thrust : &less.dvl) = 0.98;
+    observe(cfg, &more);
+    for (int i = 0; i < COUNT; ++i) {
+        slope[i] = (double)estimate[i];
+    }
+    observe(cfg, &less);
+    for (int i = 0; i < COUNT; ++i) {
+        slope[i] = (slope[i] - (double)estimate[i]) / 0.04;
+    }
+    observe(cfg, &told_truly);
+}
+
+/* ---- what is considered ---- */
+
+static void test_a_thrust_scale_moves_all_parameters_by_what_is_told(void)
+{
+    auvid_metric_config_t cfg = usual();
+    double slope[COUNT];
+    differentiate(&cfg, true, slope);
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * fabs(0.05 * slope[i]), 0.05 * slope[i],
+                                  (double)verdict->thrust_error[i]);
+    }
+}
+
+/* Yaw's (m_u - m_v) u v is of another degree than the forces' terms, by which the masses are taken:
+ * in motion as coupled as this one that is 15 % of them. */
+static void test_a_dvl_scale_moves_parameters_by_their_degree(void)
+{
+    auvid_metric_config_t cfg = usual();
+    double slope[COUNT];
+    differentiate(&cfg, false, slope);
+    for (int i = 0; i < COUNT; ++i) {
+        double part = i == AUVID_G500_M_U || i == AUVID_G500_M_V ? 0.2 : 0.03;
+        TEST_ASSERT_DOUBLE_WITHIN(part * fabs((double)estimate[i]), slope[i],
+                                  (double)verdict->dvl_error[i] / 0.005);
+    }
+}
+
+/* What is known of the vehicle does not scale with the thrust, and its column is nearly orthogonal
+ * to the others' in its own equation. Sway has m_u u r in it, yaw (m_u - m_v) u v. */
+static void test_with_a_known_mass_the_others_still_move_with_the_thrust_scale(void)
+{
+    auvid_metric_config_t cfg = usual();
+    double slope[COUNT];
+    cfg.free &= ~(1u << AUVID_G500_M_U);
+    cfg.fixed[AUVID_G500_M_U] = truth[AUVID_G500_M_U];
+    differentiate(&cfg, true, slope);
+    TEST_ASSERT_TRUE(fabs(slope[AUVID_G500_M_U]) < 1e-6);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)verdict->thrust_error[AUVID_G500_M_U]);
+    for (int i = AUVID_G500_M_V; i < COUNT; ++i) {
+        bool sway = auvid_girona500.parameter[i].dof == AUVID_SWAY;
+        double ratio = (double)verdict->thrust_error[i] / 0.05 / slope[i];
+        TEST_ASSERT_TRUE(ratio > (sway ? 0.85 : 0.97));
+        TEST_ASSERT_TRUE(ratio < (sway ? 1.5 : 1.03));
+    }
+}
+
+/* A known drag's share of the scale goes to the other drag: more is considered than happens, up to
+ * twice. */
+static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share(void)
+{
+    for (int known = AUVID_G500_X_U; known <= AUVID_G500_X_UU; ++known) {
+        int other = known == AUVID_G500_X_U ? AUVID_G500_X_UU : AUVID_G500_X_U;
+        for (int thrust = 0; thrust < 2; ++thrust) {
+            auvid_metric_config_t cfg = usual();
+            double slope[COUNT];
+            cfg.free &= ~(1u << known);
+            cfg.fixed[known] = truth[known];
+            differentiate(&cfg, thrust == 1, slope);
+            double considered =
+                (double)(thrust ? verdict->thrust_error : verdict->dvl_error)[other];
+            double ratio = considered / (thrust ? 0.05 : 0.005) / slope[other];
+            TEST_ASSERT_TRUE(fabs(slope[other]) > 1.2 * fabs((double)estimate[other]));
+            TEST_ASSERT_TRUE(ratio > 0.95);
+            TEST_ASSERT_TRUE(ratio < 2.0);
+        }
+    }
+}
+
+static void test_nothing_told_of_the_scales_leaves_the_standard_errors(void)
+{
+    auvid_metric_config_t cfg = usual();
+    auvid_real_t sigma[COUNT];
+    observe(&cfg, &told_truly);
+    auvid_confidence_t with = *verdict;
+    memset(&uncertainty, 0, sizeof uncertainty);
+    observe(&cfg, &told_truly);
+    memcpy(sigma, verdict->sigma, sizeof sigma);
+    for (int i = 0; i < COUNT; ++i) {
+        double told = hypot((double)sigma[i], (double)with.thrust_error[i]);
+        TEST_ASSERT_TRUE(verdict->thrust_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_TRUE(verdict->dvl_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * told, hypot(told, (double)with.dvl_error[i]),
+                                  (double)with.sigma[i]);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &verdict->uncertainty, sizeof uncertainty);
+}
+
+/* A model without regressor whose parameters are of a kind scales, too; one that forms the thrust
+ * from commands does not. */
+static void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                     auvid_real_t *e)
+{
+    (void)context;
+    e[AUVID_SURGE] = pi[0] * s->nu_dot[AUVID_SURGE] - pi[1] * s->nu[AUVID_SURGE] +
+                     pi[2] * s->nu[AUVID_SWAY] - s->tau[AUVID_SURGE];
+}
+
+static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
+{
+    enum { N = 3, ROWS = 20 };
+    static const auvid_parameter_t parameter[N] = {
+        {"m", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS},
+        {"d", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
+        {"c", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
+    static auvid_row_t rows[(SETS + 1) * ROWS];
+    static auvid_vehicle_t vehicle;
+    for (int own = 0; own < 2; ++own) {
+        auvid_metric_config_t cfg;
+        auvid_real_t pi[AUVID_MAX_PARAMETERS] = {AUVID_C(200.0), AUVID_C(-80.0), AUVID_C(10.0)};
+        uint64_t state = 7;
+        uint32_t budget = UINT32_MAX;
+        vehicle = (auvid_vehicle_t){.built_for = AUVID_BUILD,
+                                    .name = "of one DoF",
+                                    .parameters = N,
+                                    .parameter = parameter,
+                                    .columns = {7u},
+                                    .residual = residual,
+                                    .own_thrust = own == 1};
+        auvid_metric_defaults(&cfg, &vehicle);
+        cfg.estimate_delay = false;
+        cfg.set_rows = ROWS;
+        cfg.rows = rows;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
+        for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+            auvid_sample_t s;
+            auvid_real_t e[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+            move(0.1 * (double)k, &s);
+            residual(NULL, &s, pi, e);
+            s.tau[AUVID_SURGE] = e[AUVID_SURGE] + (auvid_real_t)gauss(&state);
+            s.t_us = 100000 * k;
+            TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
+        }
+        auvid_metric_merge_begin(&metric);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
+        auvid_metric_measure_begin(&metric, pi, AUVID_C(0.0));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+        auvid_metric_linearise_begin(&metric, pi, AUVID_C(0.0), SETS);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+        auvid_confidence_begin(&job, &metric, pi, AUVID_C(0.0), &uncertainty);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
+        for (int i = 0; i < N; ++i) {
+            double scale = i == 2 || own == 1 ? 0.0 : 0.05;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, scale * (double)pi[i],
+                                      (double)verdict->thrust_error[i]);
+            TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
+        }
+    }
+}
+
+/* ---- notes ---- */
+
+/* The total half-width decides; what only the scale of the thrust prevents is called so. */
+static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
+{
+    static char text[160];
+    auvid_metric_config_t cfg = usual();
+    uncertainty.thrust_scale = AUVID_C(0.12);
+    observe(&cfg, &told_truly);
+    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    for (int i = 0; i < COUNT; ++i) {
+        TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, verdict->note[i]);
+        bool force = i == AUVID_G500_W_B;
+        double room = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
+        double told =
+            sqrt(pow((double)verdict->sigma[i], 2.0) - pow((double)verdict->thrust_error[i], 2.0));
+        double most = sqrt(room * room - told * told) / fabs((double)estimate[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, most, (double)verdict->bound[i]);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+                                                         0, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING(
+        "surge: m_u is known to 2 % in your newtons; calibrate thrust to 9 % for SI", text);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+                                                         4, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING(
+        "heave: W-B is known to 0.1 N in your newtons; calibrate thrust to 2 % for SI", text);
+    uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
+    observe(&cfg, &told_truly);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
+}
+
+static void test_a_constant_force_has_its_tolerance_in_newtons(void)
+{
+    auvid_metric_config_t cfg = usual();
+    memset(&uncertainty, 0, sizeof uncertainty);
+    truth[AUVID_G500_W_B] = AUVID_C(0.1); /* known to 0.06 N */
+    observe(&cfg, &told_truly);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)verdict->sigma[AUVID_G500_W_B] / 0.02);
+    observe(&cfg, &told_truly);
+    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
+                     verdict->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), verdict->identifiable);
+}
+
+static void test_an_impossible_estimate_is_told_once_for_its_equation(void)
+{
+    static char text[160];
+    auvid_metric_config_t cfg = usual();
+    truth[AUVID_G500_X_UU] = AUVID_C(890.0);
+    truth[AUVID_G500_X_U] = AUVID_C(-546.0);
+    uncertainty.thrust_scale = AUVID_C(0.0);
+    observe(&cfg, &(world_t){0.0, 1.0, 1.0, 5});
+    uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, verdict->identifiable);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+                                                         0, text, sizeof text));
+    TEST_ASSERT_EQUAL_MEMORY("surge: X_uu is impossible (+8", text, 29);
+    TEST_ASSERT_NOT_NULL(
+        strstr(text, "): the equation is not trusted; check signs, units, the model"));
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
+}
+
+/* ---- covariance ---- */
+
+static auvid_estimate_t published(void)
+{
+    auvid_estimate_t e;
+    memset(&e, 0, sizeof e);
+    e.confidence = *verdict;
+    memcpy(e.covariance, job.covariance, sizeof e.covariance);
+    return e;
+}
+
+static double covariance(const auvid_estimate_t *e, int i, int k)
+{
+    return (double)auvid_estimate_covariance(e, &auvid_girona500, i, k);
+}
+
+/* Cholesky, of correlations. @return smallest pivot */
+static double smallest_pivot(const auvid_estimate_t *e, int n)
+{
+    double l[COUNT][COUNT], least = 1.0;
+    for (int i = 0; i < n; ++i) {
+        for (int k = 0; k <= i; ++k) {
+            double sum = covariance(e, i, k) / sqrt(covariance(e, i, i) * covariance(e, k, k));
+            for (int m = 0; m < k; ++m) {
+                sum -= l[i][m] * l[k][m];
+            }
+            if (i == k && sum < least) {
+                least = sum;
+            }
+            l[i][k] = i == k ? sqrt(sum) : sum / l[k][k];
+        }
+    }
+    return least;
+}
+
+static void test_the_covariance_is_symmetric_positive_and_has_the_standard_errors(void)
+{
+    auvid_metric_config_t cfg = usual();
+    observe(&cfg, &told_truly);
+    auvid_estimate_t e = published();
+    for (int i = 0; i < COUNT; ++i) {
+        double total = covariance(&e, i, i) + pow((double)verdict->thrust_error[i], 2.0) +
+                       pow((double)verdict->dvl_error[i], 2.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)verdict->sigma[i], 2.0));
+        for (int k = 0; k < COUNT; ++k) {
+            TEST_ASSERT_TRUE(covariance(&e, i, k) == covariance(&e, k, i));
+        }
+    }
+    TEST_ASSERT_TRUE(smallest_pivot(&e, COUNT) > 1e-4);
+    TEST_ASSERT_TRUE(covariance(&e, AUVID_G500_X_U, AUVID_G500_X_UU) < 0.0); /* one for the other */
+}
+
+static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
+{
+    auvid_metric_config_t cfg = usual();
+    cfg.free &= ~(1u << AUVID_G500_N_RR);
+    cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
+    observe(&cfg, &told_truly);
+    auvid_estimate_t e = published();
+    for (int k = 0; k < AUVID_G500_COUNT; ++k) {
+        TEST_ASSERT_TRUE(covariance(&e, AUVID_G500_N_RR, k) == 0.0);
+        TEST_ASSERT_TRUE(covariance(&e, k, AUVID_G500_N_RR) == 0.0);
+    }
+    TEST_ASSERT_TRUE(covariance(&e, AUVID_G500_N_R, AUVID_G500_N_R) > 0.0);
+    TEST_ASSERT_TRUE(covariance(&e, -1, 0) == 0.0);
+    TEST_ASSERT_TRUE(covariance(&e, 0, AUVID_G500_COUNT) == 0.0);
+    TEST_ASSERT_TRUE(auvid_estimate_covariance(NULL, &auvid_girona500, 0, 0) == AUVID_C(0.0));
+    TEST_ASSERT_TRUE(auvid_estimate_covariance(&e, NULL, 0, 0) == AUVID_C(0.0));
+}
+
+/* The drag force at a speed is better known than the sum of its coefficients' errors: of so many
+ * worlds, the share within one standard error, and two. */
+static void test_a_linear_combination_is_covered_as_often_as_it_says(void)
+{
+    enum { RUNS = 60, SPEEDS = 3 };
+    static const int linear[4] = {AUVID_G500_X_U, AUVID_G500_Y_V, AUVID_G500_Z_W, AUVID_G500_N_R};
+    static const int square[4] = {AUVID_G500_X_UU, AUVID_G500_Y_VV, AUVID_G500_Z_WW,
+                                  AUVID_G500_N_RR};
+    auvid_metric_config_t cfg = usual();
+    int covered[2] = {0, 0}, all = 0;
+    double gain = 0.0;
+    for (uint64_t run = 1; run <= RUNS; ++run) {
+        observe(&cfg, &(world_t){2.0, 1.0, 1.0, run * 7919});
+        auvid_estimate_t e = published();
+        for (int k = 0; k < 4; ++k) {
+            double u = 0.3, l = u, q = u * u;
+            double off = l * (double)(estimate[linear[k]] - truth[linear[k]]) +
+                         q * (double)(estimate[square[k]] - truth[square[k]]);
+            double ll = l * l * covariance(&e, linear[k], linear[k]);
+            double qq = q * q * covariance(&e, square[k], square[k]);
+            double lq = l * q * covariance(&e, linear[k], square[k]);
+            double variance = ll + 2.0 * lq + qq;
+            TEST_ASSERT_TRUE(variance > 0.0);
+            covered[0] += off * off <= variance;
+            covered[1] += off * off <= 4.0 * variance;
+            gain += (ll + qq) / variance;
+            ++all;
+        }
+    }
+    TEST_ASSERT_TRUE(gain / all > 2.0);
+    TEST_ASSERT_TRUE(covered[0] > 0.6 * all && covered[0] < 0.9 * all);
+    TEST_ASSERT_TRUE(covered[1] > 0.93 * all);
+}
+
+/* ---- the identifier ---- */
+
+static chain_t chain;
+static chain_config_t config;
+
+static void test_an_uncertainty_out_of_range_is_refused(void)
+{
+    chain_defaults(&config, 1, 2, 0.0);
+    for (int k = 0; k < 3; ++k) {
+        auvid_uncertainty_t *told = &config.id.uncertainty;
+        auvid_real_t *one = k == 0   ? &told->thrust_scale
+                            : k == 1 ? &told->dvl_scale
+                                     : &told->delay_s;
+        *one = (auvid_real_t)NAN;
+        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &config.id));
+        *one = AUVID_C(-0.01);
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &config.id));
+        *one = AUVID_C(1.01);
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &config.id));
+        *one = AUVID_C(1.0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    }
+}
+
+static void test_five_per_cent_of_thrust_and_half_of_the_dvl_are_the_default(void)
+{
+    auvid_identifier_defaults(&config.id, &auvid_girona500);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.05, (double)config.id.uncertainty.thrust_scale);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.005, (double)config.id.uncertainty.dvl_scale);
+}
+
+static void test_an_estimate_carries_covariance_and_considered_errors(void)
+{
+    chain_defaults(&config, 1, 4, 1.0);
+    config.id.uncertainty = uncertainty;
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 4));
+    TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
+    const auvid_estimate_t *e = &chain.id.estimate;
+    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &e->confidence.uncertainty, sizeof uncertainty);
+    for (int i = 0; i < COUNT; ++i) {
+        double thrust = (double)e->confidence.thrust_error[i];
+        double dvl = (double)e->confidence.dvl_error[i];
+        double total = covariance(e, i, i) + thrust * thrust + dvl * dvl;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(thrust), 0.05 * (double)e->pi[i], thrust);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)e->confidence.sigma[i], 2.0));
+    }
+    TEST_ASSERT_TRUE(smallest_pivot(e, COUNT) > 1e-4);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_thrust_scale_moves_all_parameters_by_what_is_told);
+    RUN_TEST(test_a_dvl_scale_moves_parameters_by_their_degree);
+    RUN_TEST(test_with_a_known_mass_the_others_still_move_with_the_thrust_scale);
+    RUN_TEST(test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share);
+    RUN_TEST(test_nothing_told_of_the_scales_leaves_the_standard_errors);
+    RUN_TEST(test_of_a_model_without_regressor_what_has_a_kind_scales);
+    RUN_TEST(test_what_only_the_thrust_scale_prevents_is_called_so);
+    RUN_TEST(test_a_constant_force_has_its_tolerance_in_newtons);
+    RUN_TEST(test_an_impossible_estimate_is_told_once_for_its_equation);
+    RUN_TEST(test_the_covariance_is_symmetric_positive_and_has_the_standard_errors);
+    RUN_TEST(test_a_covariance_out_of_range_or_not_known_is_zero);
+    RUN_TEST(test_a_linear_combination_is_covered_as_often_as_it_says);
+    RUN_TEST(test_an_uncertainty_out_of_range_is_refused);
+    RUN_TEST(test_five_per_cent_of_thrust_and_half_of_the_dvl_are_the_default);
+    RUN_TEST(test_an_estimate_carries_covariance_and_considered_errors);
+    return UNITY_END();
+}
