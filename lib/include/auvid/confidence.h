@@ -37,7 +37,8 @@
  * them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.7k units of work (8.2k with uncertain delays), 0.26 million multiplications. Memory:
+ * Cost, Girona500 and eight sets: 7.7k units of work (8.2k with uncertain delays), 0.26
+ * million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.5 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
