@@ -339,9 +339,9 @@ static bool line_search_is_possible(const view_t *v)
 {
     uint32_t n = WORD(optimizer.line_search.config.n);
     uint32_t direction = WORD(optimizer.line_search.direction);
-    bool pattern = direction == 2u * n;
+    bool pattern = direction == 2u * n, probes = WORD(optimizer.line_search.move) == MOVE_PROBE;
     return direction <= 2u * n && WORD(optimizer.line_search.built) <= n &&
-           WORD(optimizer.line_search.probe) < n &&
+           WORD(optimizer.line_search.probe) < (probes ? direction / 2u : n) &&
            (!pattern || (WORD(optimizer.line_search.move) < MOVE_AXIS &&
                          !(auvid_abs(real_at(v, AT(optimizer.line_search.axis_step))) >
                            AUVID_C(0.0)))) &&

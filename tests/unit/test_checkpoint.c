@@ -6,6 +6,7 @@
 
 #include "auvid/checkpoint.h"
 #include "auvid/warm.h"
+#include "auvid_line_search.h"
 #include "auvid_math.h"
 #include "binomial.h"
 #include "unity.h"
@@ -491,6 +492,25 @@ static void test_an_optimum_that_cannot_be_is_refused(void)
     check_good();
 }
 
+/* Directions are made conjugate by probes along the directions before. */
+static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
+{
+    const auvid_line_search_t *search = &good.optimizer.line_search;
+    move_to_phase(AUVID_WORK_COST);
+    for (int k = 0; k < 100000 && !(good.optimizer.phase == AUVID_OPTIMIZER_LOCAL &&
+                                    search->move == MOVE_PROBE && search->asked);
+         ++k) {
+        (void)auvid_identifier_work(&good, 1);
+    }
+    TEST_ASSERT_EQUAL(MOVE_PROBE, search->move);
+    TEST_ASSERT_TRUE(search->asked);
+    TEST_ASSERT_TRUE(search->probe < search->direction / 2);
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->direction / 2));
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->config.n - 1));
+    IMPOSSIBLE(optimizer.line_search.direction = 0);
+    check_good();
+}
+
 static void test_sets_that_do_not_go_with_the_work_are_refused(void)
 {
     move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
@@ -572,6 +592,7 @@ int main(void)
     RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
     RUN_TEST(test_a_record_of_too_many_cells_is_refused);
     RUN_TEST(test_an_optimum_that_cannot_be_is_refused);
+    RUN_TEST(test_a_probe_along_a_direction_not_before_its_own_is_refused);
     RUN_TEST(test_sets_that_do_not_go_with_the_work_are_refused);
     RUN_TEST(test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused);
     RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
