@@ -265,7 +265,9 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
-    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * sigma + bias, found);
+    /* where a bound holds the estimate, the delays' step would lead it back, too */
+    auvid_real_t apart = auvid_max(sigma * sigma - c->moved[i] * c->moved[i], AUVID_C(0.0));
+    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
     bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
     to->sigma[p] = known ? total : AUVID_LARGEST;
     to->note[p] = AUVID_NOTE_UNCERTAIN;

@@ -94,6 +94,7 @@ static double wrench_at(const world_t *world, int j, double t)
 static void configure(const world_t *world, uint64_t seed)
 {
     auvid_identifier_defaults(&cfg, &auvid_fossen);
+    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* the world is as told */
     cfg.search.seed = seed;
     cfg.metric.set_rows = 20;
     cfg.metric.velocity_us = 100000;
