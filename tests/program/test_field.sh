@@ -76,8 +76,7 @@ for bad in -1 11 nan x; do
 done
 check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
     demo --field 1 --driver cat
-for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust \
-    "--delay 0.1"; do
+for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust; do
     # shellcheck disable=SC2086
     check "$other without the field" refuses \
         "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other

@@ -42,7 +42,8 @@ def program(name, pattern, text):
 
 def demo(disturbance, *options):
     return json.loads(run(auvid, "demo", "--runs", "200", "--disturbance", disturbance, "--json",
-                          "--thrust-scale", "0", "--dvl-scale", "0", *options))
+                          "--thrust-scale", "0", "--dvl-scale", "0", "--delay", "0",
+                          *options))
 
 
 def accuracy():

@@ -117,7 +117,7 @@ static void begin(campaign_memory_t *m, const options_t *options)
     field_run_defaults(&m->config);
     m->config.thrust_scale = options->thrust_scale;
     m->config.dvl_scale = options->dvl_scale;
-    m->config.delay_s = f->delay_s;
+    m->config.delay_s = options->delay_s;
     m->config.sets = options->sets;
     m->config.budget = options->budget;
     m->config.field.vehicle = f->vehicle;

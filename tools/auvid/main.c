@@ -35,6 +35,8 @@ static const char demo_fit_help[] =
     "  --thrust-scale S   standard deviation of the common scale of the thrust as told, relative;\n"
     "                     default 0.05 (5 %), of a log of commands 0: no motion shows it\n"
     "  --dvl-scale S      the same of the DVL's velocity; default 0.005\n"
+    "  --delay S          the same of the delay between thrust as told and motion [s], where the\n"
+    "                     data do not determine it; default 0.1\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"
@@ -71,8 +73,7 @@ static const char field_help[] =
     "  --vehicle NAME     girona500 (default), or rov20: a ROV of 20 kg\n"
     "  --driver NAME      excited (default); or, in 600 s without excitation, joystick, lawnmower\n"
     "                     (PID), station\n"
-    "  --delay S          the uncertainty of the delay that the identifier is told [s]\n"
-    "  --perfect-inputs   this, --thrust-scale and --dvl-scale are zero\n"
+    "  --perfect-inputs   --thrust-scale, --dvl-scale and --delay are zero\n"
     "\n";
 static const char fit_help[] =
     "options of fit\n"

@@ -158,6 +158,9 @@ static int common_option(reader_t *r, options_t *options)
     if (is(r, "--dvl-scale")) {
         return take_number(r, 1.0, &options->dvl_scale);
     }
+    if (is(r, "--delay")) {
+        return take_number(r, 1.0, &options->delay_s);
+    }
     return -1;
 }
 
@@ -371,9 +374,9 @@ static int read_all(options_t *options, int count, char **argument, const char *
                            .model = &auvid_girona500,
                            .speed = 1,
                            .disturbance_N = -1.0,
-                           .field = {.delay_s = -1.0},
                            .thrust_scale = -1.0,
                            .dvl_scale = -1.0,
+                           .delay_s = -1.0,
                            .lower = -1000.0,
                            .upper = 1000.0};
     while (next(&r)) {
@@ -479,6 +482,7 @@ int options_vehicle(options_t *options, int count, char **argument)
     const char *other = options->json                  ? "--json"
                         : options->thrust_scale >= 0.0 ? "--thrust-scale"
                         : options->dvl_scale >= 0.0    ? "--dvl-scale"
+                        : options->delay_s >= 0.0      ? "--delay"
                                                        : NULL;
     if (status == 0 && other != NULL) {
         return complain("vehicle: unknown option %s (auvid --help lists them)", other);

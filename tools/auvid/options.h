@@ -32,7 +32,6 @@ typedef struct {
     int mismatches;
     field_vehicle_t vehicle;
     field_driver_t driver;
-    double delay_s;     /**< uncertainty; negative: the library's default */
     const char *chosen; /**< an option that needs the field, or null */
 } options_field_t;
 
@@ -41,7 +40,8 @@ typedef struct {
     bool json;
     bool literal;
     uint64_t seed; /**< default 1 */
-    double thrust_scale, dvl_scale; /**< uncertainties; negative: the library's default */
+    /** Uncertainties that the identifier is told; negative: the library's default. */
+    double thrust_scale, dvl_scale, delay_s;
     const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
 
     /* demo */
@@ -62,13 +62,13 @@ typedef struct {
     bool bias;
     bool linear_input;
     coupling_t coupling;
-    const auvid_vehicle_t *model; /**< default Girona500 */
+    const auvid_vehicle_t *model;        /**< default Girona500 */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
-    const char *bus; /**< interface */
-    const char *log; /**< node: to be written, null: none; replay: to be read */
+    const char *bus;  /**< interface */
+    const char *log;  /**< node: to be written, null: none; replay: to be read */
     const char *warm; /**< node, replay: record to begin with; null: none */
     const char *save; /**< node: record to be written; null: none */
     bool clock_own;   /**< the node gives the tick */
@@ -88,7 +88,7 @@ int options_node(options_t *options, int count, char **argument);
 int options_vehicle(options_t *options, int count, char **argument);
 int options_replay(options_t *options, int count, char **argument);
 
-/** What was told of the uncertainty of thrust and DVL, into *cfg. */
+/** What was told of the uncertainty of thrust, DVL and delay, into *cfg. */
 static inline void options_uncertainty(const options_t *options, auvid_uncertainty_t *cfg)
 {
     if (options->thrust_scale >= 0.0) {
@@ -96,6 +96,9 @@ static inline void options_uncertainty(const options_t *options, auvid_uncertain
     }
     if (options->dvl_scale >= 0.0) {
         cfg->dvl_scale = (auvid_real_t)options->dvl_scale;
+    }
+    if (options->delay_s >= 0.0) {
+        cfg->delay_s = (auvid_real_t)options->delay_s;
     }
 }
 

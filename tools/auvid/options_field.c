@@ -37,10 +37,6 @@ static int take_mismatch(reader_t *r, options_field_t *f)
 int options_field_take(reader_t *r, options_t *options)
 {
     options_field_t *f = &options->field;
-    if (strcmp(r->name, "--delay") == 0) {
-        f->chosen = "--delay";
-        return take_number(r, 1.0, &f->delay_s);
-    }
     if (strcmp(r->name, "--field") == 0) {
         f->mixture = true;
         return take_number(r, 10.0, &f->strength);
@@ -54,7 +50,7 @@ int options_field_take(reader_t *r, options_t *options)
     }
     if (strcmp(r->name, "--perfect-inputs") == 0) {
         f->chosen = "--perfect-inputs";
-        options->thrust_scale = options->dvl_scale = f->delay_s = 0.0;
+        options->thrust_scale = options->dvl_scale = options->delay_s = 0.0;
         return take_flag(r, &f->perfect_inputs);
     }
     if (strcmp(r->name, "--perfect-thrust") == 0) {

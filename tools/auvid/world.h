@@ -20,7 +20,7 @@
 
 typedef struct {
     const vehicle_t *vehicle; /**< null: Girona500 */
-    const options_t *options; /**< thrust_scale and dvl_scale are read; null: not given */
+    const options_t *options; /**< its uncertainties are read; null: not given */
     uint64_t seed;        /**< of sensors, disturbance, excitation and search */
     double disturbance_N; /**< rms on X, Y, Z; 0.4 of it in Nm on N (six DoF: on K, M, N) */
     double lag_s;         /**< of the thrusters */
