@@ -71,6 +71,22 @@ def accuracy():
         assert name != "3 N" or lag["identifiable_wrong"] == off[3]
 
 
+def field():
+    """README: flags in the field, each share of wrong ones within its interval."""
+    text = document("README.md")
+    pair = rf"{NUMBER} % \| {FIGURE}"
+    for options in ("--field 0.5", "--field 1", "--field 1 --perfect-thrust",
+                    "--field 1 --driver joystick"):
+        row = stated(text, rf"\| `{options}` \| {pair} \| {pair} \|")
+        for vehicle, (flagged, _, low, high) in (("girona500", row[:4]), ("rov20", row[4:])):
+            if LONG:
+                d = json.loads(run(auvid, "demo", *options.split(), "--vehicle", vehicle, "--runs",
+                                   "300", "--seed", "100001", "--json"))
+                shares = [100 * d[key]["all"]["value"] for key in ("flagged", "wrong")]
+                print(options, vehicle, shares)
+                assert abs(shares[0] - flagged) < 3 and low <= shares[1] <= high
+
+
 def frames():
     """lib/can/README.md: what the frames cost, within its interval."""
     text = document("lib/can/README.md")
@@ -116,9 +132,10 @@ def guard():
         assert max(found) == part
 
 
-{"accuracy": accuracy, "frames": frames, "current": current, "guard": guard}[what]()
+{"accuracy": accuracy, "field": field, "frames": frames, "current": current, "guard": guard}[what]()
 END
 check "README: accuracy" python3 figures.py "$ROOT" "$AUVID" accuracy
+check "README: in the field" python3 figures.py "$ROOT" "$AUVID" field
 check "lib/can/README.md: what the frames cost" python3 figures.py "$ROOT" "$AUVID" frames
 check "lib/README.md, CHANGELOG.md: in a current" python3 figures.py "$ROOT" "$AUVID" current
 check "guard.h: the largest overshoot" python3 figures.py "$ROOT" "$AUVID" guard
