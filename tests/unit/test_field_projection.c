@@ -53,7 +53,8 @@ static void move(double t_s, const double amplitude[6], field_truth_t *t)
 
 static const double usual[6] = {0.6, 0.3, 0.2, 0.1, 0.1, 0.5};
 
-/* A run of 240 s on which extra (may be null) acts besides what built says. */
+/* A run of 240 s. The hull force is the model's with parameters m, plus `extra` unless that is
+ * NULL. */
 static void record(const double *m, const double amplitude[6],
                    void (*extra)(field_truth_t *t, double force[6]))
 {

@@ -30,14 +30,14 @@
  * Where a delay was estimated, its uncertainty is part of the standard errors. With
  * uncertainty.delay_s > 0 that of every driven DoF's delay is, estimated, given or taken for none:
  * the delay has that standard deviation about the value in use, half its second moment (a lag of
- * another shape, such as that of a propeller's speed) twice its square, and the standard errors
- * hold, besides the widening, by how much the parameters would move if delay and shape were where
- * these and the data want them. In the residual path this holds where the delay is searched.
+ * another shape, such as that of a propeller's speed) twice its square. The standard errors
+ * contain the widening by both, and the step that the parameters would take to the most probable
+ * delay and shape. In the residual path this holds where the delay is searched.
  * Disturbances whose time scale is longer than a set, and errors of the model itself, are not in
  * them.
  *
  * Called by the identifier, after the measurement of a result and before the metric's next merge.
- * Cost, Girona500 and eight sets: 7.7k units of work (8.2k with uncertain delays), 0.26
+ * Cost, Girona500 and eight sets: 7.7k units of work (8.3k with uncertain delays), 0.26
  * million multiplications. Memory:
  * sizeof(auvid_confidence_job_t), 2.5 KiB, and the result.
  *
@@ -100,8 +100,8 @@ typedef struct {
     auvid_real_t thrust_scale; /**< of the common scale of the thrust as told, relative; 0..1 */
     auvid_real_t dvl_scale;    /**< of the scale of the DVL's velocity, relative; 0..1 */
     auvid_real_t delay_s;      /**< of the delay between thrust as told and motion, where the data
-                                    do not determine it [s]; 0..1. Besides, > 0 lets the metric
-                                    estimate negative delays (late stamps) */
+                                    do not determine it [s]; 0..1. Above 0 the metric estimates
+                                    negative delays, too (late stamps) */
 } auvid_uncertainty_t;
 
 /** The verdict on one estimate. Written by auvid_confidence_work. */
@@ -187,7 +187,7 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 #define auvid_confidence_work AUVID_SIZED(auvid_confidence_work)
 /** Go on with it.
  * @param metric as at begin
- * @param budget units of work left, reduced by those used: 6 to 50 for each row of a triangle
+ * @param budget units of work left, reduced by those used: 6 to 80 for each row of a triangle
  * @return AUVID_OK (job->result written); AUVID_PENDING; AUVID_ERR_NULL. */
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget);
