@@ -61,9 +61,35 @@ static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle
     TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
 }
 
+// Shares of a run's errors that are within one and within two standard errors, over runs.
+struct Shares {
+    double runs = 0, sum[2] = {}, squares[2] = {};
+    void add(const double within[2])
+    {
+        for (int k = 0; k < 2; ++k) {
+            sum[k] += within[k];
+            squares[k] += within[k] * within[k];
+        }
+        runs += 1;
+    }
+    double mean(int k) const
+    {
+        return sum[k] / runs;
+    }
+    double error(int k) const
+    {
+        return std::sqrt((squares[k] / runs - mean(k) * mean(k)) / (runs - 1));
+    }
+    void print() const
+    {
+        std::printf("one %.1f %% +- %.1f, two %.1f %% +- %.1f", 100 * mean(0), 196 * error(0),
+                    100 * mean(1), 196 * error(1));
+    }
+};
+
 struct Coverage {
-    double runs = 0, one[PARAMETERS] = {}, squares[PARAMETERS] = {}, sigmas[PARAMETERS] = {};
-    double share[2] = {}, share_squares[2] = {}; // of a run, in one and in two standard errors
+    double one[PARAMETERS] = {}, squares[PARAMETERS] = {}, sigmas[PARAMETERS] = {};
+    Shares share;
     void add()
     {
         double within[2] = {};
@@ -75,24 +101,14 @@ struct Coverage {
             squares[i] += error * error;
             sigmas[i] += sigma;
         }
-        for (int k = 0; k < 2; ++k) {
-            share[k] += within[k];
-            share_squares[k] += within[k] * within[k];
-        }
-        runs += 1;
-    }
-    double mean(int k) const
-    {
-        return share[k] / runs;
-    }
-    double error(int k) const
-    {
-        return std::sqrt((share_squares[k] / runs - mean(k) * mean(k)) / (runs - 1));
+        share.add(within);
     }
     void print(const char *title) const
     {
-        std::printf("%s, %.0f runs: one %.1f %% +- %.1f, two %.1f %% +- %.1f\n  each one %%", title,
-                    runs, 100 * mean(0), 196 * error(0), 100 * mean(1), 196 * error(1));
+        const double runs = share.runs;
+        std::printf("%s, %.0f runs: ", title, runs);
+        share.print();
+        std::printf("\n  each one %%");
         for (double k : one) {
             std::printf(" %5.1f", 100 * k / runs);
         }
@@ -111,8 +127,8 @@ struct Coverage {
 // Drag force at 0.3, 0.6 and 1.0 of the largest speed seen in each direction, of the same runs.
 struct DragCoverage {
     enum { PARTS = 3 };
-    double runs = 0, flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
-    double share[2] = {}, share_squares[2] = {}; // as above
+    double flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
+    Shares share;
     void add()
     {
         static const double part[PARTS] = {0.3, 0.6, 1.0};
@@ -135,25 +151,14 @@ struct DragCoverage {
             within[0] += (std::fabs(error) < sigma) / 24.0;
             within[1] += (std::fabs(error) < 2 * sigma) / 24.0;
         }
-        for (int k = 0; k < 2; ++k) {
-            share[k] += within[k];
-            share_squares[k] += within[k] * within[k];
-        }
-        runs += 1;
-    }
-    double mean(int k) const
-    {
-        return share[k] / runs;
-    }
-    double error(int k) const
-    {
-        return std::sqrt((share_squares[k] / runs - mean(k) * mean(k)) / (runs - 1));
+        share.add(within);
     }
     void print() const
     {
-        std::printf("  drag force: one %.1f %% +- %.1f, two %.1f %% +- %.1f; flagged %.1f %%",
-                    100 * mean(0), 196 * error(0), 100 * mean(1), 196 * error(1),
-                    100 * flagged / runs / 24);
+        const double runs = share.runs;
+        std::printf("  drag force: ");
+        share.print();
+        std::printf("; flagged %.1f %%", 100 * flagged / runs / 24);
         for (int k = 0; k < PARTS; ++k) {
             std::printf("; rms %.2f %%, one %.1f %%", 100 * std::sqrt(squares[k] / runs),
                         100 * one[k] / runs);
@@ -162,21 +167,22 @@ struct DragCoverage {
     }
 };
 
-template <class C> static void check_share(const C &c, int k, double low, double high)
+static void check_share(const Shares &share, int k, double low, double high)
 {
-    double slack = campaign_is_long() ? 0 : 3.3 * c.error(k);
-    TEST_ASSERT_TRUE(c.mean(k) >= low - slack);
-    TEST_ASSERT_TRUE(c.mean(k) <= high + slack);
+    double slack = campaign_is_long() ? 0 : 3.3 * share.error(k);
+    TEST_ASSERT_TRUE(share.mean(k) >= low - slack);
+    TEST_ASSERT_TRUE(share.mean(k) <= high + slack);
 }
 
 static void check(const Coverage &c)
 {
-    check_share(c, 0, 0.60, 0.76);
-    check_share(c, 1, 0.90, 0.98);
+    check_share(c.share, 0, 0.60, 0.76);
+    check_share(c.share, 1, 0.90, 0.98);
     for (double k : c.one) {
         bool full = campaign_is_long();
-        TEST_ASSERT_TRUE((full ? k / c.runs : binomial_upper(k, c.runs, 0.001)) >= 0.55);
-        TEST_ASSERT_TRUE((full ? k / c.runs : binomial_lower(k, c.runs, 0.001)) <= 0.80);
+        double n = c.share.runs;
+        TEST_ASSERT_TRUE((full ? k / n : binomial_upper(k, n, 0.001)) >= 0.55);
+        TEST_ASSERT_TRUE((full ? k / n : binomial_lower(k, n, 0.001)) <= 0.80);
     }
 }
 
@@ -213,8 +219,8 @@ static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_sh
     check(one);
     check(three);
     for (const DragCoverage &d : drag) {
-        check_share(d, 0, 0.60, 0.80);
-        check_share(d, 1, 0.92, 0.98);
+        check_share(d.share, 0, 0.60, 0.80);
+        check_share(d.share, 1, 0.92, 0.98);
     }
 }
 

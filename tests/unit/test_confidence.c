@@ -13,6 +13,7 @@
 #include "auvid/confidence.h"
 #include "chain.h"
 #include "finish.h"
+#include "sines.h"
 #include "unity.h"
 
 enum { SETS = 8, COUNT = 13 };
@@ -33,34 +34,11 @@ void tearDown(void)
 
 /* ---- made-up data ---- */
 
-/* Motion: sums of sines that do not repeat, in the DoF asked for. */
+/* Motion in the DoF asked for; it rolls, too. */
 static void move(double t, uint32_t dofs, auvid_sample_t *s)
 {
-    static const double hertz[3] = {0.031, 0.083, 0.171};
-    memset(s, 0, sizeof *s);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double u = 0.0, a = 0.0;
-        for (int k = 0; k < 3 && (dofs >> j & 1u); ++k) {
-            double w = 6.283185307 * hertz[k] * (1.0 + 0.07 * j), part = 0.25 / (1.0 + k);
-            u += part * sin(w * t + j + k);
-            a += part * w * cos(w * t + j + k);
-        }
-        s->nu[j] = (auvid_real_t)u;
-        s->nu_dot[j] = (auvid_real_t)a;
-    }
-    s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
+    sines_motion(t, dofs, s);
     s->phi = (auvid_real_t)(0.02 * sin(0.29 * t + 1.0));
-}
-
-/* About a Gaussian, the same in every build. */
-static double gauss(uint64_t *state)
-{
-    double sum = -6.0;
-    for (int k = 0; k < 12; ++k) {
-        *state = *state * 6364136223846793005u + 1442695040888963407u;
-        sum += (double)(*state >> 11) / 9007199254740992.0;
-    }
-    return sum;
 }
 
 /* A world: which DoF move, for how many sets, white noise of force and of the measured
@@ -79,16 +57,11 @@ enum {
 /* The wrench that the truth needs for the motion, then the noise. */
 static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
-    auvid_regressor_t y;
-    memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, s, &y);
+    double tau[AUVID_DOF_COUNT];
+    sines_wrench(s, truth, world->force_N, state, tau);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double tau = world->force_N * (j == AUVID_YAW ? 0.4 : 1.0) * gauss(state);
-        for (int i = 0; i < AUVID_G500_COUNT; ++i) {
-            tau += (double)y.row[j][i] * (double)truth[i];
-        }
-        s->tau[j] = (auvid_real_t)tau;
-        s->nu_dot[j] += (auvid_real_t)(world->acceleration * gauss(state));
+        s->tau[j] = (auvid_real_t)tau[j];
+        s->nu_dot[j] += (auvid_real_t)(world->acceleration * sines_gauss(state));
     }
 }
 

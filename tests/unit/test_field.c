@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/vehicle.h"
+#include "field_hull.h"
 #include "unity.h"
 
 enum { X, Y, Z, K, M, N };
@@ -107,32 +107,10 @@ static void test_energy_is_conserved_without_drag_and_thrust(void)
 
 static double worst;
 
-/* Eq. 12-15 as the library has them, with the parameters that the vehicle was built with. */
-static void residual(double left[6])
-{
-    const field_truth_t *t = field_truth(&field);
-    field_built_t built;
-    auvid_regressor_t y;
-    auvid_sample_t s = {.phi = (auvid_real_t)t->euler[0], .theta = (auvid_real_t)t->euler[1]};
-    for (int i = 0; i < 6; ++i) {
-        s.nu[i] = (auvid_real_t)t->nu[i];
-        s.nu_dot[i] = (auvid_real_t)t->nu_dot[i];
-    }
-    memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
-    field_built(&field, &built);
-    for (int i = 0; i < 6; ++i) {
-        left[i] = t->hull[i];
-        for (int k = 0; k < SIM_PARAMETERS; ++k) {
-            left[i] -= y.row[i][k] * built.parameter[k];
-        }
-    }
-}
-
 static void see_residual(void)
 {
     double left[6];
-    residual(left);
+    field_hull_residual(&field, left);
     worst =
         fmax(worst, fmax(fmax(fabs(left[X]), fabs(left[Y])), fmax(fabs(left[Z]), fabs(left[N]))));
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/vehicle.h"
+#include "field_hull.h"
 #include "unity.h"
 
 enum { X, Y, Z, K, M, N };
@@ -238,28 +238,9 @@ static void test_a_corrected_battery_is_corrected_too_much(void)
 /* What of the hull's force Eq. 12-15 leave, at a velocity. */
 static void residual_at(const double nu[6], double left[6])
 {
-    field_built_t built;
-    auvid_regressor_t y;
-    auvid_sample_t s;
     memcpy(field.truth.nu, nu, sizeof field.truth.nu);
     run(0.02);
-    const field_truth_t *t = field_truth(&field);
-    memset(&s, 0, sizeof s);
-    s.phi = (auvid_real_t)t->euler[0];
-    s.theta = (auvid_real_t)t->euler[1];
-    for (int i = 0; i < 6; ++i) {
-        s.nu[i] = (auvid_real_t)t->nu[i];
-        s.nu_dot[i] = (auvid_real_t)t->nu_dot[i];
-    }
-    memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
-    field_built(&field, &built);
-    for (int i = 0; i < 6; ++i) {
-        left[i] = t->hull[i];
-        for (int k = 0; k < SIM_PARAMETERS; ++k) {
-            left[i] -= y.row[i][k] * built.parameter[k];
-        }
-    }
+    field_hull_residual(&field, left);
 }
 
 static void test_asymmetry_is_more_drag_one_way_and_less_the_other(void)

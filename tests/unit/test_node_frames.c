@@ -187,19 +187,26 @@ static void test_attitude_and_rates_arrive_as_they_are(void)
     }
 }
 
+/* Both halves of an IMU sample, one of them without an axis or its age: attitude for 0-3, rates for
+ * 4-7. */
+static void give_wrong_imu(int wrong)
+{
+    auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
+    auvid_can_message_t *m = wrong < 4 ? &a : &r;
+    m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
+    if (wrong % 4 == 3) {
+        m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+}
+
 /* Half a sample is none. */
 static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
-        auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
-        auvid_can_message_t *m = wrong < 4 ? &a : &r;
         begin();
-        m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
-        if (wrong % 4 == 3) {
-            m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
-        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        give_wrong_imu(wrong);
         step_at(100);
         TEST_ASSERT_EQUAL_UINT64(0, imu_us());
         TEST_ASSERT_EQUAL_UINT32(wrong % 4 == 3, node.counters.unknown_age);
@@ -345,15 +352,8 @@ static void test_the_earlier_half_of_two_too_far_apart_is_dropped(void)
 static void test_a_half_without_an_axis_or_its_age_counts_as_not_sent(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
-        auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
-        auvid_can_message_t *m = wrong < 4 ? &a : &r;
         begin();
-        m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
-        if (wrong % 4 == 3) {
-            m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
-        TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
+        give_wrong_imu(wrong);
         step_at(100);
         give_imu(wrong < 4 ? 20 : AUVID_CAN_AGE_UNKNOWN, wrong < 4 ? AUVID_CAN_AGE_UNKNOWN : 20);
         step_at(101);

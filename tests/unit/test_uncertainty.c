@@ -11,6 +11,7 @@
 #include "auvid/confidence.h"
 #include "auvid/identifier.h"
 #include "chain.h"
+#include "sines.h"
 #include "unity.h"
 
 enum { SETS = 8, COUNT = 13 };
@@ -40,46 +41,15 @@ typedef struct {
     uint64_t seed;
 } world_t;
 
-static double gauss(uint64_t *state)
-{
-    double sum = -6.0;
-    for (int k = 0; k < 12; ++k) {
-        *state = *state * 6364136223846793005u + 1442695040888963407u;
-        sum += (double)(*state >> 11) / 9007199254740992.0;
-    }
-    return sum;
-}
-
-static void move(double t, auvid_sample_t *s)
-{
-    static const double hertz[3] = {0.031, 0.083, 0.171};
-    memset(s, 0, sizeof *s);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool moves = j <= AUVID_HEAVE || j == AUVID_YAW;
-        double u = 0.0, a = 0.0;
-        for (int k = 0; k < 3 && moves; ++k) {
-            double w = 6.283185307 * hertz[k] * (1.0 + 0.07 * j), part = 0.25 / (1.0 + k);
-            u += part * sin(w * t + j + k);
-            a += part * w * cos(w * t + j + k);
-        }
-        s->nu[j] = (auvid_real_t)u;
-        s->nu_dot[j] = (auvid_real_t)a;
-    }
-    s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
-}
+enum { MOVED = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW };
 
 /* The wrench that the truth needs for the motion, and noise; then both as they are told. */
 static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
-    auvid_regressor_t y;
-    memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, s, &y);
+    double tau[AUVID_DOF_COUNT];
+    sines_wrench(s, truth, world->force_N, state, tau);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double tau = world->force_N * (j == AUVID_YAW ? 0.4 : 1.0) * gauss(state);
-        for (int i = 0; i < AUVID_G500_COUNT; ++i) {
-            tau += (double)y.row[j][i] * (double)truth[i];
-        }
-        s->tau[j] = (auvid_real_t)(world->thrust * tau);
+        s->tau[j] = (auvid_real_t)(world->thrust * tau[j]);
         s->nu[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);
         s->nu_dot[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);
     }
@@ -102,7 +72,7 @@ static void observe(const auvid_metric_config_t *cfg, const world_t *world)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, cfg));
     for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
         auvid_sample_t s;
-        move(0.1 * (double)k, &s);
+        sines_motion(0.1 * (double)k, MOVED, &s);
         act(&s, world, &state);
         s.t_us = 100000 * k;
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
@@ -263,9 +233,9 @@ static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
         for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
             auvid_sample_t s;
             auvid_real_t e[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
-            move(0.1 * (double)k, &s);
+            sines_motion(0.1 * (double)k, MOVED, &s);
             residual(NULL, &s, pi, e);
-            s.tau[AUVID_SURGE] = e[AUVID_SURGE] + (auvid_real_t)gauss(&state);
+            s.tau[AUVID_SURGE] = e[AUVID_SURGE] + (auvid_real_t)sines_gauss(&state);
             s.t_us = 100000 * k;
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
         }
