@@ -130,7 +130,7 @@ UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
 COUNTED := m4f-O2 $(patsubst %,%-Os,$(filter-out m3_20k,$(BOARDS)))
 COUNTED_IMAGES := build/firmware/count_plugin.so \
     $(foreach name,$(COUNTED),build/firmware/$(name)/counted.elf build/firmware/$(name)/rows.elf) \
-    $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/test_hostile_inputs.elf)
+    $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(addprefix %/,$(call unit_listed,long))),\
     $(UNIT_IMAGES_LONG))
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su

@@ -53,7 +53,7 @@ text() {
     shift 2
     rm -rf tree
     mkdir -p tree/lib/src tree/lib/include/auvid "tree/$(dirname "$file")"
-    printf '#include "auvid/types.h"\n' >tree/lib/src/auvid_math.h
+    printf '#include "auvid/types.h"\n' >tree/lib/src/base/auvid_math_internal.h
     printf '#define AUVID_VERSION_%s\n' 'MAJOR 1' 'MINOR 2' 'PATCH 3' 'STRING "1.2.3"' \
         >tree/lib/include/auvid/config.h
     printf '#ifndef AUVID_MAX_X\n#endif\n' >>tree/lib/include/auvid/config.h
@@ -67,16 +67,16 @@ text() {
     fi
 }
 
-math='#include "auvid_math.h"'
-text '' lib/src/auvid_metric.c "$math" '#include "auvid/smoother.h"' 'x = AUVID_C(1e-3); /* 0.5 */'
-text include lib/src/auvid_metric.c "$math" '#include <math.h>'
-text include lib/src/auvid_metric.c "$math" '#include "../../tools/simulator/world.h"'
-text dependency lib/src/auvid_optimizer.c "$math" '#include "auvid/metric.h"'
+math='#include "auvid_math_internal.h"'
+text '' lib/src/metric/auvid_metric.c "$math" '#include "auvid/smoother.h"' 'x = AUVID_C(1e-3); /* 0.5 */'
+text include lib/src/metric/auvid_metric.c "$math" '#include <math.h>'
+text include lib/src/metric/auvid_metric.c "$math" '#include "../../tools/simulator/world.h"'
+text dependency lib/src/search/auvid_optimizer.c "$math" '#include "auvid/metric.h"'
 text dependency lib/src/auvid_crs_tell.c "$math" '#include "auvid/line_search.h"'
 text dependency lib/src/auvid_unheard_of.c "$math"
-text arithmetic lib/src/auvid_nav.c '#include "auvid/types.h"'
-text literal lib/src/auvid_nav.c "$math" 'x = 0.5 * y;'
-text literal lib/src/auvid_nav.c "$math" 'x = 1e-3f;'
+text arithmetic lib/src/navigation/auvid_nav.c '#include "auvid/types.h"'
+text literal lib/src/navigation/auvid_nav.c "$math" 'x = 0.5 * y;'
+text literal lib/src/navigation/auvid_nav.c "$math" 'x = 1e-3f;'
 text columns tools/long.c "$(printf '%101s' x)"
 text length tools/long.c 'int f(void)' '{' "$(yes '    x();' | head -n 61)" '}'
 text path tools/where.c 'open("/home''/somebody/x");'

@@ -5,7 +5,7 @@ usage: sources.py [ROOT]
 Prints one line a breach; exit status 1 when there is any.
   include     lib/ includes only stdint, stddef, stdbool, string.h and auvid headers
   dependency  modules of lib/ include each other only as USES allows
-  arithmetic  every lib/src/*.c includes auvid_math.h, directly or not (it switches contraction off)
+  arithmetic  every lib/src/*.c includes auvid_math_internal.h, directly or not (it switches contraction off)
   literal     no floating literal in lib/ outside AUVID_C(), which hides a double
   columns     no line of code over 100 columns
   length      no function over 60 lines
@@ -107,7 +107,7 @@ def check_includes(path, text):
 
 
 def reaches_math(path, seen):
-    if path.name == "auvid_math.h":
+    if path.name == "auvid_math_internal.h":
         return True
     if path in seen or not path.exists():
         return False
@@ -151,7 +151,7 @@ def check_file(path, text):
         if path.name != "types.h":  # where AUVID_C() and its like are defined
             yield from check_literals(text)
         if path.suffix == ".c" and not reaches_math(path, set()):
-            yield "arithmetic", "does not include auvid_math.h"
+            yield "arithmetic", "does not include auvid_math_internal.h"
 
 
 def check_version(config, changelog):

@@ -80,7 +80,7 @@ if [ "$(uname -m)" = x86_64 ]; then
     report "the 387's precision: init refuses"
 fi
 
-# Contraction to fused multiply-add, on machines that have it. gcc is kept from it by auvid_math.h;
+# Contraction to fused multiply-add, on machines that have it. gcc is kept from it by auvid_math_internal.h;
 # clang does it in spite of the pragma.
 if grep -qw fma /proc/cpuinfo 2>/dev/null; then
     init clang -O1 -mfma -ffp-contract=fast | grep -q 'contraction'

@@ -161,7 +161,7 @@ done
 
 # The whole library in the caller's own translation unit, beside a file with other sizes.
 {
-    printf '#include "%s"\n' "$PWD"/lib/src/auvid_vehicle.c "$PWD"/lib/src/auvid_math.c
+    printf '#include "%s"\n' "$PWD"/lib/src/models/auvid_vehicle.c "$PWD"/lib/src/base/auvid_math.c
     cat "$scratch/main.c"
 } >"$scratch/unity.c"
 unity() {

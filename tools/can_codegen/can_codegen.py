@@ -4,7 +4,7 @@
 usage: can_codegen.py [--check] [--dbc FILE] [--root DIRECTORY]
 Writes, below DIRECTORY (default: the repository),
   lib/include/auvid/can_messages.h   enumerations, one struct a message, a union of them
-  lib/src/auvid_can_table.c          the tables the codec works from
+  lib/src/can/auvid_can_table.c          the tables the codec works from
   lib/can/README.md                  the part between the two marks: frames and bus load
 With --check nothing is written: exit status 1 when a file differs from what would be.
 Exit status 2: the DBC breaks a rule of the contract (check_message says which there are).
@@ -21,7 +21,7 @@ import cantools
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
 HEADER, TABLE, README = (
-    "lib/include/auvid/can_messages.h", "lib/src/auvid_can_table.c", "lib/can/README.md")
+    "lib/include/auvid/can_messages.h", "lib/src/can/auvid_can_table.c", "lib/can/README.md")
 FAST, SLOW = 0x040, 0x400  # first identifiers of the two blocks
 BITRATE = 500_000
 LARGEST_LOAD = 0.20
@@ -328,9 +328,9 @@ def table(messages):
     return f"""/*
  * Generated from lib/can/auvid.dbc by `make can`: do not edit.
  */
-#include "auvid_can_private.h"
+#include "auvid_can_internal.h"
 
-#include "auvid_math.h"
+#include "auvid_math_internal.h"
 
 /* clang-format off */
 #define WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))

@@ -36,7 +36,7 @@
  *   a   greatest acceleration: force over mass, Coriolis forces included
  *
  * These are upper bounds; a vehicle that rights itself rolls on by less. In 1000 worlds of the test
- * campaign (AUVID_TEST_LONG=1 build/release/tests/unit/test_guard_runs, after `make test`) the
+ * campaign (AUVID_TEST_LONG=1 build/release/tests/unit/excitation/test_guard_runs, after `make test`) the
  * largest overshoot was 0.86 of what they allow.
  *
  * So a limit must lie inside the true danger by that much: a Girona500 at 0.7 m/s with DVL at 5 Hz
