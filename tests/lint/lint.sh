@@ -16,7 +16,7 @@ export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion 
 TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
 -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m"
 shopt -s nullglob
-lib=(lib/src/*.c)
+lib=(lib/src/*/*.c)
 tools=(tools/*/*.c port/linux_socketcan/*.c port/cortex_m/example/*.c)
 broken=0
 

@@ -4,7 +4,7 @@
 usage: can_codegen.py [--check] [--dbc FILE] [--root DIRECTORY]
 Writes, below DIRECTORY (default: the repository),
   lib/include/auvid/can_messages.h   enumerations, one struct a message, a union of them
-  lib/src/can/auvid_can_table.c          the tables the codec works from
+  lib/src/can/auvid_can_table.c      the tables the codec works from
   lib/can/README.md                  the part between the two marks: frames and bus load
 With --check nothing is written: exit status 1 when a file differs from what would be.
 Exit status 2: the DBC breaks a rule of the contract (check_message says which there are).
@@ -330,7 +330,7 @@ def table(messages):
  */
 #include "auvid_can_internal.h"
 
-#include "auvid_math_internal.h"
+#include "../base/auvid_math_internal.h"
 
 /* clang-format off */
 #define WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))

@@ -2,8 +2,8 @@
  * @file auvid_node_internal.h
  * Private: what the files of the node share.
  */
-#ifndef AUVID_NODE_PRIVATE_H
-#define AUVID_NODE_PRIVATE_H
+#ifndef AUVID_NODE_INTERNAL_H
+#define AUVID_NODE_INTERNAL_H
 
 #include "auvid/node.h"
 

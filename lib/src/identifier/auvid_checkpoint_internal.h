@@ -2,8 +2,8 @@
  * @file auvid_checkpoint_internal.h
  * Private: what a checkpoint holds of each struct.
  */
-#ifndef AUVID_CHECKPOINT_PRIVATE_H
-#define AUVID_CHECKPOINT_PRIVATE_H
+#ifndef AUVID_CHECKPOINT_INTERNAL_H
+#define AUVID_CHECKPOINT_INTERNAL_H
 
 #include "auvid/checkpoint.h"
 

@@ -2,8 +2,8 @@
  * @file auvid_identifier_internal.h
  * Private: what the files of the identifier share.
  */
-#ifndef AUVID_IDENTIFIER_PRIVATE_H
-#define AUVID_IDENTIFIER_PRIVATE_H
+#ifndef AUVID_IDENTIFIER_INTERNAL_H
+#define AUVID_IDENTIFIER_INTERNAL_H
 
 #include "auvid/identifier.h"
 

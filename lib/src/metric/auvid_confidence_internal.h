@@ -2,8 +2,8 @@
  * @file auvid_confidence_internal.h
  * Private: what the files of the confidence share.
  */
-#ifndef AUVID_CONFIDENCE_PRIVATE_H
-#define AUVID_CONFIDENCE_PRIVATE_H
+#ifndef AUVID_CONFIDENCE_INTERNAL_H
+#define AUVID_CONFIDENCE_INTERNAL_H
 
 #include "auvid/confidence.h"
 

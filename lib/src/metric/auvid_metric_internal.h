@@ -2,8 +2,8 @@
  * @file auvid_metric_internal.h
  * Private: what the files of the metric share.
  */
-#ifndef AUVID_METRIC_PRIVATE_H
-#define AUVID_METRIC_PRIVATE_H
+#ifndef AUVID_METRIC_INTERNAL_H
+#define AUVID_METRIC_INTERNAL_H
 
 #include "auvid/metric.h"
 

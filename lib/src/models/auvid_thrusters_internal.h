@@ -2,8 +2,8 @@
  * @file auvid_thrusters_internal.h
  * Private: what the files of the thrusters share.
  */
-#ifndef AUVID_THRUSTERS_PRIVATE_H
-#define AUVID_THRUSTERS_PRIVATE_H
+#ifndef AUVID_THRUSTERS_INTERNAL_H
+#define AUVID_THRUSTERS_INTERNAL_H
 
 #include "auvid/thrusters.h"
 

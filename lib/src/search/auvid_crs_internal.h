@@ -2,8 +2,8 @@
  * @file auvid_crs_internal.h
  * Private: where a global search is.
  */
-#ifndef AUVID_CRS_PRIVATE_H
-#define AUVID_CRS_PRIVATE_H
+#ifndef AUVID_CRS_INTERNAL_H
+#define AUVID_CRS_INTERNAL_H
 
 #include "auvid/crs.h"
 

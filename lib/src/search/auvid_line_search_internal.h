@@ -2,8 +2,8 @@
  * @file auvid_line_search_internal.h
  * Private: what the files of the line search share.
  */
-#ifndef AUVID_LINE_SEARCH_PRIVATE_H
-#define AUVID_LINE_SEARCH_PRIVATE_H
+#ifndef AUVID_LINE_SEARCH_INTERNAL_H
+#define AUVID_LINE_SEARCH_INTERNAL_H
 
 #include "auvid/line_search.h"
 

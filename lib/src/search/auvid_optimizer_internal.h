@@ -2,8 +2,8 @@
  * @file auvid_optimizer_internal.h
  * Private: a beginning with less stack.
  */
-#ifndef AUVID_OPTIMIZER_PRIVATE_H
-#define AUVID_OPTIMIZER_PRIVATE_H
+#ifndef AUVID_OPTIMIZER_INTERNAL_H
+#define AUVID_OPTIMIZER_INTERNAL_H
 
 #include "auvid/optimizer.h"
 

@@ -11,7 +11,7 @@
 #include "unity.h"
 
 #if defined(__x86_64__)
-/* auvid_math_internal.h switches contraction off; switched on again after it, with the instruction. */
+/* auvid_math_internal.h switches contraction off; switched on again after it, with FMA. */
 #include "base/auvid_math_internal.h"
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT ON
@@ -22,7 +22,7 @@
 #pragma GCC target("fma")
 #endif
 #define auvid_selftest contracted_selftest
-#include "../../lib/src/base/auvid_selftest.c"
+#include "base/auvid_selftest.c"
 #undef auvid_selftest
 #if defined(__clang__)
 #pragma clang attribute pop
