@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "auvid/can.h"
-#include "can/auvid_can_internal.h"
+#include "can/auvid_can_table_internal.h"
 
 enum { RECORD = 11, FRAMES = 32 };
 

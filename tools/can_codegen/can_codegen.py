@@ -328,7 +328,7 @@ def table(messages):
     return f"""/*
  * Generated from lib/can/auvid.dbc by `make can`: do not edit.
  */
-#include "auvid_can_internal.h"
+#include "auvid_can_table_internal.h"
 
 #include "../base/auvid_math_internal.h"
 

@@ -5,7 +5,7 @@
 #ifndef AUVID_CHECKSUM_INTERNAL_H
 #define AUVID_CHECKSUM_INTERNAL_H
 
-#include "auvid/metric.h"
+#include "auvid/types.h"
 
 /** CRC-32 (ISO-HDLC) of n bytes more, before the last inversion; begin with UINT32_MAX. Every error
  * within 32 neighbouring bits is found, whatever the length. */
@@ -13,10 +13,6 @@ uint32_t auvid_checksum(uint32_t c, const uint8_t *bytes, uint32_t n);
 
 /** The same of a word, little-endian. */
 uint32_t auvid_checksum_word(uint32_t c, uint32_t word);
-
-/** Of what must be the same for the parameters to mean the same: names, units, and what is free or
- * fixed at what. */
-uint32_t auvid_checksum_of_model(const auvid_metric_config_t *cfg);
 
 static inline void auvid_put_word(uint8_t *bytes, uint32_t word)
 {

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-#include "auvid_can_internal.h"
+#include "auvid_can_table_internal.h"
 #include "../base/auvid_math_internal.h"
 
 #define COUNTER_START 8

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#include "auvid_can_internal.h"
+#include "auvid_can_table_internal.h"
 #include "../base/auvid_math_internal.h"
 
 auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *storage,

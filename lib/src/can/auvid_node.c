@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
-#include "auvid_node_internal.h"
+#include "auvid_node_step_internal.h"
 
 /* A tick's clock that goes ahead by more than this was set [us]. It goes on where it was, this much
  * later, so that the record has a gap. */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
-#include "auvid_node_internal.h"
+#include "auvid_node_step_internal.h"
 
 static uint32_t most(uint32_t value, uint32_t largest)
 {

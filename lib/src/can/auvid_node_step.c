@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
-#include "auvid_node_internal.h"
+#include "auvid_node_step_internal.h"
 
 /* Halves of an IMU sample further apart are of different ones [us]. */
 #define IMU_APART_US 30000u

@@ -12,7 +12,7 @@
  *   shape   = clamp(shape - A strayed fade, -A, A)        and random steps choose their signs so
  * that they lead back. Steps alone cannot fight what sines and a current do.
  */
-#include "auvid_excitation_internal.h"
+#include "auvid_excitation_init_internal.h"
 
 #include <string.h>
 
@@ -398,24 +398,4 @@ auvid_real_t auvid_excitation_progress(const auvid_excitation_t *e)
         return e != NULL && e->finished ? AUVID_C(1.0) : AUVID_C(0.0);
     }
     return (auvid_real_t)(e->last_us - e->start_us) / (auvid_real_t)e->run_us;
-}
-
-auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
-                                     auvid_real_t peak[AUVID_DOF_COUNT])
-{
-    if (e == NULL || peak == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
-        peak[i] = AUVID_C(0.0);
-    }
-    for (uint32_t i = 0; i < e->config.segments; ++i) {
-        const auvid_segment_t *s = &e->config.segment[i];
-        auvid_real_t a = s->kind == AUVID_SEGMENT_PAUSE ? AUVID_C(0.0) : auvid_abs(s->amplitude);
-        if (s->kind == AUVID_SEGMENT_RAMP) {
-            a = auvid_max(a, auvid_abs(s->from));
-        }
-        peak[s->dof] = auvid_max(peak[s->dof], a);
-    }
-    return AUVID_OK;
 }

@@ -1,7 +1,7 @@
 /*
  * Checking a configuration of the excitation, and taking it.
  */
-#include "auvid_excitation_internal.h"
+#include "auvid_excitation_init_internal.h"
 
 #include <string.h>
 
@@ -58,6 +58,26 @@ static auvid_status_t check_segment(const auvid_segment_t *s)
     default:
         return AUVID_OK;
     }
+}
+
+auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
+                                     auvid_real_t peak[AUVID_DOF_COUNT])
+{
+    if (e == NULL || peak == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        peak[i] = AUVID_C(0.0);
+    }
+    for (uint32_t i = 0; i < e->config.segments; ++i) {
+        const auvid_segment_t *s = &e->config.segment[i];
+        auvid_real_t a = s->kind == AUVID_SEGMENT_PAUSE ? AUVID_C(0.0) : auvid_abs(s->amplitude);
+        if (s->kind == AUVID_SEGMENT_RAMP) {
+            a = auvid_max(a, auvid_abs(s->from));
+        }
+        peak[s->dof] = auvid_max(peak[s->dof], a);
+    }
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *config)

@@ -5,7 +5,7 @@
  * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse. Roll and pitch
  * are righted, and swing in 2-3 s whatever the vehicle's size: theirs are quicker.
  */
-#include "auvid_excitation_internal.h"
+#include "auvid_excitation_init_internal.h"
 
 #include <string.h>
 

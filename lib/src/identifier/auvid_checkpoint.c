@@ -11,18 +11,18 @@
  *         24  the identifier, the rows
  *   last four CRC-32 of all before
  *
- * Where a byte of the stream lies in memory follows from its place by the tables alone, so the
- * cursor knows its place and nothing else: from the outermost struct inwards, the row is sought
- * that the place falls into, and the element of the row.
+ * Where a byte of the stream lies in memory follows from its place by the tables alone
+ * (auvid_checkpoint_locate.c), so the cursor knows its place and nothing else.
  */
 #include "auvid/checkpoint.h"
 
 #include <string.h>
 
-#include "auvid_checkpoint_internal.h"
+#include "auvid_checkpoint_layout_internal.h"
 #include "../base/auvid_checksum_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
 
 #define MAGIC 0x31637661u
 
@@ -32,19 +32,6 @@ typedef auvid_checkpoint_row_t row_t;
 
 typedef auvid_checkpoint_sizes_t sizes_t;
 typedef auvid_checkpoint_run_t run_t;
-
-void auvid_checkpoint_measure(sizes_t *sizes, uint32_t parts)
-{
-    sizes->parts = parts;
-    for (int t = 0; t < TABLE_COUNT; ++t) {
-        const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
-        uint32_t bytes = 0;
-        for (uint32_t i = 0; i < table->rows; ++i) {
-            bytes += auvid_checkpoint_bytes(sizes, &table->row[i]);
-        }
-        sizes->of[t] = bytes;
-    }
-}
 
 /* ---- the header ---- */
 
@@ -110,46 +97,6 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 }
 
 /* ---- the body ---- */
-
-run_t auvid_checkpoint_locate(const sizes_t *sizes, uint32_t at)
-{
-    run_t run = {false, 0, 0, NULL, 0, 0};
-    int table = TABLE_IDENTIFIER;
-    if (at >= sizes->of[TABLE_IDENTIFIER]) {
-        at -= sizes->of[TABLE_IDENTIFIER];
-        table = TABLE_ROW;
-        run.stored = true;
-        run.offset = at / sizes->of[TABLE_ROW] * sizeof(auvid_row_t);
-        at %= sizes->of[TABLE_ROW];
-    }
-    do {
-        const row_t *row = auvid_checkpoint_table[table].row;
-        for (;; ++row) {
-            uint32_t bytes = auvid_checkpoint_bytes(sizes, row);
-            if (at < bytes) {
-                break;
-            }
-            at -= bytes;
-        }
-        uint32_t index = at / auvid_checkpoint_element(sizes, row);
-        at %= auvid_checkpoint_element(sizes, row);
-        run.offset += row->offset + (size_t)index * row->stride;
-        run.row = row;
-        run.count = row->count - index;
-        run.table = (uint8_t)table;
-        table = row->table;
-    } while (run.row->width == 0);
-    run.skip = at;
-    return run;
-}
-
-uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
-{
-    const uint16_t one = 1;
-    uint8_t lowest;
-    memcpy(&lowest, &one, 1);
-    return lowest == 1 ? k : stride - 1u - k;
-}
 
 /* Up to `most` bytes of the body from `at` on, into `to` or, where that is null, out of `from`.
  * @return how many, >= 1 */

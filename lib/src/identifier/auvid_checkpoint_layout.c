@@ -5,7 +5,7 @@
  * identifier was initialised with. A test (tests/validation/test_checkpoint.sh) names what is
  * missing. Which values members may have: auvid_checkpoint_limits.c.
  */
-#include "auvid_checkpoint_internal.h"
+#include "auvid_checkpoint_layout_internal.h"
 #include "../base/auvid_math_internal.h"
 
 /* `first` .. `last` are neighbours, all of type `unit`. Something else among them mostly leaves a

@@ -3,10 +3,10 @@
  * auvid_checkpoint_layout.c. What is not named may have any value, reals any finite one. What has
  * to go together: auvid_checkpoint_validate.c.
  */
-#include "auvid_checkpoint_internal.h"
+#include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_internal.h"
 #include "../search/auvid_crs_internal.h"
-#include "../search/auvid_line_search_internal.h"
+#include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 #include "../navigation/auvid_nav_internal.h"

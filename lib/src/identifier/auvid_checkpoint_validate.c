@@ -6,11 +6,11 @@
  */
 #include <string.h>
 
-#include "auvid_checkpoint_internal.h"
+#include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_internal.h"
 #include "../search/auvid_crs_internal.h"
 #include "auvid_identifier_internal.h"
-#include "../search/auvid_line_search_internal.h"
+#include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 #include "../navigation/auvid_nav_internal.h"

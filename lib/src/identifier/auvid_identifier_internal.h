@@ -51,6 +51,9 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id);
 /** Judge the last estimate by the oldest set that has not been judged; if there is none, merge. */
 void auvid_identifier_begin_judge(auvid_identifier_t *id);
 
+/** Nothing is left to do for the sets of the ring. */
+void auvid_identifier_rest(auvid_identifier_t *id);
+
 /** Bring the sets together, then search. */
 void auvid_identifier_begin_merge(auvid_identifier_t *id);
 

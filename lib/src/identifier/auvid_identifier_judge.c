@@ -75,6 +75,26 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
     auvid_identifier_begin_judge(id);
 }
 
+void auvid_identifier_rest(auvid_identifier_t *id)
+{
+    bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
+    uint64_t lead_us = logs ? id->listener->lead_us(id->listening) : 0u;
+    id->searching = false;
+    id->phase = AUVID_WORK_IDLE;
+    identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
+}
+
+void auvid_identifier_begin_merge(auvid_identifier_t *id)
+{
+    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: what waits is next */
+        auvid_identifier_rest(id);
+        return;
+    }
+    auvid_metric_merge_begin(&id->metric);
+    id->paid = 0;
+    id->phase = AUVID_WORK_MERGE;
+}
+
 /* metric.from: the set to be judged is the newest that counts. */
 void auvid_identifier_begin_judge(auvid_identifier_t *id)
 {

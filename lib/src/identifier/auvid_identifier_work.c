@@ -131,16 +131,6 @@ static AUVID_APART void ask(auvid_identifier_t *id)
     }
 }
 
-/* Nothing is left to do for the sets of the ring. */
-static void rest(auvid_identifier_t *id)
-{
-    bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = logs ? id->listener->lead_us(id->listening) : 0u;
-    id->searching = false;
-    id->phase = AUVID_WORK_IDLE;
-    identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
-}
-
 /* Largest speeds of the sets that the estimate is of. */
 static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
 {
@@ -180,18 +170,7 @@ static void publish(auvid_identifier_t *id)
     e->accepted = false;
     auvid_identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
-    rest(id);
-}
-
-void auvid_identifier_begin_merge(auvid_identifier_t *id)
-{
-    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: what waits is next */
-        rest(id);
-        return;
-    }
-    auvid_metric_merge_begin(&id->metric);
-    id->paid = 0;
-    id->phase = AUVID_WORK_MERGE;
+    auvid_identifier_rest(id);
 }
 
 /* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
@@ -245,7 +224,7 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
         }
     }
     if (status < 0) {
-        rest(id);
+        auvid_identifier_rest(id);
     }
     return status;
 }

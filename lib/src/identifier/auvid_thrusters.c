@@ -10,9 +10,10 @@
 
 #include <string.h>
 
+#include "auvid/identifier.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
-#include "../models/auvid_thrusters_internal.h"
+#include "../models/auvid_thrusters_wrench_internal.h"
 
 /* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
  * before is left there, and a third of that in the row's mean. */

@@ -179,4 +179,8 @@ bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget);
 /** Go on with it, one unit of the budget a row. @return it is at its end */
 bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget);
 
+/** Checksum of what must be the same for the parameters to mean the same: names, units, and what is
+ * free or fixed at what. */
+uint32_t auvid_checksum_of_model(const auvid_metric_config_t *cfg);
+
 #endif

@@ -1,5 +1,6 @@
 /*
- * Metric, recording (Karras et al. 2013, III-B): cells to rows to sets.
+ * Metric, recording (Karras et al. 2013, III-B): cells to rows. Sets are completed in
+ * auvid_metric_close.c.
  *
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
  * rows under construction, so no window of cells is kept.
@@ -325,42 +326,6 @@ static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t sl
     take_row(m, m->accumulator[slot], m->known[slot], without_row(m, slot));
 }
 
-auvid_status_t auvid_metric_close(auvid_metric_t *metric)
-{
-    auvid_metric_t *m = metric;
-    if (m == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (m->rows == 0) {
-        return AUVID_ERR_NO_DATA;
-    }
-    uint8_t driven = 0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t least = m->cfg.driven * m->cfg.tau_max[j];
-        bool is_driven =
-            m->cfg.vehicle->columns[j] != 0 &&
-            m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
-        driven = (uint8_t)(driven | (unsigned)is_driven << j);
-    }
-    bool kept = auvid_metric_free_of(m, driven) != 0;
-    if (kept && m->held && !auvid_metric_has_regressor(m)) {
-        m->full = true;
-        return AUVID_PENDING;
-    }
-    if (kept) {
-        auvid_metric_keep(m, driven);
-    }
-    ++m->sets_recorded;
-    m->rows = 0;
-    memset(m->rows_of, 0, sizeof m->rows_of);
-    m->lost = 0;
-    memset(m->fastest, 0, sizeof m->fastest);
-    memset(m->factor, 0, sizeof m->factor);
-    memset(m->tau_mean, 0, sizeof m->tau_mean);
-    memset(m->tau_m2, 0, sizeof m->tau_m2);
-    return kept ? AUVID_SET_COMPLETE : AUVID_SET_IDLE;
-}
-
 /* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
  * at `slot`. */
 static void add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n, uint32_t slot)
@@ -455,31 +420,6 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     return status == AUVID_PENDING ? AUVID_OK : status;
 }
 
-void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us)
-{
-    if (metric != NULL) {
-        metric->held = true;
-        metric->waiting = 0;
-        metric->until_us = until_us;
-    }
-}
-
-auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us)
-{
-    auvid_metric_t *m = metric;
-    if (m == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    bool full = m->full;
-    m->held = m->full = m->turned = false;
-    m->from = m->least = 0;
-    if (!full) {
-        return AUVID_OK;
-    }
-    m->resume_us = resume_us;
-    return m->rows > 0 ? auvid_metric_close(m) : AUVID_OK;
-}
-
 void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
@@ -489,20 +429,4 @@ void auvid_metric_gap(auvid_metric_t *metric)
         metric->cells = 0;
         memset(metric->successive, 0, sizeof metric->successive);
     }
-}
-
-auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
-{
-    if (metric == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (age >= auvid_metric_sets(metric) || age >= metric->sets_recorded) {
-        return AUVID_ERR_RANGE;
-    }
-    auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
-    if (set->rows == 0) {
-        return AUVID_ERR_RANGE; /* dropped before */
-    }
-    memset(set, 0, sizeof *set);
-    return AUVID_OK;
 }

@@ -18,7 +18,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
-#include "auvid_thrusters_internal.h"
+#include "auvid_thrusters_wrench_internal.h"
 
 /* e^-x for x >= 0. Taylor's seventh term is below 1e-10 for x <= 1/8; halved and squared before. */
 static auvid_real_t decay(auvid_real_t x)

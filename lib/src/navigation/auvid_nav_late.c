@@ -61,19 +61,3 @@ auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
     memcpy(nav->held[sensor], value, sizeof nav->held[sensor]);
     return NAV_HELD;
 }
-
-void auvid_nav_release(auvid_nav_t *nav)
-{
-    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        unsigned bit = 1u << i;
-        if ((nav->holding & bit) == 0 || nav->held_us[i] > nav->t_us) {
-            continue;
-        }
-        nav->holding = (uint8_t)(nav->holding & ~bit);
-        auvid_status_t status = auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i],
-                                                 nav->held_valid[i]);
-        if (status < 0 || status == AUVID_GATED) {
-            nav->held_refused = (uint8_t)(nav->held_refused | bit);
-        }
-    }
-}

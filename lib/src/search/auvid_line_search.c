@@ -13,7 +13,7 @@
  *     PROBE    once for each d_k, k < i; then POLL along d_i
  * The iterate of the paper, x^k, is theta here.
  */
-#include "auvid_line_search_internal.h"
+#include "auvid_line_search_directions_internal.h"
 
 #include <string.h>
 

@@ -10,7 +10,7 @@
  * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has nothing of
  * e_k, k > i: the d_i span the space whatever the probes have told.
  */
-#include "auvid_line_search_internal.h"
+#include "auvid_line_search_directions_internal.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 
 #include "auvid/checkpoint.h"
 #include "auvid/warm.h"
-#include "search/auvid_line_search_internal.h"
+#include "search/auvid_line_search_directions_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
 #include "unity.h"

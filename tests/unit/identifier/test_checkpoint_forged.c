@@ -11,7 +11,7 @@
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
 #include "auvid/warm.h"
-#include "identifier/auvid_checkpoint_internal.h"
+#include "identifier/auvid_checkpoint_layout_internal.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"

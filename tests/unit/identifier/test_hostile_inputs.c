@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "auvid/node.h"
-#include "can/auvid_can_internal.h"
+#include "can/auvid_can_table_internal.h"
 #include "binomial.h"
 #include "unity.h"
 

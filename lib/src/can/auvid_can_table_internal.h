@@ -1,9 +1,9 @@
 /**
- * @file auvid_can_internal.h
+ * @file auvid_can_table_internal.h
  * Private: the tables that `make can` writes from lib/can/auvid.dbc and the codec reads.
  */
-#ifndef AUVID_CAN_INTERNAL_H
-#define AUVID_CAN_INTERNAL_H
+#ifndef AUVID_CAN_TABLE_INTERNAL_H
+#define AUVID_CAN_TABLE_INTERNAL_H
 
 #include "auvid/can.h"
 

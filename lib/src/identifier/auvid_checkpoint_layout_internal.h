@@ -1,9 +1,11 @@
 /**
- * @file auvid_checkpoint_internal.h
+ * @file auvid_checkpoint_layout_internal.h
  * Private: what a checkpoint holds of each struct.
  */
-#ifndef AUVID_CHECKPOINT_INTERNAL_H
-#define AUVID_CHECKPOINT_INTERNAL_H
+#ifndef AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
+#define AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
+
+#include <string.h>
 
 #include "auvid/checkpoint.h"
 
@@ -108,7 +110,13 @@ typedef struct {
 auvid_checkpoint_run_t auvid_checkpoint_locate(const auvid_checkpoint_sizes_t *sizes, uint32_t at);
 
 /** Where byte k of a scalar, from the lowest, stands in the `stride` bytes it has in memory. */
-uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k);
+static inline uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
+{
+    const uint16_t one = 1;
+    uint8_t lowest;
+    memcpy(&lowest, &one, 1);
+    return lowest == 1 ? k : stride - 1u - k;
+}
 
 /** Which values scalars of a struct may have. */
 typedef struct {

@@ -1,9 +1,9 @@
 /**
- * @file auvid_line_search_internal.h
- * Private: what the files of the line search share.
+ * @file auvid_line_search_directions_internal.h
+ * Private: what the files of the line search share, and the directions.
  */
-#ifndef AUVID_LINE_SEARCH_INTERNAL_H
-#define AUVID_LINE_SEARCH_INTERNAL_H
+#ifndef AUVID_LINE_SEARCH_DIRECTIONS_INTERNAL_H
+#define AUVID_LINE_SEARCH_DIRECTIONS_INTERNAL_H
 
 #include "auvid/line_search.h"
 

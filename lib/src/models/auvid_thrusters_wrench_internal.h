@@ -1,9 +1,9 @@
 /**
- * @file auvid_thrusters_internal.h
- * Private: what the files of the thrusters share.
+ * @file auvid_thrusters_wrench_internal.h
+ * Private: times as the log of the thrusters counts them.
  */
-#ifndef AUVID_THRUSTERS_INTERNAL_H
-#define AUVID_THRUSTERS_INTERNAL_H
+#ifndef AUVID_THRUSTERS_WRENCH_INTERNAL_H
+#define AUVID_THRUSTERS_WRENCH_INTERNAL_H
 
 #include "auvid/thrusters.h"
 

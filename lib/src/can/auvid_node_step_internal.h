@@ -1,9 +1,9 @@
 /**
- * @file auvid_node_internal.h
+ * @file auvid_node_step_internal.h
  * Private: what the files of the node share.
  */
-#ifndef AUVID_NODE_INTERNAL_H
-#define AUVID_NODE_INTERNAL_H
+#ifndef AUVID_NODE_STEP_INTERNAL_H
+#define AUVID_NODE_STEP_INTERNAL_H
 
 #include "auvid/node.h"
 

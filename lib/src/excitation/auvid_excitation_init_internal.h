@@ -1,9 +1,9 @@
 /**
- * @file auvid_excitation_internal.h
+ * @file auvid_excitation_init_internal.h
  * Private: what the parts of the excitation share.
  */
-#ifndef AUVID_EXCITATION_INTERNAL_H
-#define AUVID_EXCITATION_INTERNAL_H
+#ifndef AUVID_EXCITATION_INIT_INTERNAL_H
+#define AUVID_EXCITATION_INIT_INTERNAL_H
 
 #include "auvid/excitation.h"
 
