@@ -315,7 +315,7 @@ def table(messages):
             for s in m.signals:
                 signal_rows.append(
                     f"    {{{s.start}, {types.index(s.type)}, "
-                    f"WORD({m.name}, {m.member(s)}), {int(s is m.signals[-1])}}},")
+                    f"CAN_WORD({m.name}, {m.member(s)}), {int(s is m.signals[-1])}}},")
         starts.append(first[layout])
     need(len(signal_rows) < 256 and len(types) <= 32, "more than 255 signals or 32 types")
     need(all(len(m.signals) <= 8 for m in messages), "more than 8 signals in a message")
@@ -333,7 +333,7 @@ def table(messages):
 #include "../base/auvid_math_internal.h"
 
 /* clang-format off */
-#define WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))
+#define CAN_WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))
 
 const auvid_can_type_t auvid_can_types[] = {{
 {rows(type_rows)}

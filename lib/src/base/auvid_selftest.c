@@ -28,7 +28,7 @@ static uint32_t mix(uint32_t hash, uint32_t word)
     return (((hash << 5) | (hash >> 27)) ^ word) * 16777619u;
 }
 
-static uint32_t add(uint32_t hash, const auvid_real_t *x, size_t n)
+static uint32_t selftest_add(uint32_t hash, const auvid_real_t *x, size_t n)
 {
     for (size_t i = 0; i < n; ++i) {
 #ifdef AUVID_REAL_DOUBLE
@@ -48,7 +48,7 @@ static uint32_t add(uint32_t hash, const auvid_real_t *x, size_t n)
     return hash;
 }
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+#define SELFTEST_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
 /* The four operations, and what a compiler may make of several of them. */
 static uint32_t operations(uint32_t hash, auvid_real_t a, auvid_real_t b)
@@ -64,7 +64,7 @@ static uint32_t operations(uint32_t hash, auvid_real_t a, auvid_real_t b)
         (a + b) / b,                      /* by a common reciprocal: other bits */
         product / b,     auvid_sqrt(auvid_abs(a)),
     };
-    return add(hash, x, COUNT(x));
+    return selftest_add(hash, x, SELFTEST_COUNT(x));
 }
 
 /* Rounding, denormals, range. */
@@ -92,7 +92,7 @@ static uint32_t limits(uint32_t hash)
     };
     auvid_real_t infinity = opaque(largest + largest);
     auvid_real_t nan = opaque(infinity - infinity);
-    hash = add(hash, x, COUNT(x));
+    hash = selftest_add(hash, x, SELFTEST_COUNT(x));
     hash = mix(hash, auvid_is_finite(nan) ? 1u : 0u);
     hash = mix(hash, auvid_is_finite(infinity) ? 1u : 0u);
     hash = mix(hash, (nan < one) || !(nan != nan) ? 1u : 0u);
@@ -108,7 +108,7 @@ static uint32_t conversions(uint32_t hash)
     volatile uint64_t sticky = UINT64_C(0x8000008000000001); /* just above half-way in float */
     const auvid_real_t x[] = {(auvid_real_t)least, (auvid_real_t)all, (auvid_real_t)odd,
                               (auvid_real_t)-odd, (auvid_real_t)sticky};
-    hash = add(hash, x, COUNT(x));
+    hash = selftest_add(hash, x, SELFTEST_COUNT(x));
     hash = mix(hash, (uint32_t)(int32_t)opaque(AUVID_C(-2.75))); /* towards zero */
     hash = mix(hash, (uint32_t)opaque(AUVID_C(4000000000.0)));
     return hash;
@@ -124,7 +124,7 @@ auvid_status_t auvid_selftest(void)
         hash = operations(hash, a, b);
         auvid_sincos(a * AUVID_C(37.0), &x[0], &x[1]);
         x[2] = auvid_atan2(a, b);
-        hash = add(hash, x, COUNT(x));
+        hash = selftest_add(hash, x, SELFTEST_COUNT(x));
         a = a * AUVID_C(-1.9) + AUVID_C(0.1);
         b = b * AUVID_C(0.6) + AUVID_C(0.3);
     }

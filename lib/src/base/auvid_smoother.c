@@ -173,7 +173,7 @@ static auvid_real_t gram_coefficient(const gram_t *g, int32_t k)
     return (sum.high >> 63) != 0u ? -c : c;
 }
 
-static auvid_status_t check(const auvid_smoother_config_t *config, int32_t position)
+static auvid_status_t smoother_check(const auvid_smoother_config_t *config, int32_t position)
 {
     int32_t h = config->half_width;
     if (h > AUVID_MAX_HALF_WIDTH) {
@@ -212,7 +212,7 @@ auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, ui
     if (c == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check(&config, position);
+    auvid_status_t status = smoother_check(&config, position);
     if (status != AUVID_OK) {
         return status;
     }
@@ -231,7 +231,7 @@ auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
         return AUVID_ERR_NULL;
     }
     auvid_smoother_config_t copy = *config; /* it may lie inside *smoother */
-    auvid_status_t status = check(&copy, 0);
+    auvid_status_t status = smoother_check(&copy, 0);
     if (status != AUVID_OK) {
         return status;
     }

@@ -8,7 +8,7 @@
 #include "../base/auvid_math_internal.h"
 
 #define COUNTERS 16u
-#define HALF (AUVID_CAN_THRUSTERS / 2)
+#define RECEIVER_HALF (AUVID_CAN_THRUSTERS / 2)
 
 auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can_kind_t kind,
                                        uint32_t timeout_us, const auvid_can_ids_t *ids)
@@ -46,7 +46,7 @@ static bool is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64
 }
 
 /* After a silence there is no frame to follow; `ends`: and the last good one has ended. */
-static void look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
+static void can_receiver_look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
 {
     if (is_silent(receiver, receiver->seen_us, now_us)) {
         receiver->started = false;
@@ -63,7 +63,7 @@ auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint6
     if (receiver == NULL) {
         return AUVID_CAN_SILENT;
     }
-    look(receiver, now_us, true);
+    can_receiver_look(receiver, now_us, true);
     return (auvid_can_state_t)receiver->state;
 }
 
@@ -97,7 +97,8 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
         frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
         return AUVID_CAN_FOREIGN;
     }
-    look(receiver, frame->t_us, !receiver->strict); /* a command ends by the clock, not by stamps */
+    can_receiver_look(receiver, frame->t_us,
+                      !receiver->strict); /* a command ends by the clock, not by stamps */
     auvid_can_message_t read;
     auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &read);
     auvid_can_state_t state = AUVID_CAN_BAD;
@@ -128,7 +129,7 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
     if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
         return AUVID_ERR_RANGE;
     }
-    auvid_can_command_t fresh = {.halves = thrusters > HALF ? 2 : 1};
+    auvid_can_command_t fresh = {.halves = thrusters > RECEIVER_HALF ? 2 : 1};
     for (int i = 0; i < 2; ++i) {
         auvid_can_kind_t kind =
             i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
@@ -154,9 +155,9 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
         if (answer == AUVID_CAN_GOOD) {
             const auvid_real_t *thrust = i == 0 ? message.as.thruster_command_a.thrust
                                                 : message.as.thruster_command_b.thrust;
-            for (int j = 0; j < HALF; ++j) {
+            for (int j = 0; j < RECEIVER_HALF; ++j) {
                 bool absent = (message.absent >> j & 1u) != 0;
-                command->thrust[HALF * i + j] = absent ? AUVID_C(0.0) : thrust[j];
+                command->thrust[RECEIVER_HALF * i + j] = absent ? AUVID_C(0.0) : thrust[j];
             }
         }
         state = answer != AUVID_CAN_FOREIGN ? answer : state;
@@ -168,16 +169,17 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
 static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
 {
     auvid_can_receiver_t *half = &command->half[i], *before = &command->half_before[i];
-    auvid_real_t *thrust = &command->thrust[HALF * i], *kept = &command->thrust_before[HALF * i];
+    auvid_real_t *thrust = &command->thrust[RECEIVER_HALF * i],
+                 *kept = &command->thrust_before[RECEIVER_HALF * i];
     if ((half->started && is_ahead(half, half->seen_us, now_us)) ||
         (half->alive && is_ahead(half, half->good_us, now_us))) {
         *half = *before;
-        memcpy(thrust, kept, HALF * sizeof *kept);
+        memcpy(thrust, kept, RECEIVER_HALF * sizeof *kept);
         ++half->ahead;
     }
-    look(half, now_us, true);
+    can_receiver_look(half, now_us, true);
     *before = *half;
-    memcpy(kept, thrust, HALF * sizeof *kept);
+    memcpy(kept, thrust, RECEIVER_HALF * sizeof *kept);
     return half->alive;
 }
 

@@ -168,7 +168,8 @@ static void orthogonalise_columns(decomposition_t *d)
 }
 
 /* B+ = Q' S^-1 U', one wrench e_dof at a time. */
-static void invert(const decomposition_t *d, auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
+static void allocation_invert(const decomposition_t *d,
+                              auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
     int n = d->config->thrusters;
     for (int dof = 0; dof < DOFS; ++dof) {
@@ -249,7 +250,7 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
     memset(a, 0, sizeof *a);
     a->config = *config;
     a->rank = (uint8_t)d.rank;
-    invert(&d, a->inverse);
+    allocation_invert(&d, a->inverse);
     for (int i = 0; i < DOFS; ++i) {
         auvid_real_t projected = AUVID_C(0.0);
         for (int k = 0; k < d.rank; ++k) {

@@ -26,7 +26,7 @@
 
 typedef auvid_excitation_channel_t channel_t;
 
-static auvid_real_t to_s(uint32_t us)
+static auvid_real_t excitation_to_s(uint32_t us)
 {
     return (auvid_real_t)us * AUVID_C(1e-6);
 }
@@ -57,8 +57,8 @@ static auvid_real_t steps_value(const channel_t *c, uint32_t s_us, uint32_t fade
 
 /* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the
  * signal is a staircase passed through one averaging window, so pairs leave no net impulse. */
-static void next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
-                      uint32_t fade_us, auvid_real_t strayed)
+static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
+                                 uint32_t fade_us, auvid_real_t strayed)
 {
     auvid_rng_t rng;
     uint64_t to;
@@ -103,7 +103,7 @@ static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uin
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
      * for the rest at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
-        next_hold(c, segment, duration_us - fade_us, fade_us, strayed);
+        excitation_next_hold(c, segment, duration_us - fade_us, fade_us, strayed);
     }
     return steps_value(c, s_us, fade_us);
 }
@@ -239,7 +239,7 @@ static void begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t
 static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
                          uint32_t duration_us, auvid_real_t strayed)
 {
-    auvid_real_t s = to_s(s_us);
+    auvid_real_t s = excitation_to_s(s_us);
     auvid_real_t a = segment->amplitude;
     auvid_real_t largest = auvid_abs(a);
     auvid_real_t y = AUVID_C(0.0);
@@ -249,7 +249,7 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
         y = a;
         break;
     case AUVID_SEGMENT_RAMP:
-        y = segment->from + (a - segment->from) * (s / to_s(duration_us));
+        y = segment->from + (a - segment->from) * (s / excitation_to_s(duration_us));
         largest = auvid_max(largest, auvid_abs(segment->from));
         break;
     case AUVID_SEGMENT_SINE:
@@ -308,7 +308,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
 }
 
 /* How far beyond its leash, -1..1; 0 within it or without one. */
-static auvid_real_t strayed(const auvid_excitation_t *e, int dof)
+static auvid_real_t excitation_strayed(const auvid_excitation_t *e, int dof)
 {
     auvid_real_t leash = e->config.leash[dof];
     auvid_real_t d = e->displacement[dof];
@@ -338,8 +338,9 @@ static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t we
             if (c->segment != i + 1u || c->repetition != e->repetition) {
                 begin_segment(c, segment, i, e->repetition, e->config.seed);
             }
-            wrench[segment->dof] = weight * play(c, segment, (uint32_t)(in_us - begin_us),
-                                                 e->duration_us[i], strayed(e, (int)segment->dof));
+            wrench[segment->dof] =
+                weight * play(c, segment, (uint32_t)(in_us - begin_us), e->duration_us[i],
+                              excitation_strayed(e, (int)segment->dof));
         }
     }
 }

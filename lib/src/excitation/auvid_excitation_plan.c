@@ -19,8 +19,9 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config)
 }
 
 /* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
-static void add(auvid_excitation_config_t *config, auvid_dof_t dof, auvid_real_t amplitude,
-                auvid_real_t set_s, auvid_real_t before_s, auvid_real_t between_s)
+static void excitation_add(auvid_excitation_config_t *config, auvid_dof_t dof,
+                           auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
+                           auvid_real_t between_s)
 {
     auvid_segment_t *s = &config->segment[config->segments];
     bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
@@ -90,9 +91,9 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
         if (amplitude[dof] > AUVID_C(0.0)) {
             uint32_t turn = one_by_one ? config->segments / 2u : 0u;
-            add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
-                pause_s + (auvid_real_t)turn * turn_s,
-                pause_s + (auvid_real_t)(turns - 1u) * turn_s);
+            excitation_add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+                           pause_s + (auvid_real_t)turn * turn_s,
+                           pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
     memcpy(config->leash, leash, sizeof leash);

@@ -77,7 +77,7 @@ static bool is_watching(const auvid_guard_t *g)
 }
 
 /* For telling only: whole and fraction apart, for any length. */
-static auvid_real_t to_s(uint64_t us)
+static auvid_real_t guard_to_s(uint64_t us)
 {
     uint64_t whole = auvid_divide(us, 1000000u);
     return (auvid_real_t)(whole < UINT32_MAX ? (uint32_t)whole : UINT32_MAX) +
@@ -96,13 +96,13 @@ static auvid_real_t norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
     return auvid_is_finite(sum) ? auvid_sqrt(sum) : sum;
 }
 
-static bool is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32_t stale_us)
+static bool guard_is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32_t stale_us)
 {
     return seen->known && apart_us(t_us, seen->t_us) <= stale_us;
 }
 
 /* Padding too: a guard compares and replays bit for bit. */
-static void begin(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
+static void guard_begin(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
 {
     memset(trip, 0, sizeof *trip);
     trip->cause = cause;
@@ -121,7 +121,7 @@ static bool tell(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real
 static bool tell_time(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t us,
                       uint64_t limit_us)
 {
-    return tell(trip, cause, to_s(us), to_s(limit_us));
+    return tell(trip, cause, guard_to_s(us), guard_to_s(limit_us));
 }
 
 /* value <= limit, or a breach. */
@@ -142,11 +142,12 @@ static bool below(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_
 static bool silent(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
                    const auvid_guard_seen_t *seen, uint32_t stale_us)
 {
-    if (!is_on(g, cause) || is_fresh(seen, trip->t_us, stale_us)) {
+    if (!is_on(g, cause) || guard_is_fresh(seen, trip->t_us, stale_us)) {
         return false;
     }
-    return tell(trip, cause, seen->known ? to_s(apart_us(trip->t_us, seen->t_us)) : AUVID_LARGEST,
-                to_s(stale_us));
+    return tell(trip, cause,
+                seen->known ? guard_to_s(apart_us(trip->t_us, seen->t_us)) : AUVID_LARGEST,
+                guard_to_s(stale_us));
 }
 
 /* Is one of the sources silent that the limits, or the sense of the run, hang on? */
@@ -183,8 +184,8 @@ static bool any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
 {
     const auvid_guard_config_t *cfg = &g->cfg;
     const auvid_real_t *v = in->velocity_ground;
-    bool altitude = is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
-    bool ground = is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
+    bool altitude = guard_is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
+    bool ground = guard_is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
     return below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
            above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
            (altitude &&
@@ -216,7 +217,7 @@ static bool any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 static bool any_late(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
     if (trip->t_us < g->t_us || (trip->t_us == g->t_us && g->stepped)) {
-        return tell(trip, AUVID_GUARD_TIME, -to_s(g->t_us - trip->t_us), AUVID_C(0.0));
+        return tell(trip, AUVID_GUARD_TIME, -guard_to_s(g->t_us - trip->t_us), AUVID_C(0.0));
     }
     uint64_t tick_us = trip->t_us - g->t_us;
     if (is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
@@ -237,7 +238,7 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     }
     auvid_guard_t armed;
     auvid_guard_trip_t trip;
-    begin(&trip, AUVID_GUARD_NO_CAUSE, t_us);
+    guard_begin(&trip, AUVID_GUARD_NO_CAUSE, t_us);
     memset(&armed, 0, sizeof armed);
     armed.ready = true;
     armed.cfg = g->cfg;
@@ -245,7 +246,7 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     armed.t_us = armed.alive_us = t_us;
     armed.home[0] = in->position[0];
     armed.home[1] = in->position[1];
-    armed.altitude_known = is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+    armed.altitude_known = guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
     if (any_silent(&armed, &trip, in)) {
         g->refused = trip;
         return AUVID_ERR_STALE;
@@ -304,7 +305,7 @@ auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guar
     }
     if (g->state != AUVID_GUARD_ABORTED) {
         auvid_guard_trip_t trip;
-        begin(&trip, cause, t_us);
+        guard_begin(&trip, cause, t_us);
         trip_now(g, &trip);
     }
     return AUVID_OK;
@@ -348,11 +349,11 @@ static void remember(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t 
     }
     g->saturated = in->saturated;
     g->altitude_known =
-        g->altitude_known || is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+        g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
 }
 
 /* SETTLING: calm for calm_us, or settle_us gone by. */
-static void settle(auvid_guard_t *g, const auvid_guard_input_t *in)
+static void guard_settle(auvid_guard_t *g, const auvid_guard_input_t *in)
 {
     const auvid_real_t *v = in->velocity_ground, *w = in->rates;
     bool calm =
@@ -373,7 +374,7 @@ bool auvid_guard_step(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t
         return false;
     }
     auvid_guard_trip_t trip;
-    begin(&trip, AUVID_GUARD_NO_INPUT, t_us);
+    guard_begin(&trip, AUVID_GUARD_NO_INPUT, t_us);
     if (in == NULL || any_late(g, &trip)) {
         trip_now(g, &trip);
         return false;
@@ -386,7 +387,7 @@ bool auvid_guard_step(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t
     g->t_us = t_us;
     g->stepped = true;
     if (g->state == AUVID_GUARD_SETTLING) {
-        settle(g, in);
+        guard_settle(g, in);
     }
     return g->state == AUVID_GUARD_EXCITING;
 }

@@ -14,7 +14,8 @@
  * Around all of this the optimum is flat. In simulation, Girona500 with masses and drags halved and
  * doubled, disturbances of 0.3 to 3 N, the standard errors change by less than 5 % from three time
  * constants a hold to six, and from half of the time at the low speed to 0.8; signs that persist
- * (SIGN_CHANGES) gain 5 % in those that are largest. Sums of sines are never better than steps.
+ * (ADAPTIVE_SIGN_CHANGES) gain 5 % in those that are largest. Sums of sines are never better than
+ * steps.
  *
  * Degrees of freedom that are known go on playing: it costs no time, sharpens them, and keeps them
  * in the ring. At rest their sets leave it, and with these what was known: at 3 N 40 instead of 58
@@ -31,10 +32,10 @@
 #define HOPELESS AUVID_C(2.25)  /* 1.5^2: of a squared half-width over what is allowed */
 #define UNKNOWN AUVID_C(1e9)    /* the same of a parameter that nothing is known about */
 
-#define LOW_LEVEL AUVID_C(0.3)
+#define ADAPTIVE_LOW_LEVEL AUVID_C(0.3)
 #define LOW_PART_LINEAR AUVID_C(0.67) /* of the time, where linear drag is missing */
 #define LOW_PART AUVID_C(0.4)         /* where it is not */
-#define SIGN_CHANGES AUVID_C(0.3)
+#define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define FADE_S AUVID_C(0.2)
 #define SWING_S AUVID_C(1.5)    /* hold in roll and pitch, which are righted and swing */
@@ -81,7 +82,7 @@ static void shorten(const auvid_guard_config_t *guard, auvid_real_t *leash)
 }
 
 /* How far beyond its leash, -1..1. */
-static auvid_real_t strayed(const auvid_identifier_t *id, int j)
+static auvid_real_t adaptive_strayed(const auvid_identifier_t *id, int j)
 {
     auvid_real_t leash = id->adaptive.leash[j], d = id->excitation.displacement[j];
     auvid_real_t beyond = auvid_abs(d) - leash;
@@ -118,17 +119,17 @@ static uint32_t since_us(const auvid_identifier_t *id)
     return (uint32_t)(id->t_us - id->adaptive.run_us);
 }
 
-static void next_hold(auvid_identifier_t *id, int j)
+static void adaptive_next_hold(auvid_identifier_t *id, int j)
 {
     auvid_adaptive_t *a = &id->adaptive;
     auvid_rng_t rng;
     memcpy(rng.s, a->rng, sizeof rng.s);
     auvid_real_t part = misses(id, j, AUVID_PARAMETER_LINEAR_DRAG) ? LOW_PART_LINEAR : LOW_PART;
     bool low = a->low_owed[j] >= AUVID_C(0.0), negative = a->level[j] < AUVID_C(0.0);
-    auvid_real_t level = low ? LOW_LEVEL : AUVID_C(1.0), away = strayed(id, j);
+    auvid_real_t level = low ? ADAPTIVE_LOW_LEVEL : AUVID_C(1.0), away = adaptive_strayed(id, j);
     auvid_real_t s = hold_s(id, j, level * amplitude_of(id, j)) *
                      (AUVID_C(0.75) + AUVID_C(0.5) * auvid_rng_uniform(&rng));
-    negative = negative != (auvid_rng_uniform(&rng) < SIGN_CHANGES);
+    negative = negative != (auvid_rng_uniform(&rng) < ADAPTIVE_SIGN_CHANGES);
     if (auvid_abs(away) > AUVID_C(0.0)) {
         negative = away > AUVID_C(0.0);
     }
@@ -144,11 +145,11 @@ static auvid_real_t factor(auvid_identifier_t *id, int j)
 {
     auvid_adaptive_t *a = &id->adaptive;
     if (since_us(id) - a->from_us[j] >= a->hold_us[j]) {
-        next_hold(id, j);
+        adaptive_next_hold(id, j);
     }
     auvid_real_t x = (auvid_real_t)(since_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
     auvid_real_t w = x < AUVID_C(1.0) ? x * x * (AUVID_C(3.0) - AUVID_C(2.0) * x) : AUVID_C(1.0);
-    auvid_real_t pull = (a->driving >> j & 1) ? strayed(id, j) : AUVID_C(0.0);
+    auvid_real_t pull = (a->driving >> j & 1) ? adaptive_strayed(id, j) : AUVID_C(0.0);
     auvid_real_t to = auvid_clamp(a->level[j] - pull, AUVID_C(-1.0), AUVID_C(1.0));
     a->factor[j] = a->before[j] + (to - a->before[j]) * w;
     return a->factor[j];
@@ -246,7 +247,7 @@ static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
     id->adaptive.driving = (uint8_t)driving;
 }
 
-static void consider(auvid_identifier_t *id)
+static void adaptive_consider(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = &id->adaptive;
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
@@ -287,7 +288,7 @@ static void begin_run(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         a->low_owed[j] = AUVID_C(-1e-3);
     }
-    consider(id);
+    adaptive_consider(id);
 }
 
 /* The hook: wrench comes as the envelope. */
@@ -297,7 +298,7 @@ static void adapt(auvid_identifier_t *id, auvid_real_t *wrench)
     if (a->run_us != id->excitation.start_us) {
         begin_run(id);
     } else if (a->estimate != id->estimate.number) {
-        consider(id);
+        adaptive_consider(id);
     }
     if (a->close_rows > 0 && id->metric.rows >= a->close_rows) {
         a->close_rows = 0;
@@ -324,7 +325,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
     }
 }
 
-static auvid_status_t check(const auvid_adaptive_config_t *cfg)
+static auvid_status_t adaptive_check(const auvid_adaptive_config_t *cfg)
 {
     if (!auvid_all_finite(cfg->amplitude, AUVID_DOF_COUNT) ||
         !auvid_all_finite(cfg->leash, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->most_s)) {
@@ -338,7 +339,7 @@ static auvid_status_t check(const auvid_adaptive_config_t *cfg)
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-static bool moves(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg, int j)
+static bool adaptive_moves(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg, int j)
 {
     return cfg->amplitude[j] > AUVID_C(0.0) &&
            (id->allocation.config.thrusters == 0 || (id->allocation.actuated >> j & 1));
@@ -351,7 +352,7 @@ static auvid_status_t check_thrusters(const auvid_identifier_t *id,
     int count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
-        if (moves(id, cfg, j)) {
+        if (adaptive_moves(id, cfg, j)) {
             peak[j] = cfg->amplitude[j];
             ++count;
             if (!suffice(id, peak)) {
@@ -369,7 +370,7 @@ static void plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (moves(id, cfg, j)) {
+        if (adaptive_moves(id, cfg, j)) {
             auvid_segment_t *s = &to->segment[to->segments++];
             s->dof = (auvid_dof_t)j;
             s->kind = AUVID_SEGMENT_STEP;
@@ -389,7 +390,7 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
         (id->guard.state != AUVID_GUARD_DISARMED && id->guard.state != AUVID_GUARD_DONE)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = check(cfg);
+    auvid_status_t status = adaptive_check(cfg);
     if (status == AUVID_OK) {
         status = check_thrusters(id, cfg);
     }

@@ -24,9 +24,9 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-#define MAGIC 0x31637661u
+#define HEAD_MAGIC 0x31637661u
 
-enum { LAYOUT = 4, MODEL = 8, PARTS = 12, ROWS = 16, BYTES = 20 };
+enum { HEAD_LAYOUT = 4, HEAD_MODEL = 8, HEAD_PARTS = 12, HEAD_ROWS = 16, HEAD_BYTES = 20 };
 
 typedef auvid_checkpoint_row_t row_t;
 
@@ -87,13 +87,13 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 {
     uint32_t rows = rows_of(id);
     auvid_checkpoint_measure(sizes, parts);
-    auvid_put_word(head, MAGIC);
-    auvid_put_word(head + LAYOUT, checksum_of_layout());
-    auvid_put_word(head + MODEL, checksum_of_model(id));
-    auvid_put_word(head + PARTS, parts);
-    auvid_put_word(head + ROWS, rows);
-    auvid_put_word(head + BYTES, AUVID_CHECKPOINT_HEAD + sizes->of[TABLE_IDENTIFIER] +
-                                     rows * sizes->of[TABLE_ROW] + AUVID_CHECKPOINT_TAIL);
+    auvid_put_word(head, HEAD_MAGIC);
+    auvid_put_word(head + HEAD_LAYOUT, checksum_of_layout());
+    auvid_put_word(head + HEAD_MODEL, checksum_of_model(id));
+    auvid_put_word(head + HEAD_PARTS, parts);
+    auvid_put_word(head + HEAD_ROWS, rows);
+    auvid_put_word(head + HEAD_BYTES, AUVID_CHECKPOINT_HEAD + sizes->of[TABLE_IDENTIFIER] +
+                                          rows * sizes->of[TABLE_ROW] + AUVID_CHECKPOINT_TAIL);
 }
 
 /* ---- the body ---- */
@@ -139,7 +139,7 @@ auvid_status_t auvid_checkpoint_begin(auvid_checkpoint_t *cursor, const auvid_id
     write_head(id, parts_of(id), &sizes, cursor->head);
     cursor->id = id;
     cursor->t_us = id->t_us;
-    cursor->bytes = auvid_get_word(cursor->head + BYTES);
+    cursor->bytes = auvid_get_word(cursor->head + HEAD_BYTES);
     cursor->at = 0;
     cursor->checksum = UINT32_MAX;
     return AUVID_OK;
@@ -156,7 +156,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         return AUVID_ERR_STATE;
     }
     sizes_t sizes;
-    auvid_checkpoint_measure(&sizes, cursor->head[PARTS]);
+    auvid_checkpoint_measure(&sizes, cursor->head[HEAD_PARTS]);
     while (*bytes < room && cursor->at < cursor->bytes) {
         uint8_t *to = chunk + *bytes;
         uint32_t at = cursor->at, done = 1;
@@ -179,28 +179,28 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 /* ---- restoring ---- */
 
 /* Is it a checkpoint, whole, of this library and of this identifier's model? */
-static auvid_status_t check(const auvid_identifier_t *id, const uint8_t *checkpoint, uint32_t bytes,
-                            sizes_t *sizes)
+static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8_t *checkpoint,
+                                       uint32_t bytes, sizes_t *sizes)
 {
     uint8_t own[AUVID_CHECKPOINT_HEAD];
     uint32_t end = bytes - AUVID_CHECKPOINT_TAIL;
     if (bytes < AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL ||
-        auvid_get_word(checkpoint) != MAGIC ||
+        auvid_get_word(checkpoint) != HEAD_MAGIC ||
         auvid_get_word(checkpoint + end) != ~auvid_checksum(UINT32_MAX, checkpoint, end)) {
         return AUVID_ERR_CHECKSUM;
     }
-    write_head(id, auvid_get_word(checkpoint + PARTS), sizes, own);
-    if (memcmp(own + LAYOUT, checkpoint + LAYOUT, 4) != 0) {
+    write_head(id, auvid_get_word(checkpoint + HEAD_PARTS), sizes, own);
+    if (memcmp(own + HEAD_LAYOUT, checkpoint + HEAD_LAYOUT, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
-    if (memcmp(own + MODEL, checkpoint + MODEL, 4) != 0) {
+    if (memcmp(own + HEAD_MODEL, checkpoint + HEAD_MODEL, 4) != 0) {
         return AUVID_ERR_MODEL;
     }
-    if (memcmp(own + ROWS, checkpoint + ROWS, 4) != 0) {
+    if (memcmp(own + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
-    bool whole =
-        auvid_get_word(own + BYTES) == bytes && auvid_get_word(checkpoint + BYTES) == bytes;
+    bool whole = auvid_get_word(own + HEAD_BYTES) == bytes &&
+                 auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
     bool adapts = (id->adapt != NULL) == ((sizes->parts & PART_ADAPTIVE) != 0);
     return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
 }
@@ -215,7 +215,7 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
         return AUVID_ERR_STATE;
     }
     sizes_t sizes;
-    auvid_status_t status = check(id, checkpoint, bytes, &sizes);
+    auvid_status_t status = checkpoint_check(id, checkpoint, bytes, &sizes);
     if (status != AUVID_OK) {
         return status;
     }

@@ -23,7 +23,7 @@
 #define UP_TO(table, type, first, last, most)                                                      \
     RANGE(table, type, first, last, AUVID_C(0.0), most)
 #define FLAG(table, type, first, last) UP_TO(table, type, first, last, 1)
-#define DOFS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
+#define DOF_BITS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
 /* Bit i: velocity i. */
 #define AXES(table, type, member) UP_TO(table, type, member, member, AUVID_DVL_ALL)
 /* Of the model, and so of this identifier. */
@@ -36,7 +36,7 @@
 #define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
 #define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
-#define SIZE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
+#define LENGTH(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
 #define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
 #define DELAY(table, type, first, last)                                                            \
     RANGE(table, type, first, last, AUVID_C(-2.01), AUVID_C(6.01))
@@ -50,7 +50,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_SEARCH, auvid_search_config_t, omega, omega, AUVID_C(1e9)),
     FLAG(TABLE_SEARCH, auvid_search_config_t, scale_by_bounds, literal_search),
 
-    SIZE(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity),
+    LENGTH(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity),
     AXES(TABLE_KNOT, auvid_nav_knot_t, measured),
 
     UP_TO(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, axes, axes, 3),
@@ -63,7 +63,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_NAV, auvid_nav_t, held_refused, holding, (1 << AUVID_NAV_SENSOR_COUNT) - 1),
     AXES(TABLE_NAV, auvid_nav_t, held_valid),
     UP_TO(TABLE_NAV, auvid_nav_t, past_next, past_next, 2 * AUVID_NAV_PAST - 1),
-    SIZE(TABLE_NAV, auvid_nav_t, position, velocity),
+    LENGTH(TABLE_NAV, auvid_nav_t, position, velocity),
     WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, AUVID_C(1e15)),
     WITHIN(TABLE_NAV, auvid_nav_t, rotation, rotation, AUVID_C(1.01)),
     WITHIN(TABLE_NAV, auvid_nav_t, attitude, attitude, AUVID_C(1e4)),
@@ -81,7 +81,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, NAV_LARGEST_AGE_US),
     WITHIN(TABLE_NAV, auvid_nav_t, past_rates, past_rates, AUVID_C(100.0)),
     WITHIN(TABLE_NAV, auvid_nav_t, held, held, NAV_LARGEST_POSITION),
-    SIZE(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset),
+    LENGTH(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset),
 
     FLAG(TABLE_STREAM, auvid_recorder_stream_t, valid, valid),
 
@@ -94,7 +94,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     SQUARES(TABLE_SET, auvid_set_t, tau_m2, tau_m2),
     RANGE(TABLE_SET, auvid_set_t, exponent, exponent, -AUVID_C(126.0), AUVID_C(60.0)),
-    DOFS(TABLE_SET, auvid_set_t, driven),
+    DOF_BITS(TABLE_SET, auvid_set_t, driven),
 
     SAME(TABLE_METRIC, auvid_metric_t, cfg.free, cfg.fixed),
     RANGE(TABLE_METRIC, auvid_metric_t, cfg.tau_max, cfg.tau_max, AUVID_C(1e-12), AUVID_C(1e12)),
@@ -109,7 +109,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.estimate_delay, cfg.estimate_delay),
     DELAY(TABLE_METRIC, auvid_metric_t, cfg.delay_s, cfg.delay_s),
     UP_TO(TABLE_METRIC, auvid_metric_t, cfg.delay_sigma_s, cfg.delay_sigma_s, 1),
-    DOFS(TABLE_METRIC, auvid_metric_t, cfg.lagged),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, cfg.lagged),
     SAME(TABLE_METRIC, auvid_metric_t, columns, count),
     RANGE(TABLE_METRIC, auvid_metric_t, taps, taps, AUVID_C(1.0), AUVID_MAX_TAPS),
     RANGE(TABLE_METRIC, auvid_metric_t, overlap, overlap, AUVID_C(1.0), AUVID_MAX_OVERLAP),
@@ -118,7 +118,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_METRIC, auvid_metric_t, spread, spread, AUVID_C(0.5)),
     VALUE(TABLE_METRIC, auvid_metric_t, accumulator, previous),
     UP_TO(TABLE_METRIC, auvid_metric_t, successive, successive, AUVID_METRIC_LAGS),
-    DOFS(TABLE_METRIC, auvid_metric_t, missing),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, missing),
     VALUE(TABLE_METRIC, auvid_metric_t, factor, tau_mean),
     SQUARES(TABLE_METRIC, auvid_metric_t, tau_m2, tau_m2),
     VALUE(TABLE_METRIC, auvid_metric_t, merged, merged),
@@ -135,10 +135,10 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_METRIC, auvid_metric_t, from, sets_merged, AUVID_MAX_SETS),
     FLAG(TABLE_METRIC, auvid_metric_t, held, turned),
     DELAY(TABLE_METRIC, auvid_metric_t, linear_delay_s, linear_delay_s),
-    DOFS(TABLE_METRIC, auvid_metric_t, driven),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, driven),
     UP_TO(TABLE_METRIC, auvid_metric_t, dof_rows, dof_rows, MOST_ROWS),
     DELAY(TABLE_METRIC, auvid_metric_t, delay_s, delay_s),
-    DOFS(TABLE_METRIC, auvid_metric_t, lagged),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, lagged),
     UP_TO(TABLE_METRIC, auvid_metric_t, change_rank, change_rank, AUVID_MAX_PARAMETERS),
 
     WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, level, before, AUVID_C(1.0)),
@@ -152,12 +152,12 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     UP_TO(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
 
-    DOFS(TABLE_ADAPTIVE, auvid_adaptive_t, driving),
+    DOF_BITS(TABLE_ADAPTIVE, auvid_adaptive_t, driving),
     WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, AUVID_C(1.0)),
-    SIZE(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
+    LENGTH(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_ABORTED),
-    SIZE(TABLE_GUARD, auvid_guard_t, home, home),
+    LENGTH(TABLE_GUARD, auvid_guard_t, home, home),
     FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
@@ -169,32 +169,32 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, lost, lost, 100),
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_C(1e18)), /* squared */
 
-    DOFS(TABLE_ESTIMATE, auvid_estimate_t, driven),
+    DOF_BITS(TABLE_ESTIMATE, auvid_estimate_t, driven),
     VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
     WITHIN(TABLE_ESTIMATE, auvid_estimate_t, covariance, covariance, AUVID_C(1e37)),
     UP_TO(TABLE_ESTIMATE, auvid_estimate_t, speed, speed, 66),
     COST(TABLE_ESTIMATE, auvid_estimate_t, cost, cost),
     DELAY(TABLE_ESTIMATE, auvid_estimate_t, delay_s, delay_s),
-    DOFS(TABLE_ESTIMATE, auvid_estimate_t, lagged),
+    DOF_BITS(TABLE_ESTIMATE, auvid_estimate_t, lagged),
     FLAG(TABLE_ESTIMATE, auvid_estimate_t, capped, accepted),
 
-    DOFS(TABLE_JUDGEMENT, auvid_judgement_t, driven),
-    DOFS(TABLE_JUDGEMENT, auvid_judgement_t, changed),
-    DOFS(TABLE_JUDGEMENT, auvid_judgement_t, simulated),
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, driven),
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, changed),
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, simulated),
 
     VALUE(TABLE_SAMPLE, auvid_sample_t, phi, command),
-    DOFS(TABLE_SAMPLE, auvid_sample_t, missing),
+    DOF_BITS(TABLE_SAMPLE, auvid_sample_t, missing),
 
     VALUE(TABLE_VALIDATION, auvid_validation_t, pi, pi),
     UP_TO(TABLE_VALIDATION, auvid_validation_t, delay_cells, delay_cells, AUVID_C(6.01)),
     VALUE(TABLE_VALIDATION, auvid_validation_t, wrench, wrench),
     UP_TO(TABLE_VALIDATION, auvid_validation_t, cell_s, cell_s, 1),
-    DOFS(TABLE_VALIDATION, auvid_validation_t, dofs),
+    DOF_BITS(TABLE_VALIDATION, auvid_validation_t, dofs),
     VALUE(TABLE_VALIDATION, auvid_validation_t, past, past),
     FLAG(TABLE_VALIDATION, auvid_validation_t, running, running),
     VALUE(TABLE_VALIDATION, auvid_validation_t, mean, mean),
     SQUARES(TABLE_VALIDATION, auvid_validation_t, m2, sse),
-    SIZE(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
+    LENGTH(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
 
     RANGE(TABLE_CRS, auvid_crs_t, config.n, config.n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
     RANGE(TABLE_CRS, auvid_crs_t, config.population, config.population, AUVID_C(2.0),
@@ -252,7 +252,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, saturated),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, AUVID_C(1e9)),
-    SIZE(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
+    LENGTH(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, unjudged, unjudged, AUVID_MAX_SETS),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, set_pending, anew),

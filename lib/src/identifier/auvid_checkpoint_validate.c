@@ -92,7 +92,8 @@ static bool run_is_possible(const view_t *v, const auvid_checkpoint_run_t *run, 
 /* ---- what goes together ---- */
 
 /* Where in the body the scalar stands that is `offset` bytes into the identifier; it is there. */
-static const uint8_t *place(const view_t *v, size_t offset, const auvid_checkpoint_row_t **found)
+static const uint8_t *checkpoint_place(const view_t *v, size_t offset,
+                                       const auvid_checkpoint_row_t **found)
 {
     const uint8_t *at = v->body;
     int table = TABLE_IDENTIFIER;
@@ -116,7 +117,7 @@ static const uint8_t *place(const view_t *v, size_t offset, const auvid_checkpoi
 static uint64_t whole_at(const view_t *v, size_t offset)
 {
     const auvid_checkpoint_row_t *row;
-    const uint8_t *at = place(v, offset, &row);
+    const uint8_t *at = checkpoint_place(v, offset, &row);
     return whole(at, row->width);
 }
 
@@ -128,11 +129,11 @@ static uint32_t word(const view_t *v, size_t offset)
 static auvid_real_t real_at(const view_t *v, size_t offset)
 {
     const auvid_checkpoint_row_t *row;
-    return real(place(v, offset, &row));
+    return real(checkpoint_place(v, offset, &row));
 }
 
-#define AT(member) offsetof(auvid_identifier_t, member)
-#define WORD(member) word(v, AT(member))
+#define MEMBER(member) offsetof(auvid_identifier_t, member)
+#define WORD(member) word(v, MEMBER(member))
 
 static uint32_t bits_in(uint32_t mask)
 {
@@ -149,9 +150,9 @@ static bool nav_is_possible(const view_t *v)
     uint32_t holding = WORD(nav.holding);
     bool good = WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
     for (size_t i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        uint64_t held_us = whole_at(v, AT(nav.held_us[0]) + i * sizeof(uint64_t));
-        uint64_t ahead_us = held_us - whole_at(v, AT(nav.t_us)); /* huge, when it is older */
-        uint32_t most_us = word(v, AT(nav.max_age_us[0]) + i * sizeof(uint32_t));
+        uint64_t held_us = whole_at(v, MEMBER(nav.held_us[0]) + i * sizeof(uint64_t));
+        uint64_t ahead_us = held_us - whole_at(v, MEMBER(nav.t_us)); /* huge, when it is older */
+        uint32_t most_us = word(v, MEMBER(nav.max_age_us[0]) + i * sizeof(uint32_t));
         good = good && ((holding >> i & 1u) == 0 || (ahead_us > 0 && ahead_us <= most_us));
     }
     return good && (holding == 0 || WORD(nav.ready) == NAV_RUNNING);
@@ -160,12 +161,12 @@ static bool nav_is_possible(const view_t *v)
 /* In a record that runs, attitude and input are there, and no further than the ring reaches. */
 static bool recorder_is_possible(const view_t *v)
 {
-    enum { INPUT = sizeof v->id->recorder.stream / sizeof v->id->recorder.stream[0] - 1 };
+    enum { STREAM_INPUT = sizeof v->id->recorder.stream / sizeof v->id->recorder.stream[0] - 1 };
     uint32_t next = WORD(recorder.next), oldest = next - 2u;
     bool good = next >= 2 && next <= UINT32_MAX - 2 * AUVID_RECORDER_CELLS &&
                 WORD(recorder.opened) - oldest <= AUVID_RECORDER_CELLS;
-    for (size_t s = 0; s <= INPUT; s += INPUT) {
-        size_t at = AT(recorder.stream[0]) + s * sizeof(auvid_recorder_stream_t);
+    for (size_t s = 0; s <= STREAM_INPUT; s += STREAM_INPUT) {
+        size_t at = MEMBER(recorder.stream[0]) + s * sizeof(auvid_recorder_stream_t);
         good = good && word(v, at + offsetof(auvid_recorder_stream_t, valid)) != 0 &&
                word(v, at + offsetof(auvid_recorder_stream_t, cell)) - oldest <=
                    AUVID_RECORDER_CELLS;
@@ -178,7 +179,7 @@ static uint32_t set_rows(const view_t *v, uint32_t age)
 {
     uint32_t slot = auvid_metric_place(WORD(metric.turns), WORD(metric.cfg.sets),
                                        WORD(metric.from) + age);
-    return word(v, AT(metric.set[0].rows) + slot * sizeof(auvid_set_t));
+    return word(v, MEMBER(metric.set[0].rows) + slot * sizeof(auvid_set_t));
 }
 
 /* Which sets count: all, unless the ring is held, as it is from the first set's judgement to the
@@ -221,10 +222,10 @@ static bool sets_are_possible(const view_t *v)
         modelled |= (uint32_t)(auvid_metric_order(m, j) > 0) << j;
     }
     bool good = (WORD(metric.driven) & ~modelled) == 0 &&
-                rows_are_possible(v, AT(metric.rows), AT(metric.rows_of[0]),
-                                  AT(metric.rows_of[0]), 0);
+                rows_are_possible(v, MEMBER(metric.rows), MEMBER(metric.rows_of[0]),
+                                  MEMBER(metric.rows_of[0]), 0);
     for (size_t k = 0; k < AUVID_MAX_SETS; ++k) {
-        size_t at = AT(metric.set[0]) + k * sizeof(auvid_set_t);
+        size_t at = MEMBER(metric.set[0]) + k * sizeof(auvid_set_t);
         uint32_t driven = word(v, at + offsetof(auvid_set_t, driven));
         uint32_t filled = word(v, at + offsetof(auvid_set_t, rows));
         good = good && filled <= rows && (driven != 0) == (filled != 0) &&
@@ -236,7 +237,7 @@ static bool sets_are_possible(const view_t *v)
     bool any = WORD(phase) < AUVID_WORK_MERGE;
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool driven = (WORD(metric.driven) >> j & 1u) != 0;
-        good = good && (!driven || word(v, AT(metric.dof_rows[0]) + j * sizeof(uint16_t)) > 0);
+        good = good && (!driven || word(v, MEMBER(metric.dof_rows[0]) + j * sizeof(uint16_t)) > 0);
         any = any || (driven && m->count[j] > 0);
     }
     return good && any;
@@ -295,11 +296,11 @@ static bool metric_is_possible(const view_t *v)
     memset(&memory, 0, sizeof memory);
     memory.known = WORD(metric.memory.known);
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        memory.pi[i] = real_at(v, AT(metric.memory.pi[0]) + i * sizeof(auvid_real_t));
-        memory.sigma[i] = real_at(v, AT(metric.memory.sigma[0]) + i * sizeof(auvid_real_t));
+        memory.pi[i] = real_at(v, MEMBER(metric.memory.pi[0]) + i * sizeof(auvid_real_t));
+        memory.sigma[i] = real_at(v, MEMBER(metric.memory.sigma[0]) + i * sizeof(auvid_real_t));
     }
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory.colour[j] = real_at(v, AT(metric.memory.colour[0]) + j * sizeof(auvid_real_t));
+        memory.colour[j] = real_at(v, MEMBER(metric.memory.colour[0]) + j * sizeof(auvid_real_t));
     }
     return rows * sets <= 60000u && ring_is_possible(v) &&
            (!stored || (sets + 1u) * rows == (m->cfg.sets + 1u) * m->cfg.set_rows) &&
@@ -325,14 +326,14 @@ static bool crs_is_possible(const view_t *v)
     uint32_t filled = WORD(optimizer.crs.filled);
     bool filling = WORD(optimizer.crs.state) <= CRS_FILL, good = n < m;
     for (size_t k = 0; k < m; ++k) {
-        good = good && word(v, AT(optimizer.crs.order[0]) + k * sizeof(uint16_t)) < m;
+        good = good && word(v, MEMBER(optimizer.crs.order[0]) + k * sizeof(uint16_t)) < m;
     }
     return good && (filling ? filled < m : filled == m && WORD(optimizer.crs.evaluations) > 0) &&
            WORD(optimizer.crs.known) <= m && WORD(optimizer.crs.first) < m &&
            WORD(optimizer.crs.best) < m && WORD(optimizer.crs.worst) < m &&
            (!WORD(optimizer.crs.asked) ||
-            is_inside(v, AT(optimizer.crs.trial), AT(optimizer.crs.config.lower),
-                      AT(optimizer.crs.config.upper), n));
+            is_inside(v, MEMBER(optimizer.crs.trial), MEMBER(optimizer.crs.config.lower),
+                      MEMBER(optimizer.crs.config.upper), n));
 }
 
 static bool line_search_is_possible(const view_t *v)
@@ -342,12 +343,13 @@ static bool line_search_is_possible(const view_t *v)
     bool pattern = direction == 2u * n, probes = WORD(optimizer.line_search.move) == MOVE_PROBE;
     return direction <= 2u * n && WORD(optimizer.line_search.built) <= n &&
            WORD(optimizer.line_search.probe) < (probes ? direction / 2u : n) &&
-           (!pattern || (WORD(optimizer.line_search.move) < MOVE_AXIS &&
-                         !(auvid_abs(real_at(v, AT(optimizer.line_search.axis_step))) >
-                           AUVID_C(0.0)))) &&
+           (!pattern ||
+            (WORD(optimizer.line_search.move) < MOVE_AXIS &&
+             !(auvid_abs(real_at(v, MEMBER(optimizer.line_search.axis_step))) > AUVID_C(0.0)))) &&
            (!WORD(optimizer.line_search.asked) ||
-            is_inside(v, AT(optimizer.line_search.trial), AT(optimizer.line_search.config.lower),
-                      AT(optimizer.line_search.config.upper), n));
+            is_inside(v, MEMBER(optimizer.line_search.trial),
+                      MEMBER(optimizer.line_search.config.lower),
+                      MEMBER(optimizer.line_search.config.upper), n));
 }
 
 static bool search_is_possible(const view_t *v)
@@ -381,9 +383,9 @@ static bool optimum_is_possible(const view_t *v)
                 WORD(optimum.at) <= n + 1u && WORD(optimum.changes) < 4u * (n + 1u) &&
                 (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= v->id->metric.count[dof]);
     for (size_t k = 0; good && k < n; ++k) {
-        good = word(v, AT(optimum.order[0]) + k) < n;
+        good = word(v, MEMBER(optimum.order[0]) + k) < n;
     }
-    return good && is_inside(v, AT(optimum.x), AT(optimum.lower), AT(optimum.upper), n);
+    return good && is_inside(v, MEMBER(optimum.x), MEMBER(optimum.lower), MEMBER(optimum.upper), n);
 }
 
 static bool job_is_possible(const view_t *v)
@@ -392,12 +394,12 @@ static bool job_is_possible(const view_t *v)
     uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at_dof);
     bool good = n <= m->cfg.vehicle->parameters &&
                 WORD(confidence.at_set) < WORD(metric.cfg.sets) &&
-                notes_are_possible(v, AT(confidence.result));
+                notes_are_possible(v, MEMBER(confidence.result));
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        uint32_t to = word(v, AT(confidence.place[0]) + i);
+        uint32_t to = word(v, MEMBER(confidence.place[0]) + i);
         bool unused = i >= m->cfg.vehicle->parameters;
         good = good && (unused || to < n || to == NOWHERE) &&
-               word(v, AT(confidence.index[0]) + i) < m->cfg.vehicle->parameters;
+               word(v, MEMBER(confidence.index[0]) + i) < m->cfg.vehicle->parameters;
     }
     if (!good || j >= AUVID_DOF_COUNT || m->count[j] == 0 || (WORD(metric.driven) >> j & 1u) == 0) {
         return false;
@@ -413,7 +415,7 @@ static bool prediction_is_possible(const view_t *v)
 {
     bool good = identifier_vehicle(v->id)->acceleration != NULL;
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        uint32_t compared = word(v, AT(prediction.compared[0]) + j * sizeof(uint32_t));
+        uint32_t compared = word(v, MEMBER(prediction.compared[0]) + j * sizeof(uint32_t));
         good = good && compared <= WORD(prediction.cells);
     }
     return good;
@@ -452,8 +454,8 @@ static bool identifier_is_possible(const view_t *v)
            ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
            ((parts & PART_SIMULATED) == 0 || prediction_is_possible(v)) &&
            (WORD(active) & ~auvid_metric_free_of(&v->id->metric, UINT8_MAX)) == 0 &&
-           notes_are_possible(v, AT(estimate.confidence)) &&
-           notes_are_possible(v, AT(trusted.confidence)) && search_goes_with_phase(v);
+           notes_are_possible(v, MEMBER(estimate.confidence)) &&
+           notes_are_possible(v, MEMBER(trusted.confidence)) && search_goes_with_phase(v);
 }
 
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,

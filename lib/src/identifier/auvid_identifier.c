@@ -91,7 +91,7 @@ static auvid_status_t check_uncertainty(const auvid_uncertainty_t *told)
     return AUVID_OK;
 }
 
-static auvid_status_t check(const auvid_identifier_config_t *cfg)
+static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
 {
     auvid_status_t status = auvid_selftest();
     if (status >= 0) {
@@ -171,7 +171,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         return AUVID_ERR_NULL;
     }
     memset(id, 0, offsetof(auvid_identifier_t, config)); /* where cfg may be */
-    auvid_status_t status = check(cfg);
+    auvid_status_t status = identifier_check(cfg);
     if (status >= 0) {
         id->search = cfg->search;
         id->velocity = cfg->velocity;

@@ -14,7 +14,7 @@ static auvid_guard_seen_t seen_by(const auvid_nav_t *nav, auvid_nav_sensor_t sen
 }
 
 /* What the guard looks at, from the filter and what else is known. */
-static void look(const auvid_identifier_t *id, bool saturated, auvid_guard_input_t *in)
+static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_guard_input_t *in)
 {
     auvid_nav_state_t state;
     memset(in, 0, sizeof *in);
@@ -134,7 +134,7 @@ static void excite(auvid_identifier_t *id, auvid_output_t *out)
     }
 }
 
-static void publish(const auvid_identifier_t *id, auvid_output_t *out)
+static void identifier_publish_state(const auvid_identifier_t *id, auvid_output_t *out)
 {
     out->guard = id->guard.state;
     out->cause = id->guard.trip.cause;
@@ -146,14 +146,14 @@ void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid
     take_altitude(id, in);
     { /* its own block: what the guard sees need not stay on the stack while exciting */
         auvid_guard_input_t seen;
-        look(id, in->saturated, &seen);
+        identifier_look(id, in->saturated, &seen);
         id->saturated = false;
         may = watch(id, id->t_us, &seen, &id->events);
     }
     if (may) {
         excite(id, out);
     }
-    publish(id, out);
+    identifier_publish_state(id, out);
 }
 
 void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
@@ -169,7 +169,7 @@ void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, a
         (void)watch(id, in->t_us, &nothing, &out->events);
     }
     if (out != NULL) {
-        publish(id, out);
+        identifier_publish_state(id, out);
     }
 }
 
@@ -182,7 +182,7 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     if (!identifier_is_ready(id) || id->excitation.config.segments == 0) {
         return AUVID_ERR_STATE;
     }
-    look(id, false, &seen);
+    identifier_look(id, false, &seen);
     auvid_status_t status = auvid_guard_arm(&id->guard, id->t_us, &seen);
     if (status == AUVID_OK) { /* the time of arming has been stepped: again, it stands still */
         id->guard.stepped = id->started;

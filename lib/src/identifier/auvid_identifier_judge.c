@@ -123,7 +123,7 @@ static void next_set(auvid_identifier_t *id)
     auvid_identifier_begin_judge(id);
 }
 
-static void predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
+static void identifier_predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
 {
     auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(id, e));
     id->phase = phase;
@@ -163,7 +163,7 @@ static void note_prediction(auvid_identifier_t *id)
 
 /* The trusted estimate's turn is over: which of the two stays? One that knows other DoF is no
  * substitute: its parameters of the rest are not estimates. */
-static void compare(auvid_identifier_t *id)
+static void identifier_compare(auvid_identifier_t *id)
 {
     bool worse = id->predicted > MARGIN * predicted_cost(id);
     if (worse && id->estimate.driven != id->trusted.driven) {
@@ -241,20 +241,20 @@ auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget)
     case AUVID_WORK_FORESEE:
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
-            predict(id, &id->estimate, AUVID_WORK_PREDICT);
+            identifier_predict(id, &id->estimate, AUVID_WORK_PREDICT);
         }
         break;
     case AUVID_WORK_PREDICT:
         status = auvid_metric_measure(m, budget);
         if (status == AUVID_OK) {
             note_prediction(id);
-            predict(id, &id->trusted, AUVID_WORK_COMPARE);
+            identifier_predict(id, &id->trusted, AUVID_WORK_COMPARE);
         }
         break;
     case AUVID_WORK_COMPARE:
         status = id->trusted.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
         if (status == AUVID_OK) {
-            compare(id);
+            identifier_compare(id);
             auvid_metric_judge_begin(m);
             id->phase = AUVID_WORK_JUDGE;
         }

@@ -48,7 +48,7 @@ static void record_velocity(auvid_identifier_t *id)
     }
 }
 
-static void note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
+static void identifier_note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
 {
     id->events |= status < 0 || status == AUVID_GATED ? event : 0u;
 }
@@ -78,18 +78,19 @@ static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
         }
     }
     if (in->dvl.present) {
-        note(id, auvid_nav_dvl(&id->nav, &in->dvl.sample), AUVID_EVENT_DVL_DROPPED);
+        identifier_note(id, auvid_nav_dvl(&id->nav, &in->dvl.sample), AUVID_EVENT_DVL_DROPPED);
     }
     if (in->dvl_water.present) {
-        note(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample), AUVID_EVENT_DVL_DROPPED);
+        identifier_note(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample),
+                        AUVID_EVENT_DVL_DROPPED);
     }
     if (in->depth.present) {
-        note(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
-             AUVID_EVENT_DEPTH_DROPPED);
+        identifier_note(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
+                        AUVID_EVENT_DEPTH_DROPPED);
     }
     if (in->gps.present) {
-        note(id, auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
-             AUVID_EVENT_GPS_DROPPED);
+        identifier_note(id, auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
+                        AUVID_EVENT_GPS_DROPPED);
     }
 }
 

@@ -145,7 +145,7 @@ static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
     }
 }
 
-static void publish(auvid_identifier_t *id)
+static void identifier_publish_estimate(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
     ++e->number;
@@ -202,7 +202,7 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     } else {
         status = auvid_confidence_work(&id->confidence, m, budget);
         if (status == AUVID_OK) {
-            publish(id);
+            identifier_publish_estimate(id);
         }
     }
     return status;

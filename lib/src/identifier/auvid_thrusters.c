@@ -33,7 +33,7 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
     }
 }
 
-static auvid_status_t check(const auvid_thrusters_config_t *cfg)
+static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
 {
     if (cfg->hull == NULL || cfg->log == NULL) {
         return AUVID_ERR_NULL;
@@ -108,8 +108,8 @@ static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
 
 /* Predicted less applied wrench, as the hull has it for what the thrusters make. A row that is no
  * longer in the log says nothing; its set goes with the next one that is complete. */
-static void residual(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
-                     auvid_real_t *e)
+static void thrusters_residual(const void *context, const auvid_sample_t *sample,
+                               const auvid_real_t *pi, auvid_real_t *e)
 {
     const auvid_thrusters_t *th = context;
     auvid_sample_t s = *sample;
@@ -124,7 +124,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     if (thrusters == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check(cfg);
+    auvid_status_t status = thrusters_check(cfg);
     if (status < 0) {
         return status;
     }
@@ -153,7 +153,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->name = cfg->hull->name;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;
-    vehicle->residual = residual;
+    vehicle->residual = thrusters_residual;
     vehicle->own_thrust = true;
     vehicle->context = th;
     memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);

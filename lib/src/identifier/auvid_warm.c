@@ -21,7 +21,7 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-#define MAGIC 0x31777661u
+#define RECORD_MAGIC 0x31777661u
 
 /* What a dive ago was known within sigma is known within this times sigma: half of its weight. */
 #define AGED AUVID_C(1.4142136)
@@ -32,7 +32,14 @@
 /* Standard errors beyond it are not known. */
 #define MOST_SIGMA AUVID_C(1e30)
 
-enum { MODEL = 4, KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
+enum {
+    RECORD_MODEL = 4,
+    RECORD_KNOWN = 8,
+    RECORD_COLOUR = 12,
+    RECORD_VALUE = 36,
+    RECORD_SIGMA = 164,
+    RECORD_CHECK = 232
+};
 
 static auvid_real_t real_of(uint32_t bits)
 {
@@ -43,7 +50,7 @@ static auvid_real_t real_of(uint32_t bits)
 
 static uint32_t checksum_of_record(const uint8_t *record)
 {
-    return ~auvid_checksum(UINT32_MAX, record, CHECK);
+    return ~auvid_checksum(UINT32_MAX, record, RECORD_CHECK);
 }
 
 /* 0: the DoF is not known. */
@@ -69,10 +76,11 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     }
     uint32_t known = 0;
     memset(record, 0, AUVID_WARM_BYTES);
-    auvid_put_word(record, MAGIC);
-    auvid_put_word(record + MODEL, auvid_checksum_of_model(&id->metric.cfg));
+    auvid_put_word(record, RECORD_MAGIC);
+    auvid_put_word(record + RECORD_MODEL, auvid_checksum_of_model(&id->metric.cfg));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_put_word(record + COLOUR + 4 * j, auvid_single_bits(colour(&e->confidence, j)));
+        auvid_put_word(record + RECORD_COLOUR + 4 * j,
+                       auvid_single_bits(colour(&e->confidence, j)));
     }
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
@@ -82,25 +90,26 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
                    colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;
-        auvid_put_word(record + VALUE + 4 * i, auvid_single_bits(e->pi[i]));
-        record[SIGMA + 2 * i] = (uint8_t)upper;
-        record[SIGMA + 2 * i + 1] = (uint8_t)(upper >> 8);
+        auvid_put_word(record + RECORD_VALUE + 4 * i, auvid_single_bits(e->pi[i]));
+        record[RECORD_SIGMA + 2 * i] = (uint8_t)upper;
+        record[RECORD_SIGMA + 2 * i + 1] = (uint8_t)(upper >> 8);
     }
-    auvid_put_word(record + KNOWN, known);
-    auvid_put_word(record + CHECK, checksum_of_record(record));
+    auvid_put_word(record + RECORD_KNOWN, known);
+    auvid_put_word(record + RECORD_CHECK, checksum_of_record(record));
     return AUVID_OK;
 }
 
 static void read_memory(const uint8_t *record, int parameters, auvid_memory_t *memory)
 {
     memset(memory, 0, sizeof *memory);
-    memory->known = auvid_get_word(record + KNOWN);
+    memory->known = auvid_get_word(record + RECORD_KNOWN);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory->colour[j] = real_of(auvid_get_word(record + COLOUR + 4 * j));
+        memory->colour[j] = real_of(auvid_get_word(record + RECORD_COLOUR + 4 * j));
     }
     for (int i = 0; i < parameters; ++i) {
-        uint32_t upper = record[SIGMA + 2 * i] | (uint32_t)record[SIGMA + 2 * i + 1] << 8;
-        memory->pi[i] = real_of(auvid_get_word(record + VALUE + 4 * i));
+        uint32_t upper = record[RECORD_SIGMA + 2 * i] | (uint32_t)record[RECORD_SIGMA + 2 * i + 1]
+                                                            << 8;
+        memory->pi[i] = real_of(auvid_get_word(record + RECORD_VALUE + 4 * i));
         memory->sigma[i] = AGED * real_of(upper << 16);
     }
 }
@@ -120,7 +129,7 @@ static void add_considered(auvid_identifier_t *id, int i)
 }
 
 /* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
-static void publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+static void warm_publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
 {
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
@@ -147,17 +156,17 @@ static void publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool t
 }
 
 /* Is it before the first set? */
-static bool is_fresh(const auvid_identifier_t *id)
+static bool warm_is_fresh(const auvid_identifier_t *id)
 {
     return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
 }
 
 /* told: known with the thrust as told, not in SI. */
-static auvid_status_t begin(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
 {
     auvid_status_t status = auvid_metric_remember(&id->metric, memory);
     if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
-        publish(id, memory, told);
+        warm_publish(id, memory, told);
         status = AUVID_OK;
     }
     return status;
@@ -168,22 +177,22 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     if (id == NULL || record == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!is_fresh(id)) {
+    if (!warm_is_fresh(id)) {
         return AUVID_ERR_STATE;
     }
     if (bytes != AUVID_WARM_BYTES) {
         return AUVID_ERR_SIZE;
     }
-    if (auvid_get_word(record) != MAGIC ||
-        auvid_get_word(record + CHECK) != checksum_of_record(record)) {
+    if (auvid_get_word(record) != RECORD_MAGIC ||
+        auvid_get_word(record + RECORD_CHECK) != checksum_of_record(record)) {
         return AUVID_ERR_CHECKSUM;
     }
-    if (auvid_get_word(record + MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
+    if (auvid_get_word(record + RECORD_MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
         return AUVID_ERR_MODEL;
     }
     auvid_memory_t memory;
     read_memory(record, identifier_vehicle(id)->parameters, &memory);
-    return begin(id, &memory, true);
+    return warm_begin(id, &memory, true);
 }
 
 auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
@@ -192,7 +201,7 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
     if (id == NULL || pi == NULL || sigma == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!is_fresh(id)) {
+    if (!warm_is_fresh(id)) {
         return AUVID_ERR_STATE;
     }
     auvid_memory_t memory;
@@ -213,5 +222,5 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         memory.sigma[i] = sigma[i];
         memory.colour[identifier_vehicle(id)->parameter[i].dof] = COMMON_COLOUR;
     }
-    return begin(id, &memory, false);
+    return warm_begin(id, &memory, false);
 }

@@ -60,7 +60,7 @@ static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *
 }
 
 /* x = P x */
-static void invert(const job_t *c, auvid_real_t *x)
+static void confidence_invert(const job_t *c, auvid_real_t *x)
 {
     auvid_triangle_solve_left(c->joint, c->n, c->n, x);
     (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);
@@ -119,7 +119,7 @@ static auvid_real_t share_of(const job_t *c, int p, int f)
     return quadratic && rms > AUVID_C(0.0) ? AUVID_C(1.0) / auvid_sqrt(rms) : AUVID_C(0.0);
 }
 
-static void consider(job_t *c, int p)
+static void confidence_consider(job_t *c, int p)
 {
     const auvid_vehicle_t *vehicle = c->metric->cfg.vehicle;
     auvid_confidence_t *to = &c->result;
@@ -150,7 +150,7 @@ static auvid_real_t *diagonal(job_t *c, int p)
 static void write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
 {
     int p = c->index[i];
-    invert(c, y);
+    confidence_invert(c, y);
     y[i] = variance;
     for (int k = i; k < c->n; ++k) {
         diagonal(c, p)[c->index[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
@@ -181,7 +181,7 @@ void auvid_confidence_judge(job_t *c, int i)
         return;
     }
     x[i] = AUVID_C(1.0);
-    invert(c, x);
+    confidence_invert(c, x);
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
@@ -203,7 +203,7 @@ void auvid_confidence_judge(job_t *c, int i)
     found.sigma = auvid_sqrt(WIDENED * variance * widening + c->moved[i] * c->moved[i]);
     found.bias = auvid_abs(delta);
     found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
-    consider(c, p);
+    confidence_consider(c, p);
     auvid_confidence_conclude(c, i, &found);
     write_row(c, i, plain, y);
     if (c->result.sigma[p] < AUVID_LARGEST && plain > AUVID_C(0.0)) {

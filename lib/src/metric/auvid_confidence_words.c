@@ -46,7 +46,7 @@ typedef struct {
     size_t size, used;
 } writer_t;
 
-static void add(writer_t *w, const char *words)
+static void confidence_add(writer_t *w, const char *words)
 {
     for (; *words != '\0' && w->used + 1 < w->size; ++words) {
         w->text[w->used++] = *words;
@@ -58,7 +58,7 @@ static void add_dof(writer_t *w, auvid_dof_t dof)
 {
     static const char *const name[AUVID_DOF_COUNT] = {
         "surge: ", "sway: ", "heave: ", "roll: ", "pitch: ", "yaw: "};
-    add(w, name[dof]);
+    confidence_add(w, name[dof]);
 }
 
 /* A number with up to three decimals; of one that needs more room or more decimals, nothing.
@@ -87,8 +87,8 @@ static bool add_number(writer_t *w, auvid_real_t x)
         *--c = (char)('0' + whole % 10u);
         whole /= 10u;
     } while (whole > 0);
-    add(w, x < AUVID_C(0.0) ? "-" : "");
-    add(w, c);
+    confidence_add(w, x < AUVID_C(0.0) ? "-" : "");
+    confidence_add(w, c);
     return true;
 }
 
@@ -107,7 +107,7 @@ static void add_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
 static void add_percent(writer_t *w, auvid_real_t x, bool up)
 {
     add_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
-    add(w, " %");
+    confidence_add(w, " %");
 }
 
 /* Parameter i is known but for the scale of the thrust. With the limit that bound holds its
@@ -119,42 +119,43 @@ static void add_scale(writer_t *w, const auvid_confidence_t *c, const auvid_para
     auvid_real_t told = auvid_sqrt(sigma * sigma - thrust * thrust);
     auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
     auvid_real_t allowed = auvid_sqrt(told * told + limit * limit);
-    add(w, parameter->name);
-    add(w, " is known to ");
+    confidence_add(w, parameter->name);
+    confidence_add(w, " is known to ");
     if (parameter->kind == AUVID_PARAMETER_FORCE) {
         add_steps(w, AUVID_HALF_WIDTH * told, AUVID_C(0.1), true);
-        add(w, " ");
-        add(w, parameter->unit);
+        confidence_add(w, " ");
+        confidence_add(w, parameter->unit);
     } else {
         add_percent(w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * told / allowed, true);
     }
-    add(w, " in your newtons; calibrate thrust to ");
+    confidence_add(w, " in your newtons; calibrate thrust to ");
     add_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    add(w, " for SI");
+    confidence_add(w, " for SI");
 }
 
 /* Parameter i's equation has an impossible estimate. */
 static void add_impossible(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                            int i)
 {
-    add(w, vehicle->parameter[c->partner[i]].name);
-    add(w, " is impossible (");
-    add(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
+    confidence_add(w, vehicle->parameter[c->partner[i]].name);
+    confidence_add(w, " is impossible (");
+    confidence_add(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
     (void)add_number(w, c->bound[i]);
-    add(w, "): the equation is not trusted; check signs, units, the model");
+    confidence_add(w, "): the equation is not trusted; check signs, units, the model");
 }
 
 /* Parameter i at its bound. */
 static void add_bound(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
                       int i)
 {
-    add(w, parameter->name);
-    add(w, c->partner[i] != 0 ? " is at its upper bound of " : " is at its lower bound of ");
+    confidence_add(w, parameter->name);
+    confidence_add(w, c->partner[i] != 0 ? " is at its upper bound of "
+                                         : " is at its lower bound of ");
     if (add_number(w, c->bound[i])) {
-        add(w, " ");
+        confidence_add(w, " ");
     }
-    add(w, parameter->unit);
-    add(w, ": widen it");
+    confidence_add(w, parameter->unit);
+    confidence_add(w, ": widen it");
 }
 
 /* All that depend on the parameter at its bound on which parameter i does. */
@@ -162,12 +163,12 @@ static void add_dependents(writer_t *w, const auvid_confidence_t *c, const auvid
                            int i)
 {
     const char *separator = " also changes ";
-    add(w, vehicle->parameter[c->partner[i]].name);
-    add(w, " at its bound");
+    confidence_add(w, vehicle->parameter[c->partner[i]].name);
+    confidence_add(w, " at its bound");
     for (int k = i; k < vehicle->parameters; ++k) {
         if (c->note[k] == AUVID_NOTE_BESIDE_BOUND && c->partner[k] == c->partner[i]) {
-            add(w, separator);
-            add(w, vehicle->parameter[k].name);
+            confidence_add(w, separator);
+            confidence_add(w, vehicle->parameter[k].name);
             separator = ", ";
         }
     }
@@ -192,9 +193,9 @@ static void add_need(writer_t *w, const auvid_parameter_t *parameter)
         [AUVID_PARAMETER_FORCE] = "; go on recording"};
     bool known = (unsigned)parameter->kind < sizeof lacks / sizeof lacks[0];
     auvid_parameter_kind_t kind = known ? parameter->kind : AUVID_PARAMETER_OTHER;
-    add(w, lacks[kind]);
-    add(w, parameter->name);
-    add(w, needs[kind]);
+    confidence_add(w, lacks[kind]);
+    confidence_add(w, parameter->name);
+    confidence_add(w, needs[kind]);
 }
 
 static bool is_drag(const auvid_parameter_t *parameter)
@@ -205,12 +206,13 @@ static bool is_drag(const auvid_parameter_t *parameter)
 
 static void add_pair(writer_t *w, const auvid_parameter_t *one, const auvid_parameter_t *other)
 {
-    add(w, one->name);
-    add(w, " and ");
-    add(w, other->name);
-    add(w, " cannot be told apart; ");
-    add(w, is_drag(one) && is_drag(other) ? "steps held 4-8 s at two strengths"
-                                          : "hold one of them fixed, or vary the motion");
+    confidence_add(w, one->name);
+    confidence_add(w, " and ");
+    confidence_add(w, other->name);
+    confidence_add(w, " cannot be told apart; ");
+    confidence_add(w, is_drag(one) && is_drag(other)
+                          ? "steps held 4-8 s at two strengths"
+                          : "hold one of them fixed, or vary the motion");
 }
 
 /* Does what is to be said of parameter i say it of parameter k < i too? */
@@ -257,12 +259,13 @@ static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_v
     const auvid_parameter_t *parameter = &vehicle->parameter[i];
     auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_DRIVEN : (auvid_note_t)c->note[i];
     if (note == AUVID_NOTE_NOT_CONVERGED) {
-        add(w, "the search has not converged; narrow the bounds, or give a good point");
+        confidence_add(w, "the search has not converged; narrow the bounds, or give a good point");
         return;
     }
     add_dof(w, parameter->dof);
     if (note == AUVID_NOTE_NOT_DRIVEN) {
-        add(w, "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
+        confidence_add(w,
+                       "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
     } else if (note == AUVID_NOTE_COMBINATION) {
         add_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
     } else if (note == AUVID_NOTE_AT_BOUND) {
@@ -292,8 +295,8 @@ static void add_lost(writer_t *w, int dof, unsigned lost)
 {
     const char number[3] = {(char)('0' + lost / 10 % 10), (char)('0' + lost % 10), '\0'};
     add_dof(w, (auvid_dof_t)dof);
-    add(w, number);
-    add(w, " % of the rows were lost to gaps in the record");
+    confidence_add(w, number);
+    confidence_add(w, " % of the rows were lost to gaps in the record");
 }
 
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,

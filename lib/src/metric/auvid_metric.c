@@ -68,7 +68,7 @@ void auvid_metric_literal(auvid_metric_config_t *cfg)
     }
 }
 
-static auvid_status_t check(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
 {
     auvid_status_t status = auvid_vehicle_check(cfg->vehicle);
     if (status < 0) {
@@ -267,7 +267,7 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     if (metric == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check(cfg);
+    auvid_status_t status = metric_check(cfg);
     status = status == AUVID_OK ? filter_fits(cfg) : status;
     status = status == AUVID_OK ? columns_fit(cfg) : status;
     if (status < 0) {

@@ -16,6 +16,10 @@ enum {
     MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS /* wrench and commands again, delayed */
 };
 
+/** Larger entries of a row are taken for a fault: the squares of 60000 such rows are still finite
+ * in single precision. */
+#define METRIC_LARGEST_ENTRY AUVID_C(1e15)
+
 /** Regressor path? Else the residual path. */
 static inline bool auvid_metric_is_linear(const auvid_metric_config_t *cfg)
 {

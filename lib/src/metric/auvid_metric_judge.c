@@ -50,7 +50,7 @@ static void note_set(auvid_metric_t *m, int j, int place)
 }
 
 /* One row of one band of the set of that place in DoF j's chain. @return its rows are at an end */
-static bool take_row(auvid_metric_t *m, int j, int place)
+static bool metric_judge_row(auvid_metric_t *m, int j, int place)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = place < sets ? sets - 1 - place : place - sets;
@@ -77,7 +77,8 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-            if (auvid_metric_pay(m, budget, AUVID_METRIC_ROTATION) && take_row(m, j, m->at_set)) {
+            if (auvid_metric_pay(m, budget, AUVID_METRIC_ROTATION) &&
+                metric_judge_row(m, j, m->at_set)) {
                 note_set(m, j, m->at_set++);
                 m->at_row = 0;
             }

@@ -24,7 +24,6 @@
 #define LEAST_STEP AUVID_C(1e-4)     /* smaller ones drown in rounding */
 #define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
 #define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
-#define LARGEST_ENTRY AUVID_C(1e15)  /* as when recording */
 
 void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                   auvid_real_t delay_s, uint8_t sets)
@@ -69,8 +68,8 @@ static bool has_window(const auvid_metric_t *m, int age, int r)
 
 /* Residuals of a stored row with value number v moved by half a step up or down, or as it is:
  * v = 0; parameter (v - 1) / 2; the delay. */
-static auvid_real_t evaluate(auvid_metric_t *m, const auvid_row_t *row, int v,
-                             auvid_real_t residual[AUVID_DOF_COUNT])
+static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *row, int v,
+                                          auvid_real_t residual[AUVID_DOF_COUNT])
 {
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
@@ -98,7 +97,7 @@ static auvid_real_t evaluate(auvid_metric_t *m, const auvid_row_t *row, int v,
 static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t share, int v)
 {
     auvid_real_t residual[AUVID_DOF_COUNT];
-    auvid_real_t weight = share * evaluate(m, row, v, residual);
+    auvid_real_t weight = share * metric_evaluate_moved(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *z = m->z + m->channel_at[j];
@@ -143,7 +142,7 @@ static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8
             z[count] += z[k] * m->pi[m->index[m->channel_at[j] + k]];
         }
     }
-    if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -163,7 +162,7 @@ static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8
 }
 
 /* Values that are moved: is number v one of them? */
-static bool moves(const auvid_metric_t *m, int v)
+static bool metric_moves(const auvid_metric_t *m, int v)
 {
     int i = (v - 1) / 2;
     return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
@@ -183,7 +182,7 @@ static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
         }
         for (; m->at_part < values * m->window_length; ++m->at_part) {
             int k = m->at_part / values, v = m->at_part % values;
-            if (!moves(m, v)) {
+            if (!metric_moves(m, v)) {
                 continue;
             }
             if (!auvid_metric_pay_model(m, budget)) {

@@ -14,11 +14,10 @@
 #include "auvid_metric_internal.h"
 
 /* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
-#define LIMIT AUVID_C(6.0)
+#define METRIC_LIMIT AUVID_C(6.0)
 
-/* Larger values are no parameters (crs.h), larger entries of a row no rows (as when recording). */
+/* Larger values are no parameters (crs.h). */
 #define LARGEST_VALUE AUVID_C(1e18)
-#define LARGEST_ENTRY AUVID_C(1e15)
 /* Standard errors and colours are between the inverse of this and this. */
 #define LARGEST_ERROR AUVID_C(2e30)
 
@@ -34,7 +33,7 @@ static uint32_t columns_known(const auvid_metric_t *m, int j)
     return known;
 }
 
-static void rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
@@ -42,7 +41,7 @@ static void rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         row[m->count[j] + d] = row[k] * m->memory.pi[i];
     }
-    if (auvid_all_within(row + k, (size_t)(n - k), LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(row + k, (size_t)(n - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
     }
     auvid_triangle_add(m->merged + m->factor_at[j], n, k, row);
@@ -58,14 +57,14 @@ static bool recall_dof(auvid_metric_t *m, int j)
     uint32_t known = columns_known(m, j);
     for (int k = 0; k < m->count[j]; ++k) {
         if (known >> k & 1u) {
-            rotate(m, j, k, auvid_sqrt(square));
+            metric_rotate(m, j, k, auvid_sqrt(square));
             freedom += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
     m->constant -= m->weight[j] * before;
     auvid_metric_settle(m, j);
-    return more <= LIMIT * freedom * square;
+    return more <= METRIC_LIMIT * freedom * square;
 }
 
 /* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (forgotten: the last pass begins anew) */

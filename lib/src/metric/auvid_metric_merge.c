@@ -16,7 +16,7 @@
 #include "auvid_metric_internal.h"
 
 /* No band is trusted more than this times the other (in variance). */
-#define LARGEST_RATIO AUVID_C(1e3)
+#define METRIC_LARGEST_RATIO AUVID_C(1e3)
 
 /* A delay is taken when it is known this well [s] and is this many standard deviations from none.
  * The thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that
@@ -241,14 +241,14 @@ static void weigh_bands(auvid_metric_t *m, int j)
     auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
     auvid_real_t ratio = AUVID_C(1.0);
     if (low > AUVID_C(0.0) && high > AUVID_C(0.0)) {
-        ratio = auvid_clamp(high / low, AUVID_C(1.0) / LARGEST_RATIO, LARGEST_RATIO);
+        ratio = auvid_clamp(high / low, AUVID_C(1.0) / METRIC_LARGEST_RATIO, METRIC_LARGEST_RATIO);
     }
     m->band_weight[0][j] = auvid_sqrt(ratio);
     m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
 }
 
 /* After a pass, one DoF at a time: eight units each. @return all done */
-static bool settle(auvid_metric_t *m, uint32_t *budget)
+static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_dof < AUVID_DOF_COUNT) {
         int j = m->at_dof;
@@ -277,7 +277,7 @@ bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
     while (status == AUVID_EMPTY) {
         if (m->pass == PASS_MEMORY) {
             status = m->recall == NULL ? AUVID_OK : m->recall(m, budget);
-        } else if (auvid_metric_visit_rows(m, budget) && settle(m, budget)) {
+        } else if (auvid_metric_visit_rows(m, budget) && metric_settle_dof(m, budget)) {
             auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
         } else {
             status = AUVID_PENDING;

@@ -72,7 +72,7 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
 }
 
 /* The set of the ring that is `back` turns old: 0 is where the next one goes. */
-static auvid_set_t *place(auvid_metric_t *m, uint32_t back)
+static auvid_set_t *metric_place(auvid_metric_t *m, uint32_t back)
 {
     return &m->set[(m->turns + m->cfg.sets - back) % m->cfg.sets];
 }
@@ -84,7 +84,7 @@ static bool is_taken(auvid_metric_t *m)
     if (!m->held) {
         return m->waiting >= m->cfg.sets;
     }
-    return place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
+    return metric_place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
 }
 
 /* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
@@ -93,7 +93,7 @@ static auvid_set_t *make_room(auvid_metric_t *m)
 {
     bool lose = is_taken(m);
     if (lose) {
-        m->rows_dropped += m->waiting > 0 ? place(m, m->waiting)->rows : m->rows;
+        m->rows_dropped += m->waiting > 0 ? metric_place(m, m->waiting)->rows : m->rows;
     } else {
         ++m->waiting;
     }
@@ -102,14 +102,14 @@ static auvid_set_t *make_room(auvid_metric_t *m)
     }
     if (lose && m->held) {
         for (uint32_t back = m->waiting; back > 1; --back) {
-            *place(m, back) = *place(m, back - 1u);
+            *metric_place(m, back) = *metric_place(m, back - 1u);
         }
     } else {
         ++m->turns;
         m->from = (uint8_t)(m->from + m->held);
         m->turned = m->held;
     }
-    return place(m, 1);
+    return metric_place(m, 1);
 }
 
 void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)

@@ -12,10 +12,6 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Larger entries of a row are taken for a fault: the squares of 60000 such rows are still finite in
- * single precision. */
-#define LARGEST_ENTRY AUVID_C(1e15)
-
 /* Cells of which the inputs are kept. */
 enum { PAST = AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1 };
 /* Wrench and commands. */
@@ -59,7 +55,7 @@ static auvid_real_t explained(const auvid_metric_t *m, int j, const auvid_real_t
     return sum;
 }
 
-static void evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
+static void metric_evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_clear(y->row[0], sizeof *y / sizeof y->row[0][0]);
     m->cfg.vehicle->regressor(m->cfg.vehicle->context, s, y);
@@ -232,12 +228,13 @@ static AUVID_APART void count_row(auvid_metric_t *m, bool taken)
 
 /* A row of the regressor path: into the triangles, but for the DoF `without`. One in which the
  * regressor failed does not count: its wrench would pass for explained. */
-static void take_row(auvid_metric_t *m, const auvid_real_t *channel, const auvid_real_t *known,
-                     uint8_t without)
+static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
+                            const auvid_real_t *known, uint8_t without)
 {
     const auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
-    if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], LARGEST_ENTRY) != AUVID_OK ||
-        auvid_all_within(known, AUVID_DOF_COUNT, LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
+            AUVID_OK ||
+        auvid_all_within(known, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         memset(m->successive, 0, sizeof m->successive);
         return;
     }
@@ -284,7 +281,7 @@ static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         memcpy(tau[d], channel + MOTION_TAU + d * INPUTS, sizeof tau[d]);
         late[d] = tau[d];
     }
-    evaluate(m, &sample, y);
+    metric_evaluate(m, &sample, y);
     (void)row_channels(m, y, late, channel, m->known[slot]);
 }
 
@@ -323,7 +320,7 @@ static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t sl
     if (auvid_metric_is_literal(&m->cfg)) {
         form_row(m, t_us, slot);
     }
-    take_row(m, m->accumulator[slot], m->known[slot], without_row(m, slot));
+    metric_take_row(m, m->accumulator[slot], m->known[slot], without_row(m, slot));
 }
 
 /* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
@@ -347,7 +344,7 @@ static AUVID_APART void add_equations(auvid_metric_t *m, const auvid_sample_t *s
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         late[d] = delayed(m, d);
     }
-    evaluate(m, sample, y);
+    metric_evaluate(m, sample, y);
     bool any = row_channels(m, y, late, channel, known);
     for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
         accumulate_rows(m, slot, age, channel, any ? known : NULL, sample->missing);

@@ -160,7 +160,7 @@ static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t
     }
 }
 
-static void compare(auvid_validation_t *v, const auvid_sample_t *s)
+static void validation_compare(auvid_validation_t *v, const auvid_sample_t *s)
 {
     ++v->cells;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -212,7 +212,7 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
         half_cell(v, sample, AUVID_C(0.5), tau);
     }
     if (v->running) {
-        compare(v, sample);
+        validation_compare(v, sample);
     }
     v->last = *sample;
     return AUVID_OK;

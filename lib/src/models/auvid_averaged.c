@@ -35,8 +35,8 @@ static void regressor(const void *context, const auvid_sample_t *sample, auvid_r
     }
 }
 
-static bool acceleration(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
-                         auvid_real_t nu_dot[AUVID_DOF_COUNT])
+static bool averaged_acceleration(const void *context, const auvid_sample_t *sample,
+                                  const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     const auvid_vehicle_t *vehicle = ((const auvid_averaged_t *)context)->other;
     return vehicle->acceleration(vehicle->context, sample, pi, nu_dot);
@@ -67,7 +67,7 @@ auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *v
     a->vehicle = *vehicle;
     a->vehicle.residual = NULL;
     a->vehicle.regressor = regressor;
-    a->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : acceleration;
+    a->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : averaged_acceleration;
     a->vehicle.context = a;
     return AUVID_OK;
 }

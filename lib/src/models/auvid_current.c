@@ -42,8 +42,8 @@ static void through_water(const auvid_current_t *current, const auvid_sample_t *
     }
 }
 
-static void residual(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
-                     auvid_real_t residual[AUVID_DOF_COUNT])
+static void current_residual(const void *context, const auvid_sample_t *sample,
+                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT])
 {
     const auvid_current_t *current = context;
     auvid_sample_t water;
@@ -52,8 +52,8 @@ static void residual(const void *context, const auvid_sample_t *sample, const au
     auvid_vehicle_residual(current->hull, &water, pi, residual);
 }
 
-static bool acceleration(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
-                         auvid_real_t nu_dot[AUVID_DOF_COUNT])
+static bool current_acceleration(const void *context, const auvid_sample_t *sample,
+                                 const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     const auvid_current_t *current = context;
     const auvid_vehicle_t *vehicle = current->hull;
@@ -96,9 +96,9 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->parameters = (uint8_t)(n + more);
     vehicle->parameter = current->parameter;
     vehicle->free |= hull->free != 0 ? bits : 0u;
-    vehicle->residual = residual;
+    vehicle->residual = current_residual;
     vehicle->regressor = NULL;
-    vehicle->acceleration = hull->acceleration != NULL ? acceleration : NULL;
+    vehicle->acceleration = hull->acceleration != NULL ? current_acceleration : NULL;
     vehicle->context = current;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         vehicle->columns[j] |= hull->columns[j] != 0 ? bits : 0u;

@@ -228,20 +228,20 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
     return true;
 }
 
-#define BIT(name) (1u << AUVID_G500_##name)
+#define G500_BIT(name) (1u << AUVID_G500_##name)
 #if AUVID_MAX_PARAMETERS >= 17
-#define BIAS(name) BIT(name)
+#define BIAS(name) G500_BIT(name)
 #else
 #define BIAS(name) 0u
 #endif
 /* What the coupled equations read, see the top of the file, and each its own. */
 #define READ(dof) (1u << AUVID_##dof)
-#define MOVES (READ(SURGE) | READ(SWAY))
+#define G500_MOVES (READ(SURGE) | READ(SWAY))
 #define READS_COUPLED                                                                              \
-    .reads = {[AUVID_SURGE] = MOVES | READ(HEAVE) | READ(PITCH) | READ(YAW),                       \
-              [AUVID_SWAY] = MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH) | READ(YAW),           \
-              [AUVID_HEAVE] = MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH),                      \
-              [AUVID_YAW] = MOVES | READ(YAW)}
+    .reads = {[AUVID_SURGE] = G500_MOVES | READ(HEAVE) | READ(PITCH) | READ(YAW),                  \
+              [AUVID_SWAY] = G500_MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH) | READ(YAW),      \
+              [AUVID_HEAVE] = G500_MOVES | READ(HEAVE) | READ(ROLL) | READ(PITCH),                 \
+              [AUVID_YAW] = G500_MOVES | READ(YAW)}
 #define READS_OWN                                                                                  \
     .reads = {[AUVID_SURGE] = READ(SURGE),                                                         \
               [AUVID_SWAY] = READ(SWAY),                                                           \
@@ -251,14 +251,14 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
     {                                                                                              \
         .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_G500_COUNT,                   \
         .parameter = g500_parameter,                                                               \
-        .columns = {[AUVID_SURGE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(X_U) |         \
-                                    BIT(X_UU) | BIAS(X_0),                                         \
-                    [AUVID_SWAY] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Y_V) |          \
-                                   BIT(Y_VV) | BIAS(Y_0),                                          \
-                    [AUVID_HEAVE] = BIT(M_U) | BIT(M_V) | BIT(M_W) | BIT(W_B) | BIT(Z_W) |         \
-                                    BIT(Z_WW) | BIAS(Z_0),                                         \
-                    [AUVID_YAW] =                                                                  \
-                        BIT(M_U) | BIT(M_V) | BIT(M_R) | BIT(N_R) | BIT(N_RR) | BIAS(N_0)},        \
+        .columns = {[AUVID_SURGE] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) |                \
+                                    G500_BIT(W_B) | G500_BIT(X_U) | G500_BIT(X_UU) | BIAS(X_0),    \
+                    [AUVID_SWAY] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) | G500_BIT(W_B) | \
+                                   G500_BIT(Y_V) | G500_BIT(Y_VV) | BIAS(Y_0),                     \
+                    [AUVID_HEAVE] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) |                \
+                                    G500_BIT(W_B) | G500_BIT(Z_W) | G500_BIT(Z_WW) | BIAS(Z_0),    \
+                    [AUVID_YAW] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_R) | G500_BIT(N_R) |  \
+                                  G500_BIT(N_RR) | BIAS(N_0)},                                     \
         .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
         .context = &(form_), reads_                                                                \
     }

@@ -113,8 +113,8 @@ AUVID_INLINE bool admits(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j, au
 }
 
 /* Row i of Ppv = r W and what goes with it; w: row i of W. */
-AUVID_INLINE void settle(auvid_nav_t *nav, int i, auvid_real_t r, const auvid_real_t w[3],
-                         const auvid_real_t e[3])
+AUVID_INLINE void nav_settle(auvid_nav_t *nav, int i, auvid_real_t r, const auvid_real_t w[3],
+                             const auvid_real_t e[3])
 {
     nav->residue[i] += nav_dot(nav->pv[i], e);
     nav->pv[i][0] = r * w[0];
@@ -169,14 +169,14 @@ static bool take_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     nav->pp[0] -= nav_dot(w, nav->pv[0]);
     nav->pp[1] -= nav_dot(w, nav->pv[1]);
     nav->pp[2] -= nav_dot(w, nav->pv[2]);
-    settle(nav, 0, r, w, e);
+    nav_settle(nav, 0, r, w, e);
     nav_times(inverse, nav->pv[1], w);
     nav->pp[3] -= nav_dot(w, nav->pv[1]);
     nav->pp[4] -= nav_dot(w, nav->pv[2]);
-    settle(nav, 1, r, w, e);
+    nav_settle(nav, 1, r, w, e);
     nav_times(inverse, nav->pv[2], w);
     nav->pp[5] -= nav_dot(w, nav->pv[2]);
-    settle(nav, 2, r, w, e);
+    nav_settle(nav, 2, r, w, e);
     return true;
 }
 
@@ -196,8 +196,8 @@ static bool take_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 }
 
 /* Let a sample in, unless it is to be kept apart; `taken`: that has been done the short way. */
-AUVID_INLINE auvid_status_t take(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool apart,
-                                 bool taken)
+AUVID_INLINE auvid_status_t nav_take(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool apart,
+                                     bool taken)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     if (taken) {
@@ -269,7 +269,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us
     bool water = sensor == AUVID_NAV_DVL_WATER;
     bool apart = water && nav_fresh(nav, AUVID_NAV_DVL_BOTTOM);
     bool present = !apart && !m.directed && !(m.age > AUVID_C(0.0));
-    status = take(nav, &m, apart, present && take_velocity(nav, &m));
+    status = nav_take(nav, &m, apart, present && take_velocity(nav, &m));
     if (status != AUVID_OK) {
         return status;
     }
@@ -344,7 +344,7 @@ static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, const auvid_
         raise_flag(nav, AUVID_NAV_DEPTH_KNOWN);
         return AUVID_OK;
     }
-    return take(nav, &m, false, !(m.age > AUVID_C(0.0)) && take_depth(nav, &m));
+    return nav_take(nav, &m, false, !(m.age > AUVID_C(0.0)) && take_depth(nav, &m));
 }
 
 auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
@@ -418,7 +418,7 @@ static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_re
         nav_note_good(d, t_us);
         return collect_fix(nav, d);
     }
-    status = take(nav, &m, false, false);
+    status = nav_take(nav, &m, false, false);
     if (status == AUVID_OK) {
         raise_flag(nav, AUVID_NAV_POSITION_KNOWN);
     }

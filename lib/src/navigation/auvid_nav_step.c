@@ -45,7 +45,7 @@ AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auv
 }
 
 /* Eq. 5 and the covariance that goes with it, as above. */
-static AUVID_APART void predict(auvid_nav_t *nav, auvid_real_t t)
+static AUVID_APART void nav_predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
     const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
@@ -128,7 +128,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     }
     count_turns(&nav->turns[0], phi, attitude[0]);
     count_turns(&nav->turns[2], psi, attitude[2]);
-    predict(nav, auvid_seconds(0, dt_us));
+    nav_predict(nav, auvid_seconds(0, dt_us));
     if (nav->holding != 0) {
         auvid_nav_release(nav);
     }

@@ -181,8 +181,8 @@ static auvid_real_t innovation_of(const auvid_nav_t *nav, const auvid_nav_measur
 }
 
 /* Write innovation j down; returns its bit if it is outside the gate. */
-AUVID_INLINE unsigned note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
-                           auvid_real_t gate)
+AUVID_INLINE unsigned nav_note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
+                               auvid_real_t gate)
 {
     auvid_real_t ratio = nu * nu / s;
     d->innovation[j] = nu;
@@ -200,7 +200,7 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     d->nis = AUVID_C(0.0);
     for (int j = 0; j < scalars(m); ++j) {
         auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
-        outside |= note(d, j, nu, nav_variance(nav, m, hph), nav->gate);
+        outside |= nav_note(d, j, nu, nav_variance(nav, m, hph), nav->gate);
     }
     d->axes = m->n;
     d->seen_us = m->t_us;

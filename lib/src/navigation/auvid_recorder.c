@@ -139,7 +139,7 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
 }
 
 /* A sample of a stream, checked. */
-static void take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+static void recorder_take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
     if (rec->running && !st->valid) { /* a velocity that was lost */
@@ -174,7 +174,7 @@ static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const au
         status = check_time(&rec->stream[s], t_us);
     }
     if (status == AUVID_OK) {
-        take(rec, s, t_us, value);
+        recorder_take(rec, s, t_us, value);
         begin_record(rec);
     }
     return status;
@@ -227,7 +227,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
             rec->stream[VELOCITY + i].valid = false;
         }
         if (is_measured) {
-            take(rec, VELOCITY + i, t_us, velocity + i);
+            recorder_take(rec, VELOCITY + i, t_us, velocity + i);
         }
     }
     begin_record(rec);

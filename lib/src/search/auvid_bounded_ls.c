@@ -17,7 +17,7 @@
 #define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: rows have 15 bits */
 #define RELEASED AUVID_C(2e-4) /* smallest that is freed again: not to be held at once */
 #define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
-#define ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
+#define BOUNDED_LS_ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
 
 void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 {
@@ -45,7 +45,7 @@ static void sort(auvid_bounded_ls_t *ls)
 }
 
 /* Row i of [R P | z - R x]. */
-static void rotate(auvid_bounded_ls_t *ls, int i)
+static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
     const auvid_real_t *r = ls->triangle + auvid_triangle_row(ls->n + 1, i);
@@ -118,7 +118,7 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
         sort(ls);
     }
     if (ls->at <= n) {
-        rotate(ls, ls->at++);
+        bounded_ls_rotate(ls, ls->at++);
         return AUVID_PENDING;
     }
     auvid_real_t c[AUVID_MAX_PARAMETERS + 1], gain = AUVID_C(0.0);
@@ -134,7 +134,7 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
         ls->zero = z * z;
     }
     ls->at = 0;
-    auvid_real_t least = GAIN * (ls->cost + constant) + ROUNDED * ls->zero;
+    auvid_real_t least = GAIN * (ls->cost + constant) + BOUNDED_LS_ROUNDED * ls->zero;
     if (gain > least) {
         move(ls, c);
     } else if (!release(ls, c, least)) {

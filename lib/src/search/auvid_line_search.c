@@ -62,7 +62,8 @@ static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
     }
 }
 
-static auvid_status_t check(const auvid_line_search_config_t *c, const auvid_real_t step[3])
+static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
+                                        const auvid_real_t step[3])
 {
     const auvid_real_t reals[] = {c->alpha0, c->sigma, c->delta, c->gamma, c->epsilon};
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
@@ -101,7 +102,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
     }
     auvid_real_t step[3];
     resolve(config, step);
-    auvid_status_t status = check(config, step);
+    auvid_status_t status = line_search_check(config, step);
     if (status != AUVID_OK) {
         return status;
     }
@@ -265,7 +266,7 @@ static bool build(auvid_line_search_t *ls, auvid_real_t cost)
 }
 
 /* The trial at t has this cost (7-17): move on. */
-static void settle(auvid_line_search_t *ls, auvid_real_t cost)
+static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const auvid_real_t before = ls->cost;
     if (cost < before) {
@@ -331,7 +332,8 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         if (ls->state == LINE_EVALUATE) {
             memcpy(ls->trial, ls->theta, sizeof ls->trial);
         } else if (!auvid_line_search_place(ls)) {
-            settle(ls, ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
+            line_search_settle(ls,
+                               ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
             return AUVID_PENDING;
         }
         ls->asked = true;
@@ -357,7 +359,7 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
         ls->cost = cost;
         begin_sweep(ls);
     } else {
-        settle(ls, cost);
+        line_search_settle(ls, cost);
     }
     return AUVID_OK;
 }
