@@ -11,8 +11,8 @@ static uint32_t most(uint32_t value, uint32_t largest)
     return value < largest ? value : largest;
 }
 
-static void report_position(auvid_node_t *node, const auvid_nav_state_t *state,
-                            auvid_can_frame_t *frame, int *count)
+static void node_report_position(auvid_node_t *node, const auvid_nav_state_t *state,
+                                 auvid_can_frame_t *frame, int *count)
 {
     auvid_can_message_t m = {.kind = AUVID_CAN_NAV_POSITION};
     m.as.nav_position.x = state->position[0];
@@ -24,8 +24,8 @@ static void report_position(auvid_node_t *node, const auvid_nav_state_t *state,
     auvid_node_send(node, &m, frame, count);
 }
 
-static void report_velocity(auvid_node_t *node, const auvid_nav_state_t *state,
-                            auvid_can_frame_t *frame, int *count)
+static void node_report_velocity(auvid_node_t *node, const auvid_nav_state_t *state,
+                                 auvid_can_frame_t *frame, int *count)
 {
     auvid_can_message_t m = {.kind = AUVID_CAN_NAV_VELOCITY};
     m.as.nav_velocity.u = state->velocity[0];
@@ -45,7 +45,7 @@ static uint32_t flags_of(const auvid_node_t *node, int i)
 }
 
 /* Parameters take turns; a value that is not known is absent. */
-static void report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_estimate_t *e = &node->id.estimate;
     int i = node->index;
@@ -82,7 +82,7 @@ static auvid_status_t drag_at(const auvid_node_t *node, int point, auvid_drag_t 
 }
 
 /* Points take turns; degrees of freedom without drag have none. */
-static void report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     auvid_drag_t drag;
     int point = node->point;
@@ -113,7 +113,7 @@ static void report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count
     auvid_node_send(node, &m, frame, count);
 }
 
-static void report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_identifier_t *id = &node->id;
     const auvid_guard_t *guard = &id->guard;
@@ -131,7 +131,8 @@ static void report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *c
     auvid_node_send(node, &m, frame, count);
 }
 
-static void report_health(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame, int *count)
+static void node_report_health(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame,
+                               int *count)
 {
     const auvid_node_counters_t *c = &node->counters;
     auvid_can_message_t m = {.kind = AUVID_CAN_HEALTH};
@@ -143,7 +144,7 @@ static void report_health(auvid_node_t *node, uint32_t load, auvid_can_frame_t *
     auvid_node_send(node, &m, frame, count);
 }
 
-static void report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+static void node_report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     auvid_can_message_t m = {.kind = AUVID_CAN_HEARTBEAT};
     m.as.heartbeat.protocol = AUVID_CAN_PROTOCOL;
@@ -171,20 +172,20 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
     node->load = load > node->load ? load : node->load;
     bool navigates = turn % 5u < 2u && auvid_nav_state(&node->id.nav, &state) == AUVID_OK;
     if (navigates && turn % 5u == 0) {
-        report_position(node, &state, frame, count);
+        node_report_position(node, &state, frame, count);
     } else if (navigates) {
-        report_velocity(node, &state, frame, count);
+        node_report_velocity(node, &state, frame, count);
     } else if (turn % 5u == 2u) {
-        report_estimate(node, frame, count);
+        node_report_estimate(node, frame, count);
     } else if (turn % 10u == 3u) {
-        report_progress(node, frame, count);
+        node_report_progress(node, frame, count);
     } else if (turn % 10u == 8u) {
-        report_drag(node, frame, count);
+        node_report_drag(node, frame, count);
     } else if (turn == 4u) {
-        report_health(node, most(node->load, 255u), frame, count);
+        node_report_health(node, most(node->load, 255u), frame, count);
         node->load = 0;
     } else if (turn % 25u == 9u) {
-        report_heartbeat(node, frame, count);
+        node_report_heartbeat(node, frame, count);
     }
     if (node->cfg.answer) {
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK_DONE};

@@ -95,7 +95,7 @@ static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
 }
 
 /* The filter's state into the recorder: attitude in every tick. */
-static void record(auvid_identifier_t *id, const auvid_input_t *in)
+static void identifier_record(auvid_identifier_t *id, const auvid_input_t *in)
 {
     auvid_nav_state_t state;
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
@@ -159,7 +159,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
     id->started = true;
     id->t_us = in->t_us;
     navigate(id, in);
-    record(id, in);
+    identifier_record(id, in);
     if (in->applied.present &&
         record_input(id, in->t_us, in->applied.wrench, in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;

@@ -35,7 +35,7 @@ static const auvid_real_t *delayed(const auvid_metric_t *m, int delay)
 /* Channels of the regressor path stand in sections of one weight each: of the forces what their
  * parameters are multiplied by, then their wrench at three delays; then the same of the moments.
  * Where section i of these four begins: */
-static int section(const auvid_metric_t *m, int i)
+static int metric_section(const auvid_metric_t *m, int i)
 {
     int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
     return m->channel_at[j] + (i % 2 ? m->count[j] + m->count[j + 1] + m->count[j + 2] : 0);
@@ -66,12 +66,12 @@ static bool row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
                          const auvid_real_t *const late[AUVID_METRIC_DELAYS], auvid_real_t *channel,
                          auvid_real_t known[AUVID_DOF_COUNT])
 {
-    auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
+    auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (j == AUVID_ROLL) {
-            motion = channel + section(m, 2);
-            wrench = channel + section(m, 3);
+            motion = channel + metric_section(m, 2);
+            wrench = channel + metric_section(m, 3);
         }
         known[j] = AUVID_C(0.0);
         if (m->cfg.vehicle->columns[j] == 0) {
@@ -137,7 +137,8 @@ static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
                             const auvid_real_t *channel, const auvid_real_t *known, uint8_t missing)
 {
     const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
-    int wrench = section(m, 1), moments = section(m, 2), end = m->channel_at[AUVID_DOF_COUNT];
+    int wrench = metric_section(m, 1), moments = metric_section(m, 2),
+        end = m->channel_at[AUVID_DOF_COUNT];
     auvid_real_t *row = m->accumulator[slot];
     note_missing(m, slot, age, missing);
     add_scaled(row, force, channel, wrench);
@@ -231,7 +232,7 @@ static AUVID_APART void count_row(auvid_metric_t *m, bool taken)
 static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
                             const auvid_real_t *known, uint8_t without)
 {
-    const auvid_real_t *motion = channel, *wrench = channel + section(m, 1);
+    const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
             AUVID_OK ||
         auvid_all_within(known, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
@@ -243,8 +244,8 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         int count = m->count[j];
         if (j == AUVID_ROLL) {
-            motion = channel + section(m, 2);
-            wrench = channel + section(m, 3);
+            motion = channel + metric_section(m, 2);
+            wrench = channel + metric_section(m, 3);
         }
         if (auvid_metric_order(m, j) == 0) {
             continue;
