@@ -87,12 +87,16 @@ WAY_wide_double := $(WAY_double) $(WIDE)
 WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)
 WAYS := release double sanitized bench wide wide_double wide_sanitized
 
-STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
+# For everything but the tests.
+CAREFUL := -Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes \
+    $(CAREFUL)
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
 # Everything but the library may use double and look at private headers.
-FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator \
+FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow $(CAREFUL) -Ilib/src -Itools/simulator \
     -Iport/linux_socketcan
-FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes
+FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes \
+    $(CAREFUL)
 FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itools/auvid -Iport/linux_socketcan \
     -Itests/support -isystem $(UNITY_DIR) -DUNITY_INCLUDE_DOUBLE=
 

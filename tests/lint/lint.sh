@@ -12,8 +12,10 @@ rm -rf "$OUT"
 mkdir -p "$OUT"
 
 export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion \
--Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca -Werror -Ilib/include"
-TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
+-Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca \
+-Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum -Werror -Ilib/include"
+TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow \
+-Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum -Werror \
 -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m"
 shopt -s nullglob
 lib=(lib/src/*/*.c)

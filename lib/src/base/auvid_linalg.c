@@ -10,7 +10,7 @@ void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *
 {
     for (int i = first; i < n; ++i) {
         auvid_real_t *r = triangle + auvid_triangle_row(n, i);
-        if (row[i] == AUVID_C(0.0)) {
+        if (auvid_is_zero(row[i])) {
             continue;
         }
         auvid_real_t rho = auvid_sqrt(r[0] * r[0] + row[i] * row[i]);

@@ -280,7 +280,7 @@ auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x)
     bool steep = ay > ax;
     auvid_real_t large = steep ? ay : ax;
     auvid_real_t small = steep ? ax : ay;
-    if (large == AUVID_C(0.0) && small == AUVID_C(0.0)) {
+    if (auvid_is_zero(large) && auvid_is_zero(small)) {
         return AUVID_C(0.0);
     }
     /* angle = turn + turn_tail +- atan q, q in [-tan(pi/8), tan(pi/8)] */

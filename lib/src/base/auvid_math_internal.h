@@ -43,6 +43,24 @@ static inline auvid_real_t auvid_abs(auvid_real_t x)
 #endif
 }
 
+/* Exact comparisons, which -Wfloat-equal refuses elsewhere. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wfloat-equal"
+#endif
+static inline bool auvid_is_zero(auvid_real_t x)
+{
+    return x == AUVID_C(0.0);
+}
+
+static inline bool auvid_is_nan(auvid_real_t x)
+{
+    return x != x;
+}
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
 auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b);
 
 auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b);

@@ -95,7 +95,7 @@ static uint32_t limits(uint32_t hash)
     hash = selftest_add(hash, x, SELFTEST_COUNT(x));
     hash = mix(hash, auvid_is_finite(nan) ? 1u : 0u);
     hash = mix(hash, auvid_is_finite(infinity) ? 1u : 0u);
-    hash = mix(hash, (nan < one) || !(nan != nan) ? 1u : 0u);
+    hash = mix(hash, (nan < one) || !auvid_is_nan(nan) ? 1u : 0u);
     return hash;
 }
 

@@ -182,7 +182,7 @@ static auvid_status_t smoother_check(const auvid_smoother_config_t *config, int3
     if (!auvid_is_finite(config->dt_s)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (config->dt_s == AUVID_C(0.0)) {
+    if (auvid_is_zero(config->dt_s)) {
         return AUVID_ERR_TIME_SAME;
     }
     if (h < 1 || config->order > MAX_ORDER || config->derivative > config->order ||

@@ -84,7 +84,7 @@ static bool encode(const auvid_can_type_t *type, field_t field, bool absent, uin
     uint32_t sign = SIGN >> type->unused;
     *raw = is_float(type) ? FLOAT_ABSENT : sign;
     auvid_real_t x = field.real * (auvid_real_t)type->number;
-    if (absent || x != x) {
+    if (absent || auvid_is_nan(x)) {
         return false;
     }
     uint32_t limit = type->kind == AUVID_CAN_TYPE_REAL_UNIT ? type->number : sign - 1u;

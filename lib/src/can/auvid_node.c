@@ -203,7 +203,7 @@ static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
 
 static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m, bool fresh)
 {
-    switch (m->kind) {
+    switch ((int)m->kind) {
     case AUVID_CAN_ABORT: /* an order to arm that waits finds the guard ABORTED */
         (void)auvid_identifier_abort(&node->id);
         break;

@@ -261,6 +261,8 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
     case AUVID_SEGMENT_STEPS:
         y = a * play_steps(c, segment, s_us, duration_us, strayed);
         break;
+    case AUVID_SEGMENT_PAUSE:
+    case AUVID_SEGMENT_KIND_COUNT:
     default:
         return AUVID_C(0.0);
     }

@@ -55,6 +55,10 @@ static auvid_status_t check_segment(const auvid_segment_t *s)
                        auvid_excitation_in(s->hold_max_s, s->hold_min_s, AUVID_EXCITATION_LONGEST_S)
                    ? AUVID_OK
                    : AUVID_ERR_RANGE;
+    case AUVID_SEGMENT_PAUSE:
+    case AUVID_SEGMENT_STEP:
+    case AUVID_SEGMENT_RAMP:
+    case AUVID_SEGMENT_KIND_COUNT:
     default:
         return AUVID_OK;
     }

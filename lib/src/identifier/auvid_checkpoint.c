@@ -98,27 +98,37 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 
 /* ---- the body ---- */
 
-/* Up to `most` bytes of the body from `at` on, into `to` or, where that is null, out of `from`.
- * @return how many, >= 1 */
-static uint32_t copy(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
-                     uint8_t *to, const uint8_t *from)
+/* Up to `most` bytes of the body from `at` on, out of the identifier. @return how many, >= 1 */
+static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
+                     uint8_t *to)
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
-    /* what is written is the caller's own, not constant */
-    uint8_t *memory = (run.stored ? (uint8_t *)id->metric.cfg.rows : (uint8_t *)id) + run.offset;
+    const void *from = run.stored ? (const void *)id->metric.cfg.rows : id;
+    const uint8_t *memory = (const uint8_t *)from + run.offset;
     uint32_t done = 0;
     for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
-        if (to == NULL) {
-            memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
-        }
         for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
-            uint8_t *byte = memory + auvid_checkpoint_byte(row->stride, k);
-            if (to != NULL) {
-                to[done] = *byte;
-            } else {
-                *byte = from[done];
-            }
+            to[done] = memory[auvid_checkpoint_byte(row->stride, k)];
+        }
+        run.skip = 0;
+    }
+    return done;
+}
+
+/* The same into the identifier, whole scalars. */
+static uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
+                     const uint8_t *from)
+{
+    run_t run = auvid_checkpoint_locate(sizes, at);
+    const row_t *row = run.row;
+    void *to = run.stored ? (void *)id->metric.cfg.rows : id;
+    uint8_t *memory = (uint8_t *)to + run.offset;
+    uint32_t done = 0;
+    for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
+        memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
+        for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
+            memory[auvid_checkpoint_byte(row->stride, k)] = from[done];
         }
         run.skip = 0;
     }
@@ -166,8 +176,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
             *to = (uint8_t)(~cursor->checksum >> 8 * (at - end));
         } else {
             uint32_t left = end - at, most = room - *bytes;
-            done = copy(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD, most < left ? most : left,
-                        to, to);
+            done =
+                save(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD, most < left ? most : left, to);
         }
         cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
         cursor->at += done;
@@ -230,7 +240,7 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     const size_t in_turn = offsetof(auvid_identifier_t, config); /* the union at the end */
     memset((uint8_t *)id + in_turn, 0, sizeof *id - in_turn);
     for (uint32_t at = 0; at < body;) {
-        at += copy(id, &sizes, at, body - at, NULL, checkpoint + AUVID_CHECKPOINT_HEAD + at);
+        at += load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
     }
     if ((sizes.parts & PART_SIMULATED) != 0) {
         id->prediction.vehicle = identifier_vehicle(id);

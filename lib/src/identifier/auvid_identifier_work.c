@@ -250,6 +250,9 @@ static void begin_again(auvid_identifier_t *id)
     case AUVID_WORK_CONFIDENCE:
         begin_measure(id);
         break;
+    case AUVID_WORK_IDLE:
+    case AUVID_WORK_ASK:
+    case AUVID_WORK_COST:
     default: /* the search works on what was merged */
         break;
     }

@@ -88,6 +88,8 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
         return AUVID_C(-1.0);
     case AUVID_PARAMETER_QUADRATIC_DRAG:
         return AUVID_C(-2.0);
+    case AUVID_PARAMETER_FORCE:
+    case AUVID_PARAMETER_OTHER:
     default:
         return AUVID_C(0.0);
     }

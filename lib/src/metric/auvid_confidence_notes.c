@@ -170,6 +170,8 @@ static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
     case AUVID_PARAMETER_QUADRATIC_DRAG:
         beyond = value;
         break;
+    case AUVID_PARAMETER_FORCE:
+    case AUVID_PARAMETER_OTHER:
     default:
         break;
     }

@@ -38,7 +38,7 @@ static void note_set(auvid_metric_t *m, int j, int place)
         m->change[0][j] += u;
         m->change[1][j] += u;
         for (int i = 0; i < m->count[j]; ++i) {
-            bool usable = m->merged[m->factor_at[j] + auvid_triangle_row(n, i)] != AUVID_C(0.0);
+            bool usable = !auvid_is_zero(m->merged[m->factor_at[j] + auvid_triangle_row(n, i)]);
             m->change_rank[j] = (uint8_t)(m->change_rank[j] + usable);
         }
         memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_TRIANGLE(n) * sizeof u);

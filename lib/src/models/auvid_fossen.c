@@ -174,7 +174,7 @@ static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real
         auvid_real_t mass = auvid_max(pi[ON_DIAGONAL(block->end[k])], AUVID_C(0.0));
         c[k] = block->coupling[k] < AUVID_FOSSEN_COUNT ? pi[block->coupling[k]] : AUVID_C(0.0);
         nu_dot[block->end[k]] /= mass; /* no mass: not finite */
-        if (c[k] != AUVID_C(0.0)) {
+        if (!auvid_is_zero(c[k])) {
             c[k] /= mass;
             pivot -= c[k] * c[k] * mass;
             rest -= c[k] * mass * nu_dot[block->end[k]];
@@ -182,7 +182,7 @@ static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real
     }
     nu_dot[block->middle] = rest / (pivot > least ? pivot : AUVID_C(0.0));
     for (int k = 0; k < 2; ++k) {
-        if (c[k] != AUVID_C(0.0)) {
+        if (!auvid_is_zero(c[k])) {
             nu_dot[block->end[k]] -= c[k] * nu_dot[block->middle];
         }
     }

@@ -38,7 +38,7 @@ static void raise_flag(auvid_nav_t *nav, unsigned flag)
 /* Raise the counter that goes with a status, and hand the status on. */
 static auvid_status_t tally_refused(auvid_nav_diagnostics_t *d, auvid_status_t status)
 {
-    switch (status) {
+    switch ((int)status) {
     case NAV_HELD:
         return AUVID_PENDING;
     case AUVID_UNUSED:
