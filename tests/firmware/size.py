@@ -8,7 +8,8 @@ not known (recursion, a frame without a known size, a call through a pointer tha
 POINTERS), or the RAM that is left for it is less.
   image   text, data and bss of the example
   flash   of each module as linked: what the example uses. A module is its public header and the
-          objects named after it; `library` is all of lib/, `library whole` its objects unlinked
+          objects named after it, or an object of its own; `library` is all of lib/, `library whole`
+          its objects unlinked
   sizeof  public structs, and parts of the identifier (regressors: without what models that are not
           linear need, and with a population for 13 parameters; thirteen: all sizes for the 13
           of Girona500)
@@ -27,10 +28,7 @@ import tempfile
 BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
 API = "".join(path.read_text() for path in HEADERS)
-MODULES = {path.stem for path in HEADERS} | {
-    path.stem.removeprefix("auvid_").removesuffix("_internal")
-    for path in pathlib.Path("lib/src").glob("*/*.h")
-}
+MODULES = {path.stem for path in HEADERS}
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's memory, the thrusters' log, and the driver's interrupt.
 POINTERS = {
