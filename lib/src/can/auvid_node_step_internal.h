@@ -1,6 +1,6 @@
 /**
  * @file auvid_node_step_internal.h
- * Private: what the files of the node share.
+ * Private: what the tick shares with the other files of the node.
  */
 #ifndef AUVID_NODE_STEP_INTERNAL_H
 #define AUVID_NODE_STEP_INTERNAL_H

@@ -1,6 +1,6 @@
 /**
  * @file auvid_excitation_init_internal.h
- * Private: what the parts of the excitation share.
+ * Private: what checking a configuration shares with the other files of the excitation.
  */
 #ifndef AUVID_EXCITATION_INIT_INTERNAL_H
 #define AUVID_EXCITATION_INIT_INTERNAL_H

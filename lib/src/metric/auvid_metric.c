@@ -15,8 +15,8 @@
  * out so much too large. So the forces pass (a, 1 - 2 a, a) besides, a = T^2 / (12 cell^2), which
  * has the same variance.
  *
- * Cells become rows in auvid_metric_record.c and rows a set in auvid_metric_close.c, sets become one
- * weighted triangle in auvid_metric_merge.c, costs are evaluated in auvid_metric_cost.c.
+ * Cells become rows in auvid_metric_record.c, rows a set in auvid_metric_close.c, sets one weighted
+ * triangle in auvid_metric_merge.c; costs are evaluated in auvid_metric_cost.c.
  */
 #include "auvid/metric.h"
 
