@@ -25,7 +25,7 @@
 
 #include <string.h>
 
-#include "../metric/auvid_confidence_internal.h"
+#include "../metric/auvid_confidence_notes_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 

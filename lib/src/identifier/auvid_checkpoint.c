@@ -117,8 +117,8 @@ static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_
 }
 
 /* The same into the identifier, whole scalars. */
-static uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
-                     const uint8_t *from)
+static AUVID_APART uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
+                                 uint32_t most, const uint8_t *from)
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;

@@ -4,7 +4,7 @@
  * to go together: auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint_layout_internal.h"
-#include "../metric/auvid_confidence_internal.h"
+#include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_crs_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "auvid_checkpoint_layout_internal.h"
-#include "../metric/auvid_confidence_internal.h"
+#include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_crs_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
@@ -52,8 +52,9 @@ static auvid_real_t number(const uint8_t *at, uint32_t width, bool has_sign)
 }
 
 /* Is the scalar at `at` within this limit? own: the identifier's. */
-static bool is_within(const auvid_checkpoint_limit_t *limit, const auvid_checkpoint_row_t *row,
-                      const uint8_t *at, const uint8_t *own)
+static AUVID_APART bool is_within(const auvid_checkpoint_limit_t *limit,
+                                  const auvid_checkpoint_row_t *row, const uint8_t *at,
+                                  const uint8_t *own)
 {
     if (limit->same) {
         bool same = true;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "auvid_confidence_internal.h"
+#include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 

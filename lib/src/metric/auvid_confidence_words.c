@@ -3,7 +3,7 @@
  */
 #include "auvid/confidence.h"
 
-#include "auvid_confidence_internal.h"
+#include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_math_internal.h"
 
 const char *auvid_note_str(auvid_note_t note)

@@ -1,14 +1,11 @@
 /**
- * @file auvid_confidence_internal.h
+ * @file auvid_confidence_notes_internal.h
  * Private: what the files of the confidence share.
  */
-#ifndef AUVID_CONFIDENCE_INTERNAL_H
-#define AUVID_CONFIDENCE_INTERNAL_H
+#ifndef AUVID_CONFIDENCE_NOTES_INTERNAL_H
+#define AUVID_CONFIDENCE_NOTES_INTERNAL_H
 
 #include "auvid/confidence.h"
-
-#include "../base/auvid_math_internal.h"
-#include "auvid_metric_internal.h"
 
 /** Place, or index, of what is not there. */
 enum { NOWHERE = 255 };
@@ -16,46 +13,17 @@ enum { NOWHERE = 255 };
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
 enum { OWN, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
 
-#define CONFIDENCE_SMOOTHED AUVID_C(2.6) /**< f, of rows half a second apart */
-
-static inline bool confidence_is_driven(const auvid_confidence_job_t *c, int j)
+/** DoF j's rows of all sets, rotated together. */
+static inline const auvid_real_t *confidence_merged(const auvid_confidence_job_t *c, int j)
 {
-    return (c->metric->driven >> j & 1) != 0 && c->metric->count[j] > 0;
+    return c->metric->merged + c->metric->factor_at[j];
 }
 
-/** Does the uncertainty of DoF j's delay count, and that of its shape? */
-static inline bool confidence_is_considered(const auvid_confidence_job_t *c, int j)
-{
-    const auvid_metric_t *m = c->metric;
-    return confidence_is_driven(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
-           (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
-}
-
-/** Was DoF j's delay estimated? */
-static inline bool confidence_is_estimated(const auvid_confidence_job_t *c, int j)
-{
-    const auvid_metric_t *m = c->metric;
-    return confidence_is_driven(c, j) && m->cfg.estimate_delay &&
-           auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
-}
-
-/** Mean square residual of DoF j, and its own optimum. */
-void auvid_confidence_find_own(auvid_confidence_job_t *c, int j);
-
-/** Row i of DoF j's triangle into the joint one. */
-void auvid_confidence_rotate(auvid_confidence_job_t *c, int j, int i);
-
-/** A smallest pivot for column i of the joint triangle. */
-void auvid_confidence_bound_pivot(auvid_confidence_job_t *c, int i);
-
-/** Diagonal i of the inverse of the joint triangle's square. */
-void auvid_confidence_invert(auvid_confidence_job_t *c, int i);
-
-/** Row i of one band of a set's triangle into the scores and influences. */
+/** SCATTER: row i of one band of a set, DoF j. */
 void auvid_confidence_take_row(auvid_confidence_job_t *c, const auvid_set_t *set, int j, int band,
                                int i);
 
-/** DoF j of a set is complete; then the set. */
+/** SCATTER: DoF j of a set is complete; then the set. */
 void auvid_confidence_finish_dof(auvid_confidence_job_t *c, int j);
 void auvid_confidence_finish_set(auvid_confidence_job_t *c);
 
