@@ -261,11 +261,6 @@ build/$(1)/unity.o: Makefile | setup
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)$$(CC) -std=c11 -w $(WAY_$(1)) -DUNITY_INCLUDE_DOUBLE= -c -o $$@ $$(UNITY_DIR)/unity.c
 
-build/$(1)/tests/%: tests/%.c $(call TESTED,$(1))
-	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
-	    -o $$@ $$< $(call TESTED,$(1)) -lm
-
 build/$(1)/tests/%: tests/%.cpp $(call TESTED,$(1))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(CXX) -std=c++17 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) -isystem $$(EIGEN_DIR) \
@@ -278,6 +273,16 @@ build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,
 	    $$(WRAPPED) -lcmocka
 endef
 $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
+
+# $(1) is the way, $(2) the folder.
+define test_rules
+build/$(1)/tests/$(2)/%: tests/$(2)/%.c $(call TESTED,$(1))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
+	    -o $$@ $$< $(call TESTED,$(1)) -lm
+endef
+$(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
+    $(eval $(call test_rules,$(way),$(folder)))))
 
 build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"
