@@ -57,7 +57,7 @@ static inline void golden_number(const char *key, float x)
     golden_put("0x%d%s%sp%+d", exponent != 0, digits[0] != '\0' ? "." : "", digits, power);
 }
 
-/** Add to a hash, which begins with 0: FNV-1a. */
+/** Add to a hash, which begins with 0; as FNV-1a. */
 static inline uint32_t golden_hash(uint32_t hash, const void *data, size_t bytes)
 {
     hash ^= 2166136261u;
