@@ -149,7 +149,9 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
             thruster_N[i] = (double)out.thruster_N[i];
         }
         if (k % LOOK == 0) {
-            field_projection_add(&run->projection, field_truth(&run->field));
+            field_built_t built;
+            field_built(&run->field, &built);
+            field_projection_add(&run->projection, field_truth(&run->field), &built);
         }
     }
 }
