@@ -157,6 +157,7 @@ static void test_an_identifier_goes_on_where_it_was_saved(void)
 static void test_nothing_is_left_of_what_was_aboard_before(void)
 {
     static auvid_identifier_t twin;
+    config.search.lower[0] = AUVID_C(-900.1); /* what is saved first */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &config));
     move_from_to(&twin, 1, 9);
     bytes = save(&twin, saved, sizeof saved);

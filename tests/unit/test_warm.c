@@ -31,6 +31,8 @@ static void dive(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     memset(record, 0xFF, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
 }
 
 static void check_refused(auvid_status_t status, const uint8_t *bytes, uint32_t size)
@@ -51,6 +53,12 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(known.identified, chain.id.estimate.identified);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_confidence_t *c = &known.confidence;
+        double ratio = c->residual[j] > 0 ? (double)(c->noise[j] / c->residual[j]) : 0;
+        double colour = (double)chain.id.metric.memory.colour[j];
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
+    }
     for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
                                      that are not rounded down */
         float single = (float)known.pi[i];
