@@ -87,6 +87,7 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
     const auvid_confidence_t *c = &chain.id.estimate.confidence;
+    TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
         double told = (double)chain.id.metric.memory.sigma[i];
@@ -137,8 +138,9 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
                                 chain.id.estimate.identified);
         for (int i = 0; i < N; ++i) {
-            TEST_ASSERT_EQUAL((left[way] >> i & 1u) != 0,
-                              chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+            bool unknown = (left[way] >> i & 1u) != 0;
+            TEST_ASSERT_EQUAL(unknown, chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+            TEST_ASSERT_EQUAL(unknown, chain.id.metric.memory.sigma[i] == 0);
         }
     }
 }
@@ -433,6 +435,13 @@ static void test_known_parameters_are_the_first_estimate(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
     TEST_ASSERT_EQUAL_MEMORY(pi, chain.id.estimate.pi, N * sizeof pi[0]);
     TEST_ASSERT_EQUAL_MEMORY(sigma, chain.id.estimate.confidence.sigma, N * sizeof sigma[0]);
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < N; ++k) {
+            auvid_real_t covariance =
+                auvid_estimate_covariance(&chain.id.estimate, &auvid_girona500, i, k);
+            TEST_ASSERT_TRUE(covariance == (i == k ? sigma[i] * sigma[i] : 0));
+        }
+    }
     check_unknown(AUVID_ERR_STATE, pi, sigma);
 }
 
