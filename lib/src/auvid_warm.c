@@ -203,10 +203,10 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         if ((memory.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(pi[i]) || !auvid_is_finite(sigma[i])) {
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_remember looks at the rest */
             return AUVID_ERR_NOT_FINITE;
         }
-        if (!(sigma[i] < MOST_SIGMA)) { /* auvid_metric_remember refuses what is too small */
+        if (!(sigma[i] < MOST_SIGMA)) {
             return AUVID_ERR_RANGE;
         }
         memory.pi[i] = pi[i];

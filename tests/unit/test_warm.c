@@ -325,6 +325,7 @@ static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_
     for (int residual = 0; residual < 2; ++residual) {
         choose_path(residual != 0);
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        check_forged(AUVID_ERR_CHECKSUM, 0, 0x32777661u); /* "avw2": of another version */
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, nan);
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, infinite);
         check_forged(AUVID_ERR_RANGE, VALUE + 4 * AUVID_G500_X_U, huge);
@@ -464,6 +465,17 @@ static void test_parameters_known_without_sense_are_refused(void)
     check_unknown(AUVID_ERR_RANGE, pi, sigma);
     memset(&chain.id, 0, sizeof chain.id);
     check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
+static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    config.id.metric.fixed[AUVID_G500_M_R] = 80;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
 }
 
 static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t error)
@@ -631,6 +643,7 @@ int main(void)
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);
     RUN_TEST(test_parameters_known_without_sense_are_refused);
+    RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
     RUN_TEST(test_known_parameters_are_taken_up_to_the_limits_of_the_header);
     RUN_TEST(test_memory_that_makes_no_sense_is_refused);
     RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
