@@ -38,6 +38,8 @@ UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
 VEHICLES := $(wildcard tests/vehicles/test_*.c)
 VEHICLES_REFERENCE := $(wildcard tests/vehicles/test_*.cpp)
+# Golden vectors: see tests/README.md.
+GOLDEN_TESTS := build/release/tests/golden/test_core build/wide/tests/golden/test_vehicles
 PORT_TESTS := $(wildcard tests/port/test_*.c)
 # System calls that tests/port imitates: each __wrap_x() there takes the place of x().
 WRAPPED := $(patsubst __wrap_%,-Xlinker --wrap=%,$(sort \
@@ -107,7 +109,7 @@ TEST_PROGRAMS := $(foreach way,release sanitized double,\
     $(REFERENCE:%.cpp=build/release/%) \
     $(foreach way,wide wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
     $(foreach way,wide wide_double,$(VEHICLES_REFERENCE:%.cpp=build/$(way)/%)) \
-    $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%))
+    $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%)) $(GOLDEN_TESTS)
 # The CAN codec alone, for the comparison with cantools.
 CAN_CODEC := $(wildcard lib/src/can/auvid_can*.c)
 CAN_LIBRARIES := build/can/float.so build/can/double.so
@@ -138,6 +140,7 @@ COUNTED_IMAGES := build/firmware/count_plugin.so \
     $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
+GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
 FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O2 gcc-O3 clang-O2 \
     gcc-O0-ours gcc-O2-ours gcc-O3-ours clang-O2-ours gcc-O2-ours-20k)
@@ -164,6 +167,7 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
+test test-long test-firmware: $(GOLDEN_IMAGE)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
@@ -262,16 +266,6 @@ build/$(1)/unity.o: Makefile | setup
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)$$(CC) -std=c11 -w $(WAY_$(1)) -DUNITY_INCLUDE_DOUBLE= -c -o $$@ $$(UNITY_DIR)/unity.c
 
-build/$(1)/tests/unit/%: tests/unit/%.c $(call TESTED,$(1))
-	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
-	    -o $$@ $$< $(call TESTED,$(1)) -lm
-
-build/$(1)/tests/vehicles/%: tests/vehicles/%.c $(call TESTED,$(1))
-	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
-	    -o $$@ $$< $(call TESTED,$(1)) -lm
-
 build/$(1)/tests/%: tests/%.cpp $(call TESTED,$(1))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(CXX) -std=c++17 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) -isystem $$(EIGEN_DIR) \
@@ -284,6 +278,16 @@ build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,
 	    $$(WRAPPED) -lcmocka
 endef
 $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
+
+# $(1) is the way, $(2) the folder.
+define test_rules
+build/$(1)/tests/$(2)/%: tests/$(2)/%.c $(call TESTED,$(1))
+	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
+	    -o $$@ $$< $(call TESTED,$(1)) -lm
+endef
+$(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
+    $(eval $(call test_rules,$(way),$(folder)))))
 
 build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"
@@ -323,7 +327,7 @@ build/firmware/$(1)-$(2)/unity.o: Makefile | setup
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)`$(BOARD) $(1) compile` -$(2) -std=c11 -w $(UNITY_64) -c -o $$@ $$(UNITY_DIR)/unity.c
 
-build/firmware/$(1)-$(2)/tests/unit/%.elf: tests/unit/%.c build/firmware/$(1)-$(2)/unity.o \
+build/firmware/$(1)-$(2)/tests/%.elf: tests/%.c build/firmware/$(1)-$(2)/unity.o \
         $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
         $(LIB) $(SIMULATOR) $(SUPPORT) $(FIRMWARE_START))
 	@mkdir -p $$(@D); echo "  $$@"
@@ -375,6 +379,7 @@ build/validation/%.so: $(VALIDATION) Makefile \
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
+.IGNORE: $(GOLDEN_IMAGE)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))

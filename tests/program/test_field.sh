@@ -45,7 +45,7 @@ def whole(d, runs):
     assert near(sum(f["value"] for f in d["said"].values()), 1)
     shares = [point["flagged"]["value"] for point in d["curve"]]
     assert [point["limit"] for point in d["curve"]] == [0.1, 0.15, 0.2, 0.25, 0.3, 0.4]
-    assert shares == sorted(shares)
+    assert shares == sorted(shares) and near(shares[2], d["flagged"]["all"]["value"])
     assert set(d["drag_force"]) == {"off", "flagged", "wrong", "beyond", "within"}
     for question in ("flagged", "wrong", "beyond", "error_over_sigma", "rms_error"):
         for f in d[question].values():

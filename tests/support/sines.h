@@ -22,6 +22,12 @@ static inline double sines_gauss(uint64_t *state)
     return sum;
 }
 
+/** White noise of force_N rms on DoF j, of 0.4 times that in Nm. */
+static inline double sines_noise(double force_N, int j, uint64_t *state)
+{
+    return force_N * (j == AUVID_YAW ? 0.4 : 1.0) * sines_gauss(state);
+}
+
 /** Motion at time t [s]: sines that do not repeat, in the DoF of the mask, and a little pitch. */
 static inline void sines_motion(double t, uint32_t dofs, auvid_sample_t *s)
 {
@@ -40,16 +46,15 @@ static inline void sines_motion(double t, uint32_t dofs, auvid_sample_t *s)
     s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
 }
 
-/** The wrench that Eq. 12-15 with the 13 parameters of `truth` need for the sample's motion, and
- * white noise of force_N rms (0.4 of it in Nm). */
-static inline void sines_wrench(const auvid_sample_t *s, const auvid_real_t *truth, double force_N,
-                                uint64_t *state, double tau[AUVID_DOF_COUNT])
+/** The wrench that Eq. 12-15 with the 13 parameters of `truth` need for the sample's motion. */
+static inline void sines_wrench(const auvid_sample_t *s, const auvid_real_t *truth,
+                                double tau[AUVID_DOF_COUNT])
 {
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
     auvid_girona500.regressor(auvid_girona500.context, s, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        tau[j] = force_N * (j == AUVID_YAW ? 0.4 : 1.0) * sines_gauss(state);
+        tau[j] = 0.0;
         for (int i = 0; i < AUVID_G500_COUNT; ++i) {
             tau[j] += (double)y.row[j][i] * (double)truth[i];
         }

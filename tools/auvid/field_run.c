@@ -149,7 +149,9 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
             thruster_N[i] = (double)out.thruster_N[i];
         }
         if (k % LOOK == 0) {
-            field_projection_add(&run->projection, field_truth(&run->field));
+            field_built_t built;
+            field_built(&run->field, &built);
+            field_projection_add(&run->projection, field_truth(&run->field), &built);
         }
     }
 }
@@ -200,6 +202,8 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
             record->estimated[i] && (estimate->confidence.identifiable >> i & 1u) != 0;
         record->note[i] =
             record->estimated[i] ? estimate->confidence.note[i] : (uint8_t)AUVID_NOTE_NOT_DRIVEN;
+        record->impossible[i] = record->note[i] != AUVID_NOTE_IMPLAUSIBLE &&
+                                (estimate->confidence.implausible >> i & 1u) != 0;
         record->pi[i] = (double)estimate->pi[i];
         record->sigma[i] = record->estimated[i] && sigma < AUVID_LARGEST ? (double)sigma : HUGE_VAL;
     }

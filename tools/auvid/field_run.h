@@ -44,9 +44,10 @@ typedef struct {
     bool capped;   /**< the search has not converged */
     uint32_t sets; /**< recorded */
     double simulated_s;
-    bool estimated[SIM_PARAMETERS]; /**< free, and its DoF excited enough */
-    bool flagged[SIM_PARAMETERS];   /**< identifiable */
-    uint8_t note[SIM_PARAMETERS];   /**< auvid_note_t */
+    bool estimated[SIM_PARAMETERS];  /**< free, and its DoF excited enough */
+    bool flagged[SIM_PARAMETERS];    /**< identifiable */
+    bool impossible[SIM_PARAMETERS]; /**< its equation is discredited for it */
+    uint8_t note[SIM_PARAMETERS];    /**< auvid_note_t */
     double pi[SIM_PARAMETERS];
     double sigma[SIM_PARAMETERS]; /**< infinite: not known */
     double delay_s[FIELD_EQUATIONS];

@@ -9,6 +9,9 @@
 
 const double field_limit[FIELD_LIMITS] = {0.10, 0.15, 0.20, 0.25, 0.30, 0.40};
 
+/* The library's limit, among them. */
+#define OWN_LIMIT 0.20
+
 /* Error probability of an interval. */
 #define ALPHA 0.05
 
@@ -120,20 +123,33 @@ static void take_force(field_ratio_t *run, const field_record_t *record, int k, 
     }
 }
 
-/* Would parameter i be flagged with another limit of the half-width? W-B has one of its own. */
+/* Is an estimate of parameter i's equation impossible? */
+static bool is_discredited(const field_record_t *record, int i)
+{
+    bool found = false;
+    for (int k = 0; k < SIM_PARAMETERS; ++k) {
+        found = found || (record->impossible[k] && field_equation(k) == field_equation(i));
+    }
+    return found;
+}
+
+/* Would parameter i be flagged with another limit of the half-width? The flags of a narrower limit
+ * are among those of a wider one. W-B has a limit of its own. */
 static bool is_flagged_at(const field_record_t *record, int i, double limit)
 {
     bool narrow = HALF_WIDTH * record->sigma[i] <= limit * fabs(record->pi[i]);
+    if (record->flagged[i]) {
+        return i == SIM_WB || limit >= OWN_LIMIT || narrow;
+    }
     switch ((auvid_note_t)record->note[i]) {
     case AUVID_NOTE_FIXED:
     case AUVID_NOTE_NOT_DRIVEN:
     case AUVID_NOTE_AT_BOUND:
     case AUVID_NOTE_BESIDE_BOUND:
     case AUVID_NOTE_NOT_CONVERGED:
-    case AUVID_NOTE_DISCREDITED:
         return false;
     case AUVID_NOTE_IMPLAUSIBLE:
-        return record->flagged[i] && narrow;
+    case AUVID_NOTE_DISCREDITED:
     case AUVID_NOTE_NONE:
     case AUVID_NOTE_NOISE:
     case AUVID_NOTE_SMALL:
@@ -141,7 +157,7 @@ static bool is_flagged_at(const field_record_t *record, int i, double limit)
     case AUVID_NOTE_COMBINATION:
     case AUVID_NOTE_THRUST_SCALE:
     default:
-        return i == SIM_WB ? record->flagged[i] : narrow;
+        return i != SIM_WB && limit > OWN_LIMIT && narrow && !is_discredited(record, i);
     }
 }
 

@@ -33,7 +33,8 @@ typedef enum { FIELD_GIRONA500, FIELD_ROV20, FIELD_VEHICLES } field_vehicle_t;
 
 typedef enum {
     FIELD_EXCITED,   /**< thrust as field_step is told, on top of hover thrust; a gentle pull of
-                          told thrust more than 3 m off the start's depth (wall: 0.3 m) */
+                          told thrust more than 3 m off the start's depth; with a wall, a firm
+                          and damped one from 0.1 m on */
     FIELD_JOYSTICK,  /**< a pilot's sticks: open loop, but for holding depth now and then */
     FIELD_LAWNMOWER, /**< PID of position, heading and depth along parallel legs of 18 m */
     FIELD_STATION,   /**< PID of position, depth and heading at one place */

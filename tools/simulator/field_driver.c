@@ -15,14 +15,15 @@ enum { X, Y, Z, N, WANTED };
 
 #define TICK_S (SIM_TICK_US * 1e-6)
 /* Excited: beyond so many metres from the start's depth thrust leads back, by so much of the
- * amplitude a metre. Over a near bottom with more care. */
+ * amplitude a metre. Over a near bottom with more care, and damped. */
 #define EXCITED_DEPTH_M 3.0
 #define EXCITED_LEAD 0.05
-#define NEAR_DEPTH_M 0.3
-#define NEAR_LEAD 0.4
-/* The pilot corrects the depth from so many metres off until so many. */
+#define NEAR_DEPTH_M 0.1
+#define NEAR_LEAD 2.0
+/* The pilot corrects the depth from so many metres off until so many; over a near bottom sooner. */
 #define PILOT_FAR_M 2.0
 #define PILOT_NEAR_M 0.5
+#define PILOT_NEAR_BOTTOM 0.15
 #define PILOT_HAND_S 0.3
 #define LEG_M 18.0
 #define LANE_M 3.0
@@ -98,8 +99,11 @@ static void excited(field_t *field, double want[WANTED])
     bool near = field->config.size[FIELD_WALL] > 0.0;
     double low = field->pilot.position[2] - FIELD_START_M;
     double beyond = copysign(fmax(fabs(low) - (near ? NEAR_DEPTH_M : EXCITED_DEPTH_M), 0.0), low);
-    double lead = near ? NEAR_LEAD : EXCITED_LEAD;
-    want[Z] = -lead * sheet->amplitude[2] * fmax(-4.0, fmin(4.0, beyond));
+    double lead = (near ? NEAR_LEAD : EXCITED_LEAD) * sheet->amplitude[2];
+    want[Z] = -lead * fmax(-4.0, fmin(4.0, beyond));
+    if (near && beyond != 0.0) {
+        want[Z] -= 2.0 * sqrt(lead * sheet->parameter[SIM_M_W]) * field->pilot.velocity[2];
+    }
 }
 
 /* Each stick goes to a new place now and then, more often than not away from the middle. */
@@ -109,7 +113,8 @@ static void joystick(field_t *field, double want[WANTED])
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
     field_pilot_t *p = &field->pilot;
     double now = 1e-6 * (double)field->t_us, low = p->position[2] - FIELD_START_M;
-    p->deep = fabs(low) > (p->deep ? PILOT_NEAR_M : PILOT_FAR_M);
+    double care = field->config.size[FIELD_WALL] > 0.0 ? PILOT_NEAR_BOTTOM : 1.0;
+    p->deep = fabs(low) > care * (p->deep ? PILOT_NEAR_M : PILOT_FAR_M);
     for (int i = 0; i < WANTED; ++i) {
         if (now >= p->stick_s[i]) {
             bool away = sim_rng_uniform(&p->rng) < 0.65;

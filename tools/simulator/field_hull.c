@@ -218,13 +218,17 @@ void field_hull_init(field_t *field)
     assemble(h);
 }
 
-/* Lead, which displaces water, too. */
+/* Lead, which displaces water, too. At the origin neither has a moment: both centres move there. */
 void field_hull_ballast(field_hull_t *h, double kg)
 {
-    const double water_in_lead = 1.0 / 11.34;
+    const double weight_N = kg * FIELD_GRAVITY, buoyancy_N = weight_N / 11.34;
+    for (int i = 0; i < 3; ++i) {
+        h->r_g[i] *= h->weight_N / (h->weight_N + weight_N);
+        h->r_b[i] *= h->buoyancy_N / (h->buoyancy_N + buoyancy_N);
+    }
     h->dry_kg += kg;
-    h->weight_N += kg * FIELD_GRAVITY;
-    h->buoyancy_N += kg * FIELD_GRAVITY * water_in_lead;
+    h->weight_N += weight_N;
+    h->buoyancy_N += buoyancy_N;
     assemble(h);
 }
 

@@ -6,8 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Columns after those of the parameters. */
-enum { HULL = SIM_PARAMETERS, TOLD, DELIVERED };
+enum { LINEAR, QUADRATIC, DRAG, TOLD, DELIVERED };
 
 /* The two drag columns determine a pair when they are less alike than this (1 - cosine squared). */
 #define ALIKE 1e-6
@@ -31,80 +30,64 @@ int field_dof(int equation)
     return dof_of[equation];
 }
 
-/* Columns of Eq. 12-15, with m_w w p in Eq. 13. */
-static void fill_columns(const field_truth_t *t, double c[FIELD_EQUATIONS][FIELD_COLUMNS])
+/* What masses, Coriolis and W-B of Eq. 12-15, with m_w w p in Eq. 13, leave of the hull's force. */
+static void find_drag(const field_truth_t *t, const double *m, double drag[FIELD_EQUATIONS])
 {
     const double u = t->nu[0], v = t->nu[1], w = t->nu[2];
     const double p = t->nu[3], q = t->nu[4], r = t->nu[5];
-    memset(c, 0, FIELD_EQUATIONS * sizeof c[0]);
-    c[0][SIM_M_V] = -v * r;
-    c[0][SIM_M_W] = w * q;
-    c[0][SIM_WB] = sin(t->euler[1]);
-    c[1][SIM_M_U] = u * r;
-    c[1][SIM_M_W] = -w * p;
-    c[1][SIM_WB] = -cos(t->euler[1]) * sin(t->euler[0]);
-    c[2][SIM_M_U] = -u * q;
-    c[2][SIM_M_V] = v * p;
-    c[2][SIM_WB] = -cos(t->euler[1]) * cos(t->euler[0]);
-    c[3][SIM_M_U] = -u * v;
-    c[3][SIM_M_V] = u * v;
-    for (int e = 0; e < FIELD_EQUATIONS; ++e) {
-        int j = dof_of[e];
-        c[e][SIM_M_U + e] = t->nu_dot[j];
-        c[e][drag_of[e]] = -t->nu[j];
-        c[e][drag_of[e] + 1] = -fabs(t->nu[j]) * t->nu[j];
-        c[e][HULL] = t->hull[j];
-        c[e][TOLD] = t->told[j];
-        c[e][DELIVERED] = t->delivered[j];
-    }
+    const double *dot = t->nu_dot, phi = t->euler[0], theta = t->euler[1];
+    drag[0] = t->hull[0] - (m[SIM_M_U] * dot[0] - m[SIM_M_V] * v * r + m[SIM_M_W] * w * q +
+                            m[SIM_WB] * sin(theta));
+    drag[1] = t->hull[1] - (m[SIM_M_V] * dot[1] - m[SIM_M_W] * w * p + m[SIM_M_U] * u * r -
+                            m[SIM_WB] * cos(theta) * sin(phi));
+    drag[2] = t->hull[2] - (m[SIM_M_W] * dot[2] - m[SIM_M_U] * u * q + m[SIM_M_V] * v * p -
+                            m[SIM_WB] * cos(theta) * cos(phi));
+    drag[3] = t->hull[5] - (m[SIM_M_R] * dot[5] - (m[SIM_M_U] - m[SIM_M_V]) * u * v);
 }
 
-void field_projection_add(field_projection_t *projection, const field_truth_t *truth)
+void field_projection_add(field_projection_t *projection, const field_truth_t *truth,
+                          const field_built_t *built)
 {
-    double c[FIELD_EQUATIONS][FIELD_COLUMNS];
-    fill_columns(truth, c);
+    double drag[FIELD_EQUATIONS];
+    find_drag(truth, built->parameter, drag);
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         int j = dof_of[e];
-        double *speed = projection->speed[e];
+        double nu = truth->nu[j], *speed = projection->speed[e];
+        const double c[FIELD_COLUMNS] = {-nu, -fabs(nu) * nu, drag[e], truth->told[j],
+                                         truth->delivered[j]};
         for (int a = 0; a < FIELD_COLUMNS; ++a) {
             for (int b = 0; b < FIELD_COLUMNS; ++b) {
-                projection->product[e][a][b] += c[e][a] * c[e][b];
+                projection->product[e][a][b] += c[a] * c[b];
             }
         }
-        speed[0] = fmax(speed[0], truth->nu[j]);
-        speed[1] = fmax(speed[1], -truth->nu[j]);
+        speed[0] = fmax(speed[0], nu);
+        speed[1] = fmax(speed[1], -nu);
         projection->acceleration[e] = fmax(projection->acceleration[e], fabs(truth->nu_dot[j]));
     }
     ++projection->samples;
 }
 
-/* The two drags of equation e into parameter, which has the rest. */
-static void project(const double (*s)[FIELD_COLUMNS], int e, double *parameter)
+/* The two drags. */
+static void project(const double (*s)[FIELD_COLUMNS], double drag[2])
 {
-    int d = drag_of[e];
-    double right[2];
-    for (int k = 0; k < 2; ++k) {
-        right[k] = s[d + k][HULL];
-        for (int i = SIM_M_U; i <= SIM_WB; ++i) {
-            right[k] -= s[d + k][i] * parameter[i];
-        }
-    }
-    double square = s[d][d] * s[d + 1][d + 1], cross = s[d][d + 1];
+    double square = s[LINEAR][LINEAR] * s[QUADRATIC][QUADRATIC], cross = s[LINEAR][QUADRATIC];
     double determinant = square - cross * cross;
     if (determinant > ALIKE * square) {
-        parameter[d] = (right[0] * s[d + 1][d + 1] - right[1] * cross) / determinant;
-        parameter[d + 1] = (right[1] * s[d][d] - right[0] * cross) / determinant;
+        drag[0] = s[LINEAR][DRAG] * s[QUADRATIC][QUADRATIC] - s[QUADRATIC][DRAG] * cross;
+        drag[1] = s[QUADRATIC][DRAG] * s[LINEAR][LINEAR] - s[LINEAR][DRAG] * cross;
+        drag[0] /= determinant;
+        drag[1] /= determinant;
     }
 }
 
-/* Sum of the squares of hull - columns . parameter. */
-static double squares_left(const double (*s)[FIELD_COLUMNS], const double *parameter)
+/* Sum of the squares that they leave. */
+static double squares_left(const double (*s)[FIELD_COLUMNS], const double drag[2])
 {
-    double sum = s[HULL][HULL];
-    for (int a = 0; a < SIM_PARAMETERS; ++a) {
-        sum -= 2.0 * parameter[a] * s[a][HULL];
-        for (int b = 0; b < SIM_PARAMETERS; ++b) {
-            sum += parameter[a] * parameter[b] * s[a][b];
+    double sum = s[DRAG][DRAG];
+    for (int a = 0; a < 2; ++a) {
+        sum -= 2.0 * drag[a] * s[a][DRAG];
+        for (int b = 0; b < 2; ++b) {
+            sum += drag[a] * drag[b] * s[a][b];
         }
     }
     return fmax(sum, 0.0);
@@ -120,9 +103,9 @@ void field_projection_solve(const field_projection_t *projection, const field_bu
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         const double(*s)[FIELD_COLUMNS] = projection->product[e];
         double n = (double)(projection->samples > 0 ? projection->samples : 1);
-        project(s, e, to->si);
+        project(s, to->si + drag_of[e]);
         to->gain[e] = s[TOLD][TOLD] > 0.0 ? s[DELIVERED][TOLD] / s[TOLD][TOLD] : 1.0;
-        to->residual[e] = sqrt(squares_left(s, to->si) / n);
+        to->residual[e] = sqrt(squares_left(s, to->si + drag_of[e]) / n);
     }
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         to->told[i] = to->si[i] / to->gain[field_equation(i)];

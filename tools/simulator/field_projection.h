@@ -8,9 +8,10 @@
  *
  *     hull_j - (masses, Coriolis and W-B of Eq. 12-15)_j
  *
- * on -nu and -|nu| nu. So cable, lift, asymmetry and exponent of the hull are in them; errors of
- * the thrust and what disturbs the vehicle are not. With *told* thrust the same parameters are
- * others: each equation divided by g_j = <delivered_j, told_j> / <told_j, told_j>.
+ * on -nu and -|nu| nu, with masses and W-B as they were at the time: ballast is no drag. So cable,
+ * lift, asymmetry and exponent of the hull are in them; errors of the thrust and what disturbs the
+ * vehicle are not. With *told* thrust the same parameters are others: each equation divided by
+ * g_j = <delivered_j, told_j> / <told_j, told_j>.
  *
  * Host side: C11, double. One call every 50 to 100 ms costs nothing beside the simulation.
  */
@@ -26,8 +27,8 @@ extern "C" {
 /** The equations: surge, sway, heave, yaw. */
 enum { FIELD_EQUATIONS = 4 };
 
-/** Products of the 13 columns, and of hull, told and delivered force. */
-enum { FIELD_COLUMNS = SIM_PARAMETERS + 3 };
+/** Products of -nu, -|nu| nu, the force above, told and delivered force. */
+enum { FIELD_COLUMNS = 5 };
 
 /** Sums along the run. All zero: nothing yet. */
 typedef struct {
@@ -53,8 +54,10 @@ int field_equation(int i);
 /** The degree of freedom, 0..5, of an equation. */
 int field_dof(int equation);
 
-/** Take the motion and the forces of this moment. */
-void field_projection_add(field_projection_t *projection, const field_truth_t *truth);
+/** Take the motion and the forces of this moment.
+ * @param built at this moment */
+void field_projection_add(field_projection_t *projection, const field_truth_t *truth,
+                          const field_built_t *built);
 
 /** The truth of the run so far. Where its motion does not determine both drags of a degree of
  * freedom, they are those it is built with.

@@ -383,7 +383,8 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
 /** Residual path: begin to make of each of the newest `sets` sets the triangles that a model with
  * the derivatives of this one at pi would have, for judge and for confidence.h. The derivatives are
  * central differences over 1 % of each parameter (at least 1e-4, 1e-3 where it is zero) and 10 ms
- * of delay.
+ * of delay. A window of smoothed residuals is left out if a residual or a derivative is not finite,
+ * or beyond 1e15.
  * Nothing happens for a model with regressor, and for null. */
 void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                   auvid_real_t delay_s, uint8_t sets);

@@ -235,16 +235,11 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     if (status != AUVID_OK) {
         return status;
     }
-    memset(&id->prediction, 0, sizeof id->prediction); /* what may be dead is zero */
-    memset(m->window, 0, sizeof m->window);
-    const size_t in_turn = offsetof(auvid_identifier_t, config); /* the union at the end */
-    memset((uint8_t *)id + in_turn, 0, sizeof *id - in_turn);
     for (uint32_t at = 0; at < body;) {
         at += load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
     }
-    if ((sizes.parts & PART_SIMULATED) != 0) {
-        id->prediction.vehicle = identifier_vehicle(id);
-    }
+    bool simulated = (sizes.parts & PART_SIMULATED) != 0;
+    id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
     (void)auvid_metric_remember(m, &m->memory); /* the function that goes with it */
     return AUVID_OK;
 }

@@ -10,7 +10,7 @@
 #include "auvid/checkpoint.h"
 
 /** What is saved at some times only: a row with some of these bits is there when one of them is.
- * What is not there is dead memory, and zero after restoring. */
+ * What is not there is dead memory. */
 enum {
     PART_RESIDUAL = 1,   /**< a model without regressor */
     PART_SIMULATED = 2,  /**< the estimate simulates the set that is being recorded */

@@ -29,7 +29,7 @@
 /* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
 #define COMMON_COLOUR AUVID_C(2.0)
 
-/* Standard errors beyond it are not known. */
+/* Standard errors of known parameters are below it. */
 #define MOST_SIGMA AUVID_C(1e30)
 
 enum {
@@ -85,7 +85,7 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
         auvid_real_t total = e->confidence.sigma[i];
-        bool has = (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < MOST_SIGMA &&
+        bool has = (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < AUVID_LARGEST &&
                    sigma > AUVID_C(0.0) &&
                    colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
@@ -212,10 +212,10 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         if ((memory.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(pi[i]) || !auvid_is_finite(sigma[i])) {
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_remember looks at the rest */
             return AUVID_ERR_NOT_FINITE;
         }
-        if (!(sigma[i] > AUVID_C(0.0) && sigma[i] < MOST_SIGMA)) {
+        if (!(sigma[i] < MOST_SIGMA)) {
             return AUVID_ERR_RANGE;
         }
         memory.pi[i] = pi[i];

@@ -87,7 +87,6 @@ static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *
         auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, m->delay_weight);
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
         auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);
-        auvid_metric_delay_weights(s, false, m->delay_weight);
     }
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
@@ -175,7 +174,7 @@ static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
     int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
     for (; m->at_row < set->rows; m->at_row = (uint16_t)(m->at_row + stride), m->at_part = 0) {
         if (m->at_part == 0) {
-            if (set->driven == 0 || !has_window(m, m->at_set, m->at_row)) {
+            if (!has_window(m, m->at_set, m->at_row)) {
                 continue;
             }
             memset(m->z, 0, sizeof m->z);

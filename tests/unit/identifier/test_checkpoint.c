@@ -153,6 +153,29 @@ static void test_an_identifier_goes_on_where_it_was_saved(void)
     TEST_ASSERT_TRUE(id.estimate.number >= 2 && phases != 1u);
 }
 
+/* Into one that has an estimate, and is in the middle of a search. */
+static void test_nothing_is_left_of_what_was_aboard_before(void)
+{
+    static auvid_identifier_t twin;
+    config.search.lower[0] = AUVID_C(-900.1); /* what is saved first */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &config));
+    move_from_to(&twin, 1, 9);
+    bytes = save(&twin, saved, sizeof saved);
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+        move(&id, cell);
+    }
+    TEST_ASSERT_TRUE(id.searching);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, sizeof again));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    move_from_to(&twin, 9, 250);
+    move_from_to(&id, 9, 250);
+    TEST_ASSERT_TRUE(id.estimate.number >= 1);
+    bytes = save(&twin, saved, sizeof saved);
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, sizeof again));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+}
+
 static void test_what_was_known_before_the_dive_goes_with_it(void)
 {
     static uint8_t record[AUVID_WARM_BYTES];
@@ -578,6 +601,7 @@ int main(void)
     RUN_TEST(test_the_bytes_do_not_depend_on_the_chunks);
     RUN_TEST(test_after_the_last_byte_there_is_none);
     RUN_TEST(test_an_identifier_goes_on_where_it_was_saved);
+    RUN_TEST(test_nothing_is_left_of_what_was_aboard_before);
     RUN_TEST(test_what_was_known_before_the_dive_goes_with_it);
     RUN_TEST(test_what_is_attached_stays);
     RUN_TEST(test_every_damaged_byte_is_noticed);

@@ -8,51 +8,8 @@
 
 #include "auvid/identifier.h"
 #include "binomial.h"
-#include "chain.h"
-#include "finish.h"
+#include "dead_band.h"
 #include "unity.h"
-
-enum { GAIN_FORWARD, GAIN_BACKWARD, DEAD_BAND, X_U, X_UU, PARAMETERS };
-
-static const auvid_parameter_t parameter[PARAMETERS] = {
-    {"gain_forward", "N", AUVID_SURGE, AUVID_PARAMETER_OTHER},
-    {"gain_backward", "N", AUVID_SURGE, AUVID_PARAMETER_OTHER},
-    {"dead_band", "1", AUVID_SURGE, AUVID_PARAMETER_OTHER},
-    {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
-    {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_QUADRATIC_DRAG},
-};
-static const double truth[PARAMETERS] = {70.0, 55.0, 0.12, -42.4181, -125.3578};
-static const auvid_real_t mass = AUVID_C(249.5384), weight_minus_buoyancy = AUVID_C(-37.3058);
-
-static auvid_real_t thrust(auvid_real_t command, const auvid_real_t *pi)
-{
-    auvid_real_t gain = command > 0 ? pi[GAIN_FORWARD] : pi[GAIN_BACKWARD];
-    auvid_real_t beyond = (command > 0 ? command : -command) - pi[DEAD_BAND];
-    auvid_real_t force = beyond > 0 ? gain * beyond : 0;
-    return command > 0 ? force : -force;
-}
-
-/* Two stern thrusters; surge alone. */
-static void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                     auvid_real_t *e)
-{
-    (void)context;
-    auvid_real_t u = s->nu[AUVID_SURGE], speed = u > 0 ? u : -u;
-    e[AUVID_SURGE] = mass * s->nu_dot[AUVID_SURGE] +
-                     weight_minus_buoyancy * (auvid_real_t)sin((double)s->theta) - pi[X_U] * u -
-                     pi[X_UU] * speed * u - thrust(s->command[0], pi) - thrust(s->command[1], pi);
-}
-
-static const auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
-                                        .name = "surge with dead band",
-                                        .parameters = PARAMETERS,
-                                        .parameter = parameter,
-                                        .columns = {[AUVID_SURGE] = (1u << PARAMETERS) - 1},
-                                        .residual = residual};
-
-enum { SETS = 8, SET_ROWS = 150 };
-static auvid_identifier_t id;
-static auvid_row_t store[(SETS + 1) * SET_ROWS];
 
 void setUp(void)
 {
@@ -60,69 +17,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
-{
-    static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
-    static const auvid_real_t high[PARAMETERS] = {300, 300, AUVID_C(0.5), 0, 0};
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; /* of the command */
-    auvid_identifier_defaults(cfg, &vehicle);
-    cfg->metric.rows = store;
-    cfg->metric.sets = SETS;
-    cfg->metric.set_rows = SET_ROWS;
-    cfg->metric.row_cells = 2;
-    memcpy(cfg->search.lower, low, sizeof low);
-    memcpy(cfg->search.upper, high, sizeof high);
-    cfg->search.seed = seed;
-    /* there is no depth sensor */
-    cfg->guard.off =
-        AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
-}
-
-/* The excitation's surge "force" is the command of both thrusters; the vehicle makes its force. */
-static void identify(uint64_t seed, uint32_t budget, double disturbance_N, double delay_s)
-{
-    static auvid_real_t past[32];
-    auvid_identifier_config_t cfg;
-    sim_config_t world;
-    sim_t sim;
-    sim_output_t sensed;
-    auvid_real_t pi[PARAMETERS], command = 0;
-    bool excited = false;
-    size_t ticks_late = (size_t)lround(delay_s / 0.02);
-    for (int i = 0; i < PARAMETERS; ++i) {
-        pi[i] = (auvid_real_t)truth[i];
-    }
-    memset(past, 0, sizeof past);
-    configure(&cfg, seed);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    sim_defaults(&world);
-    world.seed = seed;
-    world.disturbance_N = disturbance_N;
-    TEST_ASSERT_TRUE(sim_init(&sim, &world));
-    for (size_t tick = 0; tick < SETS * 1500 + 300; ++tick) {
-        auvid_input_t in;
-        auvid_output_t out;
-        past[tick % 32] = command;
-        double force = 2.0 * (double)thrust(past[(tick + 32 - ticks_late) % 32], pi);
-        const double wrench[6] = {force, 0.0, -world.parameter[SIM_WB]};
-        sim_step(&sim, NULL, wrench, &sensed);
-        chain_sense(&sensed, 0, &in);
-        in.depth.present = in.altitude.present = in.gps.present = false;
-        if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
-            excited = auvid_identifier_excite(&id) == AUVID_OK;
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
-        command = out.excitation[AUVID_SURGE];
-        const auvid_real_t nominal[AUVID_DOF_COUNT] = {100 * command};
-        const auvid_real_t commands[AUVID_MAX_COMMANDS] = {command, command};
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, commands));
-        (void)auvid_identifier_work(&id, budget);
-        TEST_ASSERT_TRUE(id.work_last <= budget);
-    }
-    finish_work(&id, budget);
 }
 
 static double worst_error(void)
@@ -138,7 +32,7 @@ static double worst_error(void)
 static void test_dead_band_and_gains_are_identified_within_5_percent_over_20_seeds(void)
 {
     for (uint64_t seed = 1; seed <= campaign_runs(20); ++seed) {
-        identify(seed, 2000, 0.0, 0.0);
+        identify(seed, SETS, 2000, 0.0, 0.0);
         TEST_ASSERT_EQUAL_HEX32((1u << PARAMETERS) - 1, id.estimate.identified);
         TEST_ASSERT_FALSE(id.estimate.capped);
         TEST_ASSERT_TRUE(worst_error() < 0.05);
@@ -149,7 +43,7 @@ static void test_dead_band_and_gains_are_identified_within_5_percent_over_20_see
 static void test_a_delay_of_the_thrusters_is_searched_with_the_parameters(void)
 {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
-        identify(seed, 2000, 0.0, 0.14);
+        identify(seed, SETS, 2000, 0.0, 0.14);
         TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.14, (double)id.estimate.delay_s[AUVID_SURGE]);
         TEST_ASSERT_TRUE(worst_error() < 0.05);
     }
@@ -158,12 +52,12 @@ static void test_a_delay_of_the_thrusters_is_searched_with_the_parameters(void)
 static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(void)
 {
     auvid_real_t pi[PARAMETERS];
-    identify(1, UINT32_MAX, 0.0, 0.0);
+    identify(1, SETS, UINT32_MAX, 0.0, 0.0);
     memcpy(pi, id.estimate.pi, sizeof pi);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets_recorded);
     TEST_ASSERT_TRUE(id.work_most > 1350);
-    identify(1, 700, 0.0, 0.0);
+    identify(1, SETS, 700, 0.0, 0.0);
     for (int i = 0; i < PARAMETERS; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(truth[i]), (double)pi[i], (double)id.estimate.pi[i]);
     }
@@ -172,7 +66,7 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
 /* At 1 N, at speeds forward and backward that it has seen. */
 static void test_the_drag_force_of_a_model_without_regressor_is_known(void)
 {
-    identify(3, 2000, 1.0, 0.0);
+    identify(3, SETS, 2000, 1.0, 0.0);
     for (int k = 0; k < 6; ++k) {
         double largest = (double)id.estimate.speed[AUVID_SURGE][k % 2];
         double v = (k % 2 ? -1 : 1) * (k < 2 ? 0.3 : k < 4 ? 0.6 : 1.0) * largest;

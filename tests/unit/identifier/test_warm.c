@@ -31,6 +31,8 @@ static void dive(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     memset(record, 0xFF, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
 }
 
 static void check_refused(auvid_status_t status, const uint8_t *bytes, uint32_t size)
@@ -51,6 +53,12 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(known.identified, chain.id.estimate.identified);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_confidence_t *c = &known.confidence;
+        double ratio = c->residual[j] > 0 ? (double)(c->noise[j] / c->residual[j]) : 0;
+        double colour = (double)chain.id.metric.memory.colour[j];
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
+    }
     for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
                                      that are not rounded down */
         float single = (float)known.pi[i];
@@ -63,26 +71,31 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
-/* The next dive has the same thrusters: their scale does not make the record weaker. What is known
- * from elsewhere does not depend on them. */
+/* The next dive has the same thrusters and DVL: their scales do not make the record weaker. What is
+ * known from elsewhere does not depend on them. */
 static void test_a_record_holds_errors_with_the_thrust_as_told(void)
 {
-    static auvid_real_t plain[N];
+    static auvid_real_t plain[N], dvl[N];
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
     memcpy(plain, chain.id.metric.memory.sigma, sizeof plain);
     config.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
+    config.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
     dive();
+    memcpy(dvl, chain.id.estimate.confidence.dvl_error, sizeof dvl);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
     const auvid_confidence_t *c = &chain.id.estimate.confidence;
+    TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
         double told = (double)chain.id.metric.memory.sigma[i];
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(told, scale), (double)c->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(told, scale), (double)dvl[i]),
+                                  (double)c->sigma[i]);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, auvid_girona500_paper, plain));
@@ -102,7 +115,7 @@ static void next_dive(const auvid_identifier_t *dived)
 /* What was not identified, or has no error or noise to go with it, is as unknown as before. */
 static void test_a_record_brings_only_what_was_identified_with_an_error(void)
 {
-    enum { LEFT = AUVID_G500_M_U, WAYS = 6 };
+    enum { LEFT = AUVID_G500_M_U, WAYS = 7 };
     static auvid_identifier_t dived, spoilt;
     dive();
     dived = chain.id;
@@ -110,7 +123,7 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
     for (int i = 0; i < N; ++i) {
         surge |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_SURGE) << i;
     }
-    const uint32_t left[WAYS] = {1u << LEFT, 1u << LEFT, 1u << LEFT, surge, surge, 0};
+    const uint32_t left[WAYS] = {1u << LEFT, 1u << LEFT, 1u << LEFT, surge, surge, 0, 1u << LEFT};
     for (int way = 0; way < WAYS; ++way) {
         spoilt = dived;
         auvid_estimate_t *e = &spoilt.estimate;
@@ -120,14 +133,39 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         c->noise[AUVID_SURGE] = way == 3 ? 0 : c->noise[AUVID_SURGE];
         c->residual[AUVID_SURGE] = way == 4 ? 0 : c->residual[AUVID_SURGE];
         c->residual[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        e->covariance[LEFT] *= way == 6 ? 0 : 1;       /* the variance of the first parameter */
         next_dive(&spoilt);
         TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
                                 chain.id.estimate.identified);
         for (int i = 0; i < N; ++i) {
-            TEST_ASSERT_EQUAL((left[way] >> i & 1u) != 0,
-                              chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+            bool unknown = (left[way] >> i & 1u) != 0;
+            TEST_ASSERT_EQUAL(unknown, chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+            TEST_ASSERT_EQUAL(unknown, chain.id.metric.memory.sigma[i] == 0);
         }
     }
+}
+
+/* Of the first parameter, when a dive ends with that error. */
+static double remembered(const auvid_identifier_t *dived, double sigma)
+{
+    static auvid_identifier_t ended;
+    ended = *dived;
+    ended.estimate.covariance[0] = (auvid_real_t)(sigma * sigma);
+    next_dive(&ended);
+    return (double)chain.id.metric.memory.sigma[0];
+}
+
+/* It has the upper halves of single precision: 1 and 1 + 1/128 are kept, what is above 1 is rounded
+ * up. */
+static void test_a_record_never_makes_an_error_smaller(void)
+{
+    static auvid_identifier_t dived;
+    const double next = 1 + ldexp(1, -7), above = 1 + ldexp(1, -23);
+    dive();
+    dived = chain.id;
+    double one = remembered(&dived, 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, next));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, above));
 }
 
 /* A degree of freedom of which the record holds nothing counts as not driven. */
@@ -236,6 +274,10 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_start(NULL, record, sizeof record));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(NULL, record));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(&chain.id, NULL));
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
 }
 
 /* ---- a record whose content is wrong and whose checksum is right ---- */
@@ -283,6 +325,7 @@ static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_
     for (int residual = 0; residual < 2; ++residual) {
         choose_path(residual != 0);
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        check_forged(AUVID_ERR_CHECKSUM, 0, 0x32777661u); /* "avw2": of another version */
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, nan);
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, infinite);
         check_forged(AUVID_ERR_RANGE, VALUE + 4 * AUVID_G500_X_U, huge);
@@ -393,6 +436,13 @@ static void test_known_parameters_are_the_first_estimate(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
     TEST_ASSERT_EQUAL_MEMORY(pi, chain.id.estimate.pi, N * sizeof pi[0]);
     TEST_ASSERT_EQUAL_MEMORY(sigma, chain.id.estimate.confidence.sigma, N * sizeof sigma[0]);
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < N; ++k) {
+            auvid_real_t covariance =
+                auvid_estimate_covariance(&chain.id.estimate, &auvid_girona500, i, k);
+            TEST_ASSERT_TRUE(covariance == (i == k ? sigma[i] * sigma[i] : 0));
+        }
+    }
     check_unknown(AUVID_ERR_STATE, pi, sigma);
 }
 
@@ -415,6 +465,41 @@ static void test_parameters_known_without_sense_are_refused(void)
     check_unknown(AUVID_ERR_RANGE, pi, sigma);
     memset(&chain.id, 0, sizeof chain.id);
     check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
+static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    config.id.metric.fixed[AUVID_G500_M_R] = 80;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
+}
+
+static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t error)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    pi[3] = value;
+    sigma[3] = error;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+}
+
+static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
+{
+    const auvid_real_t value = 300, error = 10;
+    check_limit(AUVID_OK, AUVID_C(1e18), error);
+    check_limit(AUVID_OK, AUVID_C(-1e18), error);
+    check_limit(AUVID_ERR_RANGE, AUVID_C(1.01e18), error);
+    check_limit(AUVID_ERR_RANGE, AUVID_C(-1.01e18), error);
+    check_limit(AUVID_OK, value, AUVID_C(5.1e-31));
+    check_limit(AUVID_ERR_RANGE, value, AUVID_C(4.9e-31));
+    check_limit(AUVID_ERR_RANGE, value, -error);
+    check_limit(AUVID_OK, value, AUVID_C(9.9e29));
+    check_limit(AUVID_ERR_RANGE, value, AUVID_C(1e30));
 }
 
 static void test_memory_that_makes_no_sense_is_refused(void)
@@ -545,6 +630,7 @@ int main(void)
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
     RUN_TEST(test_a_record_holds_errors_with_the_thrust_as_told);
     RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
+    RUN_TEST(test_a_record_never_makes_an_error_smaller);
     RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
     RUN_TEST(test_saved_again_it_says_the_same);
@@ -557,6 +643,8 @@ int main(void)
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);
     RUN_TEST(test_parameters_known_without_sense_are_refused);
+    RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
+    RUN_TEST(test_known_parameters_are_taken_up_to_the_limits_of_the_header);
     RUN_TEST(test_memory_that_makes_no_sense_is_refused);
     RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
     RUN_TEST(test_known_parameters_help);

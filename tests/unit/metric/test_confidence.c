@@ -58,9 +58,9 @@ enum {
 static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
-    sines_wrench(s, truth, world->force_N, state, tau);
+    sines_wrench(s, truth, tau);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        s->tau[j] = (auvid_real_t)tau[j];
+        s->tau[j] = (auvid_real_t)(tau[j] + sines_noise(world->force_N, j, state));
         s->nu_dot[j] += (auvid_real_t)(world->acceleration * sines_gauss(state));
     }
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "metric_cells.h"
+#include "sines.h"
 #include "unity.h"
 
 void setUp(void)
@@ -59,6 +60,38 @@ static void test_measurement_of_the_true_parameters_has_r2_of_one(void)
         bool modelled = auvid_girona500.columns[j] != 0;
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, modelled ? 1 : 0, (double)r2[j]);
     }
+}
+
+/* Of the ring's only set, which the cost is of. The bands' residuals differ: noise is smoothed. */
+static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];
+    uint64_t state = 7;
+    uint32_t budget = UINT32_MAX;
+    cfg.sets = 1;
+    start();
+    world_t w = world_of(&cfg);
+    for (int k = 0; metric.sets_recorded == 0; ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            s.tau[j] += (auvid_real_t)(10 * sines_gauss(&state));
+        }
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+    merge_all(&metric);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        pi[i] = truth[i] * AUVID_C(1.02);
+    }
+    double cost = cost_of(&metric, pi) + (double)metric.constant, weighed = 0, plain = 0;
+    auvid_metric_predict_begin(&metric, pi, 0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double scale = pow((double)cfg.tau_max[j], 2) * metric.dof_rows[j];
+        weighed += scale > 0 ? (double)metric.predicted[j] / scale : 0;
+        plain += scale > 0 ? (double)metric.sse[j] / scale : 0;
+    }
+    TEST_ASSERT_TRUE(fabs(plain - cost) > 0.05 * cost);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cost, cost, weighed);
 }
 
 static void test_literal_reading_comes_within_ten_percent(void)
@@ -253,6 +286,7 @@ int main(void)
     RUN_TEST(test_least_squares_give_the_parameters_of_noise_free_cells_back);
     RUN_TEST(test_cost_is_least_at_the_parameters);
     RUN_TEST(test_measurement_of_the_true_parameters_has_r2_of_one);
+    RUN_TEST(test_a_prediction_weighs_the_bands_as_the_cost_does);
     RUN_TEST(test_literal_reading_comes_within_ten_percent);
     RUN_TEST(test_literal_sets_what_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_gives_the_same_bits);

@@ -47,8 +47,9 @@ enum { MOVED = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << 
 static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
-    sines_wrench(s, truth, world->force_N, state, tau);
+    sines_wrench(s, truth, tau);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        tau[j] += sines_noise(world->force_N, j, state);
         s->tau[j] = (auvid_real_t)(world->thrust * tau[j]);
         s->nu[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);
         s->nu_dot[j] *= (auvid_real_t)(j <= AUVID_HEAVE ? world->dvl : 1.0);

@@ -340,6 +340,19 @@ static void test_ballast_comes_halfway(void)
                               after.parameter[SIM_WB] - before.parameter[SIM_WB]);
 }
 
+static void test_ballast_at_the_origin_does_not_right_the_vehicle(void)
+{
+    set("cg_x", 0.01);
+    set("ballast", 20);
+    begin();
+    double gravity = field.hull.weight_N * field.hull.r_g[0];
+    double buoyancy = field.hull.buoyancy_N * field.hull.r_b[2];
+    run(121);
+    TEST_ASSERT_EQUAL_DOUBLE(180, field.hull.dry_kg);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, gravity, field.hull.weight_N * field.hull.r_g[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, buoyancy, field.hull.buoyancy_N * field.hull.r_b[2]);
+}
+
 static void test_near_a_wall_added_mass_and_drag_are_up(void)
 {
     double left[6], nu[6] = {0.5}, added = 249.5384 - 160;
@@ -435,6 +448,7 @@ int main(void)
     RUN_TEST(test_centre_of_gravity_trims_the_vehicle);
     RUN_TEST(test_a_cable_pulls_at_the_stern);
     RUN_TEST(test_ballast_comes_halfway);
+    RUN_TEST(test_ballast_at_the_origin_does_not_right_the_vehicle);
     RUN_TEST(test_near_a_wall_added_mass_and_drag_are_up);
     RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_sees_it);
     RUN_TEST(test_disturbance_has_its_rms_and_colour);

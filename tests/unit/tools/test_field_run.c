@@ -128,6 +128,35 @@ static void test_weaker_thrust_is_a_heavier_vehicle_and_the_told_truth_knows(voi
     TEST_ASSERT_DOUBLE_WITHIN(0.04 * truth, record.truth.told[SIM_M_U], record.pi[SIM_M_U]);
 }
 
+static bool is_impossible(int equation)
+{
+    bool found = false;
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        found = found || (record.impossible[i] && field_equation(i) == equation);
+    }
+    return found;
+}
+
+static void test_what_discredits_an_equation_is_recorded(void)
+{
+    int discredited = 0;
+    for (uint64_t seed = 1; seed <= 20 && discredited == 0; ++seed) {
+        begin(FIELD_ROV20, FIELD_STATION, seed);
+        field_draw(&config.field, 1.0);
+        TEST_ASSERT_TRUE(field_run(&run, &config, &record));
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            bool is = record.note[i] == AUVID_NOTE_DISCREDITED;
+            TEST_ASSERT_TRUE(!is || is_impossible(field_equation(i)));
+            discredited += is;
+        }
+    }
+    TEST_ASSERT_TRUE(discredited > 0);
+    excite(FIELD_ROV20, 2); /* without mismatch nothing is */
+    for (int e = 0; e < FIELD_EQUATIONS; ++e) {
+        TEST_ASSERT_FALSE(is_impossible(e));
+    }
+}
+
 static void test_the_same_seed_gives_the_same_record(void)
 {
     begin(FIELD_ROV20, FIELD_EXCITED, 7);
@@ -154,6 +183,7 @@ int main(void)
     RUN_TEST(test_without_mismatch_the_girona500_is_identified);
     RUN_TEST(test_without_mismatch_the_rov_is_identified);
     RUN_TEST(test_weaker_thrust_is_a_heavier_vehicle_and_the_told_truth_knows);
+    RUN_TEST(test_what_discredits_an_equation_is_recorded);
     RUN_TEST(test_the_same_seed_gives_the_same_record);
     RUN_TEST(test_what_the_simulator_refuses_is_refused);
     return UNITY_END();

@@ -231,6 +231,35 @@ static void test_the_curve_flags_by_width_what_nothing_else_forbids(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0 / 11, f[FIELD_LIMITS + FIELD_LIMITS - 1].value);
 }
 
+static void test_the_curve_meets_the_flags_at_their_own_limit(void)
+{
+    run.sigma[SIM_M_U] = 0.201 / HALF_WIDTH * run.pi[SIM_M_U];
+    for (int i = SIM_M_V; i <= SIM_M_W; ++i) { /* not flagged for a bias, which is part of sigma */
+        run.sigma[i] = 0.199 / HALF_WIDTH * run.pi[i];
+        run.flagged[i] = false;
+        run.note[i] = AUVID_NOTE_NOISE;
+    }
+    field_table_add(&table, &run);
+    const field_figure_t *f = finish() + FIELD_AT_CURVE;
+    TEST_ASSERT_EQUAL_DOUBLE(10.0 / 13, f[1].value);
+    TEST_ASSERT_EQUAL_DOUBLE(11.0 / 13, f[2].value);
+    TEST_ASSERT_EQUAL_DOUBLE(table.figure[FIELD_AT(FIELD_FLAGGED, FIELD_ALL)].value, f[2].value);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, f[3].value);
+}
+
+static void test_at_no_limit_an_equation_with_an_impossible_estimate_has_flags(void)
+{
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        run.sigma[i] = 0.27 / HALF_WIDTH * fabs(run.pi[i]);
+        run.flagged[i] = false;
+        run.note[i] = AUVID_NOTE_UNCERTAIN; /* nothing was claimed that could be discredited */
+    }
+    run.impossible[SIM_Y_V] = true;
+    field_table_add(&table, &run);
+    const field_figure_t *f = finish() + FIELD_AT_CURVE;
+    TEST_ASSERT_EQUAL_DOUBLE(9.0 / 13, f[FIELD_LIMITS - 1].value); /* not m_v, Y_v, Y_vv, W-B */
+}
+
 /* ---- intervals ---- */
 
 static void test_the_bootstrap_is_over_runs_not_over_flags(void)
@@ -303,6 +332,8 @@ int main(void)
     RUN_TEST(test_notes_are_counted);
     RUN_TEST(test_forces_are_judged_flagged_or_not);
     RUN_TEST(test_the_curve_flags_by_width_what_nothing_else_forbids);
+    RUN_TEST(test_the_curve_meets_the_flags_at_their_own_limit);
+    RUN_TEST(test_at_no_limit_an_equation_with_an_impossible_estimate_has_flags);
     RUN_TEST(test_the_bootstrap_is_over_runs_not_over_flags);
     RUN_TEST(test_no_wrong_flag_has_the_interval_of_the_runs);
     RUN_TEST(test_the_same_seed_gives_the_same_intervals);
