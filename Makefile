@@ -23,7 +23,7 @@ Q := $(if $(V),,@)
 export UNITY_DIR ?= third_party/unity/src
 export EIGEN_DIR ?= /usr/include/eigen3
 
-LIB := $(wildcard lib/src/*.c)
+LIB := $(wildcard lib/src/*/*.c)
 SIMULATOR := $(wildcard tools/simulator/*.c)
 PROGRAM := $(wildcard tools/auvid/*.c)
 # A real bus needs Linux: elsewhere the program has the bus in memory alone.
@@ -34,7 +34,7 @@ PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/b
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c field_run.c field_table.c \
     statistics.c report.c complain.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
-UNIT := $(wildcard tests/unit/test_*.c)
+UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
 VEHICLES := $(wildcard tests/vehicles/test_*.c)
 VEHICLES_REFERENCE := $(wildcard tests/vehicles/test_*.cpp)
@@ -68,7 +68,8 @@ FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
 # Mutation tests: the unit tests, or TESTS by name, linked with a changed file of the library.
 MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
 MUTATION_OBJECTS = $(call TESTED,release) build/release/tests/mutation/one_test.c.o
-MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),tests/*/$(test).c*)),$(UNIT))
+MUTATED_SOURCES := $(if $(TESTS),$(wildcard $(foreach test,$(TESTS),\
+    $(addsuffix /$(test).c*,tests/* tests/unit/*))),$(UNIT))
 MUTATED_TESTS := $(MUTATED_SOURCES:%=build/release/%.o)
 BENCH := $(wildcard tests/bench/*.c)
 BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
@@ -88,12 +89,16 @@ WAY_wide_double := $(WAY_double) $(WIDE)
 WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)
 WAYS := release double sanitized bench wide wide_double wide_sanitized
 
-STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes
+# For everything but the tests.
+CAREFUL := -Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes \
+    $(CAREFUL)
 FLAGS := -ffp-contract=off -MMD -MP -Ilib/include
 # Everything but the library may use double and look at private headers.
-FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Ilib/src -Itools/simulator \
+FLAGS_tools := -std=c11 -Wall -Wextra -Wpedantic -Wshadow $(CAREFUL) -Ilib/src -Itools/simulator \
     -Iport/linux_socketcan
-FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes
+FLAGS_port := -std=c11 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes \
+    $(CAREFUL)
 FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itools/auvid -Iport/linux_socketcan \
     -Itests/support -isystem $(UNITY_DIR) -DUNITY_INCLUDE_DOUBLE=
 
@@ -106,7 +111,7 @@ TEST_PROGRAMS := $(foreach way,release sanitized double,\
     $(foreach way,wide wide_double,$(VEHICLES_REFERENCE:%.cpp=build/$(way)/%)) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%)) $(GOLDEN_TESTS)
 # The CAN codec alone, for the comparison with cantools.
-CAN_CODEC := $(wildcard lib/src/auvid_can*.c)
+CAN_CODEC := $(wildcard lib/src/can/auvid_can*.c)
 CAN_LIBRARIES := build/can/float.so build/can/double.so
 CAN_CODEGEN := third_party/venv/bin/python tools/can_codegen/can_codegen.py
 FUZZ := $(wildcard tests/fuzz/fuzz_*.c)
@@ -125,15 +130,15 @@ VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
 IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
 # Unit tests there: see tests/firmware/unit.txt.
-unit_listed = $(shell awk '$$2 ~ /$(1)/ { print "tests/unit/" $$1 ".c" }' tests/firmware/unit.txt)
+unit_listed = $(addprefix %/,$(shell awk '$$2 ~ /$(1)/ { print $$1 ".c" }' tests/firmware/unit.txt))
 UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
     $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
 # Images whose instructions are counted, BOARD-LEVEL each. m3_20k is m3, with other sizes.
 COUNTED := m4f-O2 $(patsubst %,%-Os,$(filter-out m3_20k,$(BOARDS)))
 COUNTED_IMAGES := build/firmware/count_plugin.so \
     $(foreach name,$(COUNTED),build/firmware/$(name)/counted.elf build/firmware/$(name)/rows.elf) \
-    $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/test_hostile_inputs.elf)
-UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(addprefix %/,$(call unit_listed,long))),\
+    $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
+UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
 GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
@@ -352,7 +357,7 @@ build/firmware/count_plugin.so: tests/firmware/count_plugin.c
 # The example on the host: with nothing but a level of optimization, which leaves the compiler free
 # to use whatever this machine has, and with our flags ("-ours").
 build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c \
-        $(wildcard lib/*/*.h lib/include/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
+        $(wildcard lib/src/*/*.h lib/include/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
         | firmware-setup
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
@@ -360,13 +365,13 @@ build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c 
 	    $(if $(findstring 20k,$*),'-DAUVID_USER_CONFIG="example/config_20k.h"') \
 	    -Ilib/include -Iport/cortex_m -o $@ $(filter %.c,$^)
 
-build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*.h) Makefile | $(SETUP)
+build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*/*.h) Makefile | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
 build/validation/%.so: $(VALIDATION) Makefile \
-        $(wildcard lib/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
+        $(wildcard lib/src/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(VALIDATION_$*) \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \

@@ -1,8 +1,8 @@
 """The codec against cantools, autosar-e2e and crccheck. Run by test_oracle.sh.
 
 usage: oracle.py LIBRARY_FLOAT LIBRARY_DOUBLE
-The libraries are lib/src/auvid_can*.c as shared objects. The structs are read from the generated
-header, so that a member of the wrong name, place or type shows too.
+The libraries are lib/src/can/auvid_can*.c as shared objects. The structs are read from the
+generated header, so that a member of the wrong name, place or type shows too.
 Prints "ok - ..." or "not ok - ..." lines. 2e4 values and payloads for each library; 1e6 with
 AUVID_TEST_LONG.
 """

@@ -18,7 +18,7 @@ fits() {
         keep+=,-u,$name
     done
     # shellcheck disable=SC2086
-    $ARM -nostdlib -r $keep -o codec.o "$ROOT"/lib/src/auvid_can{,_table}.c || return 1
+    $ARM -nostdlib -r $keep -o codec.o "$ROOT"/lib/src/can/auvid_can{,_table}.c || return 1
     text=$(size codec.o | awk 'NR == 2 { print $1 + $2 + $3 }')
     echo "$text bytes" | tee text
     [ "$text" -gt 0 ] && [ "$text" -le "$LARGEST" ]

@@ -34,7 +34,7 @@ spoiled() {
 }
 
 regenerated() {
-    rm lib/include/auvid/can_messages.h lib/src/auvid_can_table.c
+    rm lib/include/auvid/can_messages.h lib/src/can/auvid_can_table.c
     codegen && diff -r "$ROOT/lib" lib
 }
 
@@ -47,7 +47,7 @@ check "another name is noticed" touched 1 's/dvl_altitude/dvl_height/g'
 check "another cycle time is noticed" touched 1 's/("GenMsgCycleTime" BO_ 1031) 100/\1 50/'
 check "another comment is noticed" touched 1 's/Positive down/Positive upwards/'
 check "another protocol version is noticed" touched 1 's/"AuvidProtocol" 1/"AuvidProtocol" 2/'
-for file in lib/include/auvid/can_messages.h lib/src/auvid_can_table.c lib/can/README.md; do
+for file in lib/include/auvid/can_messages.h lib/src/can/auvid_can_table.c lib/can/README.md; do
     check "a change of ${file##*/} is noticed" spoiled "$file"
 done
 check "a gap in the identifiers is refused" touched 2 's/1040/1041/g'

@@ -11,7 +11,7 @@ for level in O2 O3; do
     here=$work/$level
     rm -rf "$here"
     mkdir -p "$here"
-    for source in lib/src/*.c port/cortex_m/*.c; do
+    for source in lib/src/*/*.c port/cortex_m/*.c; do
         $compile -$level -std=c11 -ffp-contract=off $flags -c -o "$here/$(basename "$source").o" \
             "$source"
     done

@@ -3,7 +3,7 @@
  * regressor, and motion and wrench that are sines. For tests/firmware/bench.sh.
  */
 #include "auvid/metric.h"
-#include "auvid_math.h"
+#include "base/auvid_math_internal.h"
 #include "machine.h"
 
 enum { SETS = 8, ROWS = 30 };

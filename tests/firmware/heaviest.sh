@@ -14,7 +14,7 @@ sed "$([ "${3:-}" = passive ] && echo 's/excite = true/excite = false/')" \
 $(port/cortex_m/board.sh "$board" compile) "-${1#*-}" -std=c11 -ffp-contract=off -Ilib/include \
     -Iport/cortex_m/example "-DBUDGET=$2" -c -o "$here/main.o" "$here/main.c"
 $(port/cortex_m/board.sh "$board" link) -Wl,--wrap=machine_timer,--wrap=machine_sleep \
-    -o "$here/image.elf" "$here/main.o" "$objects"/lib/src/*.o "$objects"/port/cortex_m/*.o \
+    -o "$here/image.elf" "$here/main.o" "$objects"/lib/src/*/*.o "$objects"/port/cortex_m/*.o \
     "$objects"/port/cortex_m/example/driver_qemu.o "$objects"/tests/firmware/machine_calm.o
 (cd "$here" && "$top/tests/firmware/count.sh" "$board" ./image.elf >said)
 awk -v what="$*" '{ sub(/^auvid_node_/, "", $1); mean[$1] = $3 / $2; most[$1] = $4 }

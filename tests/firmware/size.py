@@ -8,7 +8,8 @@ not known (recursion, a frame without a known size, a call through a pointer tha
 POINTERS), or the RAM that is left for it is less.
   image   text, data and bss of the example
   flash   of each module as linked: what the example uses. A module is its public header and the
-          objects named after it; `library` is all of lib/, `library whole` its objects unlinked
+          objects named after it, or an object of its own; `library` is all of lib/, `library whole`
+          its objects unlinked
   sizeof  public structs, and parts of the identifier (regressors: without what models that are not
           linear need, and with a population for 13 parameters; thirteen: all sizes for the 13
           of Girona500)
@@ -27,9 +28,7 @@ import tempfile
 BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
 API = "".join(path.read_text() for path in HEADERS)
-MODULES = {path.stem for path in HEADERS} | {
-    path.stem.removeprefix("auvid_") for path in pathlib.Path("lib/src").glob("*.h")
-}
+MODULES = {path.stem for path in HEADERS}
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's memory, the thrusters' log, and the driver's interrupt.
 POINTERS = {
@@ -82,7 +81,7 @@ def library_frames(board, folder):
     tools, link = (run(BOARD, board, what).split() for what in ("tools", "link"))
     with tempfile.TemporaryDirectory() as scratch:
         image = scratch + "/whole.elf"
-        objects = sorted(map(str, folder.glob("lib/src/*.o"))) + sorted(
+        objects = sorted(map(str, folder.glob("lib/src/*/*.o"))) + sorted(
             map(str, folder.glob("port/cortex_m/**/*.o")))
         run(*link, "-Wl,--no-gc-sections,--defsym=FLASH_LENGTH=0x400000",
             "-Wl,--defsym=RAM_LENGTH=0x200000", "-o", image, *objects)
@@ -121,7 +120,7 @@ class Graph:
     def __init__(self, board):
         folder = pathlib.Path(f"build/firmware/{board}-Os")
         self.board, self.frames, self.calls, self.done = board, {}, {}, {}
-        for path in sorted(folder.glob("lib/src/*.ci")) + sorted(
+        for path in sorted(folder.glob("lib/src/*/*.ci")) + sorted(
                 folder.glob("port/cortex_m/**/*.ci")):
             text = path.read_text()
             for title, label in re.findall(r'^node: \{ title: "([^"]+)" label: "([^"]+)"', text,
@@ -222,7 +221,7 @@ def main():
         sizes["library"] = sum(size for name, size in sizes.items() if name not in OTHERS)
         sizes["library whole"] = sum(
             int(line.split()[0]) for line in run(
-                prefix + "size", *map(str, folder.glob("lib/src/*.o"))).splitlines()[1:])
+                prefix + "size", *map(str, folder.glob("lib/src/*/*.o"))).splitlines()[1:])
         sizes[" ".join(CORE)] = sum(sizes.get(name, 0) for name in CORE)
         for name in sorted(sizes):
             figures[f"flash/{board}/{name}"] = sizes[name]

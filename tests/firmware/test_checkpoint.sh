@@ -2,11 +2,11 @@
 # The bytes of a checkpoint are the same whatever the core, its pointers and its compiler's enums.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-program=build/release/tests/unit/test_checkpoint
+program=build/release/tests/unit/identifier/test_checkpoint
 [ -x $program ] || make -s $program >/dev/null
 host=$($program | grep checksum)
 for board in m4f m0plus; do
-    image=build/firmware/$board-O2/tests/unit/test_checkpoint.elf
+    image=build/firmware/$board-O2/tests/unit/identifier/test_checkpoint.elf
     there=$(timeout 1200 port/cortex_m/board.sh "$board" run "$image" 2>&1 | grep checksum) || true
     if [ "$there" = "$host" ]; then
         echo "ok - $board: $there, as on the host"

@@ -26,7 +26,7 @@ fi
 
 # Ticks of hostile frames; then of hostile samples, without a node.
 for level in O2 Os; do
-    image=$top/build/firmware/m4f-$level/tests/unit/test_hostile_inputs.elf
+    image=$top/build/firmware/m4f-$level/tests/unit/identifier/test_hostile_inputs.elf
     if ! (cd "$work" && "$top/tests/firmware/count.sh" m4f "$image" >said); then
         echo "not ok m4f-$level: $(tail -n 2 "$work/said")"
         continue

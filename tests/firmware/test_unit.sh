@@ -7,7 +7,7 @@ left_out='host|long'
 [ -z "${AUVID_TEST_LONG:-}" ] || left_out=host
 
 for board in m4f m0plus; do
-    for test in tests/unit/test_*.c; do
+    for test in tests/unit/*/test_*.c; do
         name=$(basename "$test" .c)
         why=$(awk -v name="$name" '$1 == name { $1 = ""; print }' tests/firmware/unit.txt)
         if [[ $why =~ ^\ ($left_out) ]]; then

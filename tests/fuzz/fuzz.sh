@@ -14,7 +14,7 @@ sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover
 compile="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src -Iport/linux_socketcan"
 objects=()
 mkdir -p $out/objects
-for file in lib/src/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c; do
+for file in lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c; do
     objects+=("$out/objects/$(basename "$file" .c).o")
     if [ "$file" -nt "${objects[-1]}" ] || [ -n "$(find lib port -name '*.h' \
         -newer "${objects[-1]}" -print -quit)" ]; then

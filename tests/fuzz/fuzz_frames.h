@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "auvid/can.h"
-#include "auvid_can_private.h"
+#include "can/auvid_can_table_internal.h"
 
 enum { RECORD = 11, FRAMES = 32 };
 

@@ -12,11 +12,13 @@ rm -rf "$OUT"
 mkdir -p "$OUT"
 
 export STRICT="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion \
--Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca -Werror -Ilib/include"
-TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror \
+-Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Walloca \
+-Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum -Werror -Ilib/include"
+TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow \
+-Wfloat-equal -Wcast-qual -Wundef -Wswitch-enum -Werror \
 -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m"
 shopt -s nullglob
-lib=(lib/src/*.c)
+lib=(lib/src/*/*.c)
 tools=(tools/*/*.c port/linux_socketcan/*.c port/cortex_m/example/*.c)
 broken=0
 
@@ -100,6 +102,10 @@ check_headers() {
     return "$status"
 }
 
+check_unity() {
+    tests/lint/unity.sh "${lib[@]}"
+}
+
 check_tools() {
     each "gcc $TOOLS -O2 -fsyntax-only {}" "${tools[@]}" &&
         each "clang $TOOLS -fsyntax-only {}" "${tools[@]}"
@@ -120,9 +126,10 @@ check_cppcheck() {
 }
 
 step "the rules below can fail" tests/lint/selftest.sh
-step "text: includes, dependencies, columns, lengths, version" tests/lint/sources.py
+step "text: includes, rooms, circles, columns, lengths, version" tests/lint/sources.py
 step "the library, gcc and clang, float and double, three sizes, no warning" check_matrix
 step "objects: no statics, heap, libm, double, recursion" check_objects
+step "the library as one translation unit: unique names" check_unity
 step "each header alone, C11 and C++14, float and double" check_headers
 step "tools, gcc and clang, no warning" check_tools
 step "clang-tidy" check_tidy

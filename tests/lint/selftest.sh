@@ -52,8 +52,11 @@ text() {
     local rule=$1 file=$2
     shift 2
     rm -rf tree
-    mkdir -p tree/lib/src tree/lib/include/auvid "tree/$(dirname "$file")"
-    printf '#include "auvid/types.h"\n' >tree/lib/src/auvid_math.h
+    mkdir -p tree/lib/src/{base,search} tree/lib/include/auvid "tree/$(dirname "$file")"
+    printf '#include "auvid/types.h"\n' >tree/lib/src/base/auvid_math_internal.h
+    : >tree/lib/src/search/auvid_crs_internal.h
+    printf '%s\n' "$math" '#include "auvid_crs_internal.h"' 'int auvid_crs_low(void)' '{' '}' \
+        >tree/lib/src/search/auvid_crs_low.c
     printf '#define AUVID_VERSION_%s\n' 'MAJOR 1' 'MINOR 2' 'PATCH 3' 'STRING "1.2.3"' \
         >tree/lib/include/auvid/config.h
     printf '#ifndef AUVID_MAX_X\n#endif\n' >>tree/lib/include/auvid/config.h
@@ -67,16 +70,35 @@ text() {
     fi
 }
 
-math='#include "auvid_math.h"'
-text '' lib/src/auvid_metric.c "$math" '#include "auvid/smoother.h"' 'x = AUVID_C(1e-3); /* 0.5 */'
-text include lib/src/auvid_metric.c "$math" '#include <math.h>'
-text include lib/src/auvid_metric.c "$math" '#include "../../tools/simulator/world.h"'
-text dependency lib/src/auvid_optimizer.c "$math" '#include "auvid/metric.h"'
-text dependency lib/src/auvid_crs_tell.c "$math" '#include "auvid/line_search.h"'
-text dependency lib/src/auvid_unheard_of.c "$math"
-text arithmetic lib/src/auvid_nav.c '#include "auvid/types.h"'
-text literal lib/src/auvid_nav.c "$math" 'x = 0.5 * y;'
-text literal lib/src/auvid_nav.c "$math" 'x = 1e-3f;'
+math='#include "../base/auvid_math_internal.h"'
+text '' lib/src/metric/auvid_metric.c "$math" '#include "auvid/smoother.h"' \
+    'x = AUVID_C(1e-3); /* 0.5 */'
+text include lib/src/metric/auvid_metric.c "$math" '#include <math.h>'
+text include lib/src/metric/auvid_metric.c "$math" '#include "../../../tools/simulator/world.h"'
+text '' lib/src/metric/auvid_metric.c "$math" '#include "auvid/vehicle.h"'
+text '' lib/src/can/auvid_node.c "$math" '#include "auvid/identifier.h"' '#include "auvid/can.h"'
+text '' lib/include/auvid/auvid.h '#include "auvid/node.h"'
+text dependency lib/src/search/auvid_optimizer.c "$math" '#include "auvid/metric.h"'
+text dependency lib/src/search/auvid_optimizer.c "$math" \
+    '#include "../metric/auvid_metric_internal.h"'
+text dependency lib/src/base/auvid_smoother.c "$math" '#include "auvid/vehicle.h"'
+text dependency lib/src/models/auvid_current.c "$math" '#include "auvid/nav.h"'
+text dependency lib/src/can/auvid_can.c "$math" '#include "auvid/identifier.h"'
+text dependency lib/src/can/auvid_can.c "$math" '#include "auvid/node.h"'
+text dependency lib/src/identifier/auvid_warm.c "$math" '#include "auvid/can.h"'
+text dependency lib/src/identifier/auvid_warm.c "$math" '#include "auvid/unheard_of.h"'
+text dependency lib/include/auvid/nav.h '#include "auvid/vehicle.h"'
+text dependency lib/include/auvid/unheard_of.h ''
+text dependency lib/src/auvid_flat.c '#include "base/auvid_math_internal.h"'
+text dependency lib/src/unheard_of/auvid_x.c "$math"
+calls_low() { # RULE FILE: a file that calls what auvid_crs_low.c defines
+    text "$1" "$2" "$math" 'int auvid_crs_go(void)' '{' '    return auvid_crs_low();' '}'
+}
+calls_low '' lib/src/search/auvid_crs_high.c
+calls_low circle lib/src/search/auvid_crs.c
+text arithmetic lib/src/navigation/auvid_nav.c '#include "auvid/types.h"'
+text literal lib/src/navigation/auvid_nav.c "$math" 'x = 0.5 * y;'
+text literal lib/src/navigation/auvid_nav.c "$math" 'x = 1e-3f;'
 text columns tools/long.c "$(printf '%101s' x)"
 text length tools/long.c 'int f(void)' '{' "$(yes '    x();' | head -n 61)" '}'
 text path tools/where.c 'open("/home''/somebody/x");'
@@ -105,5 +127,31 @@ if [ -n "${STRICT:-}" ]; then
     refuse 'void *auvid_f(void); void *auvid_f(void) { return __builtin_alloca(8); }'
     refuse 'int auvid_f(float x); int auvid_f(float x) { return x < 0.1; }'
     refuse 'void auvid_f(void) { }'
+    refuse 'int auvid_f(float x, float y); int auvid_f(float x, float y) { return x == y; }'
+    refuse 'char *auvid_f(const char *x); char *auvid_f(const char *x) { return (char *)x; }'
+    refuse 'extern int auvid_x;
+#if AUVID_UNHEARD_OF
+#endif'
+    refuse 'enum e { A, B }; int auvid_f(enum e x);
+        int auvid_f(enum e x) { switch (x) { case A: return 1; default: return 0; } }'
+
+    # together OUTCOME STATIC MACRO: does a file with these go with one that has f and M?
+    part() { # FILE STATIC MACRO
+        printf '%s\n' "#define $3 ${#1}" "static int $2(int x) { return x + $3; }" \
+            "int auvid_${1%.c}(int x);" "int auvid_${1%.c}(int x) { return $2(x); }" >"$1"
+    }
+    together() {
+        local outcome=refused
+        part a.c f M
+        part bb.c "$2" "$3"
+        ! "$here/unity.sh" a.c bb.c 2>/dev/null || outcome=taken
+        if [ $outcome != "$1" ]; then
+            echo "lint selftest: unity build: f and M beside $2 and $3 are $outcome"
+            broken=1
+        fi
+    }
+    together taken g N
+    together refused f N
+    together refused g M
 fi
 exit "$broken"

@@ -4,8 +4,11 @@
 usage: sources.py [ROOT]
 Prints one line a breach; exit status 1 when there is any.
   include     lib/ includes only stdint, stddef, stdbool, string.h and auvid headers
-  dependency  modules of lib/ include each other only as USES allows
-  arithmetic  every lib/src/*.c includes auvid_math.h, directly or not (it switches contraction off)
+  dependency  the rooms of lib/ include each other only as ROOMS allows
+  circle      no circle between the files of lib/src: X.c and X_internal.h are one; a file needs
+              those whose headers it includes, and those whose functions and tables it names
+  arithmetic  every lib/src/*/*.c includes auvid_math_internal.h, directly or not (it switches
+              contraction off)
   literal     no floating literal in lib/ outside AUVID_C(), which hides a double
   columns     no line of code over 100 columns
   length      no function over 60 lines
@@ -14,48 +17,36 @@ Prints one line a breach; exit status 1 when there is any.
   link name   what depends on config.h, in a public header, has the sizes in its link-time name
   target      every target of the Makefile is described for `make help`
 """
+import os
 import pathlib
 import re
 import sys
 
-# Who may include whom. Dependencies point one way; a module not named here is a breach. A file
-# belongs to the module with the longest name that its own name begins with (auvid_crs_tell.c: crs).
-BASE = "config types math linalg"
-USES = {
-    "config": "",
-    "types": "config",
-    "sqrt_soft": "config types",
-    "math": "config types sqrt_soft",
-    "status": BASE,
-    "linalg": "config types math",
-    "selftest": BASE,
-    "nav": BASE,
-    "excitation": BASE,
-    "guard": BASE,
-    "allocation": BASE,
-    "smoother": BASE,
-    "vehicle": BASE,
-    "fossen": BASE + " vehicle",
-    "averaged": BASE + " vehicle",
-    "current": BASE + " vehicle",
-    "recorder": BASE,
-    "crs": BASE,
-    "line_search": BASE,
-    "metric": BASE + " smoother vehicle",
-    "validation": BASE + " smoother vehicle",
-    "confidence": BASE + " metric vehicle",
-    "optimizer": BASE + " crs line_search",
-    "bounded_ls": BASE + " optimizer",
+# The rooms of lib/src, each with those that it may include beside itself: of what stands below it,
+# what it needs. The node counts as one of its own: it alone knows the codec and the identifier.
+ROOMS = {
+    "base": "",
+    "models": "base",
+    "navigation": "base",
+    "metric": "base models",
+    "search": "base",  # never sees the metric: the identifier carries candidates and costs
+    "excitation": "base",
 }
-USES["identifier"] = " ".join(USES)
-USES["can"] = BASE  # beside the identifier: neither knows the other
-USES["checksum"] = BASE + " metric vehicle"  # of records: the control tick does without
-USES["adaptive"] = " ".join(USES)
-USES["warm"] = " ".join(USES)
-USES["checkpoint"] = " ".join(USES)
-USES["thrusters"] = " ".join(USES)
-USES["node"] = " ".join(USES)
-USES["auvid"] = " ".join(USES)
+ROOMS["identifier"] = " ".join(ROOMS)
+ROOMS["can"] = "base"
+ROOMS["node"] = " ".join(ROOMS)
+# Public headers stand in one folder; auvid.h is above all.
+PUBLIC = {
+    "base": "config types selftest smoother",
+    "models": "vehicle fossen current averaged thrusters",
+    "navigation": "nav recorder",
+    "metric": "metric confidence validation",
+    "search": "crs line_search optimizer",
+    "excitation": "excitation allocation guard",
+    "identifier": "identifier adaptive checkpoint warm",
+    "can": "can can_messages can_receiver can_fifo",
+    "node": "node",
+}
 
 STANDARD = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}
 SKIPPED = {".git", "build", "third_party", "__pycache__"}
@@ -82,32 +73,41 @@ def without_comments(text):
     return pattern.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
 
 
-def module_of(name):
-    stem = pathlib.Path(name).stem
-    stem = stem if stem == "auvid" else stem.removeprefix("auvid_")
-    found = [m for m in USES if stem == m or stem.startswith(m + "_")]
-    return max(found, key=len, default=None)
+def room_of(path):
+    """The room of a file in lib/; None: it has none."""
+    if path.parent.name == "auvid":
+        return next((room for room in PUBLIC if path.stem in PUBLIC[room].split()), None)
+    if path.parent.name == "can" and path.stem.startswith("auvid_node"):
+        return "node"
+    return path.parent.name if path.parent.name in ROOMS else None
+
+
+def included(path, name):
+    """What a file of lib/ includes by this name."""
+    if name.startswith("auvid/"):
+        return root / "lib/include" / name
+    return pathlib.Path(os.path.normpath(path.parent / name))
 
 
 def check_includes(path, text):
-    here = module_of(path.name)
-    if here is None:
-        yield "dependency", f"module of {path.name} is not in the table"
+    here = room_of(path)
+    if here is None and path.name != "auvid.h":  # which is of all rooms
+        yield "dependency", "is in no room"
         return
     for kind, name in INCLUDE.findall(text):
         if kind == "<":
             if name not in STANDARD:
                 yield "include", f"<{name}>"
             continue
-        other = module_of(name)
-        if other is None or not (name.startswith("auvid/") or name.startswith("auvid_")):
+        other = included(path, name)
+        if root / "lib" not in other.parents:
             yield "include", f'"{name}"'
-        elif other != here and other not in USES[here].split():
-            yield "dependency", f"{here} must not use {other} ({name})"
+        elif here is not None and room_of(other) not in [here, *ROOMS[here].split()]:
+            yield "dependency", f"{here} must not use {name} ({room_of(other)})"
 
 
 def reaches_math(path, seen):
-    if path.name == "auvid_math.h":
+    if path.name == "auvid_math_internal.h":
         return True
     if path in seen or not path.exists():
         return False
@@ -151,7 +151,36 @@ def check_file(path, text):
         if path.name != "types.h":  # where AUVID_C() and its like are defined
             yield from check_literals(text)
         if path.suffix == ".c" and not reaches_math(path, set()):
-            yield "arithmetic", "does not include auvid_math.h"
+            yield "arithmetic", "does not include auvid_math_internal.h"
+
+
+def needs(sources):
+    """{file: the other files of lib/src that it needs}, by their stems."""
+    code = {path: without_comments(path.read_text()) for path in sources}
+    stem = {path: path.stem.removesuffix("_internal") for path in sources}
+    definition = re.compile(r"^(?!static)[a-z][\w *]*?\b(auvid_\w+)(?:\([^;{}]*\)\n\{|[\w[\]]* =)",
+                            re.M)
+    owner = {name: stem[path] for path in sources if path.suffix == ".c"
+             for name in definition.findall(code[path])}
+    found = {name: set() for name in stem.values()}
+    for path in sources:
+        words = set(re.findall(r"\bauvid_\w+", code[path])) if path.suffix == ".c" else set()
+        found[stem[path]] |= {owner[word] for word in words & owner.keys()}
+        found[stem[path]] |= {stem[other] for kind, name in INCLUDE.findall(path.read_text())
+                              if (other := included(path, name)) in stem}
+    return {name: others - {name} for name, others in found.items()}
+
+
+def check_circles(sources):
+    left = needs(sources)
+    while free := [name for name, others in left.items() if not others & left.keys()]:
+        for name in free:
+            del left[name]
+    while free := left.keys() - set().union(*left.values()):  # above the circles
+        for name in free:
+            del left[name]
+    if left:
+        yield "circle", " ".join(sorted(left))
 
 
 def check_version(config, changelog):
@@ -226,6 +255,7 @@ def main():
             continue
         note(path, check_file(path, text))
     config, changelog = root / "lib/include/auvid/config.h", root / "CHANGELOG.md"
+    note(root / "lib/src", check_circles(sorted(root.glob("lib/src/*/*.[ch]"))))
     headers = {path.name: path.read_text() for path in sorted(config.parent.glob("*.h"))}
     if config.exists():
         note(config.parent, check_link_names(headers))

@@ -21,7 +21,7 @@ cp user.c user.cpp
 
 # compiles FLAG...: silent with these flags, and init accepts the arithmetic it finds.
 compiles() {
-    "$CC" "$@" -I"$ROOT/lib/include" user.c "$ROOT"/lib/src/*.c -o user 2>log
+    "$CC" "$@" -I"$ROOT/lib/include" user.c "$ROOT"/lib/src/*/*.c -o user 2>log
     cat log
     [ ! -s log ] && ./user
 }
@@ -30,7 +30,7 @@ cplusplus() {
     for standard in c++14 c++20; do
         g++ -std=$standard -Wall -Wextra -Wpedantic -Werror -I"$ROOT/lib/include" -c user.cpp
     done
-    "$CC" -c -I"$ROOT/lib/include" "$ROOT"/lib/src/*.c
+    "$CC" -c -I"$ROOT/lib/include" "$ROOT"/lib/src/*/*.c
     g++ user.o auvid_*.o -o user
     ./user
 }

@@ -92,7 +92,7 @@ def frames():
     text = document("lib/can/README.md")
     change = stated(text, rf"that without them to {SIGNED}, {SIGNED}, {SIGNED} %")
     half = stated(text, rf"% \(\+- {NUMBER}, {NUMBER}, {NUMBER}\)")
-    found = program("build/release/tests/unit/test_can_accuracy",
+    found = program("build/release/tests/unit/can/test_can_accuracy",
                     rf"N, 200 seeds, .* mean square {SIGNED} % \(\+- {NUMBER}\)",
                     text)
     assert not LONG or len(found) == 3
@@ -123,9 +123,9 @@ def guard():
     """guard.h: the largest overshoot."""
     text = document("lib/include/auvid/guard.h")
     worlds, part = stated(text, rf"In {NUMBER} worlds of the test .*? was {NUMBER} of what they")
-    assert "build/release/tests/unit/test_guard_runs" in text
+    assert "build/release/tests/unit/excitation/test_guard_runs" in text
     if LONG:
-        out = run(os.path.join(root, "build/release/tests/unit/test_guard_runs"))
+        out = run(os.path.join(root, "build/release/tests/unit/excitation/test_guard_runs"))
         assert int(re.search(r"(\d+) runs, \d+ excited", out)[1]) == worlds
         found = [float(x) for x in re.findall(r"largest overshoot (-?[\d.]+) of what", out)]
         print(found)

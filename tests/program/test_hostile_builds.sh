@@ -53,7 +53,7 @@ done
 
 # init COMPILER FLAG...: build library and a caller; print what its init says.
 init() {
-    "$@" -std=c11 -Ilib/include -o "$scratch/caller" "$scratch/caller.c" lib/src/*.c \
+    "$@" -std=c11 -Ilib/include -o "$scratch/caller" "$scratch/caller.c" lib/src/*/*.c \
         >"$scratch/output" 2>&1 && "$scratch/caller"
 }
 cat >"$scratch/caller.c" <<'END_C'
@@ -80,8 +80,8 @@ if [ "$(uname -m)" = x86_64 ]; then
     report "the 387's precision: init refuses"
 fi
 
-# Contraction to fused multiply-add, on machines that have it. gcc is kept from it by auvid_math.h;
-# clang does it in spite of the pragma.
+# Contraction to fused multiply-add, on machines that have it. gcc is kept from it by
+# auvid_math_internal.h; clang does it in spite of the pragma.
 if grep -qw fma /proc/cpuinfo 2>/dev/null; then
     init clang -O1 -mfma -ffp-contract=fast | grep -q 'contraction'
     report "clang -ffp-contract=fast: init refuses, and says what to switch off"
@@ -89,8 +89,8 @@ if grep -qw fma /proc/cpuinfo 2>/dev/null; then
     build/auvid node --bus memory --excite --sets 1 --log "$scratch/bus.log" >"$scratch/output"
     example="-Ilib/include -Iport/cortex_m port/cortex_m/example/main.c
         port/cortex_m/example/driver_qemu.c tests/firmware/machine_host.c"
-    gcc -O2 -std=c11 $example lib/src/*.c -o "$scratch/plain/run" &&
-        gcc -O3 -march=native -ffp-contract=fast -flto $example lib/src/*.c \
+    gcc -O2 -std=c11 $example lib/src/*/*.c -o "$scratch/plain/run" &&
+        gcc -O3 -march=native -ffp-contract=fast -flto $example lib/src/*/*.c \
             -o "$scratch/wild/run" 2>"$scratch/output" &&
         (cd "$scratch/plain" && ln -s ../bus.log . && ./run) >"$scratch/output" &&
         (cd "$scratch/wild" && ln -s ../bus.log . && ./run) >"$scratch/output" &&

@@ -245,7 +245,7 @@ END
 check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
-    "$ROOT"/lib/src/*.c "$ROOT"/tools/simulator/*.c -lm
+    "$ROOT"/lib/src/*/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's own thrusters are accepted" ./example own-thrusters
@@ -275,7 +275,7 @@ blocks 1 >blocks.c
 sizes=$(grep -o '`AUVID_MAX_[A-Z]*=[0-9]*`' "$ROOT/lib/README.md" | tr -d '`' | sed 's/^/-D/')
 check "README's vehicle in six degrees of freedom compiles at the sizes it names" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror $sizes -I"$ROOT/lib/include" \
-    -I. -o six six.c "$ROOT"/lib/src/*.c
+    -I. -o six six.c "$ROOT"/lib/src/*/*.c
 check "README's vehicle in six degrees of freedom is accepted" ./six
 
 # Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.

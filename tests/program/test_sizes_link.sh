@@ -102,11 +102,11 @@ compile() {
 
 # Ways to build and link: the compiler's flags, the linker's, and the library.
 dead=(-Os -ffunction-sections -fdata-sections)
-ar rc "$scratch/objects.a" build/release/lib/src/*.o
+ar rc "$scratch/objects.a" build/release/lib/src/*/*.o
 mkdir "$scratch/sections" "$scratch/lto"
 # build NAME FLAGS...: the library into $scratch/NAME.a
 build() {
-    printf '%s\0' lib/src/*.c | (cd "$scratch/$1" && shift &&
+    printf '%s\0' lib/src/*/*.c | (cd "$scratch/$1" && shift &&
         xargs -0 -P "$(nproc)" -I {} gcc -std=c11 -I"$OLDPWD/lib/include" "$@" -c "$OLDPWD/{}")
     gcc-ar rc "$scratch/$1.a" "$scratch/$1"/*.o
 }
@@ -118,7 +118,7 @@ links() {
     local way=$1 file=$2 flags=() linker=() library=()
     shift 2
     case $way in
-    objects) library=(build/release/lib/src/*.o) ;;
+    objects) library=(build/release/lib/src/*/*.o) ;;
     archive) library=("$scratch/objects.a") ;;
     sections) flags=("${dead[@]}") linker=(-Wl,--gc-sections) library=("$scratch/sections.a") ;;
     lto) flags=(-O1 -flto) linker=(-O1 -flto=1) library=("$scratch/lto.a") ;;
@@ -161,7 +161,7 @@ done
 
 # The whole library in the caller's own translation unit, beside a file with other sizes.
 {
-    printf '#include "%s"\n' "$PWD"/lib/src/auvid_vehicle.c "$PWD"/lib/src/auvid_math.c
+    printf '#include "%s"\n' "$PWD"/lib/src/models/auvid_vehicle.c "$PWD"/lib/src/base/auvid_math.c
     cat "$scratch/main.c"
 } >"$scratch/unity.c"
 unity() {

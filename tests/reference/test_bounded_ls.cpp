@@ -9,7 +9,7 @@
 #include <random>
 
 extern "C" {
-#include "auvid_bounded_ls.h"
+#include "search/auvid_bounded_ls_internal.h"
 #include "unity.h"
 }
 

@@ -1,8 +1,8 @@
 // Standard errors of a model without regressor: how often do they cover the truth?
 //
-// The user's model of tests/unit/test_user_model.c, thrusters with a dead band, in surge alone; the
-// Coriolis forces, which the simulated vehicle has, are in it with their true masses, so that the
-// model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
+// The user's model of tests/unit/identifier/test_user_model.c, thrusters with a dead band, in surge
+// alone; the Coriolis forces, which the simulated vehicle has, are in it with their true masses, so
+// that the model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
 //
 // Long form (AUVID_TEST_LONG), 240 runs: pooled one standard error covers 60-76 %, two 90-98 %,
 // each parameter's one 55-80 %. Short form, 30: fails when these are refuted, at 3.3 standard

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "auvid/metric.h"
-#include "auvid_metric.h"
+#include "metric/auvid_metric_internal.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846

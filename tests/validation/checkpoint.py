@@ -117,7 +117,7 @@ def wrong(subject, whole, path, at, pointer):
     if pointer:
         return None if saved == plain else "is a pointer, and in the checkpoint"
     if saved == plain:
-        return "is not in the checkpoint: see lib/src/auvid_checkpoint_layout.c"
+        return "is not in the checkpoint: see lib/src/identifier/auvid_checkpoint_layout.c"
     status = subject.restore(saved)
     brought = memory[at] == changed
     ctypes.memmove(memory, before, len(before))

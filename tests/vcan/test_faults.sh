@@ -142,7 +142,7 @@ gateway() {
 }
 
 # A forged command is good with 2^-8 (checksum) * (8002 / 8192)^4 (range) * 3 / 16 (counter):
-# tests/unit/test_can_flood.c. Commands stay on time: thrust is not cut.
+# tests/unit/can/test_can_flood.c. Commands stay on time: thrust is not cut.
 flooded() {
     begin 1
     "$PEER" flood vcan1 "$FORGED" 1000 | tee flood

@@ -65,7 +65,7 @@ identified() {
 }
 
 # The limit is that of the error's rms over runs. A single one has more in 7 % (two sets) and 9 %
-# (eight) of the runs of tests/unit/test_lossy_bus.c: TRIES in a row in less than 1 of 1000.
+# (eight) of the runs of tests/unit/can/test_lossy_bus.c: TRIES in a row in less than 1 of 1000.
 run() {
     local end
     for _ in $(seq "$TRIES"); do

@@ -14,8 +14,8 @@
 
 #include "auvid/fossen.h"
 #include "auvid/identifier.h"
-#include "auvid_linalg.h"
-#include "auvid_metric.h"
+#include "base/auvid_linalg_internal.h"
+#include "metric/auvid_metric_internal.h"
 #include "simulator.h"
 #include "unity.h"
 

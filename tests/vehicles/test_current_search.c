@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "auvid/current.h"
-#include "auvid_metric.h"
+#include "metric/auvid_metric_internal.h"
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"

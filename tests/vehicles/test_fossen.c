@@ -9,7 +9,7 @@
 #include "auvid/allocation.h"
 #include "auvid/fossen.h"
 #include "auvid/metric.h"
-#include "auvid_linalg.h"
+#include "base/auvid_linalg_internal.h"
 #include "unity.h"
 
 enum { N = AUVID_FOSSEN_COUNT };

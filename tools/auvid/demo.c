@@ -2,6 +2,7 @@
  * auvid demo: excite a simulated vehicle, identify it on line, and check the estimate on an
  * excitation that it has not seen.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -273,7 +274,7 @@ static void print_amplitudes(const vehicle_t *vehicle)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double amplitude = (double)vehicle->amplitude[j];
         bool moment = j >= AUVID_ROLL;
-        if (amplitude > 0.0 && (amplitude != shown || j == AUVID_ROLL)) {
+        if (amplitude > 0.0 && (fabs(amplitude - shown) > 0.0 || j == AUVID_ROLL)) {
             printf("%s%g %s on ", separator, amplitude, moment ? "Nm" : "N");
             shown = amplitude;
             separator = "";

@@ -29,7 +29,7 @@ static void describe_draw(const field_mismatch_t *kind, char *text, size_t size)
         (void)snprintf(text, size, "not in mixtures");
     } else if (kind->draw == FIELD_NORMAL) {
         (void)snprintf(text, size, "+- %g%s", kind->high, chance);
-    } else if (kind->low == kind->high) {
+    } else if (!(kind->low < kind->high)) {
         (void)snprintf(text, size, "%g%s", kind->high, chance);
     } else {
         (void)snprintf(text, size, "%g .. %g%s", kind->low, kind->high, chance);
@@ -65,7 +65,7 @@ static void print_value(const field_figure_t *f, double unit)
     if (isnan(f->value)) {
         printf("      -");
     } else {
-        printf("  %5.*f", unit == 1.0 ? 2 : 1, unit * f->value);
+        printf("  %5.*f", unit > 1.0 ? 1 : 2, unit * f->value);
     }
 }
 
@@ -272,7 +272,7 @@ static void json_record(const field_record_t *record)
     json_list("drag_force_06", force, FIELD_DIRECTIONS);
     printf(", \"mismatch\": {");
     for (int k = 0, shown = 0; k < count; ++k) {
-        if (record->size[k] != 0.0) {
+        if (fabs(record->size[k]) > 0.0) {
             printf("%s\"%s\": ", shown++ == 0 ? "" : ", ", kind[k].name);
             json_number(record->size[k]);
         }

@@ -148,6 +148,14 @@ static bool is_flagged_at(const field_record_t *record, int i, double limit)
     case AUVID_NOTE_BESIDE_BOUND:
     case AUVID_NOTE_NOT_CONVERGED:
         return false;
+    case AUVID_NOTE_IMPLAUSIBLE:
+    case AUVID_NOTE_DISCREDITED:
+    case AUVID_NOTE_NONE:
+    case AUVID_NOTE_NOISE:
+    case AUVID_NOTE_SMALL:
+    case AUVID_NOTE_UNCERTAIN:
+    case AUVID_NOTE_COMBINATION:
+    case AUVID_NOTE_THRUST_SCALE:
     default:
         return i != SIM_WB && limit > OWN_LIMIT && narrow && !is_discredited(record, i);
     }
@@ -273,8 +281,8 @@ static void find_interval(field_table_t *table, int f, field_ratio_t sum, double
     }
     if (f == FIELD_AT_WRONG_RUN || f == FIELD_AT_CAPPED_RUN) {
         field_clopper_pearson((uint32_t)sum.part, runs, interval);
-    } else if (!is_rms(f) && runs > 0 && (sum.part == 0.0 || sum.part == sum.whole)) {
-        field_clopper_pearson(sum.part == 0.0 ? 0 : runs, runs, interval);
+    } else if (!is_rms(f) && runs > 0 && (!(sum.part > 0.0) || sum.part >= sum.whole)) {
+        field_clopper_pearson(sum.part > 0.0 ? runs : 0, runs, interval);
     } else if (known > 0) {
         interval[0] = statistics_quantile(value, known, 0.025);
         interval[1] = statistics_quantile(value, known, 0.975);

@@ -68,7 +68,7 @@ double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
     double squares = 0.0;
     int count = 0;
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        if ((estimate->identified >> i & 1u) && truth[i] != 0.0) {
+        if ((estimate->identified >> i & 1u) && fabs(truth[i]) > 0.0) {
             double error = (double)estimate->pi[i] / truth[i] - 1.0;
             squares += error * error;
             ++count;
@@ -99,6 +99,8 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
         return moment ? "cmd s2" : "cmd s2/m2";
     case AUVID_PARAMETER_FORCE:
         return "cmd";
+    case AUVID_PARAMETER_INERTIA:
+    case AUVID_PARAMETER_OTHER:
     default:
         return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
     }
@@ -148,7 +150,7 @@ bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
 {
     double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
     auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
-    return largest != 0.0 &&
+    return fabs(largest) > 0.0 &&
            auvid_estimate_drag(&result->estimate, result->vehicle, j, speed, drag) == AUVID_OK;
 }
 

@@ -61,7 +61,8 @@ static void count_coverage(campaign_t *c, const result_t *result)
         c->covered[0] += isfinite(sigma) && off <= sigma;
         c->covered[1] += isfinite(sigma) && off <= 2.0 * sigma;
         c->identifiable += sure;
-        double most = result->truth[i] != 0.0 ? MISLEADING * fabs(result->truth[i]) : 4.0 * sigma;
+        double most =
+            fabs(result->truth[i]) > 0.0 ? MISLEADING * fabs(result->truth[i]) : 4.0 * sigma;
         c->wrong += sure && !(off <= most);
     }
 }
@@ -79,7 +80,7 @@ void tally_add(tally_t *tally, const result_t *result)
         }
         auvid_parameter_kind_t kind = result->vehicle->parameter[i].kind;
         bool mass = kind == AUVID_PARAMETER_MASS || kind == AUVID_PARAMETER_INERTIA;
-        bool relative = result->truth[i] != 0.0;
+        bool relative = fabs(result->truth[i]) > 0.0;
         double error =
             relative ? fabs((double)e->pi[i] / result->truth[i] - 1.0) : fabs((double)e->pi[i]);
         ++c->parameters;
@@ -131,7 +132,7 @@ void tally_finish(tally_t *tally, const result_t *first, uint64_t seed)
     c->rms_percent = 100.0 * sqrt(sum / c->runs);
     bootstrap(tally, seed, c->interval);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        double unit = first->truth[i] != 0.0 ? 100.0 : 1.0;
+        double unit = fabs(first->truth[i]) > 0.0 ? 100.0 : 1.0;
         c->parameter_rms[i] = unit * sqrt(c->parameter_rms[i] / c->runs);
     }
     c->evaluations_median = statistics_quantile(tally->evaluations, c->runs, 0.5);

@@ -48,7 +48,7 @@ static char mark(const result_t *result, int i)
 /* Relative error of an estimate that is known; of a truth of 0 there is none. */
 static void print_error(const result_t *result, int i, int width, bool known)
 {
-    if (result->truth[i] == 0.0) {
+    if (fabs(result->truth[i]) <= 0.0) {
         printf("  %*s", width + 2, "-");
     } else {
         print_number(width, 2, known ? error_percent(result, i) : NAN);
@@ -104,7 +104,7 @@ static void rms_row(const result_t *result, const result_t *last, int width)
     int names = name_width(result), zeros = 0;
     double rms = report_rms_percent(&result->estimate, result->truth);
     for (int i = 0; i < result->vehicle->parameters; ++i) {
-        zeros += (result->free >> i & 1u) && result->truth[i] == 0.0;
+        zeros += (result->free >> i & 1u) && fabs(result->truth[i]) <= 0.0;
     }
     const char *note = zeros > 0 ? "  but for those that are 0" : "";
     if (last != NULL) {
@@ -344,7 +344,7 @@ static void campaign_summary(const campaign_t *c, const char *title, uint32_t bu
 /* Of one parameter: relative, but absolute where the truth is 0. */
 static void campaign_errors(const result_t *first, const campaign_t *campaign, int i)
 {
-    if (first->truth[i] != 0.0) {
+    if (fabs(first->truth[i]) > 0.0) {
         printf("  %8.2f %%  %8.2f %%", campaign->parameter_rms[i], campaign->parameter_worst[i]);
     } else {
         printf("  %8.3f    %8.3f  ", campaign->parameter_rms[i], campaign->parameter_worst[i]);

@@ -4,7 +4,7 @@
 usage: can_codegen.py [--check] [--dbc FILE] [--root DIRECTORY]
 Writes, below DIRECTORY (default: the repository),
   lib/include/auvid/can_messages.h   enumerations, one struct a message, a union of them
-  lib/src/auvid_can_table.c          the tables the codec works from
+  lib/src/can/auvid_can_table.c      the tables the codec works from
   lib/can/README.md                  the part between the two marks: frames and bus load
 With --check nothing is written: exit status 1 when a file differs from what would be.
 Exit status 2: the DBC breaks a rule of the contract (check_message says which there are).
@@ -21,7 +21,7 @@ import cantools
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
 HEADER, TABLE, README = (
-    "lib/include/auvid/can_messages.h", "lib/src/auvid_can_table.c", "lib/can/README.md")
+    "lib/include/auvid/can_messages.h", "lib/src/can/auvid_can_table.c", "lib/can/README.md")
 FAST, SLOW = 0x040, 0x400  # first identifiers of the two blocks
 BITRATE = 500_000
 LARGEST_LOAD = 0.20
@@ -315,7 +315,7 @@ def table(messages):
             for s in m.signals:
                 signal_rows.append(
                     f"    {{{s.start}, {types.index(s.type)}, "
-                    f"WORD({m.name}, {m.member(s)}), {int(s is m.signals[-1])}}},")
+                    f"CAN_WORD({m.name}, {m.member(s)}), {int(s is m.signals[-1])}}},")
         starts.append(first[layout])
     need(len(signal_rows) < 256 and len(types) <= 32, "more than 255 signals or 32 types")
     need(all(len(m.signals) <= 8 for m in messages), "more than 8 signals in a message")
@@ -328,12 +328,12 @@ def table(messages):
     return f"""/*
  * Generated from lib/can/auvid.dbc by `make can`: do not edit.
  */
-#include "auvid_can_private.h"
+#include "auvid_can_table_internal.h"
 
-#include "auvid_math.h"
+#include "../base/auvid_math_internal.h"
 
 /* clang-format off */
-#define WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))
+#define CAN_WORD(message, member) (offsetof(auvid_can_##message##_t, member) / sizeof(uint32_t))
 
 const auvid_can_type_t auvid_can_types[] = {{
 {rows(type_rows)}

@@ -104,7 +104,7 @@ double craft_rms_percent(const craft_t *craft)
     int count = 0;
     craft_truth(craft, truth);
     for (int i = 0; i < CRAFT_PARAMETERS; ++i) {
-        if (truth[i] == 0.0) {
+        if (fabs(truth[i]) <= 0.0) {
             continue;
         }
         if (!(craft->estimated >> i & 1u)) {

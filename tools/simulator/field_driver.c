@@ -101,7 +101,7 @@ static void excited(field_t *field, double want[WANTED])
     double beyond = copysign(fmax(fabs(low) - (near ? NEAR_DEPTH_M : EXCITED_DEPTH_M), 0.0), low);
     double lead = (near ? NEAR_LEAD : EXCITED_LEAD) * sheet->amplitude[2];
     want[Z] = -lead * fmax(-4.0, fmin(4.0, beyond));
-    if (near && beyond != 0.0) {
+    if (near && fabs(beyond) > 0.0) {
         want[Z] -= 2.0 * sqrt(lead * sheet->parameter[SIM_M_W]) * field->pilot.velocity[2];
     }
 }

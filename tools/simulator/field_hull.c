@@ -263,7 +263,8 @@ static void add_drag(const field_hull_t *h, const double nu[6], double more, dou
 {
     for (int i = 0; i < 6; ++i) {
         double x = nu[i], a = fabs(x);
-        double square = h->exponent_loss != 0.0 && a > 0.0 ? pow(a, 1.0 - h->exponent_loss) : a;
+        double square =
+            fabs(h->exponent_loss) > 0.0 && a > 0.0 ? pow(a, 1.0 - h->exponent_loss) : a;
         force[i] -= more * (h->linear[i] + h->quadratic[i] * square) * x *
                     (1.0 + (x > 0.0 ? h->asymmetry[i] : -h->asymmetry[i]));
     }
@@ -381,7 +382,7 @@ void field_hull_derivative(const field_hull_t *h, const double state[12], const 
     add_drag(h, nu, 1.0 + k, force);
     add_pull(r, h->r_g, weight, force);
     add_pull(r, h->r_b, buoyancy, force);
-    if (h->cable_N != 0.0) {
+    if (fabs(h->cable_N) > 0.0) {
         add_cable(h, state, r, force);
     }
     if (h->wall > 0.0) {

@@ -198,7 +198,7 @@ void field_thrust_tell(field_t *field, field_output_t *out)
         return;
     }
     const field_command_t *c = &t->ring[t->told % FIELD_RING];
-    out->told = size[FIELD_COMMAND_10HZ] == 0.0 || t->told % 5 == 0;
+    out->told = fabs(size[FIELD_COMMAND_10HZ]) <= 0.0 || t->told % 5 == 0;
     ++t->told;
     if (out->told) {
         out->told_us = c->t_us + late_us;

@@ -164,7 +164,7 @@ static bool vehicle_is_good(const sim_config_t *c)
     bool symmetric = true;
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < i; ++j) {
-            symmetric = symmetric && f->added[i][j] == f->added[j][i];
+            symmetric = symmetric && fabs(f->added[i][j] - f->added[j][i]) <= 0.0;
         }
     }
     sim_fossen_matrix(f, m);

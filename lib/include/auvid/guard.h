@@ -36,8 +36,8 @@
  *   a   greatest acceleration: force over mass, Coriolis forces included
  *
  * These are upper bounds; a vehicle that rights itself rolls on by less. In 1000 worlds of the test
- * campaign (AUVID_TEST_LONG=1 build/release/tests/unit/test_guard_runs, after `make test`) the
- * largest overshoot was 0.86 of what they allow.
+ * campaign (AUVID_TEST_LONG=1 build/release/tests/unit/excitation/test_guard_runs, after
+ * `make test`) the largest overshoot was 0.86 of what they allow.
  *
  * So a limit must lie inside the true danger by that much: a Girona500 at 0.7 m/s with DVL at 5 Hz
  * and depth at 10 Hz needs 0.1 + 0.7 * 0.22 + 0.7 * 5.9 = 4.4 m left alone, 0.8 m with the pilot.

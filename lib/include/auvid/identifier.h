@@ -89,7 +89,7 @@ typedef struct {
 } auvid_listener_t;
 
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
-typedef struct {
+typedef struct auvid_identifier_config {
     const auvid_vehicle_t *vehicle;       /**< required; set by defaults */
     auvid_nav_config_t nav;               /**< see nav.h */
     auvid_recorder_config_t recorder;     /**< see recorder.h; its cell is the metric's too */

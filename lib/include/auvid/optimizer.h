@@ -23,7 +23,7 @@
  * the larger of the two. Evaluations until it ends, 13 parameters of a Girona500, box
  * [-1000, 1000], float32, 1000 simulated records,
  * all within 1 % of the least-squares parameters: median 466, p95 492;
- * with line_search.literal 5070 (tests/unit/test_optimizer_figures.c, tests/bench).
+ * with line_search.literal 5070 (tests/unit/search/test_optimizer_figures.c, tests/bench).
  *
  * Scale the cost so that J(0) ~ 1, and leave out what does not depend on the parameters: epsilon of
  * the global phase is absolute, and in float32 a constant swamps the differences.

@@ -53,11 +53,14 @@
 #ifndef AUVID_THRUSTERS_H
 #define AUVID_THRUSTERS_H
 
-#include "auvid/identifier.h"
+#include "auvid/types.h"
+#include "auvid/vehicle.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+struct auvid_identifier_config; /* identifier.h */
 
 /** Groups of like thrusters, at most. */
 #define AUVID_THRUSTERS_GROUPS 4
@@ -166,7 +169,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * metric.velocity_us); AUVID_ERR_SIZE (the log is too short for so many sets). Refused: nothing is
  * changed. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
-                                         auvid_identifier_config_t *cfg);
+                                         struct auvid_identifier_config *cfg);
 
 #define auvid_thrusters_command AUVID_SIZED(auvid_thrusters_command)
 /** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:

@@ -118,7 +118,7 @@ typedef struct {
 /** Is x neither NaN nor infinite? Needs no library; not defeated by compiler flags we accept. */
 static inline bool auvid_is_finite(auvid_real_t x)
 {
-    return x - x == AUVID_C(0.0);
+    return x - x <= AUVID_C(0.0); /* else NaN */
 }
 
 #ifdef __cplusplus

@@ -18,12 +18,12 @@ def elementary(lib):
         lib.auvid_sincos(value, out[0, i:], out[1, i:])
     reference = np.array([np.sin(x.astype(np.longdouble)), np.cos(x.astype(np.longdouble))])
     yield close(lib, "sin and cos, |x| <= 1e4", "numpy, long double", [(out, reference, 1.0)],
-                "relative to 1", 0.75, "the bound of auvid_math.h")
+                "relative to 1", 0.75, "the bound of auvid_math_internal.h")
     a, b = lib.array(rng.normal(size=(2, 5000)) * 10.0 ** rng.integers(-6, 6, (2, 5000)))
     ours = [lib.auvid_atan2(y, z) for y, z in zip(a, b)]
     reference = np.arctan2(a.astype(float), b.astype(float))
     yield close(lib, "atan2", "numpy", [(ours, reference, np.abs(reference))],
-                "relative to itself", 2, "the bound of auvid_math.h")
+                "relative to itself", 2, "the bound of auvid_math_internal.h")
     c = np.abs(a)
     reference = np.sqrt(c.astype(float))
     yield close(lib, "square root", "numpy", [([lib.auvid_sqrt(y) for y in c], reference,

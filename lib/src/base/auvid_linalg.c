@@ -1,0 +1,66 @@
+/*
+ * Packed triangles by Givens rotations.
+ *
+ *   rho = sqrt(r_ii^2 + a_i^2), c = r_ii / rho, s = a_i / rho
+ *   r_ij <- c r_ij + s a_j,  a_j <- c a_j - s r_ij          for j >= i
+ */
+#include "auvid_linalg_internal.h"
+
+void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *row)
+{
+    for (int i = first; i < n; ++i) {
+        auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        if (auvid_is_zero(row[i])) {
+            continue;
+        }
+        auvid_real_t rho = auvid_sqrt(r[0] * r[0] + row[i] * row[i]);
+        if (!(rho > AUVID_C(0.0))) {
+            continue; /* both squares underflow: nothing to keep */
+        }
+        auvid_real_t inverse = AUVID_C(1.0) / rho;
+        auvid_real_t c = r[0] * inverse, s = row[i] * inverse;
+        r[0] = rho;
+        for (int j = i + 1; j < n; ++j) {
+            auvid_real_t old = r[j - i];
+            r[j - i] = c * old + s * row[j];
+            row[j] = c * row[j] - s * old;
+        }
+    }
+}
+
+auvid_real_t auvid_triangle_norm(const auvid_real_t *triangle, int n, int i)
+{
+    auvid_real_t squares = AUVID_C(0.0);
+    for (int k = 0; k <= i; ++k) {
+        auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
+        squares += above * above;
+    }
+    return auvid_sqrt(squares);
+}
+
+int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny,
+                         auvid_real_t *x)
+{
+    int lost = 0;
+    for (int i = m - 1; i >= 0; --i) {
+        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        for (int j = i + 1; j < m; ++j) {
+            x[i] -= r[j - i] * x[j];
+        }
+        bool usable = auvid_abs(r[0]) > tiny * auvid_triangle_norm(triangle, n, i);
+        lost += !usable;
+        x[i] = usable ? x[i] / r[0] : AUVID_C(0.0);
+    }
+    return lost;
+}
+
+void auvid_triangle_solve_left(const auvid_real_t *triangle, int n, int m, auvid_real_t *x)
+{
+    for (int i = 0; i < m; ++i) {
+        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        x[i] = auvid_abs(r[0]) > AUVID_C(0.0) ? x[i] / r[0] : AUVID_C(0.0);
+        for (int j = i + 1; j < m; ++j) {
+            x[j] -= r[j - i] * x[i];
+        }
+    }
+}

@@ -1,0 +1,398 @@
+/*
+ * Elementary functions with the same bits everywhere: only + - * / and conversions, in a fixed
+ * order, without contraction.
+ *
+ * sin, cos: x = n pi/2 + r by Cody and Waite's reduction (Software Manual for the Elementary
+ * Functions, 1980), then minimax polynomials on |r| <= pi/4. atan: on [0, tan(pi/8)], the rest by
+ * atan q = pi/4 + atan((q - 1) / (q + 1)). The coefficients were fitted by the exchange method in
+ * 40 digits; the error of each fit stands beside it. Random numbers: xoshiro128** (Blackman, Vigna
+ * 2018) seeded by splitmix64 (Steele et al. 2014).
+ *
+ * Bounds, e = AUVID_EPSILON, against the exact value (tests/unit/base/test_math.c sweeps them):
+ *   sin, cos: 0.75 e absolute for |x| <= 1e4; sin also 1.25 e relative for |x| <= pi
+ *   atan2:    2 e relative, where the angle is not denormal
+ *   wrap_pi:  1.25 e absolute
+ */
+#include "auvid_math_internal.h"
+
+#include <string.h>
+
+/* The square root of the core, by its instruction: sqrtf() would be a call or set errno, depending
+ * on the user's flags. */
+#if defined(__GNUC__) && defined(__AVX__)
+#define SQRT_32(r, x) __asm__("vsqrtss %1, %1, %0" : "=x"(r) : "x"(x))
+#define SQRT_64(r, x) __asm__("vsqrtsd %1, %1, %0" : "=x"(r) : "x"(x))
+#elif defined(__GNUC__) && defined(__SSE2__)
+#define SQRT_32(r, x) __asm__("sqrtss %1, %0" : "=x"(r) : "x"(x))
+#define SQRT_64(r, x) __asm__("sqrtsd %1, %0" : "=x"(r) : "x"(x))
+#elif defined(__GNUC__) && defined(__aarch64__)
+#define SQRT_32(r, x) __asm__("fsqrt %s0, %s1" : "=w"(r) : "w"(x))
+#define SQRT_64(r, x) __asm__("fsqrt %d0, %d1" : "=w"(r) : "w"(x))
+#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && !defined(__SOFTFP__)
+#if (__ARM_FP & 4)
+#define SQRT_32(r, x) __asm__("vsqrt.f32 %0, %1" : "=t"(r) : "t"(x))
+#endif
+#if (__ARM_FP & 8)
+#define SQRT_64(r, x) __asm__("vsqrt.f64 %P0, %P1" : "=w"(r) : "w"(x))
+#endif
+#elif defined(__GNUC__) && defined(__riscv_flen)
+#define SQRT_32(r, x) __asm__("fsqrt.s %0, %1" : "=f"(r) : "f"(x))
+#if __riscv_flen >= 64
+#define SQRT_64(r, x) __asm__("fsqrt.d %0, %1" : "=f"(r) : "f"(x))
+#endif
+#endif
+
+#if defined(AUVID_REAL_DOUBLE) && defined(SQRT_64)
+#define SQRT_HERE SQRT_64
+#elif !defined(AUVID_REAL_DOUBLE) && defined(SQRT_32)
+#define SQRT_HERE SQRT_32
+#else
+#include "auvid_sqrt_soft_internal.h"
+#endif
+
+auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b)
+{
+    return a < b ? a : b;
+}
+
+auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
+{
+    return a > b ? a : b;
+}
+
+void auvid_clear(auvid_real_t *x, size_t n)
+{
+    for (; n >= 6; n -= 6, x += 6) { /* not what a compiler takes for memset() */
+        x[0] = x[1] = x[2] = x[3] = x[4] = x[5] = AUVID_C(0.0);
+    }
+    for (; n > 0; --n) {
+        x[n - 1] = AUVID_C(0.0);
+    }
+}
+
+/* By the digits of the exponent: all ones are an infinity or no number. */
+bool auvid_all_finite(const auvid_real_t *x, size_t n)
+{
+#ifdef AUVID_REAL_DOUBLE
+    const uint64_t exponent = UINT64_C(0x7ff0000000000000);
+    uint64_t bits;
+#else
+    const uint32_t exponent = 0x7f800000u;
+    uint32_t bits;
+#endif
+    for (; n > 0; --n, ++x) {
+        memcpy(&bits, x, sizeof bits);
+        if ((bits & exponent) == exponent) {
+            return false;
+        }
+    }
+    return true;
+}
+
+auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit)
+{
+    for (size_t i = 0; i < n; ++i) {
+        if (!(auvid_abs(x[i]) <= limit)) {
+            return auvid_all_finite(x, n) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
+/* Digit by digit: the quotient moves into n from the right as n moves out to the left. */
+uint64_t auvid_divide(uint64_t n, uint64_t d)
+{
+    uint64_t rest = 0;
+    for (int i = 0; i < 64; ++i) {
+        rest = (rest << 1) | (n >> 63);
+        n <<= 1;
+        if (rest >= d) {
+            rest -= d;
+            n |= 1u;
+        }
+    }
+    return n;
+}
+
+auvid_real_t auvid_sqrt(auvid_real_t x)
+{
+    if (!(x > AUVID_C(0.0))) {
+        return AUVID_C(0.0);
+    }
+#if defined(SQRT_HERE)
+    auvid_real_t r;
+    SQRT_HERE(r, x);
+    return r;
+#elif defined(AUVID_REAL_DOUBLE)
+    union {
+        auvid_real_t x;
+        uint64_t bits;
+    } u = {x};
+    u.bits = auvid_sqrt_soft_64(u.bits);
+    return u.x;
+#else
+    union {
+        auvid_real_t x;
+        uint32_t bits;
+    } u = {x};
+    u.bits = auvid_sqrt_soft_32(u.bits);
+    return u.x;
+#endif
+}
+
+/*
+ * pi/2 = HALF_PI_1 + HALF_PI_2 + HALF_PI_3. The first two are short (11 bits; 40 in double), so
+ * that their products with |n| <= 6367 (13 bits) and the two subtractions are exact; what is left
+ * is the rounding of n HALF_PI_3, below 6367 * 7.6e-8 * 6e-8 = 3e-11.
+ *
+ * sin r = r + r^3 S(r^2), cos r = 1 - r^2/2 + r^4 C(r^2), atan q = q + q^3 A(q^2); errors of the
+ * fits: float 3.7e-9, 9.7e-11, 6.6e-10 relative to q; double 3.5e-18, 4.8e-20, 1.3e-18.
+ */
+#ifdef AUVID_REAL_DOUBLE
+#define HALF_PI_1 AUVID_C(1.5707963267941522645)
+#define HALF_PI_2 AUVID_C(7.4435474804802548064e-13)
+#define HALF_PI_3 AUVID_C(6.3683171635109501376e-25)
+/* pi minus AUVID_PI */
+#define PI_TAIL AUVID_C(1.2246467991473531772e-16)
+static const auvid_real_t sin_c[] = {
+    AUVID_C(-0.166666666666666317),    AUVID_C(0.00833333333332231502),
+    AUVID_C(-0.000198412698297251246), AUVID_C(2.75573136620365989e-6),
+    AUVID_C(-2.50507532619605124e-8),  AUVID_C(1.58965048243306812e-10)};
+static const auvid_real_t cos_c[] = {
+    AUVID_C(0.0416666666666665987),    AUVID_C(-0.00138888888888739908),
+    AUVID_C(0.0000248015872893949923), AUVID_C(-2.75573143260493349e-7),
+    AUVID_C(2.08757195611160126e-9),   AUVID_C(-1.13594487966358602e-11)};
+static const auvid_real_t atan_c[] = {
+    AUVID_C(-0.333333333333331989),  AUVID_C(0.199999999999540015),
+    AUVID_C(-0.142857142802398712),  AUVID_C(0.111111107856837945),
+    AUVID_C(-0.0909089782283516305), AUVID_C(0.0769206138609740744),
+    AUVID_C(-0.0666311743927422343), AUVID_C(0.0584798688093536469),
+    AUVID_C(-0.0503974367912582994), AUVID_C(0.0380756733378124083),
+    AUVID_C(-0.0179193177449345849)};
+#else
+#define HALF_PI_1 AUVID_C(1.5703125)
+#define HALF_PI_2 AUVID_C(0.0004837512969970703125)
+#define HALF_PI_3 AUVID_C(7.5497899548918821692e-8)
+#define PI_TAIL AUVID_C(-8.74227800037e-8)
+static const auvid_real_t sin_c[] = {AUVID_C(-0.1666665487), AUVID_C(0.008332173541),
+                                     AUVID_C(-0.0001951665549)};
+static const auvid_real_t cos_c[] = {AUVID_C(0.04166664675), AUVID_C(-0.001388736146),
+                                     AUVID_C(2.443773085e-5)};
+static const auvid_real_t atan_c[] = {AUVID_C(-0.3333331549), AUVID_C(0.1999848836),
+                                      AUVID_C(-0.1424382682), AUVID_C(0.1059582908),
+                                      AUVID_C(-0.06082992464)};
+#endif
+
+#define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
+
+/* c[0] + c[1] z + ... + c[n-1] z^(n-1) */
+static inline auvid_real_t polynomial(const auvid_real_t *c, int n, auvid_real_t z)
+{
+    auvid_real_t p = c[n - 1];
+    for (int i = n - 2; i >= 0; --i) {
+        p = p * z + c[i];
+    }
+    return p;
+}
+
+/* Nearest integer to x, halves away from zero. */
+static inline int32_t nearest(auvid_real_t x)
+{
+    return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
+}
+
+/* x - n pi/2 */
+static inline auvid_real_t reduce(auvid_real_t x, int32_t n)
+{
+    auvid_real_t k = (auvid_real_t)n;
+    return ((x - k * HALF_PI_1) - k * HALF_PI_2) - k * HALF_PI_3;
+}
+
+/* Is x where the reduction holds? False for NaN too. */
+static inline bool in_range(auvid_real_t x)
+{
+    return auvid_abs(x) <= AUVID_C(10000.0);
+}
+
+/* What a function returns where its argument has no meaning: the next is_finite() finds it. */
+static auvid_real_t not_a_number(void)
+{
+    auvid_real_t zero = AUVID_C(0.0);
+    return zero / zero;
+}
+
+/* Of r, |r| <= pi/4 and its rounding; z = r^2. */
+AUVID_INLINE auvid_real_t sin_near(auvid_real_t r, auvid_real_t z)
+{
+    return r + r * z * polynomial(sin_c, COUNT(sin_c), z);
+}
+
+AUVID_INLINE auvid_real_t cos_near(auvid_real_t z)
+{
+    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+}
+
+/* x = n pi/2 + r */
+static auvid_real_t to_quadrant(auvid_real_t x, uint32_t *n)
+{
+    int32_t nearest_n = nearest(x * AUVID_C(0.63661977236758134308));
+    *n = (uint32_t)nearest_n;
+    return nearest_n != 0 ? reduce(x, nearest_n) : x;
+}
+
+auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters)
+{
+    uint32_t n;
+    if (!in_range(x)) {
+        return not_a_number();
+    }
+    auvid_real_t r = to_quadrant(x, &n);
+    n += quarters;
+    r = (n & 1u) != 0u ? cos_near(r * r) : sin_near(r, r * r);
+    return (n & 2u) != 0u ? -r : r;
+}
+
+void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
+{
+    auvid_real_t s = not_a_number();
+    auvid_real_t c = s;
+    if (in_range(x)) {
+        uint32_t n;
+        auvid_real_t r = to_quadrant(x, &n);
+        auvid_real_t sr = sin_near(r, r * r), cr = cos_near(r * r);
+        s = (n & 1u) != 0u ? cr : sr;
+        c = (n & 1u) != 0u ? sr : cr;
+        s = (n & 2u) != 0u ? -s : s;
+        c = ((n + 1u) & 2u) != 0u ? -c : c;
+    }
+    if (sin_x != NULL) {
+        *sin_x = s;
+    }
+    if (cos_x != NULL) {
+        *cos_x = c;
+    }
+}
+
+auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x)
+{
+    auvid_real_t ax = auvid_abs(x);
+    auvid_real_t ay = auvid_abs(y);
+    bool steep = ay > ax;
+    auvid_real_t large = steep ? ay : ax;
+    auvid_real_t small = steep ? ax : ay;
+    if (auvid_is_zero(large) && auvid_is_zero(small)) {
+        return AUVID_C(0.0);
+    }
+    /* angle = turn + turn_tail +- atan q, q in [-tan(pi/8), tan(pi/8)] */
+    auvid_real_t q = small / large;
+    auvid_real_t turn = AUVID_C(0.0); /* in pi/4 */
+    if (q > AUVID_C(0.41421356237309504880)) {
+        q = (q - AUVID_C(1.0)) / (q + AUVID_C(1.0));
+        turn = AUVID_C(1.0);
+    }
+    auvid_real_t z = q * q;
+    auvid_real_t a = q + q * z * polynomial(atan_c, COUNT(atan_c), z);
+    if (steep) { /* pi/2 - angle */
+        a = -a;
+        turn = AUVID_C(2.0) - turn;
+    }
+    if (x < AUVID_C(0.0)) { /* pi - angle */
+        a = -a;
+        turn = AUVID_C(4.0) - turn;
+    }
+    turn *= AUVID_C(0.25);
+    a = turn * AUVID_PI + (a + turn * PI_TAIL);
+    return y < AUVID_C(0.0) ? -a : a;
+}
+
+auvid_real_t auvid_wrap_pi(auvid_real_t x)
+{
+    if (x >= -AUVID_PI && x <= AUVID_PI) {
+        return x;
+    }
+    if (!in_range(x)) {
+        return not_a_number();
+    }
+    int32_t n = 4 * nearest(x * AUVID_C(0.15915494309189533577));
+    auvid_real_t r = reduce(x, n);
+    if (r > AUVID_PI || r < -AUVID_PI) { /* x / (2 pi) was rounded to the wrong side of a half */
+        r = reduce(x, r > AUVID_C(0.0) ? n + 4 : n - 4);
+    }
+    return auvid_clamp(r, -AUVID_PI, AUVID_PI);
+}
+
+/* auvid_sincos() of what is small most of the time; where it is, without a call. */
+AUVID_INLINE void sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
+{
+    if (auvid_abs(x) < AUVID_C(0.785)) {
+        *sin_x = sin_near(x, x * x);
+        *cos_x = cos_near(x * x);
+    } else {
+        auvid_sincos(x, sin_x, cos_x);
+    }
+}
+
+void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3])
+{
+    auvid_real_t sf, cf, st, ct, sp, cp;
+    sincos_small(phi, &sf, &cf);
+    sincos_small(theta, &st, &ct);
+    auvid_sincos(psi, &sp, &cp);
+    r[0][0] = cp * ct;
+    r[0][1] = cp * st * sf - sp * cf;
+    r[0][2] = cp * st * cf + sp * sf;
+    r[1][0] = sp * ct;
+    r[1][1] = sp * st * sf + cp * cf;
+    r[1][2] = sp * st * cf - cp * sf;
+    r[2][0] = -st;
+    r[2][1] = ct * sf;
+    r[2][2] = ct * cf;
+}
+
+static uint64_t splitmix64(uint64_t *state)
+{
+    *state += UINT64_C(0x9e3779b97f4a7c15);
+    uint64_t z = *state;
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return z ^ (z >> 31);
+}
+
+void auvid_rng_seed(auvid_rng_t *rng, uint64_t seed)
+{
+    /* splitmix64 is a permutation: two outputs in a row differ, so they are not both zero. */
+    for (int i = 0; i < 4; i += 2) {
+        uint64_t z = splitmix64(&seed);
+        rng->s[i] = (uint32_t)z;
+        rng->s[i + 1] = (uint32_t)(z >> 32);
+    }
+}
+
+static uint32_t rotate_left(uint32_t x, unsigned k)
+{
+    return (x << k) | (x >> (32u - k));
+}
+
+uint32_t auvid_rng_next(auvid_rng_t *rng)
+{
+    uint32_t *s = rng->s;
+    uint32_t result = rotate_left(s[1] * 5u, 7u) * 9u;
+    uint32_t t = s[1] << 9;
+    s[2] ^= s[0];
+    s[3] ^= s[1];
+    s[1] ^= s[2];
+    s[0] ^= s[3];
+    s[2] ^= t;
+    s[3] = rotate_left(s[3], 11u);
+    return result;
+}
+
+auvid_real_t auvid_rng_uniform(auvid_rng_t *rng)
+{
+    return (auvid_real_t)(int32_t)(auvid_rng_next(rng) >> 8) * AUVID_C(5.9604644775390625e-8);
+}
+
+uint32_t auvid_rng_below(auvid_rng_t *rng, uint32_t n)
+{
+    return (uint32_t)(((uint64_t)auvid_rng_next(rng) * n) >> 32);
+}

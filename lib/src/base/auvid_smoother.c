@@ -1,0 +1,352 @@
+/*
+ * Savitzky-Golay smoothing (Savitzky, Golay 1964) through Gram polynomials (Gorry 1990).
+ *
+ * On the N = 2 h + 1 points i = -h..h the discrete Chebyshev (Gram) polynomials
+ *     t_0 = 1,  t_1 = 2 i,  (m+1) t_{m+1} = (2m+1) 2 i t_m - m (N^2 - m^2) t_{m-1}
+ * are orthogonal, with integer coefficients, and sum_i t_m(i)^2 = N (N^2-1)..(N^2-m^2) / (2m+1).
+ * The d-th derivative at position s of the polynomial of order p fitted to x_k weighs x_k with
+ *     c_k = sum_{m=0}^{p} (2m+1) t_m(k) t_m^(d)(s) / (N (N^2-1)..(N^2-m^2)) / dt^d .
+ *
+ * Everything up to the quotient is an integer, so it is formed in integers and exactly: over the
+ * common denominator D = N (N^2-1)..(N^2-p^2), by Horner's rule in m. Bounds for N <= 255, p <= 5,
+ * d <= 2: |t_m| < 2^40, |t_m^(d)| < 2^43, D < 2^89, and |c_k| < 10 in samples keeps the numerator
+ * below 2^93: 128 bits hold it. Rounding: numerator, denominator, quotient, and with d > 0 the
+ * power of dt and one product: 3..6 half-units in the last place.
+ */
+#include <string.h>
+
+#include "auvid/smoother.h"
+#include "auvid_math_internal.h"
+
+#define MAX_ORDER AUVID_SMOOTHER_MAX_ORDER
+
+/* A signed 128-bit integer in two's complement. */
+typedef struct {
+    uint64_t high, low;
+} wide_t;
+
+/* What does not depend on k in the sum for c_k. */
+typedef struct {
+    int32_t points;            /* N */
+    int32_t order;             /* p */
+    int64_t at[MAX_ORDER + 1]; /* (2m+1) t_m^(d)(s) */
+    auvid_real_t denominator;  /* D = denominator 2^shift, 63 to 64 binary digits in front */
+    int32_t shift;
+    auvid_real_t scale; /* 1 / dt^d */
+} gram_t;
+
+static wide_t wide_negative(wide_t a)
+{
+    wide_t r = {~a.high, ~a.low + 1u};
+    r.high += r.low == 0u ? 1u : 0u;
+    return r;
+}
+
+static wide_t wide_sum(wide_t a, wide_t b)
+{
+    wide_t r = {a.high + b.high, a.low + b.low};
+    r.high += r.low < a.low ? 1u : 0u;
+    return r;
+}
+
+/* a b, by halves of 32 bits. */
+static wide_t wide_product(uint64_t a, uint64_t b)
+{
+    const uint64_t mask = 0xffffffffu;
+    uint64_t low = (a & mask) * (b & mask);
+    uint64_t m1 = (a >> 32) * (b & mask) + (low >> 32);
+    uint64_t m2 = (a & mask) * (b >> 32) + (m1 & mask);
+    wide_t r = {(a >> 32) * (b >> 32) + (m1 >> 32) + (m2 >> 32), (m2 << 32) | (low & mask)};
+    return r;
+}
+
+static wide_t wide_signed_product(int64_t a, int64_t b)
+{
+    wide_t r = wide_product(a < 0 ? 0u - (uint64_t)a : (uint64_t)a,
+                            b < 0 ? 0u - (uint64_t)b : (uint64_t)b);
+    return (a < 0) != (b < 0) ? wide_negative(r) : r;
+}
+
+/* a b, b < 2^32; right for negative a too, modulo 2^128. */
+static wide_t wide_times(wide_t a, uint32_t b)
+{
+    wide_t r = wide_product(a.low, b);
+    r.high += a.high * b;
+    return r;
+}
+
+/* |a| = r 2^shift, the digits of r in the upper word: one rounding. a is not 0. */
+static auvid_real_t wide_magnitude(wide_t a, int32_t *shift)
+{
+    if ((a.high >> 63) != 0u) {
+        a = wide_negative(a);
+    }
+    *shift = 64;
+    if (a.high == 0u) {
+        a.high = a.low;
+        a.low = 0u;
+        *shift = 0;
+    }
+    for (int32_t s = 32; s > 0; s /= 2) {
+        if ((a.high >> (64 - s)) == 0u) {
+            a.high = (a.high << s) | (a.low >> (64 - s));
+            a.low <<= s;
+            *shift -= s;
+        }
+    }
+    return (auvid_real_t)(a.high | (a.low != 0u ? 1u : 0u));
+}
+
+/* a / b, b in 1..MAX_ORDER, where nothing is left over: times the inverse of the odd part of b
+ * modulo 2^64, after halvings. */
+static int64_t exact_quotient(int64_t a, int32_t b)
+{
+    for (; b % 2 == 0; b /= 2) {
+        a /= 2;
+    }
+    uint64_t third = UINT64_C(0xaaaaaaaaaaaaaaab), fifth = UINT64_C(0xcccccccccccccccd);
+    uint64_t inverse = b == 5 ? fifth : b == 3 ? third : 1u;
+    return (int64_t)((uint64_t)a * inverse);
+}
+
+/* t[m] = t_m^(d)(i), m = 0..order: the recurrence above, differentiated d times. */
+static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d, int64_t *t)
+{
+    int64_t f[AUVID_SMOOTHER_MAX_DERIVATIVE + 1][MAX_ORDER + 1];
+    for (int32_t e = 0; e <= d; ++e) {
+        f[e][0] = e == 0 ? 1 : 0;
+        for (int32_t m = 0; m < order; ++m) {
+            int64_t last = m == 0 ? 0 : f[e][m - 1];
+            int64_t lower = e == 0 ? 0 : e * f[e - 1][m];
+            f[e][m + 1] = exact_quotient((2 * m + 1) * 2 * (i * f[e][m] + lower) -
+                                             (int64_t)m * (points * points - m * m) * last,
+                                         m + 1);
+        }
+    }
+    for (int32_t m = 0; m <= order; ++m) {
+        t[m] = f[d][m];
+    }
+}
+
+static void gram_prepare(gram_t *g, const auvid_smoother_config_t *config, int32_t position)
+{
+    g->points = 2 * config->half_width + 1;
+    g->order = config->order;
+    gram_polynomials(g->points, g->order, position, config->derivative, g->at);
+    wide_t d = {0u, (uint64_t)g->points};
+    for (int32_t m = 0; m <= g->order; ++m) {
+        g->at[m] *= 2 * m + 1;
+        if (m > 0) {
+            d = wide_times(d, (uint32_t)(g->points * g->points - m * m));
+        }
+    }
+    g->denominator = wide_magnitude(d, &g->shift);
+    auvid_real_t dt = config->dt_s;
+    g->scale = config->derivative == 2u ? AUVID_C(1.0) / (dt * dt) : AUVID_C(1.0) / dt;
+    if (config->derivative == 0u) {
+        g->scale = AUVID_C(1.0);
+    }
+}
+
+/* c_k, k = -h..h */
+static auvid_real_t gram_coefficient(const gram_t *g, int32_t k)
+{
+    int64_t t[MAX_ORDER + 1];
+    gram_polynomials(g->points, g->order, k, 0, t);
+    wide_t sum = wide_signed_product(t[0], g->at[0]);
+    for (int32_t m = 1; m <= g->order; ++m) {
+        sum = wide_times(sum, (uint32_t)(g->points * g->points - m * m));
+        sum = wide_sum(sum, wide_signed_product(t[m], g->at[m]));
+    }
+    if ((sum.high | sum.low) == 0u) {
+        return AUVID_C(0.0);
+    }
+    int32_t shift;
+    auvid_real_t c = wide_magnitude(sum, &shift) / g->denominator;
+    for (; shift > g->shift; --shift) {
+        c *= AUVID_C(2.0);
+    }
+    for (; shift < g->shift; ++shift) {
+        c *= AUVID_C(0.5);
+    }
+    c *= g->scale;
+    return (sum.high >> 63) != 0u ? -c : c;
+}
+
+static auvid_status_t smoother_check(const auvid_smoother_config_t *config, int32_t position)
+{
+    int32_t h = config->half_width;
+    if (h > AUVID_MAX_HALF_WIDTH) {
+        return AUVID_ERR_SIZE;
+    }
+    if (!auvid_is_finite(config->dt_s)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (auvid_is_zero(config->dt_s)) {
+        return AUVID_ERR_TIME_SAME;
+    }
+    if (h < 1 || config->order > MAX_ORDER || config->derivative > config->order ||
+        config->derivative > AUVID_SMOOTHER_MAX_DERIVATIVE || position < -h || position > h ||
+        config->dt_s < AUVID_C(1e-6) || config->dt_s > AUVID_C(1e6)) {
+        return AUVID_ERR_RANGE;
+    }
+    return config->order > 2 * h ? AUVID_ERR_SINGULAR : AUVID_OK;
+}
+
+void auvid_smoother_defaults(auvid_smoother_config_t *config)
+{
+    static const auvid_smoother_config_t defaults = {
+        .half_width = AUVID_MAX_HALF_WIDTH < 25 ? AUVID_MAX_HALF_WIDTH : 25,
+        .order = AUVID_MAX_HALF_WIDTH < 2 ? 2 : 3,
+        .derivative = 0,
+        .dt_s = AUVID_C(0.02)};
+    if (config != NULL) {
+        *config = defaults;
+    }
+}
+
+auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, uint8_t derivative,
+                                           auvid_real_t dt_s, int16_t position, auvid_real_t *c)
+{
+    auvid_smoother_config_t config = {half_width, order, derivative, dt_s};
+    if (c == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = smoother_check(&config, position);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    gram_t g;
+    gram_prepare(&g, &config, position);
+    for (int32_t k = 0; k < g.points; ++k) {
+        c[k] = gram_coefficient(&g, k - half_width);
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
+                                   const auvid_smoother_config_t *config)
+{
+    if (smoother == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_smoother_config_t copy = *config; /* it may lie inside *smoother */
+    auvid_status_t status = smoother_check(&copy, 0);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    memset(smoother, 0, sizeof *smoother);
+    smoother->config = copy;
+    return auvid_smoother_coefficients(copy.half_width, copy.order, copy.derivative, copy.dt_s, 0,
+                                       smoother->c);
+}
+
+auvid_status_t auvid_smoother_reset(auvid_smoother_t *smoother)
+{
+    if (smoother == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    smoother->pushed = 0u;
+    smoother->next = 0u;
+    smoother->oldest = 0u;
+    smoother->ended = false;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x)
+{
+    if (smoother == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_is_finite(x)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (smoother->ended) {
+        return AUVID_ERR_STATE;
+    }
+    uint16_t points = (uint16_t)(2u * smoother->config.half_width + 1u);
+    smoother->window[smoother->oldest] = x;
+    smoother->oldest = (uint16_t)(smoother->oldest + 1u == points ? 0u : smoother->oldest + 1u);
+    ++smoother->pushed;
+    if (smoother->pushed > points) { /* of a later window only the middle is wanted */
+        smoother->next = smoother->pushed - 1u - smoother->config.half_width;
+    }
+    return smoother->pushed < points ? AUVID_EMPTY : AUVID_OK;
+}
+
+/* sum + rest + c x over n samples, with the rounding errors of the sum carried along in rest
+ * (Neumaier 1974; Knuth's exact error of one addition): sum + rest in the end is rounded as if the
+ * products had been added exactly. */
+typedef struct {
+    auvid_real_t sum, rest;
+} total_t;
+
+static inline void add_products(total_t *total, const auvid_real_t *c, const auvid_real_t *x,
+                                int32_t n)
+{
+    auvid_real_t sum = total->sum;
+    auvid_real_t rest = total->rest;
+    for (int32_t i = 0; i < n; ++i) {
+        auvid_real_t term = c[i] * x[i];
+        auvid_real_t next = sum + term;
+        auvid_real_t added = next - sum;
+        rest += (sum - (next - added)) + (term - added);
+        sum = next;
+    }
+    total->sum = sum;
+    total->rest = rest;
+}
+
+/* sum_k c_k x_k over the window, with its polynomial taken at this position. */
+static auvid_real_t weighted_sum(const auvid_smoother_t *s, int32_t position)
+{
+    int32_t points = 2 * s->config.half_width + 1;
+    int32_t first = points - s->oldest; /* samples up to where the ring turns */
+    total_t total = {AUVID_C(0.0), AUVID_C(0.0)};
+    if (position == 0) {
+        add_products(&total, s->c, &s->window[s->oldest], first);
+        add_products(&total, &s->c[first], s->window, s->oldest);
+        return total.sum + total.rest;
+    }
+    gram_t g;
+    gram_prepare(&g, &s->config, position);
+    for (int32_t k = 0; k < points; ++k) {
+        auvid_real_t c = gram_coefficient(&g, k - s->config.half_width);
+        add_products(&total, &c, &s->window[k < first ? k + s->oldest : k - first], 1);
+    }
+    return total.sum + total.rest;
+}
+
+auvid_status_t auvid_smoother_take(auvid_smoother_t *smoother, uint64_t *sample, auvid_real_t *y)
+{
+    if (smoother == NULL || y == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    uint64_t h = smoother->config.half_width;
+    uint64_t ready = smoother->ended ? smoother->pushed : smoother->pushed - h; /* past the last */
+    if (smoother->pushed < 2u * h + 1u || smoother->next >= ready) {
+        return AUVID_EMPTY;
+    }
+    int32_t position = (int32_t)(int64_t)(smoother->next + h + 1u - smoother->pushed);
+    *y = weighted_sum(smoother, position);
+    if (sample != NULL) {
+        *sample = smoother->next;
+    }
+    ++smoother->next;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_smoother_end(auvid_smoother_t *smoother)
+{
+    if (smoother == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (smoother->ended) {
+        return AUVID_ERR_STATE;
+    }
+    if (smoother->pushed < 2u * smoother->config.half_width + 1u) {
+        return AUVID_ERR_NO_DATA;
+    }
+    smoother->ended = true;
+    return AUVID_OK;
+}

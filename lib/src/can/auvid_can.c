@@ -1,0 +1,285 @@
+/*
+ * The codec: loops over the tables that are generated from lib/can/auvid.dbc.
+ *
+ * Frame, little-endian bit numbers: 0-7 CRC, 8-11 counter, 12-63 signals.
+ *   raw = round(value per_unit), value = raw / per_unit
+ * per_unit and raw are integers, exact in float32, and |raw| <= 2^22: a value unpacked is the float
+ * nearest to the decimal number of the DBC, and packs to the same raw again. So unpacking needs no
+ * limits of its own: what does not pack to the same raw again was out of range.
+ */
+#include "auvid/can.h"
+
+#include <string.h>
+
+#include "auvid_can_table_internal.h"
+#include "../base/auvid_math_internal.h"
+
+#define COUNTER_START 8
+#define COUNTER_MASK 15u
+/* x^8 + x^5 + x^3 + x^2 + x + 1 */
+#define CRC_POLYNOMIAL 0x12Fu
+#define FIRST_PAYLOAD_BYTE 1
+/* Finite in float32 with a margin for the decimal notation of the DBC. */
+#define FLOAT_LIMIT AUVID_C(3.4e38)
+#define FLOAT_ABSENT 0x7FC00000u
+/* Sign of a number of 32 bits; that of a shorter one lies `unused` lower. */
+#define SIGN 0x80000000u
+
+typedef union {
+    auvid_real_t real;
+    uint32_t integer;
+} field_t;
+
+/* A bit at a time, the shortest way. */
+uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id)
+{
+    uint32_t crc = 0xFFu;
+    for (int i = FIRST_PAYLOAD_BYTE; i <= AUVID_CAN_BYTES; ++i) {
+        crc ^= i < AUVID_CAN_BYTES ? data[i] : data_id;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = crc << 1 ^ (crc >> 7) * CRC_POLYNOMIAL;
+        }
+    }
+    return (uint8_t)(crc ^ 0xFFu);
+}
+
+static bool is_integer(const auvid_can_type_t *type)
+{
+    return type->kind <= AUVID_CAN_TYPE_CONSTANT;
+}
+
+static bool is_float(const auvid_can_type_t *type)
+{
+    return type->kind >= AUVID_CAN_TYPE_FLOAT;
+}
+
+/* Bytes of a member: real numbers may be longer than integers. */
+static size_t size_of(const auvid_can_type_t *type)
+{
+    return is_integer(type) ? sizeof(uint32_t) : sizeof(auvid_real_t);
+}
+
+/* Half away from zero, to within the rounding of the sum. */
+static int32_t round_nearest(auvid_real_t x)
+{
+    return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
+}
+
+static uint32_t limit_integer(const auvid_can_type_t *type, uint32_t x)
+{
+    uint32_t high = type->number != 0 ? type->number : UINT32_MAX >> type->unused;
+    return x > high || type->kind == AUVID_CAN_TYPE_CONSTANT ? high : x;
+}
+
+/* Field to raw value. What is out of range is limited and counted; what is NaN or absent becomes
+ * "not available". @return is it neither? */
+static bool encode(const auvid_can_type_t *type, field_t field, bool absent, uint32_t *raw,
+                   uint32_t *saturated)
+{
+    if (is_integer(type)) {
+        *raw = limit_integer(type, field.integer);
+        *saturated += *raw != field.integer;
+        return true;
+    }
+    uint32_t sign = SIGN >> type->unused;
+    *raw = is_float(type) ? FLOAT_ABSENT : sign;
+    auvid_real_t x = field.real * (auvid_real_t)type->number;
+    if (absent || auvid_is_nan(x)) {
+        return false;
+    }
+    uint32_t limit = type->kind == AUVID_CAN_TYPE_REAL_UNIT ? type->number : sign - 1u;
+    auvid_real_t high = is_float(type) ? FLOAT_LIMIT : (auvid_real_t)limit;
+    auvid_real_t y = auvid_clamp(x, (type->kind & 1u) != 0 ? AUVID_C(0.0) : -high, high);
+    if (is_float(type)) {
+        float single = (float)y;
+        memcpy(raw, &single, sizeof single);
+    } else {
+        *raw = (uint32_t)round_nearest(y) & UINT32_MAX >> type->unused;
+    }
+    /* Less than half a step beyond the limit is rounding: a limit unpacked may be there. */
+    *saturated += (x - y) * (x - y) >= AUVID_C(0.25);
+    return true;
+}
+
+/* Raw value to field; what is not available becomes NaN. Nothing is checked. */
+static field_t decode(const auvid_can_type_t *type, uint32_t raw)
+{
+    field_t field;
+    uint32_t sign = SIGN >> type->unused;
+    if (is_integer(type)) {
+        field.integer = raw;
+    } else if (is_float(type) || raw == sign) {
+        float single;
+        raw = is_float(type) ? raw : FLOAT_ABSENT;
+        memcpy(&single, &raw, sizeof single);
+        field.real = (auvid_real_t)single;
+    } else {
+        field.real =
+            (auvid_real_t)((int32_t)(raw ^ sign) - (int32_t)sign) / (auvid_real_t)type->number;
+    }
+    return field;
+}
+
+void auvid_can_ids_defaults(auvid_can_ids_t *ids)
+{
+    if (ids != NULL) {
+        ids->fast = AUVID_CAN_FAST_BASE;
+        ids->slow = AUVID_CAN_SLOW_BASE;
+    }
+}
+
+static const auvid_can_ids_t default_ids = {AUVID_CAN_FAST_BASE, AUVID_CAN_SLOW_BASE};
+
+auvid_status_t auvid_can_ids_check(const auvid_can_ids_t *ids)
+{
+    if (ids == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    uint32_t fast = ids->fast;
+    uint32_t slow = ids->slow;
+    bool fit = fast <= 0x800u - AUVID_CAN_FAST_KINDS && slow <= 0x800u - AUVID_CAN_SLOW_KINDS;
+    /* Not -SLOW_KINDS < slow - fast < FAST_KINDS, unsigned. */
+    bool apart =
+        slow - fast + AUVID_CAN_SLOW_KINDS - 1u >= AUVID_CAN_FAST_KINDS + AUVID_CAN_SLOW_KINDS - 1u;
+    return fit && apart ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id)
+{
+    ids = ids != NULL ? ids : &default_ids;
+    uint32_t fast = (uint32_t)id - ids->fast;
+    uint32_t slow = (uint32_t)id - ids->slow;
+    if (fast < AUVID_CAN_FAST_KINDS) {
+        return (auvid_can_kind_t)fast;
+    }
+    return slow < AUVID_CAN_SLOW_KINDS ? (auvid_can_kind_t)(slow + AUVID_CAN_FAST_KINDS)
+                                       : AUVID_CAN_KINDS;
+}
+
+uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind)
+{
+    ids = ids != NULL ? ids : &default_ids;
+    if ((uint32_t)kind >= AUVID_CAN_KINDS) {
+        return UINT16_MAX;
+    }
+    uint32_t base = (uint32_t)kind < AUVID_CAN_FAST_KINDS
+                        ? ids->fast
+                        : (uint32_t)ids->slow - AUVID_CAN_FAST_KINDS;
+    return (uint16_t)(base + (uint32_t)kind);
+}
+
+uint32_t auvid_can_cycle_us(auvid_can_kind_t kind)
+{
+    return (uint32_t)kind < AUVID_CAN_KINDS ? auvid_can_cycles_ms[kind] * 1000u : 0u;
+}
+
+auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can_ids_t *ids)
+{
+    ids = ids != NULL ? ids : &default_ids;
+    auvid_status_t status = sender == NULL ? AUVID_ERR_NULL : auvid_can_ids_check(ids);
+    if (status == AUVID_OK) {
+        memset(sender, 0, sizeof *sender);
+        sender->ids = *ids;
+    }
+    return status;
+}
+
+/* The signals of a message into *bits. @return false: one is NaN and not marked absent. */
+static bool encode_all(const auvid_can_message_t *message, uint64_t *bits, uint32_t *saturated)
+{
+    const auvid_can_signal_t *signal = &auvid_can_signals[auvid_can_first[message->kind]];
+    for (uint32_t absent = message->absent;; absent >>= 1, ++signal) {
+        const auvid_can_type_t *type = &auvid_can_types[signal->type];
+        field_t field;
+        uint32_t raw;
+        memcpy(&field, (const uint32_t *)&message->as + signal->word, size_of(type));
+        if (!encode(type, field, (absent & 1u) != 0, &raw, saturated) && (absent & 1u) == 0) {
+            return false;
+        }
+        *bits |= (uint64_t)raw << signal->start;
+        if (signal->last) {
+            return true;
+        }
+    }
+}
+
+auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_message_t *message,
+                              auvid_can_frame_t *frame)
+{
+    if (sender == NULL || message == NULL || frame == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (sender->ids.fast == sender->ids.slow) {
+        return AUVID_ERR_STATE;
+    }
+    uint32_t saturated = 0;
+    uint64_t bits = 0;
+    bool known = (uint32_t)message->kind < AUVID_CAN_KINDS;
+    if (!known || !encode_all(message, &bits, &saturated)) {
+        ++sender->refused;
+        return known ? AUVID_ERR_NOT_FINITE : AUVID_ERR_RANGE;
+    }
+    uint8_t *counter = &sender->counter[message->kind];
+    bits |= (uint64_t)(*counter & COUNTER_MASK) << COUNTER_START;
+    *counter = (*counter + 1u) & COUNTER_MASK;
+    sender->saturated += saturated;
+    frame->id = auvid_can_id(&sender->ids, message->kind);
+    frame->length = AUVID_CAN_BYTES;
+    for (int i = 0; i < AUVID_CAN_BYTES; ++i) {
+        frame->data[i] = (uint8_t)bits;
+        bits >>= 8;
+    }
+    frame->data[0] = auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(message->kind));
+    return saturated != 0 ? AUVID_SATURATED : AUVID_OK;
+}
+
+auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_frame_t *frame,
+                                auvid_can_message_t *message)
+{
+    if (frame == NULL || message == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_can_kind_t kind = auvid_can_kind(ids, frame->id);
+    if (kind == AUVID_CAN_KINDS) {
+        return AUVID_UNUSED;
+    }
+    if (frame->length != AUVID_CAN_BYTES) {
+        return AUVID_ERR_LENGTH;
+    }
+    if (frame->data[0] != auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(kind))) {
+        return AUVID_ERR_CHECKSUM;
+    }
+    auvid_can_message_t read;
+    memset(&read, 0, sizeof read);
+    read.kind = kind;
+    read.counter = frame->data[1] & COUNTER_MASK;
+    uint64_t bits = 0;
+    for (int i = AUVID_CAN_BYTES - 1; i >= 0; --i) {
+        bits = bits << 8 | frame->data[i];
+    }
+    const auvid_can_signal_t *signal = &auvid_can_signals[auvid_can_first[kind]];
+    for (uint32_t bit = 1;; bit <<= 1, ++signal) {
+        const auvid_can_type_t *type = &auvid_can_types[signal->type];
+        uint32_t raw = (uint32_t)(bits >> signal->start) & UINT32_MAX >> type->unused;
+        field_t field = decode(type, raw);
+        uint32_t again, saturated = 0;
+        if (!encode(type, field, false, &again, &saturated)) {
+            read.absent |= bit;
+        }
+        if (again != raw) {
+            return AUVID_ERR_RANGE;
+        }
+        memcpy((uint32_t *)&read.as + signal->word, &field, size_of(type));
+        if (signal->last) {
+            break;
+        }
+    }
+    *message = read;
+    return AUVID_OK;
+}
+
+uint64_t auvid_can_extend_us(uint64_t last_us, uint32_t wrapped_us)
+{
+    uint32_t ahead = wrapped_us - (uint32_t)last_us;
+    return ahead < 0x80000000u ? last_us + ahead : last_us - (0u - ahead);
+}

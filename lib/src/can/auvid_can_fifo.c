@@ -1,0 +1,98 @@
+/*
+ * The queue between interrupt and task. `pushed` and `popped` run freely; their difference is the
+ * number of frames inside, because size divides 2^32.
+ */
+#include "auvid/can_fifo.h"
+
+#include <string.h>
+
+#include "auvid_can_table_internal.h"
+#include "../base/auvid_math_internal.h"
+
+auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *storage,
+                                   uint32_t size)
+{
+    if (fifo == NULL || storage == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (size < 2 || size > AUVID_CAN_FIFO_LARGEST || (size & (size - 1u)) != 0) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(fifo, 0, sizeof *fifo);
+    fifo->frame = storage;
+    fifo->size = size;
+    auvid_can_ids_defaults(&fifo->ids);
+    return AUVID_OK;
+}
+
+static bool is_abort(const auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame)
+{
+    return frame->id == fifo->ids.fast + AUVID_CAN_ABORT && frame->length == AUVID_CAN_BYTES &&
+           frame->data[0] == auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(AUVID_CAN_ABORT));
+}
+
+auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame)
+{
+    if (fifo == NULL || frame == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (fifo->size == 0) {
+        return AUVID_ERR_STATE;
+    }
+    uint32_t at = fifo->pushed;
+    auvid_can_frame_t *place = &fifo->frame[at & (fifo->size - 1u)];
+    bool abort = is_abort(fifo, frame);
+    if (abort) {
+        fifo->before = at;
+        place = &fifo->abort;
+        AUVID_CAN_BARRIER(); /* whoever takes the one that is there sees this `before` */
+        if (fifo->aborts != fifo->aborted) {
+            return AUVID_OK; /* the one that is there does for both */
+        }
+    } else if (at - fifo->popped >= fifo->size) {
+        fifo->dropped = fifo->dropped + 1u;
+        return AUVID_ERR_LIMIT;
+    }
+    AUVID_CAN_BARRIER(); /* the place was read before it is written again */
+    *place = *frame;
+    AUVID_CAN_BARRIER(); /* the frame is there before it is announced */
+    if (abort) {
+        fifo->aborts = fifo->aborts + 1u;
+    } else {
+        fifo->pushed = at + 1u;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *frame)
+{
+    if (fifo == NULL || frame == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (fifo->size == 0) {
+        return AUVID_ERR_STATE;
+    }
+    if (fifo->aborted != fifo->aborts) {
+        AUVID_CAN_BARRIER();
+        *frame = fifo->abort;
+        AUVID_CAN_BARRIER(); /* read before another may be set aside */
+        fifo->aborted = fifo->aborted + 1u;
+        AUVID_CAN_BARRIER(); /* given before `before` is read: see push */
+        fifo->older = fifo->before - fifo->popped;
+        return AUVID_OK;
+    }
+    uint32_t older;
+    do { /* at most size times */
+        uint32_t at = fifo->popped;
+        if (at == fifo->pushed) {
+            return AUVID_EMPTY;
+        }
+        AUVID_CAN_BARRIER(); /* announced before it is read */
+        *frame = fifo->frame[at & (fifo->size - 1u)];
+        AUVID_CAN_BARRIER(); /* read before the place is free */
+        fifo->popped = at + 1u;
+        older = fifo->older;
+        fifo->older = older - (older > 0);
+    } while (older > 0 && frame->id == fifo->ids.fast + AUVID_CAN_ARM);
+    return AUVID_OK;
+}

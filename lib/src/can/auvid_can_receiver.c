@@ -1,0 +1,208 @@
+/*
+ * Counter and time-out of a message; the command of the thrusters.
+ */
+#include "auvid/can_receiver.h"
+
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+
+#define COUNTERS 16u
+#define RECEIVER_HALF (AUVID_CAN_THRUSTERS / 2)
+
+auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can_kind_t kind,
+                                       uint32_t timeout_us, const auvid_can_ids_t *ids)
+{
+    auvid_can_ids_t defaults;
+    auvid_can_ids_defaults(&defaults);
+    ids = ids != NULL ? ids : &defaults;
+    if (receiver == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if ((uint32_t)kind >= AUVID_CAN_KINDS) {
+        return AUVID_ERR_RANGE;
+    }
+    auvid_status_t status = auvid_can_ids_check(ids);
+    if (status == AUVID_OK) {
+        memset(receiver, 0, sizeof *receiver);
+        receiver->ids = *ids;
+        receiver->kind = (uint8_t)kind;
+        receiver->timeout_us = timeout_us;
+    }
+    return status;
+}
+
+/* Neither up to a time-out old, nor less than that ahead: such a frame came while now was used. One
+ * of the two differences is huge. */
+static bool is_silent(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+{
+    uint64_t timeout = receiver->timeout_us != 0 ? receiver->timeout_us : UINT64_MAX;
+    return now_us - t_us > timeout && t_us - now_us >= timeout;
+}
+
+static bool is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+{
+    return t_us > now_us && is_silent(receiver, t_us, now_us);
+}
+
+/* After a silence there is no frame to follow; `ends`: and the last good one has ended. */
+static void can_receiver_look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
+{
+    if (is_silent(receiver, receiver->seen_us, now_us)) {
+        receiver->started = false;
+    }
+    if (ends && receiver->alive && is_silent(receiver, receiver->good_us, now_us)) {
+        receiver->alive = false;
+        receiver->state = AUVID_CAN_TIMED_OUT;
+        ++receiver->timed_out;
+    }
+}
+
+auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint64_t now_us)
+{
+    if (receiver == NULL) {
+        return AUVID_CAN_SILENT;
+    }
+    can_receiver_look(receiver, now_us, true);
+    return (auvid_can_state_t)receiver->state;
+}
+
+/* What an authentic frame is worth. */
+static auvid_can_state_t judge(auvid_can_receiver_t *receiver, uint8_t counter)
+{
+    uint32_t step = (uint32_t)(counter - receiver->counter) % COUNTERS;
+    bool first = !receiver->started;
+    receiver->counter = counter;
+    receiver->started = true;
+    if (first && !receiver->strict) {
+        return AUVID_CAN_GOOD;
+    }
+    if (first || step > AUVID_CAN_LARGEST_STEP) {
+        ++receiver->jumped;
+        return AUVID_CAN_JUMPED;
+    }
+    if (step == 0) {
+        ++receiver->repeated;
+        return AUVID_CAN_REPEATED;
+    }
+    receiver->lost += step - 1u;
+    return AUVID_CAN_GOOD;
+}
+
+auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
+                                          const auvid_can_frame_t *frame,
+                                          auvid_can_message_t *message)
+{
+    if (receiver == NULL || frame == NULL || message == NULL ||
+        frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
+        return AUVID_CAN_FOREIGN;
+    }
+    can_receiver_look(receiver, frame->t_us,
+                      !receiver->strict); /* a command ends by the clock, not by stamps */
+    auvid_can_message_t read;
+    auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &read);
+    auvid_can_state_t state = AUVID_CAN_BAD;
+    if (status == AUVID_OK) {
+        state = judge(receiver, read.counter);
+        receiver->seen_us = frame->t_us;
+        *message = read;
+    } else if (status == AUVID_ERR_CHECKSUM) {
+        ++receiver->checksum;
+    } else {
+        ++receiver->invalid;
+    }
+    if (state == AUVID_CAN_GOOD) {
+        ++receiver->good;
+        receiver->good_us = frame->t_us;
+        receiver->alive = true;
+    }
+    receiver->state = (uint8_t)state;
+    return state;
+}
+
+auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thrusters,
+                                      const auvid_can_ids_t *ids)
+{
+    if (command == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
+        return AUVID_ERR_RANGE;
+    }
+    auvid_can_command_t fresh = {.halves = thrusters > RECEIVER_HALF ? 2 : 1};
+    for (int i = 0; i < 2; ++i) {
+        auvid_can_kind_t kind =
+            i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
+        auvid_status_t status =
+            auvid_can_receiver_init(&fresh.half[i], kind, AUVID_CAN_COMMAND_TIMEOUT_US, ids);
+        if (status != AUVID_OK) {
+            return status;
+        }
+        fresh.half[i].strict = true;
+    }
+    memcpy(fresh.half_before, fresh.half, sizeof fresh.half);
+    *command = fresh;
+    return AUVID_OK;
+}
+
+auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
+                                         const auvid_can_frame_t *frame)
+{
+    auvid_can_state_t state = AUVID_CAN_FOREIGN;
+    for (int i = 0; command != NULL && i < command->halves; ++i) {
+        auvid_can_message_t message;
+        auvid_can_state_t answer = auvid_can_receiver_take(&command->half[i], frame, &message);
+        if (answer == AUVID_CAN_GOOD) {
+            const auvid_real_t *thrust = i == 0 ? message.as.thruster_command_a.thrust
+                                                : message.as.thruster_command_b.thrust;
+            for (int j = 0; j < RECEIVER_HALF; ++j) {
+                bool absent = (message.absent >> j & 1u) != 0;
+                command->thrust[RECEIVER_HALF * i + j] = absent ? AUVID_C(0.0) : thrust[j];
+            }
+        }
+        state = answer != AUVID_CAN_FOREIGN ? answer : state;
+    }
+    return state;
+}
+
+/* Is this half's command a good one at now_us? What is stamped too far ahead is undone. */
+static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
+{
+    auvid_can_receiver_t *half = &command->half[i], *before = &command->half_before[i];
+    auvid_real_t *thrust = &command->thrust[RECEIVER_HALF * i],
+                 *kept = &command->thrust_before[RECEIVER_HALF * i];
+    if ((half->started && is_ahead(half, half->seen_us, now_us)) ||
+        (half->alive && is_ahead(half, half->good_us, now_us))) {
+        *half = *before;
+        memcpy(thrust, kept, RECEIVER_HALF * sizeof *kept);
+        ++half->ahead;
+    }
+    can_receiver_look(half, now_us, true);
+    *before = *half;
+    memcpy(kept, thrust, RECEIVER_HALF * sizeof *kept);
+    return half->alive;
+}
+
+auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t now_us,
+                                        auvid_real_t thrust[AUVID_CAN_THRUSTERS])
+{
+    if (thrust == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(thrust, 0, AUVID_CAN_THRUSTERS * sizeof thrust[0]);
+    if (command == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (command->halves == 0) {
+        return AUVID_ERR_STATE;
+    }
+    bool good = true;
+    for (int i = 0; i < command->halves; ++i) {
+        good = is_good(command, i, now_us) && good;
+    }
+    if (!good) {
+        return AUVID_ERR_STALE;
+    }
+    memcpy(thrust, command->thrust, sizeof command->thrust);
+    return AUVID_OK;
+}

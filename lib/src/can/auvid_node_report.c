@@ -1,0 +1,197 @@
+/*
+ * The node: what it tells. Each message has its turn in a round of 50 ticks, a second at 50 Hz.
+ */
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+#include "auvid_node_step_internal.h"
+
+static uint32_t most(uint32_t value, uint32_t largest)
+{
+    return value < largest ? value : largest;
+}
+
+static void node_report_position(auvid_node_t *node, const auvid_nav_state_t *state,
+                                 auvid_can_frame_t *frame, int *count)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_NAV_POSITION};
+    m.as.nav_position.x = state->position[0];
+    m.as.nav_position.y = state->position[1];
+    m.as.nav_position.flags = most(state->flags, 1023u);
+    auvid_node_send(node, &m, frame, count);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_NAV_DEPTH};
+    m.as.nav_depth.z = state->position[2];
+    auvid_node_send(node, &m, frame, count);
+}
+
+static void node_report_velocity(auvid_node_t *node, const auvid_nav_state_t *state,
+                                 auvid_can_frame_t *frame, int *count)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_NAV_VELOCITY};
+    m.as.nav_velocity.u = state->velocity[0];
+    m.as.nav_velocity.v = state->velocity[1];
+    m.as.nav_velocity.w = state->velocity[2];
+    auvid_node_send(node, &m, frame, count);
+}
+
+/* Flags of parameter i, see the DBC. */
+static uint32_t flags_of(const auvid_node_t *node, int i)
+{
+    const auvid_estimate_t *e = &node->id.estimate;
+    auvid_dof_t dof = node->id.metric.cfg.vehicle->parameter[i].dof;
+    return (e->identified >> i & 1u) | (uint32_t)(e->driven >> dof & 1) << 1 |
+           (uint32_t)e->capped << 2 | (e->confidence.identifiable >> i & 1u) << 3 |
+           (e->confidence.implausible >> i & 1u) << 4 | (uint32_t)e->accepted << 5;
+}
+
+/* Parameters take turns; a value that is not known is absent. */
+static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    const auvid_estimate_t *e = &node->id.estimate;
+    int i = node->index;
+    node->index = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
+    auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
+    m.as.estimate.index = (uint32_t)i;
+    m.as.estimate.number = e->number % 128u;
+    m.as.estimate.flags = flags_of(node, i);
+    m.as.estimate.value = e->pi[i];
+    m.absent = e->number == 0 ? AUVID_CAN_ESTIMATE_NO_VALUE : 0u;
+    auvid_node_send(node, &m, frame, count);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_ESTIMATE_SIGMA};
+    m.as.estimate_sigma.index = (uint32_t)i;
+    m.as.estimate_sigma.number = e->number % 128u;
+    m.as.estimate_sigma.note = e->confidence.note[i];
+    m.as.estimate_sigma.sigma = e->confidence.sigma[i];
+    bool known = e->number > 0 && e->confidence.sigma[i] < AUVID_LARGEST;
+    m.absent = known ? 0u : AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA;
+    auvid_node_send(node, &m, frame, count);
+}
+
+/* Parts of the largest speed seen in a direction. */
+static const auvid_real_t drag_part[] = {AUVID_C(0.3), AUVID_C(0.6), AUVID_C(1.0)};
+enum { PARTS = sizeof drag_part / sizeof drag_part[0], POINTS = 2 * PARTS };
+
+/* Drag force at a point: see the DBC. */
+static auvid_status_t drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)
+{
+    const auvid_estimate_t *e = &node->id.estimate;
+    int dof = point / POINTS, backward = point % POINTS >= PARTS;
+    auvid_real_t speed = drag_part[point % PARTS] * e->speed[dof][backward];
+    return auvid_estimate_drag(e, node->id.metric.cfg.vehicle, (auvid_dof_t)dof,
+                               backward ? -speed : speed, drag);
+}
+
+/* Points take turns; degrees of freedom without drag have none. */
+static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    auvid_drag_t drag;
+    int point = node->point;
+    auvid_status_t status = drag_at(node, point, &drag);
+    for (int j = 0; status == AUVID_ERR_RANGE && j < AUVID_DOF_COUNT; ++j) {
+        point = (point / POINTS + 1) % AUVID_DOF_COUNT * POINTS;
+        status = drag_at(node, point, &drag);
+    }
+    if (status < 0) {
+        return;
+    }
+    node->point = (uint8_t)((point + 1) % (POINTS * AUVID_DOF_COUNT));
+    bool seen = auvid_abs(drag.speed) > AUVID_C(0.0);
+    bool known = seen && drag.half_width < AUVID_LARGEST;
+    auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
+    m.as.drag.point = (uint32_t)point;
+    m.as.drag.number = node->id.estimate.number % 128u;
+    m.as.drag.flags = drag.identifiable;
+    m.as.drag.force = drag.force;
+    m.absent = seen ? 0u : AUVID_CAN_DRAG_NO_FORCE;
+    auvid_node_send(node, &m, frame, count);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_DRAG_HALF_WIDTH};
+    m.as.drag_half_width.point = (uint32_t)point;
+    m.as.drag_half_width.speed = drag.speed;
+    m.as.drag_half_width.half_width = drag.half_width;
+    m.absent = (seen ? 0u : AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED) |
+               (known ? 0u : AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH);
+    auvid_node_send(node, &m, frame, count);
+}
+
+static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    const auvid_identifier_t *id = &node->id;
+    const auvid_guard_t *guard = &id->guard;
+    bool refused = guard->trip.cause == AUVID_GUARD_NO_CAUSE;
+    auvid_real_t part = auvid_excitation_progress(&id->excitation);
+    auvid_can_message_t m = {.kind = AUVID_CAN_PROGRESS};
+    m.as.progress.guard = (uint32_t)guard->state;
+    m.as.progress.work = id->phase;
+    m.as.progress.cause = (uint32_t)(refused ? guard->refused.cause : guard->trip.cause);
+    m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
+    m.as.progress.sets = id->metric.sets_recorded % 256u;
+    m.as.progress.searches = id->searches % 256u;
+    m.as.progress.driven = id->estimate.driven;
+    m.as.progress.changed = id->judgement.changed;
+    auvid_node_send(node, &m, frame, count);
+}
+
+static void node_report_health(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame,
+                               int *count)
+{
+    const auvid_node_counters_t *c = &node->counters;
+    auvid_can_message_t m = {.kind = AUVID_CAN_HEALTH};
+    m.as.health.ticks_missed = most(c->ticks_missed, 4095u);
+    m.as.health.frames_refused = most(c->refused, 4095u);
+    m.as.health.samples_dropped = most(c->samples_dropped, 4095u);
+    m.as.health.saturated = most(node->sender.saturated, 255u);
+    m.as.health.load = load;
+    auvid_node_send(node, &m, frame, count);
+}
+
+static void node_report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_HEARTBEAT};
+    m.as.heartbeat.protocol = AUVID_CAN_PROTOCOL;
+    m.as.heartbeat.role = AUVID_CAN_ROLE_NODE;
+    m.as.heartbeat.uptime = most((uint32_t)auvid_divide(node->t_us, 1000000u), 0xFFFFFFu);
+    m.as.heartbeat.major = AUVID_VERSION_MAJOR;
+    m.as.heartbeat.minor = AUVID_VERSION_MINOR;
+    auvid_node_send(node, &m, frame, count);
+}
+
+auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame,
+                                 int *count)
+{
+    if (count != NULL) {
+        *count = 0;
+    }
+    if (node == NULL || frame == NULL || count == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!node->ready) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_nav_state_t state;
+    uint32_t turn = node->reports++ % 50u;
+    node->load = load > node->load ? load : node->load;
+    bool navigates = turn % 5u < 2u && auvid_nav_state(&node->id.nav, &state) == AUVID_OK;
+    if (navigates && turn % 5u == 0) {
+        node_report_position(node, &state, frame, count);
+    } else if (navigates) {
+        node_report_velocity(node, &state, frame, count);
+    } else if (turn % 5u == 2u) {
+        node_report_estimate(node, frame, count);
+    } else if (turn % 10u == 3u) {
+        node_report_progress(node, frame, count);
+    } else if (turn % 10u == 8u) {
+        node_report_drag(node, frame, count);
+    } else if (turn == 4u) {
+        node_report_health(node, most(node->load, 255u), frame, count);
+        node->load = 0;
+    } else if (turn % 25u == 9u) {
+        node_report_heartbeat(node, frame, count);
+    }
+    if (node->cfg.answer) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK_DONE};
+        m.as.tick_done.sequence = node->sequence;
+        m.as.tick_done.load = most(load, 255u);
+        auvid_node_send(node, &m, frame, count);
+    }
+    return AUVID_OK;
+}

@@ -1,0 +1,248 @@
+/*
+ * The node: the tick.
+ */
+#include <stddef.h>
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+#include "auvid_node_step_internal.h"
+
+/* Halves of an IMU sample further apart are of different ones [us]. */
+#define IMU_APART_US 30000u
+
+void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
+                     auvid_can_frame_t *frame, int *count)
+{
+    const uint8_t *data = frame[*count].data;
+    if (*count < AUVID_NODE_FRAMES && auvid_can_pack(&node->sender, message, &frame[*count]) >= 0) {
+        unsigned half = (unsigned)message->kind - AUVID_CAN_THRUSTER_COMMAND_A;
+        if (half < 2u) {
+            memcpy(&node->sent[half][data[1] & 3u], data, AUVID_CAN_BYTES);
+        }
+        ++*count;
+    }
+}
+
+/* Abort what may act, or is to. DISARMED and DONE stay: there is nothing to take away. */
+static void withdraw(auvid_node_t *node)
+{
+    auvid_guard_state_t state = node->id.guard.state;
+    node->arming = false;
+    if (state != AUVID_GUARD_DISARMED && state != AUVID_GUARD_DONE) {
+        (void)auvid_identifier_abort(&node->id);
+    }
+}
+
+void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
+{
+    node->arming = action == AUVID_CAN_ACTION_ARM && node->cfg.excite;
+    if (action == AUVID_CAN_ACTION_STOP) {
+        (void)auvid_identifier_stop(&node->id);
+    } else if (action == AUVID_CAN_ACTION_DISARM && fresh) {
+        (void)auvid_identifier_disarm(&node->id);
+    } else if (action == AUVID_CAN_ACTION_DISARM) {
+        withdraw(node);
+    }
+}
+
+/* An order to arm is tried once, with the sensors as they are; why it was refused is in the guard,
+ * and in the progress frame. */
+static void arm(auvid_node_t *node)
+{
+    if (node->arming && auvid_identifier_arm(&node->id) >= 0) {
+        (void)auvid_identifier_excite(&node->id);
+    }
+    node->arming = false;
+}
+
+/* ---- samples: from ages to times ---- */
+
+static void age(uint64_t *t_us, bool present, uint64_t tick_us)
+{
+    if (present) {
+        *t_us = tick_us > *t_us ? tick_us - *t_us : 0;
+    }
+}
+
+/* Both halves of the IMU's sample, which may have come in different ticks. */
+static void date_imu(auvid_node_t *node)
+{
+    uint64_t a = node->attitude_us, r = node->rates_us;
+    node->in.imu.present = false;
+    if (!node->attitude || !node->rates) {
+        return;
+    }
+    if ((a > r ? a - r : r - a) > IMU_APART_US) {
+        node->attitude = a > r; /* wait for the other half of the later one */
+        node->rates = !node->attitude;
+        return;
+    }
+    node->in.imu.present = true;
+    node->in.imu.t_us = a > r ? a : r;
+    node->attitude = node->rates = false;
+}
+
+static void date_samples(auvid_node_t *node, uint64_t tick_us)
+{
+    auvid_input_t *in = &node->in;
+    in->t_us = tick_us;
+    age(&in->dvl.sample.t_us, in->dvl.present, tick_us);
+    age(&in->dvl_water.sample.t_us, in->dvl_water.present, tick_us);
+    age(&in->depth.t_us, in->depth.present, tick_us);
+    age(&in->gps.t_us, in->gps.present, tick_us);
+    age(&in->altitude.t_us, in->altitude.present, tick_us);
+    age(&node->attitude_us, node->new_attitude, tick_us);
+    age(&node->rates_us, node->new_rates, tick_us);
+    node->new_attitude = node->new_rates = false;
+    date_imu(node);
+}
+
+/* The thrust fed back acted from the tick before on. It is made up in the input, not on the stack
+ * of so deep a call; there it is not present, so that the step leaves it alone. */
+static AUVID_APART void record_thrust(auvid_node_t *node)
+{
+    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
+    auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
+    bool since_known = node->feedback && node->counters.ticks > 0; /* when the tick before was */
+    node->feedback = false;
+    if (!since_known) {
+        return;
+    }
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        auvid_real_t part = node->thrust[i];
+        const auvid_thruster_t *t = &cfg->thruster[i];
+        force_N[i] = part > AUVID_C(0.0) ? part * t->max_N : -part * t->min_N;
+        if (i < AUVID_MAX_COMMANDS) {
+            command[i] = part;
+        }
+    }
+    (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
+    if (auvid_identifier_applied(&node->id, node->t_us, wrench, command) < 0) {
+        ++node->counters.samples_dropped;
+    }
+}
+
+/* ---- thruster commands ---- */
+
+/* Forces as parts of what each thruster can do; null: none. */
+static void command(auvid_node_t *node, const auvid_real_t *force_N, auvid_can_frame_t *frame,
+                    int *count)
+{
+    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    auvid_real_t part[AUVID_CAN_THRUSTERS] = {AUVID_C(0.0)};
+    for (int i = 0; i < cfg->thrusters && force_N != NULL; ++i) {
+        auvid_real_t most =
+            force_N[i] > AUVID_C(0.0) ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N;
+        part[i] = most > AUVID_C(0.0) ? force_N[i] / most : AUVID_C(0.0);
+    }
+    auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
+    auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_COMMAND_B};
+    memcpy(a.as.thruster_command_a.thrust, part, sizeof a.as.thruster_command_a.thrust);
+    memcpy(b.as.thruster_command_b.thrust, part + 4, sizeof b.as.thruster_command_b.thrust);
+    auvid_node_send(node, &a, frame, count);
+    if (cfg->thrusters > 4) {
+        auvid_node_send(node, &b, frame, count);
+    }
+}
+
+/* While exciting, the excitation; in the first tick after it, zero; then nothing. */
+static void command_thrusters(auvid_node_t *node, const auvid_output_t *out,
+                              auvid_can_frame_t *frame, int *count)
+{
+    bool exciting = out->guard == AUVID_GUARD_EXCITING && node->cfg.excite;
+    if (exciting || node->commanding) {
+        command(node, exciting ? out->thruster_N : NULL, frame, count);
+    }
+    node->commanding = exciting;
+}
+
+static void open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t *frame, int *count)
+{
+    auvid_can_message_t tick = {.kind = AUVID_CAN_TICK};
+    node->sequence = (node->sequence + 1u) & 0xFFFFFu;
+    tick.as.tick.sequence = node->sequence;
+    tick.as.tick.time = (uint32_t)t_us;
+    auvid_node_send(node, &tick, frame, count);
+    node->tick_us = t_us;
+    node->started = true;
+}
+
+static void count_drops(auvid_node_t *node, uint32_t events)
+{
+    static const uint32_t dropped[] = {AUVID_EVENT_IMU_DROPPED,   AUVID_EVENT_DVL_DROPPED,
+                                       AUVID_EVENT_DEPTH_DROPPED, AUVID_EVENT_GPS_DROPPED,
+                                       AUVID_EVENT_INPUT_DROPPED, AUVID_EVENT_ALTITUDE_DROPPED};
+    for (size_t i = 0; i < sizeof dropped / sizeof dropped[0]; ++i) {
+        node->counters.samples_dropped += (events & dropped[i]) != 0;
+    }
+}
+
+/* All but the IMU's: halves of its sample may be waiting. */
+static void forget_samples(auvid_input_t *in)
+{
+    const size_t after = offsetof(auvid_input_t, imu) + sizeof in->imu;
+    memset(in, 0, offsetof(auvid_input_t, imu));
+    memset((unsigned char *)in + after, 0, sizeof *in - after);
+}
+
+auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,
+                               int *count)
+{
+    if (count != NULL) {
+        *count = 0;
+    }
+    if (node == NULL || frame == NULL || count == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!node->ready || (t_us == NULL && !node->started)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_output_t out;
+    uint64_t tick_us = t_us != NULL ? *t_us : node->tick_us;
+    if (!node->id.started || tick_us > node->id.t_us) { /* else it is no tick, and refused below */
+        if (t_us != NULL) {
+            open_tick(node, tick_us, frame, count);
+        }
+        record_thrust(node);
+        arm(node);
+    }
+    date_samples(node, tick_us);
+    auvid_status_t status = auvid_identifier_step(&node->id, &node->in, &out);
+    command_thrusters(node, &out, frame, count);
+    count_drops(node, out.events);
+    node->events = out.events;
+    if (status >= 0) {
+        node->t_us = tick_us;
+        ++node->counters.ticks;
+    }
+    forget_samples(&node->in);
+    return status;
+}
+
+auvid_status_t auvid_node_work(auvid_node_t *node, uint32_t budget)
+{
+    if (node == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return auvid_identifier_work(&node->id, budget);
+}
+
+auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    if (count != NULL) {
+        *count = 0;
+    }
+    if (node == NULL || frame == NULL || count == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!node->ready) {
+        return AUVID_ERR_STATE;
+    }
+    withdraw(node);
+    if (node->commanding) {
+        command(node, NULL, frame, count);
+        node->commanding = false;
+    }
+    return AUVID_OK;
+}

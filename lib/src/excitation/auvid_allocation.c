@@ -1,0 +1,452 @@
+/*
+ * Thruster allocation (Fossen 2011, 12.3; Karras et al. 2013, III-A).
+ *
+ *   tau = T f        wrench of the forces; B: the controlled rows of T, r its rank
+ *   f   = B+ tau     the solution of least |f|
+ * B+ by a complete orthogonal decomposition, twice Gram-Schmidt ("twice is enough": each vector is
+ * orthogonalised again, which makes it as good as Householder's):
+ *   B = L Q,  L = U S    Q (r x n): orthonormal rows, chosen with pivoting; L = B Q' (6 x r);
+ *                        U (6 x r): orthonormal columns; S (r x r): upper triangular
+ *   B+ = Q' S^-1 U'
+ * U U' projects onto the wrenches that can be made: e_i is one of them iff (U U')_ii = 1.
+ */
+#include "auvid/allocation.h"
+
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+
+#define DOFS AUVID_DOF_COUNT
+
+/* What is left of a row of T outside the span of others, relative to its length, below which it
+ * counts as dependent; and how far (U U')_ii may be from 1. T is measured with a tape: 0.1 %. */
+#define DEPENDENT AUVID_C(1e-3)
+#define LARGEST_ENTRY AUVID_C(1e6)
+#define LARGEST_WRENCH AUVID_C(1e9)
+
+#if AUVID_MAX_THRUSTERS >= 5
+#define GIRONA500_N AUVID_C(153.8)
+#define GIRONA500(...)                                                                             \
+    {                                                                                              \
+        .wrench = {__VA_ARGS__}, .min_N = -GIRONA500_N, .max_N = GIRONA500_N,                      \
+        .law = AUVID_THRUST_SQUARE, .gain_forward = GIRONA500_N, .gain_backward = GIRONA500_N      \
+    }
+const auvid_allocation_config_t auvid_allocation_girona500 = {
+    .thruster = {GIRONA500(AUVID_C(-1.0), 0, 0, 0, 0, AUVID_C(-0.4)),
+                 GIRONA500(AUVID_C(-1.0), 0, 0, 0, 0, AUVID_C(0.4)),
+                 GIRONA500(0, 0, AUVID_C(-1.0), 0, AUVID_C(-0.35), 0),
+                 GIRONA500(0, 0, AUVID_C(-1.0), 0, AUVID_C(0.35), 0),
+                 GIRONA500(0, AUVID_C(1.0), 0, 0, 0, 0)},
+    .thrusters = 5,
+    .dofs = 0,
+    .priority = 1u << AUVID_YAW};
+#endif
+
+#if AUVID_MAX_THRUSTERS >= 8
+#define T200(...)                                                                                  \
+    {                                                                                              \
+        .wrench = {__VA_ARGS__}, .min_N = AUVID_C(-40.2), .max_N = AUVID_C(51.5),                  \
+        .law = AUVID_THRUST_SQUARE, .gain_forward = AUVID_C(51.5), .gain_backward = AUVID_C(40.2)  \
+    }
+/* r x e of a direction e at the position r: (y e_z - z e_y, z e_x - x e_z, x e_y - y e_x). */
+#define HALF AUVID_C(0.70710678)  /* cos 45 degrees */
+#define TILT AUVID_C(0.060104076) /* 0.085 of it */
+#define TURN AUVID_C(0.18879751)  /* 0.156 + 0.111 of it */
+#define AHEAD AUVID_C(0.120)
+#define ASIDE AUVID_C(0.218)
+const auvid_allocation_config_t auvid_allocation_bluerov2_heavy = {
+    .thruster = {T200(HALF, -HALF, 0, TILT, TILT, -TURN), T200(HALF, HALF, 0, -TILT, TILT, TURN),
+                 T200(-HALF, -HALF, 0, TILT, -TILT, TURN),
+                 T200(-HALF, HALF, 0, -TILT, -TILT, -TURN),
+                 T200(0, 0, AUVID_C(-1.0), -ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), -ASIDE, -AHEAD, 0),
+                 T200(0, 0, AUVID_C(1.0), ASIDE, AHEAD, 0),
+                 T200(0, 0, AUVID_C(-1.0), ASIDE, -AHEAD, 0)},
+    .thrusters = 8,
+    .dofs = 0,
+    .priority = 1u << AUVID_YAW};
+#endif
+
+/* ---- pseudo-inverse ---- */
+
+typedef struct {
+    const auvid_allocation_config_t *config;
+    auvid_real_t q[DOFS][AUVID_MAX_THRUSTERS]; /* rows, orthonormal */
+    auvid_real_t u[DOFS][DOFS];                /* rows of this: columns of U */
+    auvid_real_t s[DOFS][DOFS];                /* S[i][j], j >= i */
+    int rank;
+} decomposition_t;
+
+static auvid_real_t dot(const auvid_real_t *a, const auvid_real_t *b, int n)
+{
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int i = 0; i < n; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* Row i of B: zero where the thruster does not work or the row is not controlled. */
+static void row_of_b(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
+{
+    bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
+    for (int j = 0; j < config->thrusters; ++j) {
+        const auvid_thruster_t *t = &config->thruster[j];
+        bool works = t->min_N < AUVID_C(0.0) || t->max_N > AUVID_C(0.0);
+        row[j] = works && controlled ? t->wrench[i] : AUVID_C(0.0);
+    }
+}
+
+/* Take the components of v along `count` orthonormal vectors (`stride` apart) out of it, twice;
+ * add them to along[] unless null. */
+static void orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride, int count, int n,
+                          auvid_real_t along[DOFS])
+{
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int k = 0; k < count; ++k) {
+            const auvid_real_t *b = basis + k * stride;
+            auvid_real_t c = dot(v, b, n);
+            for (int j = 0; j < n; ++j) {
+                v[j] -= c * b[j];
+            }
+            if (along != NULL) {
+                along[k] += c;
+            }
+        }
+    }
+}
+
+/* Orthonormal rows Q that span the rows of B; the next is always the row of which the largest
+ * part, relative to its own length (rows have different units), is still outside the span. */
+static void span_rows(decomposition_t *d)
+{
+    int n = d->config->thrusters;
+    d->rank = 0;
+    while (d->rank < DOFS) {
+        auvid_real_t best = DEPENDENT;
+        auvid_real_t row[AUVID_MAX_THRUSTERS];
+        for (int i = 0; i < DOFS; ++i) {
+            row_of_b(d->config, i, row);
+            auvid_real_t length = auvid_sqrt(dot(row, row, n));
+            orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
+            auvid_real_t left = auvid_sqrt(dot(row, row, n));
+            if (left > best * length) {
+                best = left / length;
+                for (int j = 0; j < n; ++j) {
+                    d->q[d->rank][j] = row[j] / left;
+                }
+            }
+        }
+        if (!(best > DEPENDENT)) {
+            return;
+        }
+        ++d->rank;
+    }
+}
+
+/* L = B Q', column by column, and L = U S. */
+static void orthogonalise_columns(decomposition_t *d)
+{
+    int n = d->config->thrusters;
+    memset(d->s, 0, sizeof d->s);
+    for (int k = 0; k < d->rank; ++k) {
+        auvid_real_t along[DOFS] = {0}, row[AUVID_MAX_THRUSTERS];
+        for (int i = 0; i < DOFS; ++i) {
+            row_of_b(d->config, i, row);
+            d->u[k][i] = dot(row, d->q[k], n);
+        }
+        orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
+        auvid_real_t left = auvid_sqrt(dot(d->u[k], d->u[k], DOFS));
+        for (int i = 0; i < DOFS; ++i) {
+            d->u[k][i] /= left; /* > 0: the columns of L are independent, span_rows saw to it */
+        }
+        for (int i = 0; i < k; ++i) {
+            d->s[i][k] = along[i];
+        }
+        d->s[k][k] = left;
+    }
+}
+
+/* B+ = Q' S^-1 U', one wrench e_dof at a time. */
+static void allocation_invert(const decomposition_t *d,
+                              auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
+{
+    int n = d->config->thrusters;
+    for (int dof = 0; dof < DOFS; ++dof) {
+        auvid_real_t x[DOFS] = {AUVID_C(0.0)};
+        auvid_real_t largest = AUVID_C(0.0);
+        for (int i = d->rank - 1; i >= 0; --i) {
+            x[i] = d->u[i][dof];
+            for (int k = i + 1; k < d->rank; ++k) {
+                x[i] -= d->s[i][k] * x[k];
+            }
+            x[i] /= d->s[i][i];
+        }
+        for (int j = 0; j < n; ++j) {
+            inverse[j][dof] = AUVID_C(0.0);
+            for (int i = 0; i < d->rank; ++i) {
+                inverse[j][dof] += d->q[i][j] * x[i];
+            }
+            largest = auvid_max(largest, auvid_abs(inverse[j][dof]));
+        }
+        /* What rounding left is zero: a thruster at its limit must not stop a DoF it has no part
+         * in. */
+        for (int j = 0; j < n; ++j) {
+            if (auvid_abs(inverse[j][dof]) < AUVID_C(32.0) * AUVID_EPSILON * largest) {
+                inverse[j][dof] = AUVID_C(0.0);
+            }
+        }
+    }
+}
+
+/* ---- configuration ---- */
+
+void auvid_allocation_defaults(auvid_allocation_config_t *config)
+{
+    if (config != NULL) {
+        memset(config, 0, sizeof *config);
+        config->priority = AUVID_DOF_BIT(AUVID_YAW);
+        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+            config->thruster[i].gain_forward = AUVID_C(1.0);
+        }
+    }
+}
+
+static auvid_status_t check_thruster(const auvid_thruster_t *t)
+{
+    const auvid_real_t others[] = {t->min_N, t->max_N, t->gain_forward, t->gain_backward};
+    if (!auvid_all_finite(t->wrench, DOFS) || !auvid_all_finite(others, 4)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    return auvid_all_within(t->wrench, DOFS, LARGEST_ENTRY) == AUVID_OK &&
+                   t->min_N <= AUVID_C(0.0) && t->max_N >= AUVID_C(0.0) &&
+                   t->gain_forward > AUVID_C(0.0) && t->gain_backward >= AUVID_C(0.0) &&
+                   (t->law == AUVID_THRUST_LINEAR || t->law == AUVID_THRUST_SQUARE)
+               ? AUVID_OK
+               : AUVID_ERR_RANGE;
+}
+
+auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *config)
+{
+    decomposition_t d;
+    if (a == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (config->thrusters < 1 || config->thrusters > AUVID_MAX_THRUSTERS) {
+        return AUVID_ERR_SIZE;
+    }
+    for (int j = 0; j < config->thrusters; ++j) {
+        auvid_status_t status = check_thruster(&config->thruster[j]);
+        if (status != AUVID_OK) {
+            return status;
+        }
+    }
+    d.config = config;
+    span_rows(&d);
+    if (d.rank == 0) {
+        return AUVID_ERR_SINGULAR;
+    }
+    orthogonalise_columns(&d);
+    memset(a, 0, sizeof *a);
+    a->config = *config;
+    a->rank = (uint8_t)d.rank;
+    allocation_invert(&d, a->inverse);
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t projected = AUVID_C(0.0);
+        for (int k = 0; k < d.rank; ++k) {
+            projected += d.u[k][i] * d.u[k][i];
+        }
+        if (projected > AUVID_C(1.0) - DEPENDENT) {
+            a->actuated = (uint8_t)(a->actuated | AUVID_DOF_BIT(i));
+        }
+    }
+    return AUVID_OK;
+}
+
+/* ---- every tick ---- */
+
+/* The largest k in 0..1 for which all base + k f keep within the limits; base does. */
+static auvid_real_t largest_scale(const auvid_allocation_t *a, const auvid_real_t *base,
+                                  const auvid_real_t *f)
+{
+    auvid_real_t k = AUVID_C(1.0);
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        auvid_real_t room = f[j] > AUVID_C(0.0) ? a->config.thruster[j].max_N - base[j]
+                                                : a->config.thruster[j].min_N - base[j];
+        if (auvid_abs(k * f[j]) > auvid_abs(room)) {
+            k = room / f[j];
+        }
+    }
+    return auvid_max(k, AUVID_C(0.0));
+}
+
+auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_real_t wrench[DOFS],
+                                      auvid_allocation_result_t *result)
+{
+    auvid_real_t first[AUVID_MAX_THRUSTERS] = {0}, rest[AUVID_MAX_THRUSTERS] = {0};
+    const auvid_real_t none[AUVID_MAX_THRUSTERS] = {0};
+    if (result == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(result, 0, sizeof *result);
+    if (a == NULL || wrench == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_all_within(wrench, DOFS, LARGEST_WRENCH);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t *f = (a->config.priority & AUVID_DOF_BIT(i)) != 0 ? first : rest;
+        if ((a->actuated & AUVID_DOF_BIT(i)) == 0) {
+            bool asked = wrench[i] < AUVID_C(0.0) || wrench[i] > AUVID_C(0.0);
+            result->dropped = (uint8_t)(result->dropped | (asked ? AUVID_DOF_BIT(i) : 0));
+            continue;
+        }
+        for (int j = 0; j < a->config.thrusters; ++j) {
+            f[j] += a->inverse[j][i] * wrench[i];
+        }
+    }
+    result->scale_priority = largest_scale(a, none, first);
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        first[j] *= result->scale_priority;
+    }
+    result->scale = largest_scale(a, first, rest);
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        result->force_N[j] = auvid_clamp(first[j] + result->scale * rest[j], /* against rounding */
+                                         a->config.thruster[j].min_N, a->config.thruster[j].max_N);
+    }
+    (void)auvid_allocation_wrench(a, result->force_N, result->wrench);
+    return result->dropped != 0 || result->scale_priority < AUVID_C(1.0) ||
+                   result->scale < AUVID_C(1.0)
+               ? AUVID_SATURATED
+               : AUVID_OK;
+}
+
+auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_real_t *force_N,
+                                       auvid_real_t wrench[DOFS])
+{
+    if (a == NULL || force_N == NULL || wrench == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_all_finite(force_N, a->config.thrusters)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < DOFS; ++i) {
+        wrench[i] = AUVID_C(0.0);
+        for (int j = 0; j < a->config.thrusters; ++j) {
+            wrench[i] += a->config.thruster[j].wrench[i] * force_N[j];
+        }
+    }
+    return AUVID_OK;
+}
+
+static auvid_real_t gain(const auvid_thruster_t *t, bool backward)
+{
+    return backward && t->gain_backward > AUVID_C(0.0) ? t->gain_backward : t->gain_forward;
+}
+
+auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
+                                        auvid_real_t *command)
+{
+    if (a == NULL || force_N == NULL || command == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_all_finite(force_N, a->config.thrusters)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->config.thruster[j];
+        bool backward = force_N[j] < AUVID_C(0.0);
+        auvid_real_t n = auvid_abs(force_N[j]) / gain(t, backward);
+        n = t->law == AUVID_THRUST_SQUARE ? auvid_sqrt(n) : n;
+        command[j] = backward ? -n : n;
+    }
+    return AUVID_OK;
+}
+
+static auvid_real_t force_of(const auvid_thruster_t *t, auvid_real_t n)
+{
+    auvid_real_t size = t->law == AUVID_THRUST_SQUARE ? auvid_abs(n) * n : n;
+    return gain(t, n < AUVID_C(0.0)) * size;
+}
+
+auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
+                                      auvid_real_t *force_N)
+{
+    if (a == NULL || command == NULL || force_N == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        if (!auvid_is_finite(force_of(&a->config.thruster[j], command[j]))) {
+            return AUVID_ERR_NOT_FINITE;
+        }
+    }
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        force_N[j] = force_of(&a->config.thruster[j], command[j]);
+    }
+    return AUVID_OK;
+}
+
+/* ---- planning ---- */
+
+auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_t dof,
+                                         auvid_real_t *negative, auvid_real_t *positive)
+{
+    auvid_real_t most[2] = {AUVID_LARGEST, AUVID_LARGEST}; /* negative, positive */
+    if (a == NULL || negative == NULL || positive == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if ((unsigned)dof >= DOFS) {
+        return AUVID_ERR_RANGE;
+    }
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        auvid_real_t c = a->inverse[j][dof];
+        auvid_real_t up = a->config.thruster[j].max_N;
+        auvid_real_t down = -a->config.thruster[j].min_N;
+        auvid_real_t size = auvid_abs(c);
+        if (size * most[1] > (c > AUVID_C(0.0) ? up : down)) {
+            most[1] = (c > AUVID_C(0.0) ? up : down) / size;
+        }
+        if (size * most[0] > (c > AUVID_C(0.0) ? down : up)) {
+            most[0] = (c > AUVID_C(0.0) ? down : up) / size;
+        }
+    }
+    bool actuated = (a->actuated & AUVID_DOF_BIT(dof)) != 0;
+    *negative = actuated ? -most[0] : AUVID_C(0.0);
+    *positive = actuated ? most[1] : AUVID_C(0.0);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_real_t peak[DOFS],
+                                      const auvid_real_t hold[DOFS])
+{
+    if (a == NULL || peak == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_all_finite(peak, DOFS) || (hold != NULL && !auvid_all_finite(hold, DOFS))) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < DOFS; ++i) {
+        if (peak[i] < AUVID_C(0.0)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    for (int i = 0; i < DOFS; ++i) {
+        if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
+            return AUVID_ERR_LIMIT;
+        }
+    }
+    for (int j = 0; j < a->config.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->config.thruster[j];
+        auvid_real_t middle = hold != NULL ? dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
+        auvid_real_t reach = AUVID_C(0.0);
+        for (int i = 0; i < DOFS; ++i) {
+            reach += auvid_abs(a->inverse[j][i]) * peak[i];
+        }
+        if (!(middle + reach <= t->max_N && middle - reach >= t->min_N)) {
+            return AUVID_ERR_LIMIT;
+        }
+    }
+    return AUVID_OK;
+}

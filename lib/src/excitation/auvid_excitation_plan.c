@@ -1,0 +1,103 @@
+/*
+ * The usual excitation for identification: sets of steps and of sums of sines in turn.
+ *
+ * The paper gives no amplitudes or frequencies. These suit vehicles of 0.1-1 t: a step is held for
+ * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse. Roll and pitch
+ * are righted, and swing in 2-3 s whatever the vehicle's size: theirs are quicker.
+ */
+#include "auvid_excitation_init_internal.h"
+
+#include <string.h>
+
+void auvid_excitation_defaults(auvid_excitation_config_t *config)
+{
+    if (config != NULL) {
+        memset(config, 0, sizeof *config);
+        config->fade_s = AUVID_C(2.0);
+        config->seed = 1;
+    }
+}
+
+/* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
+static void excitation_add(auvid_excitation_config_t *config, auvid_dof_t dof,
+                           auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
+                           auvid_real_t between_s)
+{
+    auvid_segment_t *s = &config->segment[config->segments];
+    bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
+    auvid_real_t hold_s = righted ? AUVID_C(1.0) : AUVID_C(4.0);
+    s->dof = dof;
+    s->kind = AUVID_SEGMENT_STEPS;
+    s->pause_s = before_s;
+    s->duration_s = set_s;
+    s->amplitude = amplitude;
+    s->fade_s = AUVID_C(0.2);
+    s->frequency_hz = auvid_max(righted ? AUVID_C(0.1) : AUVID_C(0.03), AUVID_C(1.0) / set_s);
+    s->frequency_high_hz = righted ? AUVID_C(0.8) : AUVID_C(0.25);
+    s->hold_min_s = auvid_min(hold_s, set_s * AUVID_C(0.25));
+    s->hold_max_s = auvid_min(righted ? AUVID_C(2.0) : AUVID_C(8.0), set_s * AUVID_C(0.5));
+    s->sines = AUVID_MAX_SINES < 5 ? AUVID_MAX_SINES : 5;
+    s[1] = s[0];
+    s[1].kind = AUVID_SEGMENT_SINES;
+    s[1].pause_s = between_s;
+    config->segments = (uint8_t)(config->segments + 2);
+}
+
+auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
+                                     const auvid_real_t amplitude[AUVID_DOF_COUNT],
+                                     auvid_real_t set_s, uint32_t sets, uint64_t seed)
+{
+    return auvid_excitation_schedule(config, amplitude, set_s, sets, seed, AUVID_C(0.0), false);
+}
+
+auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
+                                         const auvid_real_t amplitude[AUVID_DOF_COUNT],
+                                         auvid_real_t set_s, uint32_t sets, uint64_t seed,
+                                         auvid_real_t pause_s, bool one_by_one)
+{
+    static const auvid_real_t leash[AUVID_DOF_COUNT] = {AUVID_C(5.0), AUVID_C(5.0),
+                                                        AUVID_C(3.0), AUVID_C(0.0),
+                                                        AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
+    uint8_t n = 0;
+    if (config == NULL || amplitude == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_is_finite(set_s) || !auvid_is_finite(pause_s) ||
+        !auvid_all_finite(amplitude, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (!auvid_excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
+        !auvid_excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
+        return AUVID_ERR_RANGE;
+    }
+    for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
+        if (!(amplitude[dof] >= AUVID_C(0.0) && amplitude[dof] <= AUVID_EXCITATION_LARGEST)) {
+            return AUVID_ERR_RANGE;
+        }
+        n = (uint8_t)(n + (amplitude[dof] > AUVID_C(0.0) ? 2 : 0));
+    }
+    if (n == 0 || n > AUVID_MAX_SEGMENTS) {
+        return n == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE;
+    }
+    uint32_t turns = one_by_one ? n / 2u : 1u; /* degrees of freedom that follow one another */
+    auvid_real_t turn_s = set_s + pause_s;
+    auvid_real_t duration_s = (auvid_real_t)(sets * turns) * turn_s;
+    if (duration_s > AUVID_EXCITATION_LONGEST_RUN_S ||
+        (auvid_real_t)turns * turn_s > AUVID_EXCITATION_LONGEST_S) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(config->segment, 0, sizeof config->segment);
+    config->segments = 0;
+    for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
+        if (amplitude[dof] > AUVID_C(0.0)) {
+            uint32_t turn = one_by_one ? config->segments / 2u : 0u;
+            excitation_add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+                           pause_s + (auvid_real_t)turn * turn_s,
+                           pause_s + (auvid_real_t)(turns - 1u) * turn_s);
+        }
+    }
+    memcpy(config->leash, leash, sizeof leash);
+    config->duration_s = duration_s;
+    config->seed = seed;
+    return AUVID_OK;
+}

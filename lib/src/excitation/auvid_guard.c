@@ -1,0 +1,393 @@
+/*
+ * The guard of the excitation. Every test of a limit is written !(value <= limit), so that NaN
+ * breaks it.
+ */
+#include "auvid/guard.h"
+
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+
+void auvid_guard_defaults(auvid_guard_config_t *cfg)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    memset(cfg, 0, sizeof *cfg);
+    cfg->depth_min_m = AUVID_C(1.0);
+    cfg->depth_max_m = AUVID_C(100.0);
+    cfg->altitude_min_m = AUVID_C(2.0);
+    cfg->roll_max_rad = AUVID_C(0.6);
+    cfg->pitch_max_rad = AUVID_C(0.6);
+    cfg->speed_max = AUVID_C(1.5);
+    cfg->yaw_rate_max = AUVID_C(1.5);
+    cfg->distance_max_m = AUVID_C(30.0);
+    cfg->run_max_s = 1800;
+    cfg->imu_stale_us = 200000;
+    cfg->velocity_stale_us = 1000000;
+    cfg->depth_stale_us = 1000000;
+    cfg->altitude_stale_us = 1000000;
+    cfg->applied_stale_us = 1000000;
+    cfg->saturation_us = 1000000;
+    cfg->max_tick_us = 250000;
+    cfg->calm_speed = AUVID_C(0.1);
+    cfg->calm_rate = AUVID_C(0.1);
+    cfg->calm_us = 2000000;
+    cfg->settle_us = 30000000;
+}
+
+auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
+{
+    if (g == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    const auvid_real_t limits[] = {cfg->depth_min_m,  cfg->depth_max_m,    cfg->altitude_min_m,
+                                   cfg->roll_max_rad, cfg->pitch_max_rad,  cfg->speed_max,
+                                   cfg->yaw_rate_max, cfg->distance_max_m, cfg->calm_speed,
+                                   cfg->calm_rate};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        if (!auvid_is_finite(limits[i])) {
+            return AUVID_ERR_NOT_FINITE;
+        }
+        if (limits[i] < AUVID_C(0.0)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
+        return AUVID_ERR_RANGE;
+    }
+    if (cfg->depth_min_m > cfg->depth_max_m) {
+        return AUVID_ERR_BOUNDS;
+    }
+    memset(g, 0, sizeof *g);
+    g->cfg = *cfg;
+    g->ready = true;
+    return AUVID_OK;
+}
+
+static bool is_on(const auvid_guard_t *g, auvid_guard_cause_t cause)
+{
+    return (g->cfg.off >> cause & 1u) == 0;
+}
+
+static bool is_watching(const auvid_guard_t *g)
+{
+    return g->state == AUVID_GUARD_ARMED || g->state == AUVID_GUARD_EXCITING ||
+           g->state == AUVID_GUARD_SETTLING;
+}
+
+/* For telling only: whole and fraction apart, for any length. */
+static auvid_real_t guard_to_s(uint64_t us)
+{
+    uint64_t whole = auvid_divide(us, 1000000u);
+    return (auvid_real_t)(whole < UINT32_MAX ? (uint32_t)whole : UINT32_MAX) +
+           (auvid_real_t)(uint32_t)(us - whole * 1000000u) * AUVID_C(1e-6);
+}
+
+static uint64_t apart_us(uint64_t a_us, uint64_t b_us)
+{
+    return a_us > b_us ? a_us - b_us : b_us - a_us;
+}
+
+/* What is not finite stays so; the square root alone would make NaN a zero. */
+static auvid_real_t norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
+{
+    auvid_real_t sum = x * x + y * y + z * z;
+    return auvid_is_finite(sum) ? auvid_sqrt(sum) : sum;
+}
+
+static bool guard_is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32_t stale_us)
+{
+    return seen->known && apart_us(t_us, seen->t_us) <= stale_us;
+}
+
+/* Padding too: a guard compares and replays bit for bit. */
+static void guard_begin(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
+{
+    memset(trip, 0, sizeof *trip);
+    trip->cause = cause;
+    trip->t_us = t_us;
+}
+
+static bool tell(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real_t value,
+                 auvid_real_t limit)
+{
+    trip->cause = cause;
+    trip->value = value;
+    trip->limit = limit;
+    return true;
+}
+
+static bool tell_time(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t us,
+                      uint64_t limit_us)
+{
+    return tell(trip, cause, guard_to_s(us), guard_to_s(limit_us));
+}
+
+/* value <= limit, or a breach. */
+static bool above(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                  auvid_real_t value, auvid_real_t limit)
+{
+    return is_on(g, cause) && !(value <= limit && auvid_is_finite(value)) &&
+           tell(trip, cause, value, limit);
+}
+
+static bool below(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                  auvid_real_t value, auvid_real_t limit)
+{
+    return is_on(g, cause) && !(value >= limit && auvid_is_finite(value)) &&
+           tell(trip, cause, value, limit);
+}
+
+static bool silent(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                   const auvid_guard_seen_t *seen, uint32_t stale_us)
+{
+    if (!is_on(g, cause) || guard_is_fresh(seen, trip->t_us, stale_us)) {
+        return false;
+    }
+    return tell(trip, cause,
+                seen->known ? guard_to_s(apart_us(trip->t_us, seen->t_us)) : AUVID_LARGEST,
+                guard_to_s(stale_us));
+}
+
+/* Is one of the sources silent that the limits, or the sense of the run, hang on? */
+static bool any_silent(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                       const auvid_guard_input_t *in)
+{
+    const auvid_guard_config_t *cfg = &g->cfg;
+    bool depth = is_on(g, AUVID_GUARD_DEPTH_MIN) || is_on(g, AUVID_GUARD_DEPTH_MAX);
+    bool altitude = is_on(g, AUVID_GUARD_ALTITUDE) && (cfg->altitude_required || g->altitude_known);
+    auvid_guard_seen_t applied = in->applied;
+    if (!applied.known || applied.t_us < g->excite_us) {
+        applied.known = true; /* there is nothing to record before */
+        applied.t_us = g->excite_us;
+    }
+    return silent(g, trip, AUVID_GUARD_IMU_STALE, &in->imu, cfg->imu_stale_us) ||
+           silent(g, trip, AUVID_GUARD_VELOCITY_STALE, &in->velocity, cfg->velocity_stale_us) ||
+           (depth && silent(g, trip, AUVID_GUARD_DEPTH_STALE, &in->depth, cfg->depth_stale_us)) ||
+           (altitude &&
+            silent(g, trip, AUVID_GUARD_ALTITUDE_STALE, &in->altitude, cfg->altitude_stale_us)) ||
+           (g->state == AUVID_GUARD_EXCITING &&
+            silent(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
+}
+
+/* A limit of motion over ground: without a fresh measurement it is not known to be kept. */
+static bool beyond(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                   bool fresh, auvid_real_t value, auvid_real_t limit)
+{
+    return above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
+}
+
+/* Does the motion break a limit? */
+static bool any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                         const auvid_guard_input_t *in)
+{
+    const auvid_guard_config_t *cfg = &g->cfg;
+    const auvid_real_t *v = in->velocity_ground;
+    bool altitude = guard_is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
+    bool ground = guard_is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
+    return below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
+           above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
+           (altitude &&
+            below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
+           above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
+           above(g, trip, AUVID_GUARD_PITCH, auvid_abs(in->pitch), cfg->pitch_max_rad) ||
+           beyond(g, trip, AUVID_GUARD_SPEED, ground, norm(v[0], v[1], v[2]), cfg->speed_max) ||
+           above(g, trip, AUVID_GUARD_YAW_RATE, auvid_abs(in->rates[2]), cfg->yaw_rate_max) ||
+           beyond(g, trip, AUVID_GUARD_DISTANCE, ground,
+                  norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
+                  cfg->distance_max_m);
+}
+
+/* Do the time of the run and the time spent saturated break one? */
+static bool any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
+{
+    uint64_t run_us = trip->t_us - g->excite_us;
+    uint64_t run_max_us = (uint64_t)g->cfg.run_max_s * 1000000u;
+    if (g->state == AUVID_GUARD_EXCITING && is_on(g, AUVID_GUARD_RUN_TIME) && run_us > run_max_us) {
+        return tell_time(trip, AUVID_GUARD_RUN_TIME, run_us, run_max_us);
+    }
+    uint64_t saturated_us = trip->t_us - g->saturated_us;
+    return g->saturated && is_on(g, AUVID_GUARD_SATURATION) &&
+           saturated_us >= g->cfg.saturation_us &&
+           tell_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us);
+}
+
+/* Time itself: it must advance, not by too much, and the operator be heard of. */
+static bool any_late(const auvid_guard_t *g, auvid_guard_trip_t *trip)
+{
+    if (trip->t_us < g->t_us || (trip->t_us == g->t_us && g->stepped)) {
+        return tell(trip, AUVID_GUARD_TIME, -guard_to_s(g->t_us - trip->t_us), AUVID_C(0.0));
+    }
+    uint64_t tick_us = trip->t_us - g->t_us;
+    if (is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
+        return tell_time(trip, AUVID_GUARD_TICK, tick_us, g->cfg.max_tick_us);
+    }
+    uint64_t silence_us = apart_us(trip->t_us, g->alive_us);
+    return g->cfg.alive_us > 0 && silence_us > g->cfg.alive_us &&
+           tell_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.alive_us);
+}
+
+auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
+{
+    if (g == NULL || in == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!g->ready || (g->state != AUVID_GUARD_DISARMED && g->state != AUVID_GUARD_DONE)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_guard_t armed;
+    auvid_guard_trip_t trip;
+    guard_begin(&trip, AUVID_GUARD_NO_CAUSE, t_us);
+    memset(&armed, 0, sizeof armed);
+    armed.ready = true;
+    armed.cfg = g->cfg;
+    armed.state = AUVID_GUARD_ARMED;
+    armed.t_us = armed.alive_us = t_us;
+    armed.home[0] = in->position[0];
+    armed.home[1] = in->position[1];
+    armed.altitude_known = guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+    if (any_silent(&armed, &trip, in)) {
+        g->refused = trip;
+        return AUVID_ERR_STALE;
+    }
+    if (any_exceeded(&armed, &trip, in)) {
+        g->refused = trip;
+        return AUVID_ERR_LIMIT;
+    }
+    *g = armed;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_excite(auvid_guard_t *g, uint64_t t_us)
+{
+    if (g == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (g->state != AUVID_GUARD_ARMED) {
+        return AUVID_ERR_STATE;
+    }
+    g->state = AUVID_GUARD_EXCITING;
+    g->excite_us = t_us;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_finished(auvid_guard_t *g, uint64_t t_us)
+{
+    if (g == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (g->state != AUVID_GUARD_EXCITING) {
+        return AUVID_ERR_STATE;
+    }
+    g->state = AUVID_GUARD_SETTLING;
+    g->settle_us = t_us;
+    g->calm = false;
+    return AUVID_OK;
+}
+
+static void trip_now(auvid_guard_t *g, const auvid_guard_trip_t *trip)
+{
+    g->state = AUVID_GUARD_ABORTED;
+    g->trip = *trip;
+}
+
+auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guard_cause_t cause)
+{
+    if (g == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!g->ready) {
+        return AUVID_ERR_STATE;
+    }
+    if ((unsigned)cause - 1u >= AUVID_GUARD_CAUSE_COUNT - 1u) {
+        return AUVID_ERR_RANGE;
+    }
+    if (g->state != AUVID_GUARD_ABORTED) {
+        auvid_guard_trip_t trip;
+        guard_begin(&trip, cause, t_us);
+        trip_now(g, &trip);
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us)
+{
+    return auvid_guard_abort_for(g, t_us, AUVID_GUARD_OPERATOR);
+}
+
+auvid_status_t auvid_guard_disarm(auvid_guard_t *g)
+{
+    if (g == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!g->ready) {
+        return AUVID_ERR_STATE;
+    }
+    g->state = AUVID_GUARD_DISARMED;
+    memset(&g->trip, 0, sizeof g->trip);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_alive(auvid_guard_t *g, uint64_t t_us)
+{
+    if (g == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (t_us < g->alive_us) {
+        return AUVID_ERR_TIME_BACK;
+    }
+    g->alive_us = t_us;
+    return AUVID_OK;
+}
+
+/* What has to be remembered from tick to tick. */
+static void remember(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
+{
+    if (in->saturated && !g->saturated) {
+        g->saturated_us = t_us;
+    }
+    g->saturated = in->saturated;
+    g->altitude_known =
+        g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+}
+
+/* SETTLING: calm for calm_us, or settle_us gone by. */
+static void guard_settle(auvid_guard_t *g, const auvid_guard_input_t *in)
+{
+    const auvid_real_t *v = in->velocity_ground, *w = in->rates;
+    bool calm =
+        norm(v[0], v[1], v[2]) <= g->cfg.calm_speed && norm(w[0], w[1], w[2]) <= g->cfg.calm_rate;
+    if (calm && !g->calm) {
+        g->calm_us = g->t_us;
+    }
+    g->calm = calm;
+    if ((calm && g->t_us - g->calm_us >= g->cfg.calm_us) ||
+        g->t_us - g->settle_us >= g->cfg.settle_us) {
+        g->state = AUVID_GUARD_DONE;
+    }
+}
+
+bool auvid_guard_step(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
+{
+    if (g == NULL || !g->ready || !is_watching(g)) {
+        return false;
+    }
+    auvid_guard_trip_t trip;
+    guard_begin(&trip, AUVID_GUARD_NO_INPUT, t_us);
+    if (in == NULL || any_late(g, &trip)) {
+        trip_now(g, &trip);
+        return false;
+    }
+    remember(g, t_us, in);
+    if (any_silent(g, &trip, in) || any_exceeded(g, &trip, in) || any_too_long(g, &trip)) {
+        trip_now(g, &trip);
+        return false;
+    }
+    g->t_us = t_us;
+    g->stepped = true;
+    if (g->state == AUVID_GUARD_SETTLING) {
+        guard_settle(g, in);
+    }
+    return g->state == AUVID_GUARD_EXCITING;
+}

@@ -1,0 +1,259 @@
+/*
+ * The checkpoint. Little-endian words, then what the tables of auvid_checkpoint_layout.c name, in
+ * their order, and of a model without regressor its rows:
+ *
+ *     byte 0  "avc1"
+ *          4  checksum of the tables and of the library's version
+ *          8  checksum of the model
+ *         12  parts that are there, PART_..
+ *         16  rows
+ *         20  bytes, all
+ *         24  the identifier, the rows
+ *   last four CRC-32 of all before
+ *
+ * Where a byte of the stream lies in memory follows from its place by the tables alone
+ * (auvid_checkpoint_locate.c), so the cursor knows its place and nothing else.
+ */
+#include "auvid/checkpoint.h"
+
+#include <string.h>
+
+#include "auvid_checkpoint_layout_internal.h"
+#include "../base/auvid_checksum_internal.h"
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+
+#define HEAD_MAGIC 0x31637661u
+
+enum { HEAD_LAYOUT = 4, HEAD_MODEL = 8, HEAD_PARTS = 12, HEAD_ROWS = 16, HEAD_BYTES = 20 };
+
+typedef auvid_checkpoint_row_t row_t;
+
+typedef auvid_checkpoint_sizes_t sizes_t;
+typedef auvid_checkpoint_run_t run_t;
+
+/* ---- the header ---- */
+
+/* Of the tables but for offsets, which a compiler chooses, and of the library's version. */
+static uint32_t checksum_of_layout(void)
+{
+    uint32_t c = auvid_checksum_word(
+        UINT32_MAX, AUVID_VERSION_MAJOR << 16 | AUVID_VERSION_MINOR << 8 | AUVID_VERSION_PATCH);
+    for (int t = 0; t < TABLE_COUNT; ++t) {
+        const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
+        for (uint32_t i = 0; i < table->rows; ++i) {
+            const row_t *row = &table->row[i];
+            const uint8_t kind[] = {row->width, row->table, row->parts};
+            c = auvid_checksum_word(auvid_checksum(c, kind, sizeof kind), row->count);
+        }
+    }
+    return c;
+}
+
+static uint32_t parts_of(const auvid_identifier_t *id)
+{
+    uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
+    parts |= id->prediction.vehicle != NULL ? PART_SIMULATED : 0u;
+    parts |= id->adapt != NULL ? PART_ADAPTIVE : 0u;
+    if (id->phase == AUVID_WORK_CONFIDENCE) {
+        parts |= PART_CONFIDENCE;
+    } else if (id->searching) {
+        bool global = id->optimizer.phase == AUVID_OPTIMIZER_GLOBAL;
+        parts |= global ? PART_GLOBAL : PART_LOCAL;
+    } else if (id->phase == AUVID_WORK_LINEARISE) {
+        parts |= PART_OPTIMUM;
+    }
+    return parts;
+}
+
+static uint32_t rows_of(const auvid_identifier_t *id)
+{
+    const auvid_metric_config_t *cfg = &id->metric.cfg;
+    return identifier_residual_path(id) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
+}
+
+static uint32_t checksum_of_model(const auvid_identifier_t *id)
+{
+    uint32_t c = auvid_checksum_of_model(&id->metric.cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        c = auvid_checksum_word(c, id->metric.columns[j]);
+    }
+    return auvid_checksum_word(c, identifier_residual_path(id));
+}
+
+/* The head of a checkpoint of *id that has these parts. */
+static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes, uint8_t *head)
+{
+    uint32_t rows = rows_of(id);
+    auvid_checkpoint_measure(sizes, parts);
+    auvid_put_word(head, HEAD_MAGIC);
+    auvid_put_word(head + HEAD_LAYOUT, checksum_of_layout());
+    auvid_put_word(head + HEAD_MODEL, checksum_of_model(id));
+    auvid_put_word(head + HEAD_PARTS, parts);
+    auvid_put_word(head + HEAD_ROWS, rows);
+    auvid_put_word(head + HEAD_BYTES, AUVID_CHECKPOINT_HEAD + sizes->of[TABLE_IDENTIFIER] +
+                                          rows * sizes->of[TABLE_ROW] + AUVID_CHECKPOINT_TAIL);
+}
+
+/* ---- the body ---- */
+
+/* Up to `most` bytes of the body from `at` on, out of the identifier. @return how many, >= 1 */
+static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
+                     uint8_t *to)
+{
+    run_t run = auvid_checkpoint_locate(sizes, at);
+    const row_t *row = run.row;
+    const void *from = run.stored ? (const void *)id->metric.cfg.rows : id;
+    const uint8_t *memory = (const uint8_t *)from + run.offset;
+    uint32_t done = 0;
+    for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
+        for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
+            to[done] = memory[auvid_checkpoint_byte(row->stride, k)];
+        }
+        run.skip = 0;
+    }
+    return done;
+}
+
+/* The same into the identifier, whole scalars. */
+static AUVID_APART uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
+                                 uint32_t most, const uint8_t *from)
+{
+    run_t run = auvid_checkpoint_locate(sizes, at);
+    const row_t *row = run.row;
+    void *to = run.stored ? (void *)id->metric.cfg.rows : id;
+    uint8_t *memory = (uint8_t *)to + run.offset;
+    uint32_t done = 0;
+    for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
+        memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
+        for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
+            memory[auvid_checkpoint_byte(row->stride, k)] = from[done];
+        }
+        run.skip = 0;
+    }
+    return done;
+}
+
+/* ---- saving ---- */
+
+auvid_status_t auvid_checkpoint_begin(auvid_checkpoint_t *cursor, const auvid_identifier_t *id)
+{
+    if (cursor == NULL || id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    sizes_t sizes;
+    write_head(id, parts_of(id), &sizes, cursor->head);
+    cursor->id = id;
+    cursor->t_us = id->t_us;
+    cursor->bytes = auvid_get_word(cursor->head + HEAD_BYTES);
+    cursor->at = 0;
+    cursor->checksum = UINT32_MAX;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk, uint32_t *bytes)
+{
+    if (cursor == NULL || chunk == NULL || bytes == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    uint32_t room = *bytes, end = cursor->bytes - AUVID_CHECKPOINT_TAIL;
+    *bytes = 0;
+    if (cursor->id == NULL || cursor->t_us != cursor->id->t_us) {
+        return AUVID_ERR_STATE;
+    }
+    sizes_t sizes;
+    auvid_checkpoint_measure(&sizes, cursor->head[HEAD_PARTS]);
+    while (*bytes < room && cursor->at < cursor->bytes) {
+        uint8_t *to = chunk + *bytes;
+        uint32_t at = cursor->at, done = 1;
+        if (at < AUVID_CHECKPOINT_HEAD) {
+            *to = cursor->head[at];
+        } else if (at >= end) {
+            *to = (uint8_t)(~cursor->checksum >> 8 * (at - end));
+        } else {
+            uint32_t left = end - at, most = room - *bytes;
+            done =
+                save(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD, most < left ? most : left, to);
+        }
+        cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
+        cursor->at += done;
+        *bytes += done;
+    }
+    return cursor->at < cursor->bytes ? AUVID_PENDING : AUVID_OK;
+}
+
+/* ---- restoring ---- */
+
+/* Is it a checkpoint, whole, of this library and of this identifier's model? */
+static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8_t *checkpoint,
+                                       uint32_t bytes, sizes_t *sizes)
+{
+    uint8_t own[AUVID_CHECKPOINT_HEAD];
+    uint32_t end = bytes - AUVID_CHECKPOINT_TAIL;
+    if (bytes < AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL ||
+        auvid_get_word(checkpoint) != HEAD_MAGIC ||
+        auvid_get_word(checkpoint + end) != ~auvid_checksum(UINT32_MAX, checkpoint, end)) {
+        return AUVID_ERR_CHECKSUM;
+    }
+    write_head(id, auvid_get_word(checkpoint + HEAD_PARTS), sizes, own);
+    if (memcmp(own + HEAD_LAYOUT, checkpoint + HEAD_LAYOUT, 4) != 0) {
+        return AUVID_ERR_SIZE;
+    }
+    if (memcmp(own + HEAD_MODEL, checkpoint + HEAD_MODEL, 4) != 0) {
+        return AUVID_ERR_MODEL;
+    }
+    if (memcmp(own + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
+        return AUVID_ERR_SIZE;
+    }
+    bool whole = auvid_get_word(own + HEAD_BYTES) == bytes &&
+                 auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
+    bool adapts = (id->adapt != NULL) == ((sizes->parts & PART_ADAPTIVE) != 0);
+    return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
+}
+
+auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,
+                                       uint32_t bytes)
+{
+    if (id == NULL || checkpoint == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    sizes_t sizes;
+    auvid_status_t status = checkpoint_check(id, checkpoint, bytes, &sizes);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    auvid_metric_t *m = &id->metric;
+    uint32_t body = bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
+    status = auvid_checkpoint_validate(id, &sizes, checkpoint + AUVID_CHECKPOINT_HEAD, body);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    for (uint32_t at = 0; at < body;) {
+        at += load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
+    }
+    bool simulated = (sizes.parts & PART_SIMULATED) != 0;
+    id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
+    (void)auvid_metric_remember(m, &m->memory); /* the function that goes with it */
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
+                                        uint32_t bytes)
+{
+    auvid_status_t status = auvid_checkpoint_resume(id, checkpoint, bytes);
+    if (status == AUVID_OK) {
+        auvid_guard_state_t state = id->guard.state;
+        if (state != AUVID_GUARD_DONE && state != AUVID_GUARD_ABORTED) {
+            (void)auvid_guard_disarm(&id->guard);
+        }
+        id->excitation.running = id->excitation.stopping = id->starting = false;
+    }
+    return status;
+}

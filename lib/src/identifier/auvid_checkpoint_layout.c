@@ -1,0 +1,374 @@
+/*
+ * The checkpoint: what it holds, struct by struct. All members are here but pointers, which the
+ * identifier that is restored into has already, memory that is dead between calls, and what decides
+ * on forces: the plan of the excitation, the thrusters and the guard's limits are those that the
+ * identifier was initialised with. A test (tests/validation/test_checkpoint.sh) names what is
+ * missing. Which values members may have: auvid_checkpoint_limits.c.
+ */
+#include "auvid_checkpoint_layout_internal.h"
+#include "../base/auvid_math_internal.h"
+
+/* `first` .. `last` are neighbours, all of type `unit`. Something else among them mostly leaves a
+ * rest, and the array of negative size does not compile. */
+#define SIZE(type, member) sizeof(((type *)0)->member)
+#define BYTES(type, first, last) (offsetof(type, last) + SIZE(type, last) - offsetof(type, first))
+#define WHOLE(bytes, unit) ((bytes) / sizeof(char[(bytes) % sizeof(unit) == 0 ? 1 : -1]))
+#define SOME(type, unit, first, last, parts, finite)                                               \
+    {                                                                                              \
+        offsetof(type, first), (uint32_t)(WHOLE(BYTES(type, first, last), unit) / sizeof(unit)),   \
+            (uint32_t)sizeof(unit), (uint8_t)sizeof(unit), 0, parts, finite                        \
+    }
+#define SPAN(type, unit, first, last) SOME(type, unit, first, last, 0, false)
+#define REALS(type, first, last) SOME(type, auvid_real_t, first, last, 0, true)
+/* Costs and residuals, which need not be finite where a model fails. */
+#define COSTS(type, first, last) SOME(type, auvid_real_t, first, last, 0, false)
+/* Flags are bytes, too. */
+#define BYTE(type, first, last) SOME(type, uint8_t, first, last, 0, false)
+/* An enumeration, in a byte: how wide it is in memory is the compiler's choice. */
+#define ENUM(type, member)                                                                         \
+    {                                                                                              \
+        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 1, 0, 0, false                    \
+    }
+#define STRUCT_OF(type, member, table, parts)                                                      \
+    {                                                                                              \
+        offsetof(type, member), 1, (uint32_t)SIZE(type, member), 0, table, parts, false            \
+    }
+#define STRUCT(type, member, table) STRUCT_OF(type, member, table, 0)
+/* An array of structs. */
+#define STRUCTS(type, member, table)                                                               \
+    {                                                                                              \
+        offsetof(type, member), (uint32_t)(SIZE(type, member) / SIZE(type, member[0])),            \
+            (uint32_t)SIZE(type, member[0]), 0, table, 0, false                                    \
+    }
+
+typedef auvid_checkpoint_row_t row_t;
+
+static const row_t search[] = {
+    REALS(auvid_search_config_t, lower, good),
+    BYTE(auvid_search_config_t, has_good, has_good),
+    SPAN(auvid_search_config_t, uint16_t, population, population),
+    REALS(auvid_search_config_t, omega, omega),
+    BYTE(auvid_search_config_t, scale_by_bounds, literal_search),
+    SPAN(auvid_search_config_t, uint64_t, seed, seed),
+};
+
+static const row_t knot[] = {
+    SPAN(auvid_nav_knot_t, uint64_t, t_us, t_us),
+    REALS(auvid_nav_knot_t, velocity, velocity),
+    SPAN(auvid_nav_knot_t, uint32_t, sequence, sequence),
+    BYTE(auvid_nav_knot_t, measured, measured),
+};
+
+static const row_t diagnostics[] = {
+    SPAN(auvid_nav_diagnostics_t, uint64_t, seen_us, good_us),
+    SPAN(auvid_nav_diagnostics_t, uint32_t, accepted, accepted),
+    SPAN(auvid_nav_diagnostics_t, uint16_t, unused, refusals),
+    BYTE(auvid_nav_diagnostics_t, axes, alive),
+    REALS(auvid_nav_diagnostics_t, innovation, nis),
+};
+
+static const row_t nav[] = {
+    STRUCT(auvid_nav_t, ground, TABLE_KNOT),
+    STRUCT(auvid_nav_t, water, TABLE_KNOT),
+    SPAN(auvid_nav_t, uint64_t, horizontal_us, complete_us),
+    BYTE(auvid_nav_t, horizontal, complete),
+    STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
+    SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
+    BYTE(auvid_nav_t, gps_start, gps_count),
+    SPAN(auvid_nav_t, uint16_t, flags, flags),
+    BYTE(auvid_nav_t, ready, past_next),
+    SPAN(auvid_nav_t, uint64_t, held_us, touched_us),
+    REALS(auvid_nav_t, position, rates),
+    SPAN(auvid_nav_t, int32_t, turns, turns),
+    REALS(auvid_nav_t, q, lever),
+    SPAN(auvid_nav_t, uint32_t, max_age_us, past_us),
+    REALS(auvid_nav_t, past_rates, gps_offset),
+};
+
+static const row_t stream[] = {
+    SPAN(auvid_recorder_stream_t, uint64_t, t_us, filled_us),
+    SPAN(auvid_recorder_stream_t, uint32_t, cell, cell),
+    BYTE(auvid_recorder_stream_t, valid, valid),
+};
+
+static const row_t recorder[] = {
+    SPAN(auvid_recorder_t, uint32_t, cfg.cell_us, cfg.gap_us),
+    ENUM(auvid_recorder_t, cfg.input),
+    STRUCTS(auvid_recorder_t, stream, TABLE_STREAM),
+    REALS(auvid_recorder_t, last, mean),
+    SPAN(auvid_recorder_t, uint64_t, origin_us, origin_us),
+    SPAN(auvid_recorder_t, uint32_t, opened, next),
+    BYTE(auvid_recorder_t, measured, broken),
+};
+
+static const row_t set[] = {
+    SPAN(auvid_set_t, uint32_t, number, number),
+    REALS(auvid_set_t, tau_m2, tau_m2),
+    SPAN(auvid_set_t, uint16_t, rows, fastest),
+    SPAN(auvid_set_t, auvid_share_t, factor, factor),
+    BYTE(auvid_set_t, exponent, driven),
+};
+
+static const row_t metric[] = {
+    SPAN(auvid_metric_t, uint32_t, cfg.free, cfg.free),
+    REALS(auvid_metric_t, cfg.fixed, cfg.driven),
+    SPAN(auvid_metric_t, uint32_t, cfg.cell_us, cfg.velocity_us),
+    SPAN(auvid_metric_t, uint16_t, cfg.row_cells, cfg.set_rows),
+    BYTE(auvid_metric_t, cfg.sets, cfg.sets),
+    ENUM(auvid_metric_t, cfg.smoothing),
+    BYTE(auvid_metric_t, cfg.half_width, cfg.estimate_delay),
+    REALS(auvid_metric_t, cfg.delay_s, cfg.delay_sigma_s),
+    BYTE(auvid_metric_t, cfg.lagged, cfg.lagged),
+    SPAN(auvid_metric_t, uint64_t, window_us, resume_us),
+    SPAN(auvid_metric_t, uint32_t, memory.known, memory.known),
+    REALS(auvid_metric_t, memory.pi, memory.colour),
+    SPAN(auvid_metric_t, uint32_t, columns, columns),
+    BYTE(auvid_metric_t, count, index),
+    SPAN(auvid_metric_t, uint16_t, factor_at, channel_at),
+    REALS(auvid_metric_t, kernel, previous),
+    SPAN(auvid_metric_t, uint32_t, cells, since_gap),
+    BYTE(auvid_metric_t, successive, missing),
+    REALS(auvid_metric_t, factor, tau_m2),
+    SPAN(auvid_metric_t, uint16_t, rows, fastest),
+    STRUCTS(auvid_metric_t, set, TABLE_SET),
+    SPAN(auvid_metric_t, uint32_t, turns, turns),
+    REALS(auvid_metric_t, merged, band_weight),
+    COSTS(auvid_metric_t, band_sse, z),
+    REALS(auvid_metric_t, candidate, weight),
+    COSTS(auvid_metric_t, sum, squares),
+    SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL, false),
+    REALS(auvid_metric_t, share, share),
+    SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
+    BYTE(auvid_metric_t, window_of, window_of),
+    SPAN(auvid_metric_t, uint16_t, at_row, paid),
+    BYTE(auvid_metric_t, window_length, turned),
+    REALS(auvid_metric_t, linear_delay_s, linear_delay_s),
+    BYTE(auvid_metric_t, driven, driven),
+    SPAN(auvid_metric_t, uint16_t, dof_rows, dof_rows),
+    REALS(auvid_metric_t, delay_s, delay_s),
+    BYTE(auvid_metric_t, lagged, lagged),
+    REALS(auvid_metric_t, constant, constant),
+    COSTS(auvid_metric_t, cost, sse),
+    SPAN(auvid_metric_t, uint32_t, sets_recorded, rows_dropped),
+    COSTS(auvid_metric_t, predicted, change),
+    BYTE(auvid_metric_t, change_rank, change_rank),
+};
+
+static const row_t channel[] = {
+    SPAN(auvid_excitation_channel_t, uint32_t, rng, repetition),
+    REALS(auvid_excitation_channel_t, level, cycles),
+    BYTE(auvid_excitation_channel_t, segment, negative),
+};
+
+static const row_t excitation[] = {
+    STRUCTS(auvid_excitation_t, channel, TABLE_CHANNEL),
+    REALS(auvid_excitation_t, displacement, displacement),
+    SPAN(auvid_excitation_t, uint32_t, repetition, repetition),
+    SPAN(auvid_excitation_t, uint64_t, repeated_us, repeated_us),
+    SPAN(auvid_excitation_t, uint64_t, start_us, stop_us),
+    BYTE(auvid_excitation_t, running, finished),
+};
+
+static const row_t trip[] = {
+    ENUM(auvid_guard_trip_t, cause),
+    REALS(auvid_guard_trip_t, value, limit),
+    SPAN(auvid_guard_trip_t, uint64_t, t_us, t_us),
+};
+
+static const row_t adaptive[] = {
+    SPAN(auvid_adaptive_t, uint32_t, missing, given_up),
+    BYTE(auvid_adaptive_t, driving, tried),
+    SPAN(auvid_adaptive_t, uint16_t, close_rows, close_rows),
+    SPAN(auvid_adaptive_t, uint32_t, estimate, rng),
+    SPAN(auvid_adaptive_t, uint64_t, run_us, run_us),
+    SPAN(auvid_adaptive_t, uint32_t, from_us, hold_us),
+    REALS(auvid_adaptive_t, before, low_owed),
+};
+
+static const row_t guard[] = {
+    ENUM(auvid_guard_t, state),
+    STRUCT(auvid_guard_t, trip, TABLE_TRIP),
+    STRUCT(auvid_guard_t, refused, TABLE_TRIP),
+    SPAN(auvid_guard_t, uint64_t, t_us, alive_us),
+    REALS(auvid_guard_t, home, home),
+    BYTE(auvid_guard_t, stepped, altitude_known),
+};
+
+static const row_t confidence[] = {
+    REALS(auvid_confidence_t, sigma, bound),
+    SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
+    BYTE(auvid_confidence_t, note, lost),
+    REALS(auvid_confidence_t, noise, uncertainty),
+};
+
+static const row_t estimate[] = {
+    SPAN(auvid_estimate_t, uint32_t, number, number),
+    SPAN(auvid_estimate_t, uint64_t, t_us, t_us),
+    SPAN(auvid_estimate_t, uint32_t, sets, identified),
+    BYTE(auvid_estimate_t, driven, driven),
+    REALS(auvid_estimate_t, pi, delay_s),
+    BYTE(auvid_estimate_t, lagged, lagged),
+    REALS(auvid_estimate_t, r2_force, r2_force),
+    SPAN(auvid_estimate_t, uint32_t, evaluations_crs, evaluations_line),
+    BYTE(auvid_estimate_t, capped, accepted),
+    STRUCT(auvid_estimate_t, confidence, TABLE_CONFIDENCE),
+};
+
+static const row_t judgement[] = {
+    SPAN(auvid_judgement_t, uint32_t, set, estimate),
+    BYTE(auvid_judgement_t, driven, changed),
+    REALS(auvid_judgement_t, variance_ratio, r2_velocity),
+    BYTE(auvid_judgement_t, simulated, simulated),
+};
+
+static const row_t sample[] = {
+    SPAN(auvid_sample_t, uint64_t, t_us, t_us),
+    REALS(auvid_sample_t, phi, command),
+    BYTE(auvid_sample_t, missing, missing),
+};
+
+static const row_t validation[] = {
+    REALS(auvid_validation_t, pi, wrench),
+    SPAN(auvid_validation_t, uint32_t, lagged, lagged),
+    REALS(auvid_validation_t, cell_s, cell_s),
+    SPAN(auvid_validation_t, uint32_t, dofs, dofs),
+    STRUCT(auvid_validation_t, last, TABLE_SAMPLE),
+    REALS(auvid_validation_t, past, past),
+    SPAN(auvid_validation_t, uint32_t, since_gap, since_gap),
+    BYTE(auvid_validation_t, running, running),
+    REALS(auvid_validation_t, mean, sse),
+    SPAN(auvid_validation_t, uint32_t, compared, cells),
+    REALS(auvid_validation_t, predicted, predicted),
+};
+
+static const row_t crs[] = {
+    BYTE(auvid_crs_t, config.n, config.n),
+    SPAN(auvid_crs_t, uint16_t, config.population, config.population),
+    REALS(auvid_crs_t, config.epsilon, config.omega),
+    SPAN(auvid_crs_t, uint32_t, config.max_evaluations, config.max_rejections),
+    SPAN(auvid_crs_t, uint64_t, config.seed, config.seed),
+    REALS(auvid_crs_t, config.lower, config.upper),
+    REALS(auvid_crs_t, theta, cost),
+    SPAN(auvid_crs_t, uint16_t, order, order),
+    COSTS(auvid_crs_t, trial, trial),
+    REALS(auvid_crs_t, initial_spread, last_spread),
+    SPAN(auvid_crs_t, uint32_t, rng, most_rejections),
+    SPAN(auvid_crs_t, uint16_t, filled, worst),
+    BYTE(auvid_crs_t, state, again),
+};
+
+static const row_t line_config[] = {
+    BYTE(auvid_line_search_config_t, n, literal),
+    REALS(auvid_line_search_config_t, alpha0, epsilon),
+    SPAN(auvid_line_search_config_t, uint32_t, max_evaluations, max_evaluations),
+    REALS(auvid_line_search_config_t, lower, start),
+};
+
+static const row_t line_search[] = {
+    STRUCT(auvid_line_search_t, config, TABLE_LINE_CONFIG),
+    REALS(auvid_line_search_t, theta, cost_far),
+    SPAN(auvid_line_search_t, uint32_t, evaluations, attempts),
+    BYTE(auvid_line_search_t, direction, asked),
+};
+
+static const row_t optimizer[] = {
+    STRUCT_OF(auvid_optimizer_t, crs, TABLE_CRS, PART_GLOBAL),
+    STRUCT_OF(auvid_optimizer_t, line_search, TABLE_LINE_SEARCH, PART_LOCAL),
+    STRUCT(auvid_optimizer_t, local, TABLE_LINE_CONFIG),
+    SOME(auvid_optimizer_t, auvid_real_t, cost, cost, PART_LOCAL, true),
+    SOME(auvid_optimizer_t, uint32_t, evaluations, attempts, PART_LOCAL, false),
+    BYTE(auvid_optimizer_t, phase, phase),
+};
+
+static const row_t optimum[] = {
+    REALS(auvid_bounded_ls_t, lower, work),
+    SPAN(auvid_bounded_ls_t, uint32_t, free, free),
+    BYTE(auvid_bounded_ls_t, order, row),
+};
+
+static const row_t job[] = {
+    STRUCT(auvid_confidence_job_t, result, TABLE_CONFIDENCE),
+    REALS(auvid_confidence_job_t, dry_mass_kg, joint),
+    REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
+    REALS(auvid_confidence_job_t, score, rows),
+    BYTE(auvid_confidence_job_t, place, index),
+    SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_bound),
+    BYTE(auvid_confidence_job_t, n, delayed),
+};
+
+static const row_t seen[] = {
+    SPAN(auvid_guard_seen_t, uint64_t, t_us, t_us),
+    BYTE(auvid_guard_seen_t, known, known),
+};
+
+static const row_t identifier[] = {
+    STRUCT(auvid_identifier_t, search, TABLE_SEARCH),
+    ENUM(auvid_identifier_t, velocity),
+    BYTE(auvid_identifier_t, velocity_every_tick, velocity_every_tick),
+    REALS(auvid_identifier_t, dry_mass_kg, uncertainty),
+    STRUCT(auvid_identifier_t, nav, TABLE_NAV),
+    STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),
+    STRUCT(auvid_identifier_t, metric, TABLE_METRIC),
+    STRUCT(auvid_identifier_t, excitation, TABLE_EXCITATION),
+    STRUCT(auvid_identifier_t, adaptive, TABLE_ADAPTIVE),
+    STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
+    STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
+    STRUCT(auvid_identifier_t, trusted, TABLE_ESTIMATE),
+    STRUCT(auvid_identifier_t, judgement, TABLE_JUDGEMENT),
+    STRUCT_OF(auvid_identifier_t, prediction, TABLE_VALIDATION, PART_SIMULATED),
+    COSTS(auvid_identifier_t, predicted, predicted),
+    SPAN(auvid_identifier_t, uint64_t, t_us, t_us),
+    SPAN(auvid_identifier_t, uint32_t, knot, work_most),
+    BYTE(auvid_identifier_t, phase, place),
+    SPAN(auvid_identifier_t, uint32_t, active, active),
+    REALS(auvid_identifier_t, candidate, delay_s),
+    BYTE(auvid_identifier_t, started, saturated),
+    STRUCT(auvid_identifier_t, altitude, TABLE_SEEN),
+    STRUCT(auvid_identifier_t, applied, TABLE_SEEN),
+    REALS(auvid_identifier_t, altitude_m, home),
+    SPAN(auvid_identifier_t, uint32_t, searched, searched),
+    REALS(auvid_identifier_t, cost, cost),
+    BYTE(auvid_identifier_t, paid, anew),
+    STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
+    STRUCT_OF(auvid_identifier_t, optimum, TABLE_OPTIMUM, PART_OPTIMUM),
+    STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
+};
+
+static const row_t row[] = {
+    STRUCT(auvid_row_t, sample, TABLE_SAMPLE),
+    REALS(auvid_row_t, late, late),
+};
+
+#define TABLE(rows)                                                                                \
+    {                                                                                              \
+        rows, sizeof(rows) / sizeof(row_t)                                                         \
+    }
+const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
+    [TABLE_SEARCH] = TABLE(search),
+    [TABLE_KNOT] = TABLE(knot),
+    [TABLE_DIAGNOSTICS] = TABLE(diagnostics),
+    [TABLE_NAV] = TABLE(nav),
+    [TABLE_STREAM] = TABLE(stream),
+    [TABLE_RECORDER] = TABLE(recorder),
+    [TABLE_SET] = TABLE(set),
+    [TABLE_METRIC] = TABLE(metric),
+    [TABLE_CHANNEL] = TABLE(channel),
+    [TABLE_EXCITATION] = TABLE(excitation),
+    [TABLE_ADAPTIVE] = TABLE(adaptive),
+    [TABLE_TRIP] = TABLE(trip),
+    [TABLE_GUARD] = TABLE(guard),
+    [TABLE_CONFIDENCE] = TABLE(confidence),
+    [TABLE_ESTIMATE] = TABLE(estimate),
+    [TABLE_JUDGEMENT] = TABLE(judgement),
+    [TABLE_SAMPLE] = TABLE(sample),
+    [TABLE_VALIDATION] = TABLE(validation),
+    [TABLE_CRS] = TABLE(crs),
+    [TABLE_LINE_CONFIG] = TABLE(line_config),
+    [TABLE_LINE_SEARCH] = TABLE(line_search),
+    [TABLE_OPTIMIZER] = TABLE(optimizer),
+    [TABLE_OPTIMUM] = TABLE(optimum),
+    [TABLE_JOB] = TABLE(job),
+    [TABLE_SEEN] = TABLE(seen),
+    [TABLE_IDENTIFIER] = TABLE(identifier),
+    [TABLE_ROW] = TABLE(row),
+};

@@ -1,0 +1,138 @@
+/**
+ * @file auvid_checkpoint_layout_internal.h
+ * Private: what a checkpoint holds of each struct.
+ */
+#ifndef AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
+#define AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
+
+#include <string.h>
+
+#include "auvid/checkpoint.h"
+
+/** What is saved at some times only: a row with some of these bits is there when one of them is.
+ * What is not there is dead memory. */
+enum {
+    PART_RESIDUAL = 1,   /**< a model without regressor */
+    PART_SIMULATED = 2,  /**< the estimate simulates the set that is being recorded */
+    PART_GLOBAL = 4,     /**< a search is under way, global, */
+    PART_LOCAL = 8,      /**< or local */
+    PART_CONFIDENCE = 16, /**< a result is being assessed */
+    PART_ADAPTIVE = 32,   /**< marks it only: the excitation is adaptive */
+    PART_OPTIMUM = 64     /**< the least cost is being found */
+};
+
+/** Members that lie side by side, all of scalars of one width: `count` times `width` bytes, each
+ * the lower ones of `stride` bytes in memory. With width 0: structs, of another table. */
+typedef struct {
+    uint32_t offset; /**< of the first, in its struct */
+    uint32_t count;
+    uint32_t stride;
+    uint8_t width;
+    uint8_t table; /**< of a struct */
+    uint8_t parts; /**< 0: always */
+    bool finite;   /**< reals, none of which may be infinite or NaN */
+} auvid_checkpoint_row_t;
+
+/** A struct's rows, in the order of the stream. */
+typedef struct {
+    const auvid_checkpoint_row_t *row;
+    uint32_t rows;
+} auvid_checkpoint_table_t;
+
+/** The tables. One holds structs of earlier ones only. */
+enum {
+    TABLE_SEARCH,
+    TABLE_KNOT,
+    TABLE_DIAGNOSTICS,
+    TABLE_NAV,
+    TABLE_STREAM,
+    TABLE_RECORDER,
+    TABLE_SET,
+    TABLE_METRIC,
+    TABLE_CHANNEL,
+    TABLE_EXCITATION,
+    TABLE_ADAPTIVE,
+    TABLE_TRIP,
+    TABLE_GUARD,
+    TABLE_CONFIDENCE,
+    TABLE_ESTIMATE,
+    TABLE_JUDGEMENT,
+    TABLE_SAMPLE,
+    TABLE_VALIDATION,
+    TABLE_CRS,
+    TABLE_LINE_CONFIG,
+    TABLE_LINE_SEARCH,
+    TABLE_OPTIMIZER,
+    TABLE_OPTIMUM,
+    TABLE_JOB,
+    TABLE_SEEN,
+    TABLE_IDENTIFIER,
+    TABLE_ROW, /**< of the storage of a model without regressor */
+    TABLE_COUNT
+};
+extern const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT];
+
+/** Bytes that each struct takes in the stream. */
+typedef struct {
+    uint32_t parts;
+    uint32_t of[TABLE_COUNT];
+} auvid_checkpoint_sizes_t;
+
+/** What a checkpoint with these parts (PART_...) has. */
+void auvid_checkpoint_measure(auvid_checkpoint_sizes_t *sizes, uint32_t parts);
+
+/** Bytes of one of a row's `count`. */
+static inline uint32_t auvid_checkpoint_element(const auvid_checkpoint_sizes_t *sizes,
+                                                const auvid_checkpoint_row_t *row)
+{
+    return row->width != 0 ? row->width : sizes->of[row->table];
+}
+
+/** Bytes of a row; 0: it is not there. */
+static inline uint32_t auvid_checkpoint_bytes(const auvid_checkpoint_sizes_t *sizes,
+                                              const auvid_checkpoint_row_t *row)
+{
+    bool there = row->parts == 0 || (row->parts & sizes->parts) != 0;
+    return there ? row->count * auvid_checkpoint_element(sizes, row) : 0u;
+}
+
+/** Scalars that lie in memory at equal distances. */
+typedef struct {
+    bool stored; /**< in the storage of rows, else in the identifier */
+    uint8_t table;
+    size_t offset;
+    const auvid_checkpoint_row_t *row;
+    uint32_t count;
+    uint32_t skip; /**< bytes of the first that are done */
+} auvid_checkpoint_run_t;
+
+/** Byte `at` of the body and what follows. */
+auvid_checkpoint_run_t auvid_checkpoint_locate(const auvid_checkpoint_sizes_t *sizes, uint32_t at);
+
+/** Where byte k of a scalar, from the lowest, stands in the `stride` bytes it has in memory. */
+static inline uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
+{
+    const uint16_t one = 1;
+    uint8_t lowest;
+    memcpy(&lowest, &one, 1);
+    return lowest == 1 ? k : stride - 1u - k;
+}
+
+/** Which values scalars of a struct may have. */
+typedef struct {
+    uint8_t table;
+    bool same;              /**< those that the identifier has already; low and high are not read */
+    uint32_t first, end;    /**< bytes of the struct */
+    auvid_real_t low, high; /**< low < 0 in whole numbers: they have a sign */
+} auvid_checkpoint_limit_t;
+extern const auvid_checkpoint_limit_t auvid_checkpoint_limit[];
+extern const size_t auvid_checkpoint_limits;
+
+/** Could a body with these sizes be that of an identifier of id's model, with id's storage: is
+ * every number finite, every index, enumeration, flag, count and size possible, and do they go
+ * together? @return AUVID_OK; AUVID_ERR_RANGE. */
+auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
+                                         const auvid_checkpoint_sizes_t *sizes,
+                                         const uint8_t *body, uint32_t bytes);
+
+#endif

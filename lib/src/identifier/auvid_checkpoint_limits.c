@@ -1,0 +1,263 @@
+/*
+ * The checkpoint: which values the members of each struct may have, in the order of
+ * auvid_checkpoint_layout.c. What is not named may have any value, reals any finite one. What has
+ * to go together: auvid_checkpoint_validate.c.
+ */
+#include "auvid_checkpoint_layout_internal.h"
+#include "../metric/auvid_confidence_notes_internal.h"
+#include "../search/auvid_crs_internal.h"
+#include "../search/auvid_line_search_directions_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+#include "../navigation/auvid_nav_internal.h"
+
+#define LIMIT(table, same, type, first, last, low, high)                                           \
+    {                                                                                              \
+        table, same, (uint32_t)offsetof(type, first),                                              \
+            (uint32_t)(offsetof(type, last) + sizeof((type *)0)->last), low, high                  \
+    }
+/* `first` .. `last`, one after the other: low .. high, -most .. most, 0 .. most. */
+#define RANGE(table, type, first, last, low, high)                                                 \
+    LIMIT(table, false, type, first, last, low, (auvid_real_t)(high))
+#define WITHIN(table, type, first, last, most) RANGE(table, type, first, last, -(most), most)
+#define UP_TO(table, type, first, last, most)                                                      \
+    RANGE(table, type, first, last, AUVID_C(0.0), most)
+#define FLAG(table, type, first, last) UP_TO(table, type, first, last, 1)
+#define DOF_BITS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
+/* Bit i: velocity i. */
+#define AXES(table, type, member) UP_TO(table, type, member, member, AUVID_DVL_ALL)
+/* Of the model, and so of this identifier. */
+#define SAME(table, type, first, last)                                                             \
+    LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
+
+/* Parameters, bounds, steps: squares are finite. Costs (crs.h). Sums of squares of rows, which are
+ * within 1e15. Lengths and speeds. Six of the longest cells. Costs
+ * told: they do not come round to none. */
+#define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
+#define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
+#define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
+#define LENGTH(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
+#define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
+#define DELAY(table, type, first, last)                                                            \
+    RANGE(table, type, first, last, AUVID_C(-2.01), AUVID_C(6.01))
+
+enum { MOST_ROWS = 60000 }; /* of all sets */
+
+const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
+    VALUE(TABLE_SEARCH, auvid_search_config_t, lower, good),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, has_good, has_good),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, population, population, AUVID_MAX_POPULATION),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, omega, omega, AUVID_C(1e9)),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, scale_by_bounds, literal_search),
+
+    LENGTH(TABLE_KNOT, auvid_nav_knot_t, velocity, velocity),
+    AXES(TABLE_KNOT, auvid_nav_knot_t, measured),
+
+    UP_TO(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, axes, axes, 3),
+    FLAG(TABLE_DIAGNOSTICS, auvid_nav_diagnostics_t, alive, alive),
+
+    FLAG(TABLE_NAV, auvid_nav_t, horizontal, complete),
+    UP_TO(TABLE_NAV, auvid_nav_t, gps_start, gps_count, AUVID_NAV_GPS_START_MAX),
+    UP_TO(TABLE_NAV, auvid_nav_t, flags, flags, 2 * AUVID_NAV_IN_GAP - 1),
+    RANGE(TABLE_NAV, auvid_nav_t, ready, ready, (auvid_real_t)NAV_READY, NAV_RUNNING),
+    UP_TO(TABLE_NAV, auvid_nav_t, held_refused, holding, (1 << AUVID_NAV_SENSOR_COUNT) - 1),
+    AXES(TABLE_NAV, auvid_nav_t, held_valid),
+    UP_TO(TABLE_NAV, auvid_nav_t, past_next, past_next, 2 * AUVID_NAV_PAST - 1),
+    LENGTH(TABLE_NAV, auvid_nav_t, position, velocity),
+    WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, AUVID_C(1e15)),
+    WITHIN(TABLE_NAV, auvid_nav_t, rotation, rotation, AUVID_C(1.01)),
+    WITHIN(TABLE_NAV, auvid_nav_t, attitude, attitude, AUVID_C(1e4)),
+    WITHIN(TABLE_NAV, auvid_nav_t, rates, rates, AUVID_C(100.0)),
+    WITHIN(TABLE_NAV, auvid_nav_t, turns, turns, AUVID_C(1e6)),
+    RANGE(TABLE_NAV, auvid_nav_t, q, q, AUVID_C(1e-13), AUVID_C(1.01e5)),
+    RANGE(TABLE_NAV, auvid_nav_t, r, r, AUVID_C(1e-9), AUVID_C(1e7)),
+    UP_TO(TABLE_NAV, auvid_nav_t, gate, gate, AUVID_LARGEST),
+    UP_TO(TABLE_NAV, auvid_nav_t, agility, speed_limit, 100),
+    UP_TO(TABLE_NAV, auvid_nav_t, metres_per_pascal, metres_per_pascal, 11),
+    UP_TO(TABLE_NAV, auvid_nav_t, surface_pressure, surface_pressure, 1000000),
+    WITHIN(TABLE_NAV, auvid_nav_t, surface_depth, surface_depth, AUVID_C(1e5)),
+    WITHIN(TABLE_NAV, auvid_nav_t, mount, mount, AUVID_C(1.01)),
+    WITHIN(TABLE_NAV, auvid_nav_t, lever, lever, AUVID_C(1e3)),
+    UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, NAV_LARGEST_AGE_US),
+    WITHIN(TABLE_NAV, auvid_nav_t, past_rates, past_rates, AUVID_C(100.0)),
+    WITHIN(TABLE_NAV, auvid_nav_t, held, held, NAV_LARGEST_POSITION),
+    LENGTH(TABLE_NAV, auvid_nav_t, gps_offset, gps_offset),
+
+    FLAG(TABLE_STREAM, auvid_recorder_stream_t, valid, valid),
+
+    RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.cell_us, cfg.cell_us, AUVID_C(1e3), AUVID_C(1e6)),
+    RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, AUVID_C(1e3), AUVID_C(1e9)),
+    FLAG(TABLE_RECORDER, auvid_recorder_t, cfg.input, cfg.input),
+    WITHIN(TABLE_RECORDER, auvid_recorder_t, last, mean, AUVID_C(2e9)),
+    AXES(TABLE_RECORDER, auvid_recorder_t, measured),
+    FLAG(TABLE_RECORDER, auvid_recorder_t, running, broken),
+
+    SQUARES(TABLE_SET, auvid_set_t, tau_m2, tau_m2),
+    RANGE(TABLE_SET, auvid_set_t, exponent, exponent, -AUVID_C(126.0), AUVID_C(60.0)),
+    DOF_BITS(TABLE_SET, auvid_set_t, driven),
+
+    SAME(TABLE_METRIC, auvid_metric_t, cfg.free, cfg.fixed),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.tau_max, cfg.tau_max, AUVID_C(1e-12), AUVID_C(1e12)),
+    FLAG(TABLE_METRIC, auvid_metric_t, cfg.driven, cfg.driven),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.cell_us, cfg.cell_us, AUVID_C(1e3), AUVID_C(1e6)),
+    UP_TO(TABLE_METRIC, auvid_metric_t, cfg.velocity_us, cfg.velocity_us, 1000000),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.row_cells, cfg.set_rows, AUVID_C(1.0),
+          AUVID_C(65535.0)),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.sets, cfg.sets, AUVID_C(1.0), AUVID_MAX_SETS),
+    FLAG(TABLE_METRIC, auvid_metric_t, cfg.smoothing, cfg.smoothing),
+    RANGE(TABLE_METRIC, auvid_metric_t, cfg.lag, cfg.lag, AUVID_C(1.0), AUVID_METRIC_LAGS),
+    FLAG(TABLE_METRIC, auvid_metric_t, cfg.estimate_delay, cfg.estimate_delay),
+    DELAY(TABLE_METRIC, auvid_metric_t, cfg.delay_s, cfg.delay_s),
+    UP_TO(TABLE_METRIC, auvid_metric_t, cfg.delay_sigma_s, cfg.delay_sigma_s, 1),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, cfg.lagged),
+    SAME(TABLE_METRIC, auvid_metric_t, columns, count),
+    RANGE(TABLE_METRIC, auvid_metric_t, taps, taps, AUVID_C(1.0), AUVID_MAX_TAPS),
+    RANGE(TABLE_METRIC, auvid_metric_t, overlap, overlap, AUVID_C(1.0), AUVID_MAX_OVERLAP),
+    SAME(TABLE_METRIC, auvid_metric_t, index, channel_at),
+    WITHIN(TABLE_METRIC, auvid_metric_t, kernel, kernel, AUVID_C(1e6)),
+    UP_TO(TABLE_METRIC, auvid_metric_t, spread, spread, AUVID_C(0.5)),
+    VALUE(TABLE_METRIC, auvid_metric_t, accumulator, previous),
+    UP_TO(TABLE_METRIC, auvid_metric_t, successive, successive, AUVID_METRIC_LAGS),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, missing),
+    VALUE(TABLE_METRIC, auvid_metric_t, factor, tau_mean),
+    SQUARES(TABLE_METRIC, auvid_metric_t, tau_m2, tau_m2),
+    VALUE(TABLE_METRIC, auvid_metric_t, merged, merged),
+    UP_TO(TABLE_METRIC, auvid_metric_t, band_weight, band_weight, AUVID_C(1e3)),
+    UP_TO(TABLE_METRIC, auvid_metric_t, weight, weight, AUVID_C(1e24)),
+    FLAG(TABLE_METRIC, auvid_metric_t, share, share),
+    UP_TO(TABLE_METRIC, auvid_metric_t, window_of, window_of, AUVID_METRIC_WINDOW),
+    UP_TO(TABLE_METRIC, auvid_metric_t, at_row, at_row, MOST_ROWS + AUVID_METRIC_WINDOW),
+    RANGE(TABLE_METRIC, auvid_metric_t, window_length, window_length, AUVID_C(1.0),
+          AUVID_METRIC_WINDOW),
+    UP_TO(TABLE_METRIC, auvid_metric_t, at_band, at_band, AUVID_METRIC_BANDS - 1),
+    UP_TO(TABLE_METRIC, auvid_metric_t, at_dof, at_dof, AUVID_DOF_COUNT),
+    UP_TO(TABLE_METRIC, auvid_metric_t, pass, pass, PASS_LINEAR),
+    UP_TO(TABLE_METRIC, auvid_metric_t, from, sets_merged, AUVID_MAX_SETS),
+    FLAG(TABLE_METRIC, auvid_metric_t, held, turned),
+    DELAY(TABLE_METRIC, auvid_metric_t, linear_delay_s, linear_delay_s),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, driven),
+    UP_TO(TABLE_METRIC, auvid_metric_t, dof_rows, dof_rows, MOST_ROWS),
+    DELAY(TABLE_METRIC, auvid_metric_t, delay_s, delay_s),
+    DOF_BITS(TABLE_METRIC, auvid_metric_t, lagged),
+    UP_TO(TABLE_METRIC, auvid_metric_t, change_rank, change_rank, AUVID_MAX_PARAMETERS),
+
+    WITHIN(TABLE_CHANNEL, auvid_excitation_channel_t, level, before, AUVID_C(1.0)),
+    UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, scale, scale, AUVID_C(1e4)),
+    UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, frequency_hz, frequency_hz, AUVID_C(6.0)),
+    FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, cycles, cycles),
+    UP_TO(TABLE_CHANNEL, auvid_excitation_channel_t, segment, segment, AUVID_MAX_SEGMENTS),
+    FLAG(TABLE_CHANNEL, auvid_excitation_channel_t, second, negative),
+    VALUE(TABLE_EXCITATION, auvid_excitation_t, displacement, displacement),
+    FLAG(TABLE_EXCITATION, auvid_excitation_t, running, finished),
+
+    UP_TO(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
+
+    DOF_BITS(TABLE_ADAPTIVE, auvid_adaptive_t, driving),
+    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, AUVID_C(1.0)),
+    LENGTH(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
+
+    UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_ABORTED),
+    LENGTH(TABLE_GUARD, auvid_guard_t, home, home),
+    FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
+
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
+    VALUE(TABLE_CONFIDENCE, auvid_confidence_t, thrust_error, bound),
+    FLAG(TABLE_CONFIDENCE, auvid_confidence_t, uncertainty, uncertainty),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, note, note, AUVID_NOTE_THRUST_SCALE),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, partner, partner, AUVID_MAX_PARAMETERS - 1),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sets, sets, AUVID_MAX_SETS),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, lost, lost, 100),
+    UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, noise, residual, AUVID_C(1e18)), /* squared */
+
+    DOF_BITS(TABLE_ESTIMATE, auvid_estimate_t, driven),
+    VALUE(TABLE_ESTIMATE, auvid_estimate_t, pi, pi),
+    WITHIN(TABLE_ESTIMATE, auvid_estimate_t, covariance, covariance, AUVID_C(1e37)),
+    UP_TO(TABLE_ESTIMATE, auvid_estimate_t, speed, speed, 66),
+    COST(TABLE_ESTIMATE, auvid_estimate_t, cost, cost),
+    DELAY(TABLE_ESTIMATE, auvid_estimate_t, delay_s, delay_s),
+    DOF_BITS(TABLE_ESTIMATE, auvid_estimate_t, lagged),
+    FLAG(TABLE_ESTIMATE, auvid_estimate_t, capped, accepted),
+
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, driven),
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, changed),
+    DOF_BITS(TABLE_JUDGEMENT, auvid_judgement_t, simulated),
+
+    VALUE(TABLE_SAMPLE, auvid_sample_t, phi, command),
+    DOF_BITS(TABLE_SAMPLE, auvid_sample_t, missing),
+
+    VALUE(TABLE_VALIDATION, auvid_validation_t, pi, pi),
+    UP_TO(TABLE_VALIDATION, auvid_validation_t, delay_cells, delay_cells, AUVID_C(6.01)),
+    VALUE(TABLE_VALIDATION, auvid_validation_t, wrench, wrench),
+    UP_TO(TABLE_VALIDATION, auvid_validation_t, cell_s, cell_s, 1),
+    DOF_BITS(TABLE_VALIDATION, auvid_validation_t, dofs),
+    VALUE(TABLE_VALIDATION, auvid_validation_t, past, past),
+    FLAG(TABLE_VALIDATION, auvid_validation_t, running, running),
+    VALUE(TABLE_VALIDATION, auvid_validation_t, mean, mean),
+    SQUARES(TABLE_VALIDATION, auvid_validation_t, m2, sse),
+    LENGTH(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
+
+    RANGE(TABLE_CRS, auvid_crs_t, config.n, config.n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    RANGE(TABLE_CRS, auvid_crs_t, config.population, config.population, AUVID_C(2.0),
+          AUVID_MAX_POPULATION),
+    UP_TO(TABLE_CRS, auvid_crs_t, config.epsilon, config.epsilon, AUVID_LARGEST),
+    FLAG(TABLE_CRS, auvid_crs_t, config.reduction, config.reduction),
+    UP_TO(TABLE_CRS, auvid_crs_t, config.omega, config.omega, AUVID_C(1e9)),
+    VALUE(TABLE_CRS, auvid_crs_t, config.lower, config.upper),
+    VALUE(TABLE_CRS, auvid_crs_t, theta, theta),
+    COST(TABLE_CRS, auvid_crs_t, cost, cost),
+    UP_TO(TABLE_CRS, auvid_crs_t, initial_spread, last_spread, AUVID_LARGEST),
+    EVALUATIONS(TABLE_CRS, auvid_crs_t, evaluations),
+    RANGE(TABLE_CRS, auvid_crs_t, state, state, (auvid_real_t)CRS_FRESH, CRS_CAPPED),
+    FLAG(TABLE_CRS, auvid_crs_t, asked, again),
+
+    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, literal, literal),
+    UP_TO(TABLE_LINE_CONFIG, auvid_line_search_config_t, alpha0, alpha0, 1000),
+    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, sigma, sigma),
+    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, delta, delta, AUVID_C(1.0),
+          AUVID_C(100.0)),
+    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, gamma, epsilon),
+    VALUE(TABLE_LINE_CONFIG, auvid_line_search_config_t, lower, start),
+
+    VALUE(TABLE_LINE_SEARCH, auvid_line_search_t, theta, previous),
+    EVALUATIONS(TABLE_LINE_SEARCH, auvid_line_search_t, evaluations),
+    UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, MOVE_PROBE),
+    RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, (auvid_real_t)LINE_EVALUATE,
+          LINE_CAPPED),
+    FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, plain, plain),
+    FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, asked, asked),
+    COST(TABLE_LINE_SEARCH, auvid_line_search_t, cost, previous_cost),
+    COST(TABLE_OPTIMIZER, auvid_optimizer_t, cost, cost),
+    UP_TO(TABLE_OPTIMIZER, auvid_optimizer_t, phase, phase, AUVID_OPTIMIZER_DONE),
+
+    VALUE(TABLE_OPTIMUM, auvid_bounded_ls_t, lower, x),
+    UP_TO(TABLE_OPTIMUM, auvid_bounded_ls_t, order, order, AUVID_MAX_PARAMETERS - 1),
+    RANGE(TABLE_OPTIMUM, auvid_bounded_ls_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    UP_TO(TABLE_OPTIMUM, auvid_bounded_ls_t, dof, dof, AUVID_DOF_COUNT),
+
+    VALUE(TABLE_JOB, auvid_confidence_job_t, pi, pi),
+    UP_TO(TABLE_JOB, auvid_confidence_job_t, index, index, AUVID_MAX_PARAMETERS - 1),
+    RANGE(TABLE_JOB, auvid_confidence_job_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
+    UP_TO(TABLE_JOB, auvid_confidence_job_t, phase, phase, DONE - 1),
+    FLAG(TABLE_JOB, auvid_confidence_job_t, capped, delayed),
+
+    FLAG(TABLE_SEEN, auvid_guard_seen_t, known, known),
+
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity, velocity),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity_every_tick, velocity_every_tick),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, uncertainty, uncertainty),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, phase, phase, AUVID_WORK_CONFIDENCE),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, place, place, AUVID_MAX_PARAMETERS - 1),
+    VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),
+    DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, saturated),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, AUVID_C(1e9)),
+    LENGTH(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
+    COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
+    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, unjudged, unjudged, AUVID_MAX_SETS),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, set_pending, anew),
+
+    VALUE(TABLE_ROW, auvid_row_t, late, late),
+};
+const size_t auvid_checkpoint_limits =
+    sizeof auvid_checkpoint_limit / sizeof auvid_checkpoint_limit[0];

@@ -1,0 +1,196 @@
+/*
+ * The identifier (Karras et al. 2013, Fig. 2): its configuration. The tick is in
+ * auvid_identifier_step.c, optimizing in auvid_identifier_work.c.
+ */
+#include "auvid_identifier_internal.h"
+
+#include <string.h>
+
+#include "auvid/selftest.h"
+#include "../base/auvid_math_internal.h"
+
+void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    memset(cfg, 0, sizeof *cfg);
+    cfg->vehicle = vehicle;
+    auvid_nav_defaults(&cfg->nav);
+    auvid_recorder_defaults(&cfg->recorder);
+    auvid_metric_defaults(&cfg->metric, vehicle);
+    auvid_allocation_defaults(&cfg->allocation);
+    auvid_excitation_defaults(&cfg->excitation);
+    auvid_guard_defaults(&cfg->guard);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        cfg->search.lower[i] = AUVID_C(-1000.0);
+        cfg->search.upper[i] = AUVID_C(1000.0);
+    }
+    cfg->search.seed = 1;
+    cfg->uncertainty.thrust_scale = AUVID_C(0.05);
+    cfg->uncertainty.dvl_scale = AUVID_C(0.005);
+    cfg->uncertainty.delay_s = AUVID_C(0.1);
+}
+
+void auvid_identifier_literal(auvid_identifier_config_t *cfg)
+{
+    if (cfg != NULL) {
+        cfg->velocity_every_tick = true;
+        cfg->metric.cell_us = cfg->recorder.cell_us;
+        auvid_metric_literal(&cfg->metric);
+    }
+}
+
+/* Would the search over all free parameters be taken? One over fewer of them is, too. */
+static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
+{
+    const auvid_vehicle_t *vehicle = cfg->vehicle;
+    uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
+    bool delay = vehicle->regressor == NULL && cfg->metric.estimate_delay; /* searched too */
+    auvid_crs_config_t search;
+    uint8_t n = 0;
+    auvid_crs_defaults(&search, 0);
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        if (free >> i & 1u) {
+            if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
+                return AUVID_ERR_NOT_FINITE;
+            }
+            bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) &&
+                cfg->search.upper[i] <= cfg->dry_mass_kg) {
+                return AUVID_ERR_DRY_MASS;
+            }
+            search.lower[n] = cfg->search.lower[i];
+            search.upper[n++] = cfg->search.upper[i];
+        }
+    }
+    if (AUVID_REGRESSOR_ONLY && cfg->search.literal_search) {
+        return AUVID_ERR_MODEL;
+    }
+    if (delay && n < AUVID_MAX_PARAMETERS) {
+        search.upper[n] = AUVID_C(1.0);
+    }
+    search.n = (uint8_t)(n + delay);
+    search.population = cfg->search.population;
+    search.omega = cfg->search.omega;
+    return auvid_crs_check(&search);
+}
+
+static auvid_status_t check_uncertainty(const auvid_uncertainty_t *told)
+{
+    const auvid_real_t all[] = {told->thrust_scale, told->dvl_scale, told->delay_s};
+    enum { ALL = sizeof all / sizeof all[0] };
+    if (!auvid_all_finite(all, ALL)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < ALL; ++i) {
+        if (!(all[i] >= AUVID_C(0.0) && all[i] <= AUVID_C(1.0))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    return AUVID_OK;
+}
+
+static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
+{
+    auvid_status_t status = auvid_selftest();
+    if (status >= 0) {
+        status = auvid_vehicle_check(cfg->vehicle);
+    }
+    if (status >= 0) {
+        status = check_search(cfg);
+    }
+    /* in every tick there is the filter's velocity only, and that is over ground */
+    bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
+                    (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
+    bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
+    if (status >= 0) {
+        status = check_uncertainty(&cfg->uncertainty);
+    }
+    return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
+}
+
+static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    auvid_status_t status = AUVID_OK;
+    if (cfg->allocation.thrusters > 0) {
+        status = auvid_allocation_init(&id->allocation, &cfg->allocation);
+    }
+    if (status >= 0 && cfg->excitation.segments > 0) {
+        status = auvid_excitation_init(&id->excitation, &cfg->excitation);
+        if (status >= 0 && cfg->allocation.thrusters > 0) {
+            auvid_real_t peak[AUVID_DOF_COUNT];
+            (void)auvid_excitation_peak(&id->excitation, peak);
+            status = auvid_allocation_check(&id->allocation, peak, NULL);
+        }
+    }
+    return status;
+}
+
+static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier_config_t *cfg)
+{
+    metric->cfg = cfg->metric;
+    metric->cfg.vehicle = cfg->vehicle;
+    metric->cfg.cell_us = cfg->recorder.cell_us;
+    metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
+    return auvid_metric_init(metric, &metric->cfg);
+}
+
+static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    auvid_status_t status = auvid_nav_init(&id->nav, &cfg->nav);
+    if (status >= 0) {
+        auvid_recorder_config_t recorder = cfg->recorder;
+        if (recorder.gap_us == 0) {
+            recorder.gap_us = auvid_recorder_gap(cfg->metric.velocity_us);
+        }
+        status = auvid_recorder_init(&id->recorder, &recorder);
+    }
+    if (status >= 0) {
+        status = init_metric(&id->metric, cfg);
+    }
+    if (status >= 0) {
+        status = auvid_guard_init(&id->guard, &cfg->guard);
+    }
+    return status < 0 ? status : init_excitation(id, cfg);
+}
+
+auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
+                                       const auvid_vehicle_t *vehicle, int i, int k)
+{
+    int row = i < k ? i : k, column = i < k ? k : i;
+    if (estimate == NULL || vehicle == NULL || row < 0 || column >= vehicle->parameters) {
+        return AUVID_C(0.0);
+    }
+    return estimate->covariance[row * vehicle->parameters - row * (row - 1) / 2 + column - row];
+}
+
+auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    if (id == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    memset(id, 0, offsetof(auvid_identifier_t, config)); /* where cfg may be */
+    auvid_status_t status = identifier_check(cfg);
+    if (status >= 0) {
+        id->search = cfg->search;
+        id->velocity = cfg->velocity;
+        id->velocity_every_tick = cfg->velocity_every_tick;
+        id->dry_mass_kg = cfg->dry_mass_kg;
+        id->uncertainty = cfg->uncertainty;
+        id->listener = cfg->listener;
+        id->listening = cfg->listening;
+        status = init_modules(id, cfg);
+    }
+    if (status < 0) {
+        memset(id, 0, sizeof *id);
+    }
+    return status;
+}
+
+void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
+{
+    if (id != NULL) {
+        id->validation = validation;
+    }
+}

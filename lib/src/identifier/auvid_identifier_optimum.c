@@ -1,0 +1,60 @@
+/*
+ * The identifier: has the search converged? The cost of a model with regressor is convex, and the
+ * merged factor gives its least value within the bounds. A search that ends above it has not
+ * converged, whatever its own criterion says.
+ */
+#include "../search/auvid_bounded_ls_internal.h"
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+
+/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that
+ * is next to nothing: relative to the cost of parameters that are all zero. */
+#define EXCESS AUVID_C(1e-3)
+#define EXCESS_OF_ALL AUVID_C(1e-8)
+
+void auvid_identifier_begin_optimum(auvid_identifier_t *id)
+{
+    auvid_bounded_ls_t *ls = &id->optimum;
+    int n = 0;
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        n += (int)(id->active >> i & 1u);
+    }
+    auvid_bounded_ls_begin(ls, n);
+    for (int i = 0; i < n; ++i) {
+        int p = id->place[i];
+        ls->lower[i] = id->search.lower[p];
+        ls->upper[i] = id->search.upper[p];
+        ls->x[i] = id->candidate[p];
+    }
+}
+
+/* Each row, and each step, costs n (n + 24) / 40 units. */
+auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_bounded_ls_t *ls = &id->optimum;
+    const auvid_metric_t *m = &id->metric;
+    auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
+    auvid_status_t status = AUVID_PENDING;
+    while (status == AUVID_PENDING && *budget > 0) {
+        --*budget;
+        if (++ls->paid * 40 < ls->n * (ls->n + 24)) {
+            continue;
+        }
+        ls->paid = 0;
+        if (ls->dof == AUVID_DOF_COUNT) {
+            status = auvid_bounded_ls_step(ls, m->constant);
+        } else if (ls->row == m->count[ls->dof] || !(m->driven >> ls->dof & 1)) {
+            ++ls->dof;
+            ls->row = 0;
+        } else {
+            auvid_metric_joint_row(m, ls->dof, ls->row++, id->active, id->candidate, row);
+            auvid_bounded_ls_add(ls, row);
+        }
+    }
+    if (status != AUVID_PENDING) {
+        auvid_real_t allowed = EXCESS * (ls->cost + m->constant) + EXCESS_OF_ALL * ls->zero;
+        id->capped |= !(ls->start - ls->cost <= allowed);
+    }
+    return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;
+}

@@ -1,0 +1,323 @@
+/*
+ * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
+ *
+ *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
+ *           ^                                                                          |
+ *           +------------------- sets that were completed meanwhile <------ estimate --+
+ *
+ * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
+ * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
+ * oldest: what reads the ring begins again with those that are left. Judging is in
+ * auvid_identifier_judge.c, what LINEARISE does for a model with regressor in
+ * auvid_identifier_optimum.c.
+ */
+#include <string.h>
+
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+#include "../search/auvid_optimizer_internal.h"
+
+/* Is the delay one of the parameters of the search? It is the last one then. */
+static bool searches_delay(const auvid_identifier_t *id)
+{
+    return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
+}
+
+/* A point for the optimizer: the active parameters of pi, clipped to the box. It is made in the
+ * place of the scale, which the optimizer has taken. */
+static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, const auvid_real_t *pi,
+                      auvid_real_t delay_s)
+{
+    auvid_real_t *theta = cfg->scale;
+    int n = cfg->crs.n - (searches_delay(id) ? 1 : 0);
+    for (int i = 0; i < n; ++i) {
+        theta[i] = auvid_clamp(pi[id->place[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
+    }
+    if (searches_delay(id)) {
+        theta[n] = delay_s;
+    }
+    (void)auvid_optimizer_add_point(&id->optimizer, theta);
+}
+
+/* The box and the scale of the search over the active parameters. */
+static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
+{
+    const auvid_search_config_t *cfg = &id->search;
+    auvid_real_t *scale =
+        search->scale; /* in place: the i-th parameter is the i-th or a later one */
+    uint8_t n = 0;
+    id->active = auvid_metric_searched(&id->metric);
+    for (uint8_t i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        if (id->active >> i & 1u) {
+            id->place[n++] = i;
+        }
+    }
+    auvid_optimizer_defaults(search, (uint8_t)(n + searches_delay(id)));
+    auvid_metric_scale(&id->metric, scale);
+    for (int i = 0; i < n; ++i) {
+        int p = id->place[i];
+        auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
+        search->crs.lower[i] = cfg->lower[p];
+        search->crs.upper[i] = cfg->upper[p];
+        scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
+    }
+    memset(scale + n, 0, (size_t)(AUVID_MAX_PARAMETERS - n) * sizeof *scale);
+    if (searches_delay(id)) {
+        search->crs.upper[n] = auvid_metric_longest_delay(&id->metric);
+    }
+    if (cfg->population > 0) {
+        search->crs.population = cfg->population;
+    }
+    if (cfg->omega > AUVID_C(0.0)) {
+        search->crs.omega = cfg->omega;
+    }
+    search->crs.seed = cfg->seed + id->searches;
+    search->line_search.literal = cfg->literal_search;
+}
+
+static auvid_status_t begin_search(auvid_identifier_t *id)
+{
+    auvid_optimizer_config_t search;
+    pose_search(id, &search);
+    auvid_status_t status = auvid_optimizer_begin(&id->optimizer, &search);
+    if (status < 0) {
+        return status;
+    }
+    ++id->searches;
+    if (id->search.has_good) {
+        add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
+    }
+    if (id->estimate.number > 0 && !id->anew) {
+        add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
+    }
+    id->anew = false;
+    return AUVID_OK;
+}
+
+/* All parameters of the model from the optimizer's: the others keep their fixed value. */
+static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
+{
+    int k = 0;
+    memcpy(id->candidate, id->metric.cfg.fixed, sizeof id->candidate);
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        if (id->active >> i & 1u) {
+            id->candidate[i] = theta[k++];
+        }
+    }
+    id->delay_s = searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
+}
+
+/* The result's residuals, on the sets that are left. */
+static void begin_measure(auvid_identifier_t *id)
+{
+    auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
+    id->phase = AUVID_WORK_MEASURE;
+}
+
+static AUVID_APART void ask(auvid_identifier_t *id)
+{
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
+    if (status == AUVID_OK) {
+        expand(id, theta);
+        auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
+        id->phase = AUVID_WORK_COST;
+    } else if (status != AUVID_PENDING) {
+        expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
+        id->searched = auvid_optimizer_work(&id->optimizer);
+        id->capped = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
+        begin_measure(id);
+    }
+}
+
+/* Largest speeds of the sets that the estimate is of. */
+static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
+{
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+        uint16_t most = 0;
+        for (int age = 0; age < auvid_metric_sets(m); ++age) {
+            const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+            uint16_t speed = (set->driven >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+            most = speed > most ? speed : most;
+        }
+        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)most;
+    }
+}
+
+static void identifier_publish_estimate(auvid_identifier_t *id)
+{
+    auvid_estimate_t *e = &id->estimate;
+    ++e->number;
+    e->t_us = id->t_us;
+    e->sets = id->sets;
+    e->identified = auvid_metric_active(&id->metric);
+    e->driven = id->metric.driven;
+    memcpy(e->pi, id->candidate, sizeof e->pi);
+    e->cost = id->cost;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool common = identifier_residual_path(id) && (e->driven >> j & 1);
+        e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
+    }
+    e->lagged = id->metric.lagged;
+    auvid_metric_r2(&id->metric, e->r2_force);
+    gather_speeds(&id->metric, e);
+    e->capped = id->capped;
+    e->evaluations_crs = id->searched.crs;
+    e->evaluations_line = id->searched.line_search;
+    e->confidence = id->confidence.result;
+    memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
+    e->accepted = false;
+    auvid_identifier_simulate(id);
+    id->events |= AUVID_EVENT_ESTIMATE;
+    auvid_identifier_rest(id);
+}
+
+/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
+ * they say. */
+static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_metric_t *m = &id->metric;
+    auvid_status_t status = AUVID_OK;
+    if (id->phase == AUVID_WORK_MEASURE) {
+        status = auvid_metric_measure(m, budget);
+        if (status == AUVID_OK && identifier_residual_path(id)) {
+            auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
+        } else if (status == AUVID_OK) {
+            id->searching = false;
+            auvid_identifier_begin_optimum(id);
+        }
+        id->phase = status == AUVID_OK ? AUVID_WORK_LINEARISE : id->phase;
+    } else if (id->phase == AUVID_WORK_LINEARISE) {
+        status = identifier_residual_path(id) ? auvid_metric_linearise(m, budget)
+                                              : auvid_identifier_optimum(id, budget);
+        if (status == AUVID_OK) {
+            id->searching = false;
+            auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg,
+                                   &id->uncertainty);
+            auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
+                                    id->capped && !identifier_residual_path(id));
+            id->phase = AUVID_WORK_CONFIDENCE;
+        }
+    } else {
+        status = auvid_confidence_work(&id->confidence, m, budget);
+        if (status == AUVID_OK) {
+            identifier_publish_estimate(id);
+        }
+    }
+    return status;
+}
+
+/* Merge, then pay for a population, then search. */
+static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_status_t status = AUVID_OK;
+    if (id->paid == 0) {
+        status = auvid_metric_merge(&id->metric, budget);
+        id->paid = status == AUVID_OK;
+    } else {
+        --*budget;
+        if (id->paid++ == BEGIN_PRICE) {
+            status = begin_search(id);
+            id->searching = true;
+            id->phase = AUVID_WORK_ASK;
+        }
+    }
+    if (status < 0) {
+        auvid_identifier_rest(id);
+    }
+    return status;
+}
+
+/* A set has taken the place of the oldest: begin again what was reading the ring. */
+static void begin_again(auvid_identifier_t *id)
+{
+    id->metric.turned = false;
+    switch ((auvid_work_phase_t)id->phase) {
+    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREDICT:
+    case AUVID_WORK_COMPARE:
+        auvid_identifier_begin_judge(id);
+        break;
+    case AUVID_WORK_JUDGE:
+        auvid_metric_judge_begin(&id->metric);
+        break;
+    case AUVID_WORK_MERGE:
+        auvid_identifier_begin_merge(id);
+        break;
+    case AUVID_WORK_MEASURE:
+    case AUVID_WORK_LINEARISE:
+    case AUVID_WORK_CONFIDENCE:
+        begin_measure(id);
+        break;
+    case AUVID_WORK_IDLE:
+    case AUVID_WORK_ASK:
+    case AUVID_WORK_COST:
+    default: /* the search works on what was merged */
+        break;
+    }
+}
+
+/* One stretch of work in the present phase. */
+static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_status_t status = AUVID_OK;
+    switch ((auvid_work_phase_t)id->phase) {
+    case AUVID_WORK_MERGE:
+        status = finish_merge(id, budget);
+        break;
+    case AUVID_WORK_ASK:
+        --*budget;
+        ask(id);
+        break;
+    case AUVID_WORK_COST:
+        status = auvid_metric_cost(&id->metric, budget);
+        if (status == AUVID_OK) {
+            (void)auvid_optimizer_tell(&id->optimizer, id->metric.cost);
+            id->phase = AUVID_WORK_ASK;
+        }
+        break;
+    case AUVID_WORK_MEASURE:
+    case AUVID_WORK_LINEARISE:
+    case AUVID_WORK_CONFIDENCE:
+        status = assess(id, budget);
+        break;
+    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREDICT:
+    case AUVID_WORK_COMPARE:
+    case AUVID_WORK_JUDGE:
+        status = auvid_identifier_judge(id, budget);
+        break;
+    case AUVID_WORK_IDLE:
+    default:
+        id->phase = AUVID_WORK_IDLE;
+        break;
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    uint32_t left = budget;
+    auvid_status_t status = AUVID_OK;
+    if (budget > 0 && id->metric.turned) {
+        begin_again(id);
+    }
+    if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {
+        id->set_pending = false;
+        auvid_identifier_begin_sets(id);
+    }
+    while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
+        status = advance(id, &left);
+    }
+    id->work_last = budget - left;
+    id->work_most = id->work_last > id->work_most ? id->work_last : id->work_most;
+    bool idle = id->phase == AUVID_WORK_IDLE && !id->set_pending;
+    return status < 0 || idle ? status : AUVID_PENDING;
+}

@@ -1,0 +1,388 @@
+/*
+ * Thrusters: the model, its log and its place in the identifier. What a candidate makes of the log
+ * is in auvid_thrusters_wrench.c.
+ *
+ * The log is a ring of slots of equal length, each with the mean command of each thruster. Slots
+ * have no time of their own: the newest complete one ends at end_us, and time that the log leaves
+ * out is listed.
+ */
+#include "auvid/thrusters.h"
+
+#include <string.h>
+
+#include "auvid/identifier.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+#include "../models/auvid_thrusters_wrench_internal.h"
+
+/* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
+ * before is left there, and a third of that in the row's mean. */
+#define LEAD_LAGS AUVID_C(3.0)
+
+/* What the recorder may be behind the newest command; what a set may lack at its beginning. */
+enum { BEHIND_US = 3000000, SLACK_US = 1000000 };
+
+void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
+{
+    if (cfg != NULL) {
+        *cfg = (auvid_thrusters_config_t){.command_max = AUVID_C(1.0),
+                                          .gain_max = AUVID_C(1000.0),
+                                          .dead_band_max = AUVID_C(0.5),
+                                          .lag_max_s = AUVID_C(0.5),
+                                          .period_us = 20000};
+    }
+}
+
+static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
+{
+    if (cfg->hull == NULL || cfg->log == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_vehicle_check(cfg->hull);
+    if (status < 0) {
+        return status;
+    }
+    if (!auvid_all_finite(cfg->matrix[0], sizeof cfg->matrix / sizeof cfg->matrix[0][0])) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    const auvid_real_t positive[] = {cfg->command_max, cfg->gain_max, cfg->dead_band_max};
+    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
+        if (!(positive[i] >= AUVID_C(1e-6) && positive[i] <= AUVID_RECORDER_LARGEST)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    bool fits = cfg->lag_max_s >= AUVID_C(0.01) && cfg->lag_max_s <= AUVID_C(2.0) &&
+                cfg->thrusters >= 1 && cfg->thrusters <= AUVID_MAX_COMMANDS &&
+                cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
+                cfg->slots >= 1 && (uint64_t)cfg->slots * cfg->period_us <= 4000000000u;
+    return fits ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+/* How many groups; 0: there are holes among their numbers, or too many. */
+static int groups_of(const auvid_thrusters_config_t *cfg)
+{
+    uint32_t there = 0;
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        there |= cfg->group[i] < AUVID_THRUSTERS_GROUPS ? 1u << cfg->group[i] : ~UINT32_C(0);
+    }
+    int groups = 0;
+    for (; there & 1u; there >>= 1) {
+        ++groups;
+    }
+    return there == 0 && groups <= AUVID_THRUSTERS_GROUPS ? groups : 0;
+}
+
+/* The DoF of the hull on which a group acts: bit j. */
+static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
+{
+    uint32_t dofs = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int i = 0; i < cfg->thrusters; ++i) {
+            bool acts = cfg->group[i] == group && auvid_abs(cfg->matrix[j][i]) > AUVID_C(0.0);
+            dofs |= (uint32_t)(acts && cfg->hull->columns[j] != 0) << j;
+        }
+    }
+    return dofs;
+}
+
+/* The four parameters of a group. */
+static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
+{
+    static const char *const name[AUVID_THRUSTERS_GROUPS][AUVID_THRUSTERS_PER_GROUP] = {
+        {"forward", "backward", "dead_band", "lag"},
+        {"forward_2", "backward_2", "dead_band_2", "lag_2"},
+        {"forward_3", "backward_3", "dead_band_3", "lag_3"},
+        {"forward_4", "backward_4", "dead_band_4", "lag_4"}};
+    static const char *const unit[AUVID_THRUSTERS_PER_GROUP] = {"N", "N", "1", "s"};
+    int dof = 0;
+    while ((dofs >> dof & 1u) == 0) {
+        ++dof;
+    }
+    for (int k = 0; k < AUVID_THRUSTERS_PER_GROUP; ++k) {
+        parameter[k] = (auvid_parameter_t){.name = name[group][k],
+                                           .unit = unit[k],
+                                           .dof = (auvid_dof_t)dof,
+                                           .kind = AUVID_PARAMETER_OTHER};
+    }
+}
+
+/* Predicted less applied wrench, as the hull has it for what the thrusters make. A row that is no
+ * longer in the log says nothing; its set goes with the next one that is complete. */
+static void thrusters_residual(const void *context, const auvid_sample_t *sample,
+                               const auvid_real_t *pi, auvid_real_t *e)
+{
+    const auvid_thrusters_t *th = context;
+    auvid_sample_t s = *sample;
+    if (auvid_thrusters_wrench(th, sample->t_us, pi, s.tau) == AUVID_OK) {
+        auvid_vehicle_residual(th->cfg.hull, &s, pi, e);
+    }
+}
+
+auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
+                                    const auvid_thrusters_config_t *cfg)
+{
+    if (thrusters == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = thrusters_check(cfg);
+    if (status < 0) {
+        return status;
+    }
+    if (cfg->hull == &thrusters->vehicle) {
+        return AUVID_ERR_MODEL;
+    }
+    int groups = groups_of(cfg), hull = cfg->hull->parameters;
+    int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
+    if (groups == 0) {
+        return AUVID_ERR_RANGE;
+    }
+    if (n > AUVID_MAX_PARAMETERS) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    for (int g = 0; g < groups; ++g) {
+        if (acts_on(cfg, g) == 0) {
+            return AUVID_ERR_MODEL;
+        }
+    }
+    auvid_thrusters_t *th = thrusters;
+    memset(th, 0, sizeof *th);
+    th->cfg = *cfg;
+    memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
+    auvid_vehicle_t *vehicle = &th->vehicle;
+    vehicle->built_for = AUVID_BUILD;
+    vehicle->name = cfg->hull->name;
+    vehicle->parameters = (uint8_t)n;
+    vehicle->parameter = th->parameter;
+    vehicle->residual = thrusters_residual;
+    vehicle->own_thrust = true;
+    vehicle->context = th;
+    memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);
+    memcpy(vehicle->reads, cfg->hull->reads, sizeof vehicle->reads);
+    uint32_t all = (uint32_t)(((uint64_t)1 << n) - 1u);
+    vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
+    for (int g = 0; g < groups; ++g) {
+        int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
+        uint32_t dofs = acts_on(cfg, g);
+        name_group(th->parameter + first, g, dofs);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
+        }
+    }
+    return AUVID_OK;
+}
+
+/* Which of a group's parameters it is; AUVID_THRUSTERS_PER_GROUP: the hull's. */
+static int kind_of(const auvid_thrusters_t *th, int i)
+{
+    int own = i - th->cfg.hull->parameters;
+    return own < 0 ? AUVID_THRUSTERS_PER_GROUP : own % AUVID_THRUSTERS_PER_GROUP;
+}
+
+/* Is the scale of the force known in every DoF on which thrusters act? By a parameter that is
+ * given, or by a free one that another DoF has, whose scale is known. */
+static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_config_t *metric)
+{
+    uint32_t known = 0, acted = 0, sized = 0; /* parameters known, DoF; parameters of a force */
+    int n = th->vehicle.parameters;
+    for (int i = 0; i < n; ++i) {
+        int kind = kind_of(th, i);
+        bool force = kind != AUVID_THRUSTERS_DEAD_BAND && kind != AUVID_THRUSTERS_LAG;
+        bool given = metric->free != 0 && (metric->free >> i & 1u) == 0;
+        sized |= (uint32_t)(force && (!given || auvid_abs(metric->fixed[i]) > AUVID_C(0.0))) << i;
+        known |= (uint32_t)given << i;
+    }
+    known &= sized;
+    for (int g = 0; g * AUVID_THRUSTERS_PER_GROUP < n - th->cfg.hull->parameters; ++g) {
+        acted |= acts_on(&th->cfg, g);
+    }
+    for (int round = 0; round < AUVID_DOF_COUNT; ++round) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            known |= (th->vehicle.columns[j] & known) != 0 ? th->vehicle.columns[j] & sized : 0u;
+        }
+    }
+    bool all = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        all = all && ((acted >> j & 1u) == 0 || (th->vehicle.columns[j] & known) != 0);
+    }
+    return all;
+}
+
+/* Slots from the first that a set needs to the newest command, when the next set is complete. */
+static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
+                          const auvid_metric_config_t *metric, uint32_t sets)
+{
+    return (uint64_t)sets * metric->set_rows * grid->row_us +
+           (uint64_t)grid->lead * th->cfg.period_us + grid->spread_us + BEHIND_US;
+}
+
+static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
+{
+    auvid_thrusters_command(context, t_us, command);
+}
+
+/* Sets that the log will have lost before the next is complete, because idle sets or gaps took
+ * its place; or lost already, in a restart. */
+static void forget(void *context, auvid_metric_t *metric)
+{
+    const auvid_thrusters_t *th = context;
+    uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
+    uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
+    for (int age = 0; age < auvid_metric_sets(metric); ++age) {
+        const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+        uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
+        first_us = auvid_thrusters_in_log(th, first_us);
+        bool lost = first_us + th->state.filled * period + SLACK_US < end_us ||
+                    first_us + th->cfg.slots * period < next_us;
+        if (set->rows > 0 && lost) {
+            (void)auvid_metric_drop(metric, (uint8_t)age);
+        }
+    }
+}
+
+/* The lag is followed from so long before a row's middle on. */
+static uint64_t lead_us(void *context)
+{
+    const auvid_thrusters_t *th = context;
+    return (uint64_t)th->grid.lead * th->cfg.period_us + th->grid.row_us + th->grid.spread_us +
+           th->cfg.delay_us;
+}
+
+static const auvid_listener_t listener = {.command = listen, .set = forget, .lead_us = lead_us};
+
+auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
+                                         auvid_identifier_config_t *cfg)
+{
+    auvid_thrusters_t *th = thrusters;
+    if (th == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (th->cfg.hull == NULL) {
+        return AUVID_ERR_STATE;
+    }
+    if (cfg->vehicle != &th->vehicle || !scale_is_known(th, &cfg->metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    const auvid_thrusters_config_t *own = &th->cfg;
+    uint32_t period = own->period_us;
+    uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
+    uint64_t row_us = (uint64_t)cfg->recorder.cell_us * cfg->metric.row_cells;
+    if (row_us > UINT32_MAX || cfg->metric.velocity_us > 1000000) {
+        return AUVID_ERR_RANGE;
+    }
+    uint32_t gap_us = cfg->recorder.gap_us;
+    gap_us = gap_us == 0 ? auvid_recorder_gap(cfg->metric.velocity_us) : gap_us;
+    auvid_thrusters_grid_t grid = {
+        .row_us = (uint32_t)row_us,
+        .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
+        .lead = lead,
+        .bridged = gap_us / period + lead};
+    if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
+        return AUVID_ERR_SIZE;
+    }
+    /* no overflow: the log, of 4e9 us at most, is longer than a row */
+    uint32_t n = own->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
+    uint32_t work = own->hull->work + 7u + /* measured; 7: the hull's and what is done once */
+                    (lead * 20u * n + window * (50u + 33u * n)) / 250u;
+    if (work > UINT16_MAX) {
+        return AUVID_ERR_RANGE;
+    }
+    th->grid = grid;
+    th->vehicle.work = (uint16_t)work;
+    const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
+                                                          own->dead_band_max, own->lag_max_s};
+    for (int k = 0, i = own->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {
+        cfg->search.lower[i] = AUVID_C(0.0);
+        cfg->search.upper[i] = most[k % AUVID_THRUSTERS_PER_GROUP];
+    }
+    cfg->metric.estimate_delay = false;
+    cfg->listener = &listener;
+    cfg->listening = th;
+    return AUVID_OK;
+}
+
+/* The slot under way is complete. */
+static void keep_slot(auvid_thrusters_t *th)
+{
+    auvid_real_t scale = AUVID_C(32767.0) / (th->cfg.command_max * (auvid_real_t)th->cfg.period_us);
+    for (int i = 0; i < th->cfg.thrusters; ++i) {
+        auvid_real_t steps = th->state.filling[i] * scale;
+        steps = auvid_clamp(steps, AUVID_C(-32767.0), AUVID_C(32767.0));
+        steps += steps < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5);
+        th->cfg.log[th->state.head * th->cfg.thrusters + (uint32_t)i] = (int16_t)steps;
+        th->state.filling[i] = AUVID_C(0.0);
+    }
+    th->state.head = th->state.head + 1u < th->cfg.slots ? th->state.head + 1u : 0u;
+    th->state.filled += th->state.filled < th->cfg.slots;
+    th->state.end_us += th->cfg.period_us;
+}
+
+/* The log leaves out `long_us` from here on. Where too many pauses are in it, the oldest goes, and
+ * with it the slots before it. */
+static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    const uint8_t most = sizeof state->pause / sizeof state->pause[0];
+    if (state->pauses == most) {
+        uint64_t from_us = auvid_thrusters_in_log(th, state->pause[most - 1].end_us);
+        uint64_t slots = (state->end_us - from_us) / th->cfg.period_us;
+        state->filled = slots < state->filled ? (uint32_t)slots : state->filled;
+        --state->pauses;
+    }
+    memmove(state->pause + 1, state->pause, state->pauses * sizeof state->pause[0]);
+    ++state->pauses;
+    state->end_us += long_us;
+    state->pause[0] = (auvid_thrusters_pause_t){.end_us = state->end_us, .long_us = long_us};
+}
+
+/* After a silence rows begin later than it: what is not bridged is left out. */
+static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    const uint32_t period = th->cfg.period_us;
+    uint64_t behind_us = t_us - state->end_us, bridged_us = (uint64_t)th->grid.bridged * period;
+    if (!state->started) {
+        state->started = true;
+        state->end_us = t_us;
+    } else if (behind_us > bridged_us + period) {
+        leave_out(th, (behind_us - bridged_us) / period * period);
+    } else {
+        return;
+    }
+    state->held_us = state->end_us;
+    memset(state->filling, 0, sizeof state->filling);
+}
+
+/* What has been held until now goes into the slots. */
+static void fill(auvid_thrusters_t *th, uint64_t t_us)
+{
+    auvid_thrusters_state_t *state = &th->state;
+    while (state->held_us < t_us) {
+        uint64_t slot_ends = state->end_us + th->cfg.period_us;
+        uint64_t to = t_us < slot_ends ? t_us : slot_ends;
+        auvid_real_t part = (auvid_real_t)(uint32_t)(to - state->held_us);
+        for (int i = 0; i < th->cfg.thrusters; ++i) {
+            state->filling[i] += part * state->held[i];
+        }
+        state->held_us = to;
+        if (to == slot_ends) {
+            keep_slot(th);
+        }
+    }
+}
+
+void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
+                             const auvid_real_t *command)
+{
+    auvid_thrusters_t *th = thrusters;
+    if (th == NULL || th->grid.row_us == 0 || (th->state.started && t_us <= th->state.held_us)) {
+        return;
+    }
+    pass_silence(th, t_us);
+    fill(th, t_us);
+    auvid_real_t most = th->cfg.command_max;
+    for (int i = 0; i < th->cfg.thrusters; ++i) {
+        bool usable = command != NULL && auvid_is_finite(command[i]);
+        th->state.held[i] = usable ? auvid_clamp(command[i], -most, most) : AUVID_C(0.0);
+        th->state.clipped += usable && auvid_abs(command[i]) > most;
+    }
+}

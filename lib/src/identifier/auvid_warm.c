@@ -1,0 +1,226 @@
+/*
+ * The warm record. Little-endian words:
+ *
+ *     byte 0  "avw1"
+ *          4  checksum of the model: names, and what is free or fixed at what
+ *          8  parameters whose standard error is known, bit i
+ *         12  colour of the DoF [6], see auvid_memory_t, single precision
+ *         36  parameters [32], single precision
+ *        164  standard errors with thrust and DVL scale as told [32], upper halves of single
+ *             precision, not rounded down
+ *        228  0
+ *        232  CRC-32 of all before
+ */
+#include "auvid/warm.h"
+
+#include <string.h>
+
+#include "../base/auvid_checksum_internal.h"
+#include "../metric/auvid_confidence_notes_internal.h"
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
+
+#define RECORD_MAGIC 0x31777661u
+
+/* What a dive ago was known within sigma is known within this times sigma: half of its weight. */
+#define AGED AUVID_C(1.4142136)
+
+/* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
+#define COMMON_COLOUR AUVID_C(2.0)
+
+/* Standard errors of known parameters are below it. */
+#define MOST_SIGMA AUVID_C(1e30)
+
+enum {
+    RECORD_MODEL = 4,
+    RECORD_KNOWN = 8,
+    RECORD_COLOUR = 12,
+    RECORD_VALUE = 36,
+    RECORD_SIGMA = 164,
+    RECORD_CHECK = 232
+};
+
+static auvid_real_t real_of(uint32_t bits)
+{
+    float single;
+    memcpy(&single, &bits, sizeof single);
+    return (auvid_real_t)single;
+}
+
+static uint32_t checksum_of_record(const uint8_t *record)
+{
+    return ~auvid_checksum(UINT32_MAX, record, RECORD_CHECK);
+}
+
+/* 0: the DoF is not known. */
+static auvid_real_t colour(const auvid_confidence_t *confidence, int j)
+{
+    bool known = confidence->residual[j] > AUVID_C(0.0);
+    auvid_real_t ratio = known ? confidence->noise[j] / confidence->residual[j] : AUVID_C(0.0);
+    return ratio * ratio;
+}
+
+auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
+{
+    if (id == NULL || record == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    const auvid_estimate_t *e = &id->estimate;
+    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    if (e->sets == 0) {
+        return AUVID_ERR_NO_DATA;
+    }
+    uint32_t known = 0;
+    memset(record, 0, AUVID_WARM_BYTES);
+    auvid_put_word(record, RECORD_MAGIC);
+    auvid_put_word(record + RECORD_MODEL, auvid_checksum_of_model(&id->metric.cfg));
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_put_word(record + RECORD_COLOUR + 4 * j,
+                       auvid_single_bits(colour(&e->confidence, j)));
+    }
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
+        auvid_real_t total = e->confidence.sigma[i];
+        bool has = (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < AUVID_LARGEST &&
+                   sigma > AUVID_C(0.0) &&
+                   colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
+        uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
+        known |= (uint32_t)has << i;
+        auvid_put_word(record + RECORD_VALUE + 4 * i, auvid_single_bits(e->pi[i]));
+        record[RECORD_SIGMA + 2 * i] = (uint8_t)upper;
+        record[RECORD_SIGMA + 2 * i + 1] = (uint8_t)(upper >> 8);
+    }
+    auvid_put_word(record + RECORD_KNOWN, known);
+    auvid_put_word(record + RECORD_CHECK, checksum_of_record(record));
+    return AUVID_OK;
+}
+
+static void read_memory(const uint8_t *record, int parameters, auvid_memory_t *memory)
+{
+    memset(memory, 0, sizeof *memory);
+    memory->known = auvid_get_word(record + RECORD_KNOWN);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        memory->colour[j] = real_of(auvid_get_word(record + RECORD_COLOUR + 4 * j));
+    }
+    for (int i = 0; i < parameters; ++i) {
+        uint32_t upper = record[RECORD_SIGMA + 2 * i] | (uint32_t)record[RECORD_SIGMA + 2 * i + 1]
+                                                            << 8;
+        memory->pi[i] = real_of(auvid_get_word(record + RECORD_VALUE + 4 * i));
+        memory->sigma[i] = AGED * real_of(upper << 16);
+    }
+}
+
+/* What parameter i of a record was known to: with the thrust as told, by the same thrusters. */
+static void add_considered(auvid_identifier_t *id, int i)
+{
+    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    const auvid_uncertainty_t *told = &id->uncertainty;
+    auvid_confidence_t *c = &id->estimate.confidence;
+    auvid_real_t pi = id->estimate.pi[i], sigma = c->sigma[i];
+    auvid_real_t thrust = told->thrust_scale * auvid_confidence_thrust_degree(vehicle, i) * pi;
+    auvid_real_t dvl = told->dvl_scale * auvid_confidence_dvl_degree(vehicle, i) * pi;
+    c->thrust_error[i] = thrust;
+    c->dvl_error[i] = dvl;
+    c->sigma[i] = auvid_sqrt(sigma * sigma + thrust * thrust + dvl * dvl);
+}
+
+/* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
+static void warm_publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+{
+    auvid_estimate_t *e = &id->estimate;
+    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    int parameters = vehicle->parameters;
+    e->confidence.uncertainty = id->uncertainty;
+    e->number = 1;
+    e->identified = memory->known;
+    memcpy(e->pi, memory->pi, sizeof e->pi);
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        bool known = (memory->known >> i & 1u) != 0;
+        e->driven = (uint8_t)(e->driven | (unsigned)known << vehicle->parameter[i].dof);
+        e->confidence.sigma[i] = AUVID_LARGEST;
+        if (known && memory->sigma[i] <= AUVID_LARGEST_SIGMA) {
+            int diagonal = i * parameters - i * (i - 1) / 2;
+            e->covariance[diagonal] = memory->sigma[i] * memory->sigma[i];
+            e->confidence.sigma[i] = memory->sigma[i];
+            if (told) {
+                add_considered(id, i);
+            }
+        }
+    }
+    auvid_identifier_simulate(id);
+    id->events |= AUVID_EVENT_ESTIMATE;
+}
+
+/* Is it before the first set? */
+static bool warm_is_fresh(const auvid_identifier_t *id)
+{
+    return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
+}
+
+/* told: known with the thrust as told, not in SI. */
+static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+{
+    auvid_status_t status = auvid_metric_remember(&id->metric, memory);
+    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
+        warm_publish(id, memory, told);
+        status = AUVID_OK;
+    }
+    return status;
+}
+
+auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes)
+{
+    if (id == NULL || record == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!warm_is_fresh(id)) {
+        return AUVID_ERR_STATE;
+    }
+    if (bytes != AUVID_WARM_BYTES) {
+        return AUVID_ERR_SIZE;
+    }
+    if (auvid_get_word(record) != RECORD_MAGIC ||
+        auvid_get_word(record + RECORD_CHECK) != checksum_of_record(record)) {
+        return AUVID_ERR_CHECKSUM;
+    }
+    if (auvid_get_word(record + RECORD_MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
+        return AUVID_ERR_MODEL;
+    }
+    auvid_memory_t memory;
+    read_memory(record, identifier_vehicle(id)->parameters, &memory);
+    return warm_begin(id, &memory, true);
+}
+
+auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
+                                const auvid_real_t *sigma)
+{
+    if (id == NULL || pi == NULL || sigma == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!warm_is_fresh(id)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_memory_t memory;
+    memset(&memory, 0, sizeof memory);
+    memory.known = auvid_metric_free_of(&id->metric, UINT8_MAX);
+    memcpy(memory.pi, id->metric.cfg.fixed, sizeof memory.pi);
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        if ((memory.known >> i & 1u) == 0) {
+            continue;
+        }
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_remember looks at the rest */
+            return AUVID_ERR_NOT_FINITE;
+        }
+        if (!(sigma[i] < MOST_SIGMA)) {
+            return AUVID_ERR_RANGE;
+        }
+        memory.pi[i] = pi[i];
+        memory.sigma[i] = sigma[i];
+        memory.colour[identifier_vehicle(id)->parameter[i].dof] = COMMON_COLOUR;
+    }
+    return warm_begin(id, &memory, false);
+}

@@ -1,0 +1,450 @@
+/*
+ * Confidence: standard errors, bias and notes of an estimate.
+ *
+ * Per DoF j and set s, with the bands' weights b and the rows R of the sets' triangles,
+ *
+ *     H_sj = sum_b b R'R,  H_j = sum_s H_sj,  g_sj = sum_b b R'(R pi - z),
+ *
+ * w_j the weight of the DoF in the cost, H = sum_j w_j H_j, P = H^-1:
+ *
+ *     sigma_j^2 = ||residual_j||^2 / rows_j                                mean square residual
+ *     s_j^2 = (f sigma_j^2 + sum_s g' H_j^-1 g) / (1 + nu_j)               noise that counts
+ *     nu_j  = rank_j - sum_s tr (H_j^-1 H_sj)^2                            its degrees of freedom
+ *     C     = P (sum_j w_j^2 s_j^2 H_j) P                                  pooled over parameters
+ *     psi_s = P sum_j w_j g_sj                                             influence of a set
+ *     var_i = m (nu C_ii + S sum_s (psi_si - mean)^2) / (nu + S - 1)       with own scatter, too
+ *
+ * (in s_j, g is taken at the DoF's own optimum, in psi at the estimate). For white noise the first
+ * sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes of it,
+ * one observation's worth; nu = 10 and m = 1.3 hold for eight sets and make the coverage right
+ * where the disturbance is coloured as slowly as the motion. The noise n of the acceleration of DoF
+ * j, a the derivatives of its row by its acceleration, m_j = a pi its mass: the residual has m_j n
+ * in it, so
+ *
+ *     delta = -P sum_j w_j nu_j a / m_j,   nu_j = m_j^2 sum n^2,
+ *
+ * with nu_j from the high band, in which little else is.
+ *
+ * Uncertain delay: with the columns D_j = -[Z l', Z (1 -2 1)'] of the delay and of half its second
+ * moment in each DoF's rows, the rows diag(n / sigma_d, n / (2 sigma_d^2)) below them, n^2 = f
+ * times the mean square that pi and D_j leave, and R~, e~ what D_j leaves of R and of the
+ * residual at the estimate,
+ *
+ *     P~ = (sum_j w_j R~'R~)^-1,  moved = P~ sum_j w_j R~'e~,
+ *     var_i <- var_i P~_ii / P_ii + moved_i^2.
+ */
+#include "auvid/confidence.h"
+
+#include <string.h>
+
+#include "auvid_confidence_notes_internal.h"
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+#define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
+#define RIDGE                                                                                      \
+    AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
+                                     determine gets an error of 1e4 times the column's own */
+#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
+
+typedef auvid_confidence_job_t job_t;
+
+static bool is_driven(const job_t *c, int j)
+{
+    return (c->metric->driven >> j & 1) != 0 && c->metric->count[j] > 0;
+}
+
+/* Weights of the wrench at DoF j's delay, or their derivatives. */
+static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    bool lag = (m->lagged >> j & 1) != 0;
+    (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
+}
+
+/* ---- OWN: a DoF's optimum and mean square residual ---- */
+
+static void find_own(job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    bool linear = auvid_metric_has_regressor(m);
+    uint32_t lost = 0, all = 0;
+    c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the sets merged, some of which may be gone */
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : set->rows_of[j];
+        if (rows > 0) {
+            c->rows[j] -= linear ? AUVID_C(0.0) : (auvid_real_t)(rows - set->windows[j]);
+            lost += (uint32_t)set->lost + set->rows - rows;
+            all += (uint32_t)set->lost + set->rows;
+        }
+    }
+    c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
+    for (int i = 0; i < count; ++i) {
+        const auvid_real_t *r = confidence_merged(c, j) + auvid_triangle_row(n, i);
+        auvid_real_t e = -m->z[at + i];
+        for (int k = i; k < count; ++k) {
+            e += r[k - i] * c->pi[m->index[at + k]];
+        }
+        excess += e * e;
+        c->own[at + i] = m->z[at + i];
+    }
+    (void)auvid_triangle_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4), c->own + at);
+    delay_weights(c, j, false, l);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        c->own[at + count + d] = -l[d];
+    }
+    auvid_real_t squares = excess + auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    c->result.residual[j] =
+        c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
+}
+
+/* ---- ROTATE: the DoF's rows into the joint triangle ---- */
+
+/* Does the uncertainty of DoF j's delay count, and that of its shape? */
+static bool is_considered(const job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    return is_driven(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
+           (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
+}
+
+/* Was DoF j's delay estimated? */
+static bool is_estimated(const job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    return is_driven(c, j) && m->cfg.estimate_delay && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
+}
+
+/* Columns of DoF j's delay in `part`. */
+static int delay_columns(const job_t *c, int j)
+{
+    return is_considered(c, j) ? 2 : 1;
+}
+
+/* The priors of DoF j's delay and of half its second moment, as rows: 1 / sigma times the noise,
+ * that of what neither parameters nor delay explain. */
+static void add_priors(job_t *c, int j, int order)
+{
+    auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
+    auvid_real_t left = c->part[AUVID_TRIANGLE(order) - 1];
+    auvid_real_t noise = auvid_sqrt(SMOOTHED * left * left / c->rows[j]);
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    row[0] = noise / sigma;
+    auvid_triangle_add(c->part, order, 0, row);
+    memset(row, 0, sizeof row);
+    row[1] = noise / (AUVID_C(2.0) * sigma * sigma);
+    auvid_triangle_add(c->part, order, 1, row);
+}
+
+/* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
+ * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay,
+ * half its second moment, the parameters, the residual at the estimate. */
+static void border(job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    int first = delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
+    auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
+    static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
+                                                           AUVID_C(1.0)};
+    delay_weights(c, j, true, slope);
+    delay_weights(c, j, false, l);
+    memset(c->part, 0, sizeof c->part);
+    for (int i = 0; i < n; ++i) {
+        const auvid_real_t *r = confidence_merged(c, j) + auvid_triangle_row(n, i);
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+        auvid_real_t residual = AUVID_C(0.0), second = AUVID_C(0.0);
+        for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
+            row[k + first] = r[k - i];
+            residual -= r[k - i] * c->pi[m->index[at + k]];
+        }
+        for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {
+            row[0] -= r[count + d - i] * slope[d];
+            second -= r[count + d - i] * bend[d];
+            residual += r[count + d - i] * l[d];
+        }
+        if (first == 2) {
+            row[1] = second;
+            row[order - 1] = residual;
+        }
+        auvid_triangle_add(c->part, order, 0, row);
+    }
+    if (first == 2) {
+        add_priors(c, j, order);
+    }
+}
+
+/* Row i of DoF j's triangle into the joint one. */
+static void confidence_rotate_row(job_t *c, int j, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
+    auvid_real_t scale = auvid_sqrt(m->weight[j]);
+    int count = m->count[j], first = delay_columns(c, j);
+    const auvid_real_t *r =
+        confidence_merged(c, j) + auvid_triangle_row(auvid_metric_order(m, j), i);
+    if (c->delayed && (is_considered(c, j) || is_estimated(c, j))) {
+        if (i == 0) {
+            border(c, j);
+        }
+        r = c->part + auvid_triangle_row(first == 1 ? count + 1 : count + 3, i + first);
+        residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
+    }
+    for (int k = i; k < count; ++k) {
+        int place = c->place[m->index[m->channel_at[j] + k]];
+        if (place != NOWHERE) {
+            row[place] += scale * r[k - i];
+            c->influence[place] += scale * r[k - i] * residual;
+        }
+    }
+    auvid_triangle_add(c->joint, c->n, 0, row);
+}
+
+/* ---- BOUND: a smallest pivot for column i; INVERT: (J'J)^-1_ii ---- */
+
+static void bound_pivot(job_t *c, int i)
+{
+    auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    row[i] = RIDGE * auvid_triangle_norm(c->joint, c->n, i);
+    auvid_triangle_add(c->joint, c->n, i, row);
+}
+
+static void invert(job_t *c, int i)
+{
+    auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
+    if (c->delayed && i == 0) {
+        auvid_triangle_solve_left(c->joint, c->n, c->n, c->influence);
+    }
+    y[i] = AUVID_C(1.0);
+    auvid_triangle_solve_left(c->joint, c->n, c->n, y);
+    for (int k = i; k < c->n; ++k) {
+        squares += y[k] * y[k];
+    }
+    if (c->delayed) {
+        for (int k = i; k < c->n; ++k) {
+            c->moved[i] += y[k] * c->influence[k];
+        }
+        c->widening[i] = squares;
+        return;
+    }
+    c->variance[i] = squares;
+    c->widening[i] = c->widening[i] > squares ? c->widening[i] / squares : AUVID_C(1.0);
+}
+
+/* ---- BIAS ---- */
+
+/* All sets are through: s_j^2, and DoF j's part of the bias' right-hand side into influence. */
+static void find_bias(job_t *c, int j)
+{
+    auvid_real_t residual = c->result.residual[j];
+    bool several = c->freedom[j] > AUVID_C(1e-4);
+    auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
+    auvid_real_t freedom = several ? c->freedom[j] : AUVID_C(0.0);
+    c->result.noise[j] =
+        auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
+    auvid_confidence_bias(c, j);
+}
+
+/* ---- the machine ---- */
+
+/* The first driven DoF from j on. @return there is one */
+static bool seek_dof(job_t *c, int j)
+{
+    while (j < AUVID_DOF_COUNT && !is_driven(c, j)) {
+        ++j;
+    }
+    c->at_dof = (uint8_t)j;
+    return j < AUVID_DOF_COUNT;
+}
+
+/* One step of the present phase. */
+static void work_step(job_t *c)
+{
+    int j = c->at_dof, i = c->at_row,
+        n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
+    const auvid_set_t *set = &c->metric->set[auvid_metric_slot(c->metric, c->at_set)];
+    switch (c->phase) {
+    case OWN:
+        find_own(c, j);
+        break;
+    case ROTATE:
+        confidence_rotate_row(c, j, i);
+        break;
+    case BOUND:
+        bound_pivot(c, i);
+        break;
+    case INVERT:
+        invert(c, i);
+        break;
+    case SCATTER:
+        if (i == AUVID_METRIC_BANDS * n) {
+            auvid_confidence_finish_dof(c, j);
+        } else if (c->at_set < auvid_metric_sets(c->metric) && (set->driven >> j & 1)) {
+            auvid_confidence_take_row(c, set, j, i / n, i % n);
+        }
+        break;
+    case BIAS:
+        find_bias(c, j);
+        break;
+    case JUDGE:
+        auvid_confidence_judge(c, i);
+        break;
+    default:
+        auvid_confidence_scale(c, i);
+        for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
+            if (is_driven(c, j)) {
+                auvid_confidence_discredit(c, j);
+            }
+        }
+        break;
+    }
+}
+
+/* How often work_step is due before the next DoF, or the end of a phase that has none. */
+static int steps_of(const job_t *c)
+{
+    switch (c->phase) {
+    case OWN:
+    case BIAS:
+        return 1;
+    case ROTATE:
+        return c->metric->count[c->at_dof];
+    case SCATTER:
+        return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at_dof) + 1;
+    default:
+        return c->n;
+    }
+}
+
+static void end_phase(job_t *c)
+{
+    if (c->phase == INVERT && c->delayed) {
+        c->delayed = false; /* once more, for given delays */
+        memset(c->joint, 0, sizeof c->joint);
+        memset(c->influence, 0, sizeof c->influence);
+        c->phase = ROTATE;
+    } else {
+        ++c->phase;
+    }
+    if (c->phase <= JUDGE) { /* from then on the covariance stands there */
+        memset(c->part, 0, sizeof c->part);
+    }
+    (void)seek_dof(c, 0);
+}
+
+/* What the next step costs beside its phase's price. */
+static int price_of_border(const job_t *c)
+{
+    bool due = c->phase == ROTATE && c->delayed && c->at_row == 0;
+    return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at_dof) + 2) : 0;
+}
+
+/* Go on to the next step. */
+static void move_on(job_t *c)
+{
+    bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase < JUDGE;
+    if (++c->at_row < steps_of(c)) {
+        return;
+    }
+    c->at_row = 0;
+    if (by_dof && seek_dof(c, c->at_dof + 1)) {
+        return;
+    }
+    if (c->phase == SCATTER) {
+        auvid_confidence_finish_set(c);
+        if (++c->at_set < auvid_metric_sets(c->metric)) {
+            (void)seek_dof(c, 0);
+            return;
+        }
+        c->at_set = 0;
+    }
+    end_phase(c);
+}
+
+void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                            const auvid_real_t *pi, auvid_real_t dry_mass_kg,
+                            const auvid_uncertainty_t *uncertainty)
+{
+    if (job == NULL || metric == NULL || pi == NULL) {
+        return;
+    }
+    job_t *c = job;
+    memset(c, 0, sizeof *c);
+    c->metric = metric; /* for this call only: a job may be copied */
+    c->dry_mass_kg = dry_mass_kg;
+    if (uncertainty != NULL) {
+        c->result.uncertainty = *uncertainty;
+    }
+    bool linear = auvid_metric_has_regressor(metric);
+    uint32_t searched = linear ? auvid_metric_searched(metric) : auvid_metric_active(metric);
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        c->pi[i] = pi[i];
+        c->widening[i] = AUVID_C(1.0);
+        c->place[i] = NOWHERE;
+        if (searched >> i & 1u) {
+            c->index[c->n] = (uint8_t)i;
+            c->place[i] = c->n++;
+        }
+    }
+    for (int age = 0; age < auvid_metric_sets(metric); ++age) {
+        bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
+        c->result.sets = (uint8_t)(c->result.sets + driven);
+    }
+    /* with delays taken or uncertain, first what they cost: INVERT comes back here for the plain
+     * triangle */
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        c->delayed = c->delayed || is_considered(c, j) || is_estimated(c, j);
+    }
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        auvid_confidence_note_idle(c, i);
+    }
+    (void)seek_dof(c, 0);
+    c->metric = NULL;
+}
+
+void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
+                             const auvid_real_t *upper, bool capped)
+{
+    if (job == NULL || lower == NULL || upper == NULL) {
+        return;
+    }
+    for (int k = 0; k < job->n; ++k) {
+        int p = job->index[k];
+        bool high = job->pi[p] - lower[p] > upper[p] - job->pi[p];
+        auvid_real_t bound = high ? upper[p] : lower[p];
+        if (auvid_abs(job->pi[p] - bound) < NEAR * (upper[p] - lower[p])) {
+            job->at_bound |= 1u << p;
+            job->result.partner[p] = high;
+            job->result.bound[p] = bound;
+        }
+    }
+    job->capped = capped;
+}
+
+auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                                     uint32_t *budget)
+{
+    static const uint8_t price[] = {
+        [OWN] = 16,     [ROTATE] = 8, [BOUND] = 8,  [INVERT] = 6,
+        [SCATTER] = 10, [BIAS] = 45,  [JUDGE] = 80, [CONCLUDE] = 12}; /* [units] */
+    if (job == NULL || metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    job->metric = metric;
+    while (job->phase != DONE && *budget > 0) {
+        --*budget;
+        if (++job->paid < price[job->phase] + price_of_border(job)) {
+            continue;
+        }
+        job->paid = 0;
+        work_step(job);
+        move_on(job);
+    }
+    job->metric = NULL;
+    return job->phase == DONE ? AUVID_OK : AUVID_PENDING;
+}

@@ -1,0 +1,214 @@
+/*
+ * Confidence: covariance, standard errors, and what is considered.
+ *
+ * Thrust as told and the DVL's velocity may be off by a common scale, which no motion shows. It is
+ * never estimated (a column proportional to the wrench would explain everything with pi = 0). One
+ * standard deviation e of a scale moves the parameters by e s, s = d pi / d scale:
+ *
+ *     thrust:  s_i = pi_i + h_i             all of the wrench is larger, and all that explains it
+ *     DVL:     s_i = -(degree_i pi_i + h_i) degree 1 in the velocity: masses and linear drag; 2:
+ *                                           quadratic drag; 0: what acts on rotation, W-B
+ *
+ * A known parameter does not move, nor does the other's share of its force. Its column is not kept.
+ * A known drag's is nearly proportional to that of the other drag of the same DoF, which takes its
+ * part: h_i = c (degree) pi_known, c from the rms of column i. A known mass or constant force has a
+ * column nearly orthogonal to the others: h = 0. (A known m_u stands in sway, too, as m_u u r: in
+ * coupled motion sway's s were 12 % too small to 50 % too large.) The yaw equation's (m_u - m_v) u
+ * v is of degree 2 where the forces' terms are of degree 1: the masses are taken as the forces show
+ * them, where most of what is known of them comes from (in coupled motion 15 % off).
+ */
+#include "auvid/confidence.h"
+
+#include <string.h>
+
+#include "auvid_confidence_notes_internal.h"
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+#define POOLED AUVID_C(10.0)     /* nu, see auvid_confidence.c */
+#define WIDENED AUVID_C(1.3)     /* m */
+#define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
+
+typedef auvid_confidence_job_t job_t;
+
+/* y = Q x, Q = sum_j w_j^2 s_j^2 R_j'R_j. @return x'Q x */
+static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *y)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int n = auvid_metric_order(m, j), count = (m->driven >> j & 1) ? m->count[j] : 0;
+        auvid_real_t scale = m->weight[j] * c->result.noise[j];
+        for (int i = 0; i < count; ++i) {
+            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
+            const uint8_t *index = m->index + m->channel_at[j];
+            auvid_real_t e = AUVID_C(0.0);
+            for (int k = i; k < count; ++k) {
+                int place = c->place[index[k]];
+                e += place == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[place];
+            }
+            sum += scale * scale * e * e;
+            for (int k = i; k < count; ++k) {
+                int place = c->place[index[k]];
+                if (place != NOWHERE) {
+                    y[place] += scale * scale * e * r[k - i];
+                }
+            }
+        }
+    }
+    return sum;
+}
+
+/* x = P x */
+static void confidence_invert(const job_t *c, auvid_real_t *x)
+{
+    auvid_triangle_solve_left(c->joint, c->n, c->n, x);
+    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);
+}
+
+/* ---- what is considered ---- */
+
+auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
+{
+    bool linear = vehicle->regressor != NULL; /* else nothing is known of how others scale */
+    bool scales =
+        linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
+    return scales ? AUVID_C(1.0) : AUVID_C(0.0);
+}
+
+auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
+{
+    if (vehicle->parameter[i].dof >= AUVID_ROLL) {
+        return AUVID_C(0.0);
+    }
+    switch (vehicle->parameter[i].kind) {
+    case AUVID_PARAMETER_MASS:
+    case AUVID_PARAMETER_INERTIA:
+    case AUVID_PARAMETER_LINEAR_DRAG:
+        return AUVID_C(-1.0);
+    case AUVID_PARAMETER_QUADRATIC_DRAG:
+        return AUVID_C(-2.0);
+    case AUVID_PARAMETER_FORCE:
+    case AUVID_PARAMETER_OTHER:
+    default:
+        return AUVID_C(0.0);
+    }
+}
+
+/* Root mean square of the column that parameter p has in DoF j's equation: most of the motion is in
+ * the low band. */
+static auvid_real_t column_rms(const job_t *c, int j, int p)
+{
+    auvid_real_t rows = c->rows[j] * c->metric->band_weight[0][j];
+    auvid_real_t norm = auvid_confidence_column(c, j, p);
+    return rows > AUVID_C(0.0) ? norm / auvid_sqrt(rows) : AUVID_C(0.0);
+}
+
+/* Coefficient of the regression of the known drag f's column on the drag p's, of the same DoF. The
+ * mean of u^2 is at most the root of that of u^4; for Gaussian u, E|u|^3 / E u^2 = 1.6 sigma. */
+static auvid_real_t share_of(const job_t *c, int p, int f)
+{
+    const auvid_parameter_t *of = c->metric->cfg.vehicle->parameter;
+    if (of[p].dof != of[f].dof) {
+        return AUVID_C(0.0);
+    }
+    auvid_real_t rms = column_rms(c, (int)of[p].dof, p);
+    if (of[p].kind == AUVID_PARAMETER_LINEAR_DRAG && of[f].kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
+        return AUVID_C(1.6) * rms;
+    }
+    bool quadratic =
+        of[p].kind == AUVID_PARAMETER_QUADRATIC_DRAG && of[f].kind == AUVID_PARAMETER_LINEAR_DRAG;
+    return quadratic && rms > AUVID_C(0.0) ? AUVID_C(1.0) / auvid_sqrt(rms) : AUVID_C(0.0);
+}
+
+static void confidence_consider(job_t *c, int p)
+{
+    const auvid_vehicle_t *vehicle = c->metric->cfg.vehicle;
+    auvid_confidence_t *to = &c->result;
+    auvid_real_t thrust = auvid_confidence_thrust_degree(vehicle, p) * c->pi[p];
+    auvid_real_t dvl = auvid_confidence_dvl_degree(vehicle, p) * c->pi[p];
+    for (int f = 0; f < vehicle->parameters; ++f) {
+        if (c->place[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
+            auvid_real_t share = share_of(c, p, f) * c->pi[f];
+            thrust += auvid_confidence_thrust_degree(vehicle, f) * share;
+            dvl += auvid_confidence_dvl_degree(vehicle, f) * share;
+        }
+    }
+    to->thrust_error[p] = auvid_clamp(to->uncertainty.thrust_scale * thrust, -AUVID_LARGEST_SIGMA,
+                                      AUVID_LARGEST_SIGMA);
+    to->dvl_error[p] =
+        auvid_clamp(to->uncertainty.dvl_scale * dvl, -AUVID_LARGEST_SIGMA, AUVID_LARGEST_SIGMA);
+}
+
+/* ---- covariance ---- */
+
+/* Where row p of the covariance has its diagonal. */
+static auvid_real_t *diagonal(job_t *c, int p)
+{
+    return c->covariance + auvid_triangle_row(c->metric->cfg.vehicle->parameters, p);
+}
+
+/* Row i, not scaled, from its diagonal and y = Q P e_i, which is used up. */
+static void write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
+{
+    int p = c->index[i];
+    confidence_invert(c, y);
+    y[i] = variance;
+    for (int k = i; k < c->n; ++k) {
+        diagonal(c, p)[c->index[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
+    }
+}
+
+void auvid_confidence_scale(job_t *c, int i)
+{
+    int p = c->index[i];
+    auvid_real_t *row = diagonal(c, p);
+    for (int k = c->n - 1; k >= i; --k) { /* the scales stand in widening since judge */
+        auvid_real_t *entry = row + (c->index[k] - p);
+        auvid_real_t most = auvid_sqrt(*row) * auvid_sqrt(*diagonal(c, c->index[k]));
+        *entry = c->widening[i] * c->widening[k] * auvid_clamp(*entry, -most, most);
+    }
+}
+
+void auvid_confidence_judge(job_t *c, int i)
+{
+    auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    auvid_real_t delta = AUVID_C(0.0), largest = AUVID_C(0.0), most = AUVID_C(0.0);
+    auvid_real_t sets = (auvid_real_t)c->result.sets, widening = c->widening[i];
+    auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
+    int partner = i, p = c->index[i];
+    c->widening[i] = AUVID_C(0.0);          /* no covariance, unless its error is known */
+    if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
+        auvid_confidence_note_idle(c, p);
+        return;
+    }
+    x[i] = AUVID_C(1.0);
+    confidence_invert(c, x);
+    for (int k = 0; k < c->n; ++k) {
+        auvid_real_t correlation =
+            k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
+        if ((c->at_bound >> c->index[k] & 1u) && correlation > most) {
+            found.beside = c->index[k];
+            most = correlation;
+        }
+        delta -= x[k] * c->influence[k];
+        partner = correlation > largest ? k : partner;
+        largest = auvid_max(largest, correlation);
+    }
+    auvid_real_t plain = pooled(c, x, y), variance = plain;
+    if (c->result.sets > 1) {
+        auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
+        own *= (auvid_real_t)c->metric->sets_merged / sets; /* those that are gone scattered, too */
+        variance =
+            (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
+    }
+    found.sigma = auvid_sqrt(WIDENED * variance * widening + c->moved[i] * c->moved[i]);
+    found.bias = auvid_abs(delta);
+    found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
+    confidence_consider(c, p);
+    auvid_confidence_conclude(c, i, &found);
+    write_row(c, i, plain, y);
+    if (c->result.sigma[p] < AUVID_LARGEST && plain > AUVID_C(0.0)) {
+        c->widening[i] = auvid_sqrt((found.sigma * found.sigma + found.bias * found.bias) / plain);
+    }
+}

@@ -1,0 +1,297 @@
+/*
+ * Confidence: what the standard errors mean for each parameter.
+ */
+#include "auvid/confidence.h"
+
+#include <string.h>
+
+#include "auvid_confidence_notes_internal.h"
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+/* Part of an equation's rms wrench that the impossible part of an estimate may make. */
+#define IMPOSSIBLE AUVID_C(0.1)
+
+/* ---- bias of masses by the noise of the measured acceleration ---- */
+
+/* Tap k of white velocity noise that has become an acceleration and passed the rows' filter. DVL
+ * samples two cells apart are interpolated (0.5 1 0.5), rates come in every cell; the derivative is
+ * (0.5 0 -0.5). */
+static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
+{
+    enum { LENGTH = 5 };
+    static const auvid_real_t shape[2][LENGTH] = {
+        {AUVID_C(0.25), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(-0.25)},
+        {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(0.0)}};
+    auvid_real_t tap = AUVID_C(0.0);
+    for (int i = 0; i < LENGTH; ++i) {
+        bool inside = k - i >= 0 && k - i < m->taps;
+        tap += inside ? shape[moment][i] * m->kernel[moment][k - i] : AUVID_C(0.0);
+    }
+    return tap;
+}
+
+/* Its correlation at the bands' distance. */
+static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+{
+    int moment = j >= AUVID_ROLL, lag = m->cfg.lag[moment] * m->cfg.row_cells;
+    auvid_real_t square = AUVID_C(0.0), product = AUVID_C(0.0);
+    for (int k = 0; k < m->taps + 4; ++k) {
+        auvid_real_t tap = noise_tap(m, moment, k);
+        square += tap * tap;
+        product += tap * noise_tap(m, moment, k - lag);
+    }
+    return product / square;
+}
+
+/* a: derivatives of DoF j's row by its acceleration. */
+static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                     auvid_real_t a[AUVID_MAX_PARAMETERS])
+{
+    auvid_sample_t sample;
+    memset(&sample, 0, sizeof sample);
+    memset(a, 0, AUVID_MAX_PARAMETERS * sizeof *a);
+    for (int moved = 0; moved <= 1; ++moved) {
+        memset(y, 0, sizeof *y);
+        sample.nu_dot[j] = (auvid_real_t)moved;
+        vehicle->regressor(vehicle->context, &sample, y);
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            a[i] = y->row[j][i] - a[i];
+        }
+    }
+}
+
+/* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
+ * band has that noise times (1 + rho) / (1 - rho) in it. */
+void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
+    if (auvid_metric_smooths_motion(m)) {
+        return;
+    }
+    mass_row(m->cfg.vehicle, j, &c->regressor, a);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        mass += a[i] * c->pi[i];
+    }
+    auvid_real_t rho = noise_correlation(m, j);
+    auvid_real_t noise =
+        m->band_sse[1][j] *
+        (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
+    auvid_real_t scaled = m->weight[j] * noise / mass;
+    for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
+        c->influence[k] += scaled * a[c->index[k]];
+    }
+}
+
+/* ---- notes ---- */
+
+void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
+{
+    const auvid_metric_config_t *cfg = &c->metric->cfg;
+    bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
+    bool driven = (c->metric->driven >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    c->result.sigma[i] = AUVID_LARGEST;
+    c->result.note[i] = !free    ? AUVID_NOTE_FIXED
+                        : driven ? AUVID_NOTE_UNCERTAIN
+                                 : AUVID_NOTE_NOT_DRIVEN;
+}
+
+auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
+{
+    const auvid_metric_t *m = c->metric;
+    for (int k = 0; k < m->count[j]; ++k) {
+        if (m->index[m->channel_at[j] + k] == i) {
+            return auvid_triangle_norm(m->merged + m->factor_at[j], auvid_metric_order(m, j), k);
+        }
+    }
+    return AUVID_C(0.0);
+}
+
+auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, auvid_real_t value)
+{
+    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[i];
+    return parameter->kind == AUVID_PARAMETER_FORCE
+               ? AUVID_CONFIDENCE_FORCE * cfg->tau_max[parameter->dof]
+               : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
+}
+
+/* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
+static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        if (set->driven >> j & 1) {
+            wrench += set->tau_m2[j];
+            rows += (auvid_real_t)set->rows_of[j];
+        }
+    }
+    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) /
+           auvid_confidence_column(c, j, i);
+}
+
+/* The same in whichever driven DoF it matters most. */
+static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+{
+    auvid_real_t least = AUVID_LARGEST;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t value = small_in(c, i, j);
+        least = (c->metric->driven >> j & 1) && value < least ? value : least;
+    }
+    return least < AUVID_LARGEST ? least : AUVID_C(0.0);
+}
+
+/* Does the model leave less of DoF j's wrench than the wrench's mean does? An optimum does, unless
+ * bounds, or what is wrong with the model, keep the search from it. */
+static bool is_explained(const auvid_metric_t *m, int j)
+{
+    auvid_real_t total = AUVID_C(0.0);
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+    }
+    return m->sse[j] <= total;
+}
+
+/* How far parameter i is beyond what is possible; 0: it is not. */
+static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
+{
+    auvid_real_t value = c->pi[i], beyond = AUVID_C(0.0);
+    switch (c->metric->cfg.vehicle->parameter[i].kind) {
+    case AUVID_PARAMETER_MASS:
+        beyond = c->dry_mass_kg - value;
+        break;
+    case AUVID_PARAMETER_INERTIA:
+        beyond = -value;
+        break;
+    case AUVID_PARAMETER_LINEAR_DRAG:
+    case AUVID_PARAMETER_QUADRATIC_DRAG:
+        beyond = value;
+        break;
+    case AUVID_PARAMETER_FORCE:
+    case AUVID_PARAMETER_OTHER:
+    default:
+        break;
+    }
+    return auvid_max(beyond, AUVID_C(0.0));
+}
+
+/* Norm of DoF j's wrench at its delay, less what known parameters explain. */
+static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
+{
+    const auvid_metric_t *m = c->metric;
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    auvid_real_t square = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    for (int k = 0; k < m->count[j]; ++k) {
+        auvid_real_t z = m->z[m->channel_at[j] + k];
+        square += z * z;
+    }
+    return auvid_sqrt(square);
+}
+
+/* Does its note say that the parameter is known? */
+static bool is_claimed(const auvid_confidence_t *c, int p)
+{
+    return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_IMPLAUSIBLE ||
+           c->note[p] == AUVID_NOTE_THRUST_SCALE;
+}
+
+void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
+{
+    auvid_confidence_t *to = &c->result;
+    auvid_real_t most = IMPOSSIBLE * wrench_norm(c, j), worst = AUVID_C(0.0);
+    uint32_t beyond = 0, claimed = 0;
+    uint8_t culprit = NOWHERE;
+    for (int k = 0; k < c->n; ++k) {
+        int p = c->index[k];
+        if ((int)c->metric->cfg.vehicle->parameter[p].dof != j) {
+            continue;
+        }
+        auvid_real_t part = impossible_part(c, p);
+        auvid_real_t force =
+            part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
+        bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
+        to->implausible |= (uint32_t)sure << p;
+        claimed |= (uint32_t)is_claimed(to, p) << p;
+        if (sure || force > most) {
+            beyond |= 1u << p;
+            culprit = force > worst ? (uint8_t)p : culprit;
+            worst = auvid_max(worst, force);
+        }
+    }
+    if (culprit == NOWHERE || claimed == 0) {
+        return;
+    }
+    to->implausible |= beyond;
+    to->identifiable &= ~claimed;
+    for (int k = 0; k < c->n; ++k) {
+        int p = c->index[k];
+        if (claimed >> p & 1u) {
+            to->note[p] = AUVID_NOTE_DISCREDITED;
+            to->partner[p] = culprit;
+            to->bound[p] = c->pi[culprit];
+        }
+    }
+}
+
+/* Does a bound, or the end of the search, decide the parameter? @return the note; 0: no */
+static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_t half,
+                             const auvid_finding_t *found)
+{
+    auvid_real_t distance = auvid_abs(c->pi[p] - c->result.bound[p]);
+    if (c->capped) {
+        return AUVID_NOTE_NOT_CONVERGED;
+    }
+    if ((c->at_bound >> p & 1u) && !(distance > half)) {
+        return AUVID_NOTE_AT_BOUND;
+    }
+    return found->beside != NOWHERE && !(auvid_abs(found->moved) <= half) ? AUVID_NOTE_BESIDE_BOUND
+                                                                          : AUVID_NOTE_NONE;
+}
+
+void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found)
+{
+    int p = c->index[i];
+    auvid_confidence_t *to = &c->result;
+    if (to->note[p] == AUVID_NOTE_NOT_DRIVEN) {
+        return; /* a by-product */
+    }
+    const auvid_metric_config_t *cfg = &c->metric->cfg;
+    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[p];
+    auvid_real_t sigma = found->sigma, bias = found->bias;
+    auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
+    auvid_real_t told = auvid_sqrt(sigma * sigma + dvl * dvl);
+    auvid_real_t all = auvid_sqrt(told * told + thrust * thrust);
+    auvid_real_t total = auvid_sqrt(all * all + bias * bias);
+    auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
+    auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
+    /* where a bound holds the estimate, the delays' step would lead it back, too */
+    auvid_real_t apart = auvid_max(sigma * sigma - c->moved[i] * c->moved[i], AUVID_C(0.0));
+    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
+    bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
+    to->sigma[p] = known ? total : AUVID_LARGEST;
+    to->note[p] = AUVID_NOTE_UNCERTAIN;
+    if (limit != AUVID_NOTE_NONE) {
+        to->note[p] = (uint8_t)limit;
+        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
+    } else if (known && half <= allowed) {
+        bool plausible = is_explained(c->metric, (int)parameter->dof);
+        to->identifiable |= 1u << p;
+        to->implausible |= (uint32_t)!plausible << p;
+        to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
+    } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
+        to->note[p] = AUVID_NOTE_SMALL;
+    } else if (known && AUVID_HALF_WIDTH * told + bias <= allowed) {
+        auvid_real_t room = (allowed - bias) / AUVID_HALF_WIDTH;
+        to->note[p] = AUVID_NOTE_THRUST_SCALE;
+        to->bound[p] = to->uncertainty.thrust_scale *
+                       (auvid_sqrt(room * room - told * told) / auvid_abs(thrust));
+    } else if (found->partner != NOWHERE) {
+        to->note[p] = AUVID_NOTE_COMBINATION;
+        to->partner[p] = found->partner;
+    } else if (AUVID_HALF_WIDTH * all <= allowed) {
+        to->note[p] = AUVID_NOTE_NOISE;
+    }
+}

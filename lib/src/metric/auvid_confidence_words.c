@@ -1,0 +1,326 @@
+/*
+ * Confidence in words.
+ */
+#include "auvid/confidence.h"
+
+#include "auvid_confidence_notes_internal.h"
+#include "../base/auvid_math_internal.h"
+
+const char *auvid_note_str(auvid_note_t note)
+{
+    switch (note) {
+    case AUVID_NOTE_NONE:
+        return "";
+    case AUVID_NOTE_FIXED:
+        return "fixed by the configuration";
+    case AUVID_NOTE_NOT_DRIVEN:
+        return "nothing moved this degree of freedom";
+    case AUVID_NOTE_COMBINATION:
+        return "only a combination with another parameter is known";
+    case AUVID_NOTE_SMALL:
+        return "too small to matter";
+    case AUVID_NOTE_NOISE:
+        return "acceleration too noisy";
+    case AUVID_NOTE_UNCERTAIN:
+        return "too little motion";
+    case AUVID_NOTE_IMPLAUSIBLE:
+        return "implausible value";
+    case AUVID_NOTE_AT_BOUND:
+        return "at its bound";
+    case AUVID_NOTE_BESIDE_BOUND:
+        return "depends on a parameter at its bound";
+    case AUVID_NOTE_NOT_CONVERGED:
+        return "the search has not converged";
+    case AUVID_NOTE_DISCREDITED:
+        return "its equation has an impossible estimate";
+    case AUVID_NOTE_THRUST_SCALE:
+        return "known in your newtons only";
+    default:
+        return "unknown note";
+    }
+}
+
+/* A text under construction, always ended by zero. */
+typedef struct {
+    char *text;
+    size_t size, used;
+} writer_t;
+
+static void confidence_add(writer_t *w, const char *words)
+{
+    for (; *words != '\0' && w->used + 1 < w->size; ++words) {
+        w->text[w->used++] = *words;
+    }
+    w->text[w->used] = '\0';
+}
+
+static void add_dof(writer_t *w, auvid_dof_t dof)
+{
+    static const char *const name[AUVID_DOF_COUNT] = {
+        "surge: ", "sway: ", "heave: ", "roll: ", "pitch: ", "yaw: "};
+    confidence_add(w, name[dof]);
+}
+
+/* A number with up to three decimals; of one that needs more room or more decimals, nothing.
+ * @return it is there */
+static bool add_number(writer_t *w, auvid_real_t x)
+{
+    enum { PLACES = 14, DECIMALS = 3 };
+    char text[PLACES + 1] = {0}, *c = text + PLACES;
+    auvid_real_t size = auvid_abs(x);
+    if (!(size < AUVID_C(1e9)) || (size > AUVID_C(0.0) && size < AUVID_C(1e-3))) {
+        return false;
+    }
+    uint32_t whole = (uint32_t)size;
+    uint32_t rest = (uint32_t)((size - (auvid_real_t)whole) * AUVID_C(1000.0) + AUVID_C(0.5));
+    whole += rest / 1000u;
+    rest %= 1000u;
+    for (int k = 0; k < DECIMALS; ++k, rest /= 10u) {
+        if (rest % 10u != 0 || *c != '\0') {
+            *--c = (char)('0' + rest % 10u);
+        }
+    }
+    if (*c != '\0') {
+        *--c = '.';
+    }
+    do {
+        *--c = (char)('0' + whole % 10u);
+        whole /= 10u;
+    } while (whole > 0);
+    confidence_add(w, x < AUVID_C(0.0) ? "-" : "");
+    confidence_add(w, c);
+    return true;
+}
+
+/* A number in whole steps, at most nine decimals; of one too large for that, nothing. */
+static void add_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
+{
+    auvid_real_t steps = x / step;
+    if (steps < AUVID_C(1e9)) {
+        uint32_t whole = (uint32_t)steps;
+        whole += up && (auvid_real_t)whole < steps;
+        (void)add_number(w, (auvid_real_t)whole * step);
+    }
+}
+
+/* x per cent, in tenths below one. */
+static void add_percent(writer_t *w, auvid_real_t x, bool up)
+{
+    add_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
+    confidence_add(w, " %");
+}
+
+/* Parameter i is known but for the scale of the thrust. With the limit that bound holds its
+ * half-width would be what is allowed. */
+static void add_scale(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
+                      int i)
+{
+    auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
+    auvid_real_t told = auvid_sqrt(sigma * sigma - thrust * thrust);
+    auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
+    auvid_real_t allowed = auvid_sqrt(told * told + limit * limit);
+    confidence_add(w, parameter->name);
+    confidence_add(w, " is known to ");
+    if (parameter->kind == AUVID_PARAMETER_FORCE) {
+        add_steps(w, AUVID_HALF_WIDTH * told, AUVID_C(0.1), true);
+        confidence_add(w, " ");
+        confidence_add(w, parameter->unit);
+    } else {
+        add_percent(w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * told / allowed, true);
+    }
+    confidence_add(w, " in your newtons; calibrate thrust to ");
+    add_percent(w, AUVID_C(100.0) * c->bound[i], false);
+    confidence_add(w, " for SI");
+}
+
+/* Parameter i's equation has an impossible estimate. */
+static void add_impossible(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                           int i)
+{
+    confidence_add(w, vehicle->parameter[c->partner[i]].name);
+    confidence_add(w, " is impossible (");
+    confidence_add(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
+    (void)add_number(w, c->bound[i]);
+    confidence_add(w, "): the equation is not trusted; check signs, units, the model");
+}
+
+/* Parameter i at its bound. */
+static void add_bound(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
+                      int i)
+{
+    confidence_add(w, parameter->name);
+    confidence_add(w, c->partner[i] != 0 ? " is at its upper bound of "
+                                         : " is at its lower bound of ");
+    if (add_number(w, c->bound[i])) {
+        confidence_add(w, " ");
+    }
+    confidence_add(w, parameter->unit);
+    confidence_add(w, ": widen it");
+}
+
+/* All that depend on the parameter at its bound on which parameter i does. */
+static void add_dependents(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                           int i)
+{
+    const char *separator = " also changes ";
+    confidence_add(w, vehicle->parameter[c->partner[i]].name);
+    confidence_add(w, " at its bound");
+    for (int k = i; k < vehicle->parameters; ++k) {
+        if (c->note[k] == AUVID_NOTE_BESIDE_BOUND && c->partner[k] == c->partner[i]) {
+            confidence_add(w, separator);
+            confidence_add(w, vehicle->parameter[k].name);
+            separator = ", ";
+        }
+    }
+}
+
+/* What a parameter of its kind needs. */
+static void add_need(writer_t *w, const auvid_parameter_t *parameter)
+{
+    static const char *const lacks[] = {[AUVID_PARAMETER_OTHER] = "too little motion for ",
+                                        [AUVID_PARAMETER_MASS] = "too little acceleration for ",
+                                        [AUVID_PARAMETER_INERTIA] = "too little acceleration for ",
+                                        [AUVID_PARAMETER_LINEAR_DRAG] =
+                                            "too little slow motion for ",
+                                        [AUVID_PARAMETER_QUADRATIC_DRAG] = "too little speed for ",
+                                        [AUVID_PARAMETER_FORCE] = "too short a record for "};
+    static const char *const needs[] = {
+        [AUVID_PARAMETER_OTHER] = "; excite it more strongly, or for longer",
+        [AUVID_PARAMETER_MASS] = "; sines of 0.1-0.3 Hz, stronger or for longer",
+        [AUVID_PARAMETER_INERTIA] = "; sines of 0.1-0.3 Hz, stronger or for longer",
+        [AUVID_PARAMETER_LINEAR_DRAG] = "; more steps held 4-8 s, some at a third of the strength",
+        [AUVID_PARAMETER_QUADRATIC_DRAG] = "; steps held 4-8 s, stronger or more of them",
+        [AUVID_PARAMETER_FORCE] = "; go on recording"};
+    bool known = (unsigned)parameter->kind < sizeof lacks / sizeof lacks[0];
+    auvid_parameter_kind_t kind = known ? parameter->kind : AUVID_PARAMETER_OTHER;
+    confidence_add(w, lacks[kind]);
+    confidence_add(w, parameter->name);
+    confidence_add(w, needs[kind]);
+}
+
+static bool is_drag(const auvid_parameter_t *parameter)
+{
+    return parameter->kind == AUVID_PARAMETER_LINEAR_DRAG ||
+           parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+}
+
+static void add_pair(writer_t *w, const auvid_parameter_t *one, const auvid_parameter_t *other)
+{
+    confidence_add(w, one->name);
+    confidence_add(w, " and ");
+    confidence_add(w, other->name);
+    confidence_add(w, " cannot be told apart; ");
+    confidence_add(w, is_drag(one) && is_drag(other)
+                          ? "steps held 4-8 s at two strengths"
+                          : "hold one of them fixed, or vary the motion");
+}
+
+/* Does what is to be said of parameter i say it of parameter k < i too? */
+static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, int k, int i)
+{
+    if (c == NULL || c->note[i] == AUVID_NOTE_NOT_DRIVEN) {
+        return vehicle->parameter[k].dof == vehicle->parameter[i].dof;
+    }
+    if (c->note[k] != c->note[i]) {
+        return false;
+    }
+    return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
+           (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k) ||
+           (c->note[i] == AUVID_NOTE_DISCREDITED && c->partner[i] == c->partner[k]) ||
+           (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
+}
+
+/* Does parameter i get a sentence, and is it the first to give it? A DoF that was not driven has
+ * one for all its parameters, a pair has one for both, a bound one for all that depend on it, an
+ * impossible estimate one for its equation, and a search that has not converged one. */
+static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
+                    int i)
+{
+    static const uint32_t told = 1u << AUVID_NOTE_NOT_DRIVEN | 1u << AUVID_NOTE_COMBINATION |
+                                 1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
+                                 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
+                                 1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
+                                 1u << AUVID_NOTE_THRUST_SCALE;
+    if ((free != 0 && !(free >> i & 1u)) || (c != NULL && !(told >> (c->note[i] & 31u) & 1u))) {
+        return false;
+    }
+    for (int k = 0; k < i; ++k) {
+        if ((free == 0 || (free >> k & 1u)) && is_same(c, vehicle, k, i)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The sentence of parameter i. */
+static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                         int i)
+{
+    const auvid_parameter_t *parameter = &vehicle->parameter[i];
+    auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_DRIVEN : (auvid_note_t)c->note[i];
+    if (note == AUVID_NOTE_NOT_CONVERGED) {
+        confidence_add(w, "the search has not converged; narrow the bounds, or give a good point");
+        return;
+    }
+    add_dof(w, parameter->dof);
+    if (note == AUVID_NOTE_NOT_DRIVEN) {
+        confidence_add(w,
+                       "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
+    } else if (note == AUVID_NOTE_COMBINATION) {
+        add_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
+    } else if (note == AUVID_NOTE_AT_BOUND) {
+        add_bound(w, c, parameter, i);
+    } else if (note == AUVID_NOTE_BESIDE_BOUND) {
+        add_dependents(w, c, vehicle, i);
+    } else if (note == AUVID_NOTE_DISCREDITED) {
+        add_impossible(w, c, vehicle, i);
+    } else if (note == AUVID_NOTE_THRUST_SCALE) {
+        add_scale(w, c, parameter, i);
+    } else {
+        add_need(w, parameter);
+    }
+}
+
+/* The DoF that lost the largest part of its rows. */
+static int least_recorded(const auvid_confidence_t *c)
+{
+    int most = 0;
+    for (int j = 1; j < AUVID_DOF_COUNT; ++j) {
+        most = c->lost[j] > c->lost[most] ? j : most;
+    }
+    return most;
+}
+
+static void add_lost(writer_t *w, int dof, unsigned lost)
+{
+    const char number[3] = {(char)('0' + lost / 10 % 10), (char)('0' + lost % 10), '\0'};
+    add_dof(w, (auvid_dof_t)dof);
+    confidence_add(w, number);
+    confidence_add(w, " % of the rows were lost to gaps in the record");
+}
+
+auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
+                                        const auvid_vehicle_t *vehicle, uint32_t free,
+                                        unsigned which, char *text, size_t size)
+{
+    if (vehicle == NULL || text == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (size == 0) {
+        return AUVID_ERR_RANGE;
+    }
+    writer_t w = {.text = text, .size = size};
+    text[0] = '\0';
+    for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
+        if (is_told(confidence, vehicle, free, i) && which-- == 0) {
+            add_sentence(&w, confidence, vehicle, i);
+            return AUVID_OK;
+        }
+    }
+    int dof = confidence == NULL ? 0 : least_recorded(confidence);
+    if (confidence != NULL && confidence->lost[dof] >= AUVID_CONFIDENCE_LOST && which == 0) {
+        add_lost(&w, dof, confidence->lost[dof]);
+        return AUVID_OK;
+    }
+    return AUVID_FINISHED;
+}

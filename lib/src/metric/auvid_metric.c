@@ -1,0 +1,288 @@
+/*
+ * Metric (Karras et al. 2013, III-B): its configuration, its filter and its layout.
+ *
+ * The smoother is a finite impulse response. A smoother of taps c_i applied to the rows Y and the
+ * wrench tau alike,
+ *
+ *     sum_i c_i Y_i pi = sum_i c_i tau_i,
+ *
+ * holds for the true pi exactly; which c is best is a matter of noise only. Savitzky-Golay of order
+ * 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and stops what the DVL
+ * adds.
+ *
+ * Velocity that is interpolated between samples T apart has passed a triangle of variance T^2 / 6,
+ * the mean over where in T the sample falls: at 0.25 Hz and 5 Hz that is 0.8 % off, and masses come
+ * out so much too large. So the forces pass (a, 1 - 2 a, a) besides, a = T^2 / (12 cell^2), which
+ * has the same variance.
+ *
+ * Cells become rows in auvid_metric_record.c, rows a set in auvid_metric_close.c, sets one weighted
+ * triangle in auvid_metric_merge.c; costs are evaluated in auvid_metric_cost.c.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid/smoother.h"
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+/* Standard deviation of the weights by which residuals are smoothed in the residual path. */
+#define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
+
+void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    *cfg = (auvid_metric_config_t){
+        .vehicle = vehicle,
+        .free = vehicle == NULL ? 0 : vehicle->free,
+        .driven = AUVID_C(0.02),
+        .cell_us = 100000,
+        .velocity_us = 200000,
+        .row_cells = 5,
+        .set_rows = 60,
+        .sets = AUVID_MAX_SETS,
+        .smoothing = AUVID_SMOOTH_ROWS,
+        .half_width = {10, 7},
+        .order = 2,
+        .passes = 2,
+        .lag = {2, 1},
+        .estimate_delay = true,
+    };
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        cfg->tau_max[j] = j < 3 ? AUVID_C(100.0) : AUVID_C(40.0);
+    }
+}
+
+void auvid_metric_literal(auvid_metric_config_t *cfg)
+{
+    if (cfg != NULL) {
+        uint32_t half = cfg->cell_us == 0 ? 0 : 500000 / cfg->cell_us; /* init refuses 0 */
+        cfg->smoothing = AUVID_SMOOTH_STATES;
+        half = half < 2 ? 2 : (half > 127 ? 127 : half);
+        cfg->half_width[0] = cfg->half_width[1] = (uint8_t)half;
+        cfg->order = 3;
+        cfg->passes = 1;
+        cfg->estimate_delay = false;
+    }
+}
+
+static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
+{
+    auvid_status_t status = auvid_vehicle_check(cfg->vehicle);
+    if (status < 0) {
+        return status;
+    }
+    auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
+    auvid_real_t longest =
+        cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
+    auvid_real_t earliest = /* one of its own must pass, rounded */
+        -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
+    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) || !auvid_is_finite(cfg->driven) ||
+        !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
+        !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->delay_sigma_s)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (!(cfg->tau_max[j] > AUVID_C(0.0) && cfg->delay_s[j] >= earliest &&
+              cfg->delay_s[j] <= longest)) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) ||
+        !(cfg->delay_sigma_s >= AUVID_C(0.0) && cfg->delay_sigma_s <= AUVID_C(1.0)) ||
+        cfg->cell_us < 1000 ||
+        cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 || cfg->row_cells < 1 ||
+        cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
+        (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||
+        cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 || cfg->lag[1] > AUVID_METRIC_LAGS ||
+        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
+        (cfg->smoothing != AUVID_SMOOTH_ROWS && !auvid_metric_is_literal(cfg)) ||
+        (auvid_metric_is_literal(cfg) && cfg->estimate_delay)) {
+        return AUVID_ERR_RANGE;
+    }
+    uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
+    if (cfg->free != 0 && (cfg->free & mask) == 0) {
+        return AUVID_ERR_PARAMETERS;
+    }
+    bool stored = !AUVID_REGRESSOR_ONLY && cfg->rows != NULL;
+    return cfg->vehicle->regressor != NULL || stored ? AUVID_OK : AUVID_ERR_MODEL;
+}
+
+/* One pass of Savitzky-Golay in the middle of `taps`. @return its first coefficient */
+static auvid_real_t *make_pass(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
+                               uint8_t derivative)
+{
+    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
+    (void)auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0,
+                                      first); /* they exist: filter_fits */
+    return first;
+}
+
+/* A pass of n coefficients at `first`, and after it one at c, which may be the same. */
+static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
+{
+    for (int t = 2 * n - 2; t >= 0; --t) { /* in place: what is still needed stands before t */
+        auvid_real_t sum = AUVID_C(0.0);
+        for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
+            sum += first[i] * c[t - i];
+        }
+        first[t] = sum;
+    }
+}
+
+/* Binomial weights over an odd number of rows: n of them have a variance of (n - 1) / 4. */
+static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
+{
+    auvid_real_t rows = deviation_s * AUVID_C(1e6) /
+                        ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
+    int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
+                               (auvid_real_t)AUVID_METRIC_WINDOW);
+    pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
+    m->window_length = (uint8_t)(2 * pairs + 1);
+    memset(m->share, 0, sizeof m->share);
+    m->share[0] = AUVID_C(1.0);
+    for (int n = 1; n < m->window_length; ++n) {
+        for (int k = n; k >= 0; --k) { /* Pascal's triangle, halved from line to line */
+            auvid_real_t left = k > 0 ? m->share[k - 1] : AUVID_C(0.0);
+            m->share[k] = AUVID_C(0.5) * (m->share[k] + left);
+        }
+    }
+}
+
+/* The residual path with rows of its own kind: means over the row; residuals are smoothed later. */
+static bool averages(const auvid_metric_config_t *cfg)
+{
+    return !auvid_metric_is_linear(cfg) && !auvid_metric_is_literal(cfg);
+}
+
+static uint32_t widest(const auvid_metric_config_t *cfg)
+{
+    return cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+}
+
+static uint32_t taps_of(const auvid_metric_config_t *cfg)
+{
+    uint32_t ends = !auvid_metric_is_literal(cfg) && cfg->velocity_us > 0 ? 2u : 0u;
+    return averages(cfg) ? cfg->row_cells : 2 * widest(cfg) * cfg->passes + 1 + ends;
+}
+
+static uint32_t overlap_of(const auvid_metric_config_t *cfg)
+{
+    return (taps_of(cfg) + cfg->row_cells - 1) / cfg->row_cells;
+}
+
+/* Does the filter exist (smoother.h), and is there room for it? */
+static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
+{
+    int least = cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+    if (taps_of(cfg) > AUVID_MAX_TAPS || overlap_of(cfg) > AUVID_MAX_OVERLAP) {
+        return AUVID_ERR_SIZE;
+    }
+    if (averages(cfg)) {
+        return AUVID_OK;
+    }
+    if (widest(cfg) > AUVID_MAX_HALF_WIDTH) {
+        return AUVID_ERR_SIZE;
+    }
+    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER ||
+        (auvid_metric_is_literal(cfg) && cfg->order < 1)) { /* no derivative */
+        return AUVID_ERR_RANGE;
+    }
+    return cfg->order > 2 * least ? AUVID_ERR_SINGULAR : AUVID_OK;
+}
+
+/* Is there room for all channels and triangles? */
+static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
+{
+    uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t order = cfg->vehicle->columns[j] == 0 ? 0 : AUVID_METRIC_DELAYS;
+        for (uint32_t left = cfg->vehicle->columns[j] & free; left != 0; left &= left - 1) {
+            ++order;
+        }
+        channels += order;
+        factor += AUVID_TRIANGLE(order);
+    }
+    bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR;
+    return fit ? AUVID_OK : AUVID_ERR_SIZE;
+}
+
+static void make_filter(auvid_metric_t *m)
+{
+    const auvid_metric_config_t *cfg = &m->cfg;
+    m->taps = (uint8_t)taps_of(cfg);
+    m->overlap = (uint8_t)overlap_of(cfg);
+    if (averages(cfg)) {
+        for (int i = 0; i < m->taps; ++i) {
+            m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
+        }
+        make_window(m, RESIDUAL_SMOOTHING_S);
+        return;
+    }
+    make_window(m, AUVID_C(0.0));
+    bool literal = auvid_metric_is_literal(cfg);
+    auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
+    auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    m->spread = literal ? AUVID_C(0.0) : spread;
+    uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
+    auvid_real_t *smooth = make_pass(m, m->kernel[0], half, 0);
+    auvid_real_t *second = make_pass(m, m->kernel[1], other, literal);
+    if (cfg->passes == 2) { /* a derivative is taken once */
+        convolve(second, literal ? smooth : second, 2 * other + 1);
+        convolve(smooth, smooth, 2 * half + 1);
+    }
+}
+
+/* Give each modelled DoF its channels and its triangle. In the residual path they serve the model
+ * linearised at an estimate. */
+static void lay_out(auvid_metric_t *m)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
+    uint32_t factor = 0, channel = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->columns[j] = vehicle->columns[j] & free;
+        m->factor_at[j] = (uint16_t)factor;
+        m->channel_at[j] = (uint16_t)channel;
+        if (vehicle->columns[j] == 0) {
+            continue;
+        }
+        for (int i = 0; i < vehicle->parameters; ++i) {
+            if (m->columns[j] >> i & 1u) {
+                m->index[channel + m->count[j]++] = (uint8_t)i;
+            }
+        }
+        uint32_t order = m->count[j] + (uint32_t)AUVID_METRIC_DELAYS;
+        channel += order;
+        factor += AUVID_TRIANGLE(order);
+    }
+    m->channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
+}
+
+auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
+{
+    if (metric == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = metric_check(cfg);
+    status = status == AUVID_OK ? filter_fits(cfg) : status;
+    status = status == AUVID_OK ? columns_fit(cfg) : status;
+    if (status < 0) {
+        return status;
+    }
+    metric->cfg = *cfg;
+    memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
+    make_filter(metric);
+    lay_out(metric);
+    memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
+    metric->lagged = metric->cfg.lagged;
+    return AUVID_OK;
+}
+
+int auvid_metric_slot(const auvid_metric_t *m, int age)
+{
+    return (int)auvid_metric_place(m->turns, m->cfg.sets, m->from + (uint32_t)age);
+}

@@ -1,0 +1,333 @@
+/*
+ * Metric, evaluation (Karras et al. 2013, Eq. 10-11): cost and residuals of a candidate.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
+{
+    return metric == NULL ? AUVID_C(0.0)
+                          : auvid_metric_node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
+}
+
+void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
+{
+    if (!auvid_metric_has_regressor(m)) {
+        auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
+        for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+            m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        }
+        m->paid = 0;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const uint8_t *index = m->index + m->channel_at[j];
+        auvid_real_t *candidate = m->candidate + m->channel_at[j];
+        for (int k = 0, count = m->count[j]; k < count; ++k) {
+            candidate[k] = pi[index[k]];
+        }
+    }
+    m->at_set = m->at_dof = 0;
+    m->at_row = 0;
+    m->window_rows = 0;
+    memset(m->window_of, 0, sizeof m->window_of);
+    m->sum = m->compensation = m->squares = AUVID_C(0.0);
+}
+
+void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s)
+{
+    if (metric != NULL && pi != NULL) {
+        metric->pass = PASS_COST;
+        auvid_metric_take_candidate(metric, pi, delay_s);
+    }
+}
+
+/* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
+static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
+        int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
+        if (!(m->driven >> j & 1)) {
+            continue;
+        }
+        const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
+        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, m->at_row);
+        int i = m->at_row, left = count - i;
+        int to = *budget < (uint32_t)left ? i + (int)*budget : count;
+        auvid_real_t squares = m->squares;
+        *budget -= (uint32_t)(to - i);
+        for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
+            auvid_real_t e = -z[i];
+            for (const auvid_real_t *xk = x + i; xk != x + count; ++xk, ++r) {
+                e += *r * *xk;
+            }
+            squares += e * e;
+        }
+        m->squares = squares;
+        m->at_row = (uint16_t)i;
+        if (i < count) {
+            return AUVID_PENDING;
+        }
+        m->sum += m->weight[j] * m->squares;
+        m->squares = AUVID_C(0.0);
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
+{
+    const auvid_real_t *l = m->delay_weight;
+    auvid_sample_t s = row->sample;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
+    }
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
+        int k = AUVID_DOF_COUNT + i;
+        s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
+    }
+    return s;
+}
+
+/* Residuals of one stored row into the window. @return the window is full of successive rows */
+static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
+{
+    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+    uint8_t without = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
+    if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
+        m->window_rows = 0;
+        memset(m->window_of, 0, sizeof m->window_of);
+    }
+    m->window_us = sample.t_us;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
+        m->window_of[j] = (uint8_t)((without >> j & 1) != 0 ? 0 : rows);
+    }
+    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
+                           m->window[m->window_rows % m->window_length]);
+    ++m->window_rows;
+    return m->window_rows >= m->window_length;
+}
+
+static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
+{
+    auvid_real_t e = AUVID_C(0.0);
+    for (uint32_t k = 0; k < m->window_length; ++k) {
+        e += m->share[k] * m->window[(m->window_rows + k) % m->window_length][j];
+    }
+    return e;
+}
+
+/* J = sum over stored rows, oldest set first; compensated, since the constant part is in it. */
+static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    int sets = auvid_metric_sets(m);
+    for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
+        int age = sets - 1 - m->at_set;
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row) {
+            if (!auvid_metric_pay_model(m, budget)) {
+                return AUVID_PENDING;
+            }
+            auvid_real_t squares = AUVID_C(0.0);
+            if (!push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
+                continue;
+            }
+            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+                if ((set->driven >> j & 1) != 0 && m->window_of[j] == m->window_length) {
+                    auvid_real_t e = smoothed_residual(m, j);
+                    squares += m->weight[j] * e * e;
+                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
+                }
+            }
+            auvid_real_t term = squares - m->compensation, total = m->sum + term;
+            m->compensation = (total - m->sum) - term;
+            m->sum = total;
+        }
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return auvid_metric_has_regressor(metric) ? triangle_cost(metric, budget)
+                                              : sample_cost(metric, budget);
+}
+
+void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s)
+{
+    if (metric != NULL && pi != NULL) {
+        auvid_metric_rewind(metric, PASS_MEASURE);
+        auvid_metric_take_candidate(metric, pi, delay_s);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t l[AUVID_METRIC_DELAYS];
+            auvid_real_t delay = metric->delay_s[j] / auvid_metric_node_s(metric);
+            auvid_metric_delay_weights(delay, metric->lagged >> j & 1, l);
+            for (int d = 0; d < AUVID_METRIC_DELAYS && auvid_metric_order(metric, j) > 0; ++d) {
+                metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
+            }
+        }
+    }
+}
+
+void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                auvid_real_t delay_s)
+{
+    if (metric != NULL && pi != NULL) {
+        auvid_metric_measure_begin(metric, pi, delay_s);
+        metric->to_set = 1; /* by age, the residual path from the oldest on */
+        int oldest = auvid_metric_sets(metric) - 1;
+        metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)oldest;
+    }
+}
+
+auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    bool done = auvid_metric_has_regressor(m) ? auvid_metric_visit_rows(m, budget)
+                                              : sample_cost(m, budget) == AUVID_OK;
+    if (!done) {
+        return AUVID_PENDING;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->sse[j] = m->band_sse[0][j] + m->band_sse[1][j];
+        m->predicted[j] =
+            m->band_weight[0][j] * m->band_sse[0][j] + m->band_weight[1][j] * m->band_sse[1][j];
+    }
+    return AUVID_OK;
+}
+
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t driven)
+{
+    uint32_t free = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        if (driven >> m->cfg.vehicle->parameter[i].dof & 1) {
+            free |= 1u << i;
+        }
+    }
+    return m->cfg.free == 0 ? free : free & m->cfg.free;
+}
+
+uint32_t auvid_metric_active(const auvid_metric_t *metric)
+{
+    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->driven);
+}
+
+uint32_t auvid_metric_searched(const auvid_metric_t *metric)
+{
+    const auvid_metric_t *m = metric;
+    uint32_t searched = auvid_metric_active(m);
+    auvid_real_t scale[AUVID_MAX_PARAMETERS];
+    if (searched == 0) {
+        return 0;
+    }
+    auvid_metric_scale(m, scale);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        bool free = m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
+        bool known = m->cfg.fixed[i] < AUVID_C(0.0) || m->cfg.fixed[i] > AUVID_C(0.0);
+        searched |= (uint32_t)(free && !known && scale[i] > AUVID_C(0.0)) << i;
+    }
+    return searched;
+}
+
+void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
+{
+    const auvid_metric_t *m = metric;
+    auvid_real_t square[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
+    if (m == NULL || scale == NULL) {
+        return;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT && auvid_metric_has_regressor(m); ++j) {
+        int n = auvid_metric_order(m, j);
+        for (int k = 0; k < m->count[j] && n > 0 && (m->driven >> j & 1); ++k) {
+            for (int i = 0; i <= k; ++i) {
+                auvid_real_t r = m->merged[m->factor_at[j] + auvid_triangle_row(n, i) + k - i];
+                square[m->index[m->channel_at[j] + k]] += m->weight[j] * r * r;
+            }
+        }
+    }
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        scale[i] = square[i] > AUVID_C(0.0) ? AUVID_C(1.0) / auvid_sqrt(square[i]) : AUVID_C(0.0);
+    }
+}
+
+void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
+        auvid_real_t total = AUVID_C(0.0);
+        for (int age = 0; age < auvid_metric_sets(metric); ++age) {
+            const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+            total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+        }
+        auvid_real_t left = metric->sse[j] / total;
+        r2[j] = auvid_is_finite(left) ? AUVID_C(1.0) - left : AUVID_C(0.0);
+    }
+}
+
+void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row)
+{
+    int8_t column[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    for (int p = 0; p < m->cfg.vehicle->parameters; ++p) {
+        row[p] = AUVID_C(0.0);
+        column[p] = (active >> p & 1u) ? n++ : -1;
+    }
+    const auvid_real_t *r =
+        m->merged + m->factor_at[j] + auvid_triangle_row(auvid_metric_order(m, j), i);
+    auvid_real_t scale = auvid_sqrt(m->weight[j]);
+    int at = m->channel_at[j];
+    row[n] = scale * m->z[at + i];
+    for (int k = i; k < m->count[j]; ++k, ++r) {
+        int p = m->index[at + k];
+        if (column[p] >= 0) {
+            row[column[p]] = scale * *r;
+        } else {
+            row[n] -= scale * *r * pi[p];
+        }
+    }
+}
+
+auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
+                                          auvid_real_t *pi)
+{
+    if (metric == NULL || pi == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    const auvid_metric_t *m = metric;
+    if (!auvid_metric_has_regressor(m)) {
+        return AUVID_ERR_MODEL;
+    }
+    /* one triangle for all DoF: active parameters in order, then the wrench */
+    auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
+    auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
+    int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    active &= m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        place[i] = (active >> i & 1u) ? n++ : -1;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int i = 0; i < m->count[j] && (m->driven >> j & 1); ++i) {
+            auvid_metric_joint_row(m, j, i, active, pi, x);
+            auvid_triangle_add(joint, n + 1, 0, x);
+        }
+    }
+    for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) {
+        x[i] = joint[auvid_triangle_row(n + 1, i) + n - i];
+    }
+    int lost = auvid_triangle_solve(joint, n + 1, n, AUVID_C(1e-6), x);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        pi[i] = place[i] >= 0 ? x[place[i]] : pi[i];
+    }
+    return lost > 0 ? AUVID_ERR_SINGULAR : AUVID_OK;
+}

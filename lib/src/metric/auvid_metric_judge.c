@@ -1,0 +1,102 @@
+/*
+ * Metric: do the newest sets belong to the same vehicle as the others?
+ *
+ * With U(A) what no pi explains of the wrench in the sets A, a DoF's equation holds for the old and
+ * the new sets with the same parameters when U(old and new) - U(old) - U(new) is noise only (Chow
+ * 1960): it is then sigma^2 times a chi-square of as many degrees of freedom as there are
+ * parameters. One chain of rotations, oldest set first, gives U of the old sets with and without
+ * the set before the newest, and U of all; then the newest set is taken alone, and the two newest.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+void auvid_metric_judge_begin(auvid_metric_t *metric)
+{
+    if (metric != NULL) {
+        auvid_metric_rewind(metric, PASS_LAST);
+        memset(metric->change, 0, sizeof metric->change);
+        memset(metric->change_rank, 0, sizeof metric->change_rank);
+    }
+}
+
+/* The set of DoF j has been taken in as number `place` of the chain: what it tells. */
+static void note_set(auvid_metric_t *m, int j, int place)
+{
+    int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    auvid_metric_clear_dependent(m, j);
+    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    if (place == sets - 3) {
+        m->change[1][j] -= u;
+    } else if (place == sets - 2) {
+        m->change[0][j] -= u;
+    } else if (place == sets - 1) {
+        m->change[0][j] += u;
+        m->change[1][j] += u;
+        for (int i = 0; i < m->count[j]; ++i) {
+            bool usable = !auvid_is_zero(m->merged[m->factor_at[j] + auvid_triangle_row(n, i)]);
+            m->change_rank[j] = (uint8_t)(m->change_rank[j] + usable);
+        }
+        memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_TRIANGLE(n) * sizeof u);
+    } else if (place == sets) {
+        m->change[0][j] -= u;
+    } else if (place == sets + 1) {
+        m->change[1][j] -= u;
+    }
+}
+
+/* One row of one band of the set of that place in DoF j's chain. @return its rows are at an end */
+static bool metric_judge_row(auvid_metric_t *m, int j, int place)
+{
+    int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
+    int age = place < sets ? sets - 1 - place : place - sets;
+    const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+    if ((set->driven >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
+        return true;
+    }
+    auvid_metric_rotate(m, set, m->at_row / n, j, m->at_row % n);
+    ++m->at_row;
+    return false;
+}
+
+auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    int sets = auvid_metric_sets(m);
+    int places = sets < 3 ? 0 : sets + 2; /* else there is nothing to compare with */
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_set = 0) {
+        int j = m->at_dof;
+        while (auvid_metric_order(m, j) > 0 && m->at_set < places) {
+            if (*budget == 0) {
+                return AUVID_PENDING;
+            }
+            if (auvid_metric_pay(m, budget, AUVID_METRIC_ROTATION) &&
+                metric_judge_row(m, j, m->at_set)) {
+                note_set(m, j, m->at_set++);
+                m->at_row = 0;
+            }
+        }
+    }
+    return AUVID_OK;
+}
+
+const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
+{
+    return &metric->set[auvid_metric_slot(metric, 0)];
+}
+
+int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest)
+{
+    int sets = 0;
+    for (int age = newest; age < auvid_metric_sets(metric); ++age) {
+        sets += metric->set[auvid_metric_slot(metric, age)].driven >> j & 1;
+    }
+    return sets;
+}

@@ -1,0 +1,228 @@
+/*
+ * Metric, residual path: the model linearised at an estimate.
+ *
+ * With e the smoothed residuals at (pi, d) and e_i, e_d their derivatives, the rows
+ *
+ *     [ e_1 .. e_n | Z_0 Z_1 Z_2 ],   Z_k = sum_i e_i pi_i - e - (k - s) node e_d,
+ *
+ * are those that a linear model with these derivatives would have: for s = d / node the weights l
+ * of the wrench at the three delays have sum l_k = 1 and sum k l_k = s, so that row [pi, -l(s)] =
+ * e, and its derivative by d is e_d. What reads the triangles of a model with regressor (judge,
+ * confidence) reads these too.
+ *
+ * Smoothed residuals one standard deviation of the smoothing apart are all that is needed: they
+ * hold what closer ones do, nearly.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+#define PARAMETER_STEP AUVID_C(0.01) /* relative */
+#define LEAST_STEP AUVID_C(1e-4)     /* smaller ones drown in rounding */
+#define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
+#define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
+
+void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                  auvid_real_t delay_s, uint8_t sets)
+{
+    auvid_metric_t *m = metric;
+    if (m == NULL || pi == NULL || auvid_metric_has_regressor(m)) {
+        return;
+    }
+    auvid_metric_rewind(m, PASS_LINEAR);
+    auvid_metric_take_candidate(m, pi, delay_s);
+    m->linear_delay_s = delay_s;
+    m->to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
+    m->at_part = 0;
+}
+
+/* The row `back` rows before row r of the set of that age, if it is still there. */
+static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, int back)
+{
+    if (back > r) {
+        if (age + 1 >= auvid_metric_sets(m)) {
+            return NULL;
+        }
+        back -= r + 1;
+        r = m->set[auvid_metric_slot(m, ++age)].rows - 1;
+    }
+    return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
+}
+
+/* Do the rows that end with row r make a whole window? */
+static bool has_window(const auvid_metric_t *m, int age, int r)
+{
+    const auvid_row_t *later = row_before(m, age, r, 0);
+    for (int k = 1; k < m->window_length; ++k) {
+        const auvid_row_t *row = row_before(m, age, r, k);
+        if (row == NULL || !auvid_metric_succeeds(m, row->sample.t_us, later->sample.t_us)) {
+            return false;
+        }
+        later = row;
+    }
+    return true;
+}
+
+/* Residuals of a stored row with value number v moved by half a step up or down, or as it is:
+ * v = 0; parameter (v - 1) / 2; the delay. */
+static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *row, int v,
+                                          auvid_real_t residual[AUVID_DOF_COUNT])
+{
+    int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
+    auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
+    auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
+    if (v > 0 && i < n) {
+        auvid_real_t pi = m->pi[i];
+        step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), LEAST_STEP)
+                                            : ZERO_STEP;
+        m->pi[i] = pi + sign * step;
+        auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);
+        m->pi[i] = pi;
+    } else {
+        step = v > 0 ? DELAY_STEP_S : step;
+        auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, m->delay_weight);
+        auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);
+    }
+    return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
+}
+
+/* Add one evaluation to the derivatives, which gather in z: for each DoF those by its parameters,
+ * then e, then e_d. */
+static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t share, int v)
+{
+    auvid_real_t residual[AUVID_DOF_COUNT];
+    auvid_real_t weight = share * metric_evaluate_moved(m, row, v, residual);
+    int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t *z = m->z + m->channel_at[j];
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        for (int k = 0; k < m->count[j] && v > 0; ++k) {
+            z[k] += m->index[m->channel_at[j] + k] == i ? weight * residual[j] : AUVID_C(0.0);
+        }
+        z[m->count[j]] += v == 0 ? weight * residual[j] : AUVID_C(0.0);
+        z[m->count[j] + 1] += v > 0 && i == n ? weight * residual[j] : AUVID_C(0.0);
+    }
+}
+
+/* The DoF that the window ending with row r of the set of that age lacks a velocity of. */
+static uint8_t without_window(const auvid_metric_t *m, int age, int r)
+{
+    uint8_t missing = 0;
+    for (int k = 0; k < m->window_length; ++k) {
+        missing |= row_before(m, age, r, k)->sample.missing;
+    }
+    return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
+}
+
+/* The derivatives are complete: into the triangles, but for the DoF `without`. */
+static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
+{
+    auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
+    for (int j = 0; j < AUVID_DOF_COUNT;
+         ++j) { /* from here on in the place of e: sum e_i pi_i - e */
+        auvid_real_t *z = m->z + m->channel_at[j];
+        int count = m->count[j];
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        if ((without >> j & 1) != 0) {
+            auvid_clear(z, (size_t)auvid_metric_order(m, j));
+            continue;
+        }
+        z[count] = -z[count];
+        for (int k = 0; k < count; ++k) {
+            z[count] += z[k] * m->pi[m->index[m->channel_at[j] + k]];
+        }
+    }
+    if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        return;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_real_t *z = m->z + m->channel_at[j];
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        int count = m->count[j];
+        if (auvid_metric_order(m, j) == 0 || (without >> j & 1) != 0) {
+            continue;
+        }
+        ++set->windows[j];
+        memcpy(row, z, (size_t)count * sizeof *row);
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
+        }
+        auvid_triangle_add(m->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
+    }
+}
+
+/* Values that are moved: is number v one of them? */
+static bool metric_moves(const auvid_metric_t *m, int v)
+{
+    int i = (v - 1) / 2;
+    return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
+           (m->cfg.free >> i & 1u) != 0;
+}
+
+/* All windows of one set. @return done */
+static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
+{
+    int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
+    for (; m->at_row < set->rows; m->at_row = (uint16_t)(m->at_row + stride), m->at_part = 0) {
+        if (m->at_part == 0) {
+            if (!has_window(m, m->at_set, m->at_row)) {
+                continue;
+            }
+            memset(m->z, 0, sizeof m->z);
+        }
+        for (; m->at_part < values * m->window_length; ++m->at_part) {
+            int k = m->at_part / values, v = m->at_part % values;
+            if (!metric_moves(m, v)) {
+                continue;
+            }
+            if (!auvid_metric_pay_model(m, budget)) {
+                return false;
+            }
+            add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->share[k], v);
+        }
+        finish_window(m, set, without_window(m, m->at_set, m->at_row));
+    }
+    return true;
+}
+
+auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    if (auvid_metric_has_regressor(m)) {
+        return AUVID_OK;
+    }
+    for (; m->pass == PASS_LINEAR && m->at_set < m->to_set; ++m->at_set, m->at_row = 0) {
+        auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
+        if (m->at_row == 0 && m->at_part == 0) {
+            memset(m->factor, 0, sizeof m->factor);
+            memset(set->windows, 0, sizeof set->windows);
+        }
+        if (!linearise_set(m, set, budget)) {
+            return AUVID_PENDING;
+        }
+        auvid_metric_pack(m, set);
+    }
+    if (m->pass == PASS_LINEAR) {
+        if (m->to_set < m->cfg.sets) {
+            return AUVID_OK;
+        }
+        auvid_metric_rewind(m, PASS_LAST);
+    }
+    if (!auvid_metric_gather(m, budget)) {
+        return AUVID_PENDING;
+    }
+    m->constant = AUVID_C(0.0); /* the cost of this path has it in it */
+    return AUVID_OK;
+}

@@ -1,0 +1,133 @@
+/*
+ * Metric, memory: what was known of the parameters before the first set.
+ *
+ * With s_j^2 the noise that counts in DoF j's rows, pi_i = p_i +- sigma_i is one more row of its
+ * equation, s_j / sigma_i (pi_i - p_i) = 0. What rows of a DoF leave unexplained rises by T when
+ * these come in: T / s_j^2 is a chi-square of as many degrees of freedom as there are rows, if they
+ * are of the same vehicle (Chow 1960; auvid_metric_judge.c).
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+/* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
+#define METRIC_LIMIT AUVID_C(6.0)
+
+/* Larger values are no parameters (crs.h). */
+#define LARGEST_VALUE AUVID_C(1e18)
+/* Standard errors and colours are between the inverse of this and this. */
+#define LARGEST_ERROR AUVID_C(2e30)
+
+/* Parameters of DoF j's own that are remembered: bit k, by column. */
+static uint32_t columns_known(const auvid_metric_t *m, int j)
+{
+    uint32_t known = 0;
+    for (int k = 0; k < m->count[j]; ++k) {
+        int i = m->index[m->channel_at[j] + k];
+        bool own = (int)m->cfg.vehicle->parameter[i].dof == j;
+        known |= (uint32_t)(own && (m->memory.known >> i & 1u)) << k;
+    }
+    return known;
+}
+
+static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+{
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
+    row[k] = noise / m->memory.sigma[i];
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        row[m->count[j] + d] = row[k] * m->memory.pi[i];
+    }
+    if (auvid_all_within(row + k, (size_t)(n - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        return; /* its squares would not be finite */
+    }
+    auvid_triangle_add(m->merged + m->factor_at[j], n, k, row);
+}
+
+/* @return are these sets and the memory of the same vehicle? */
+static bool recall_dof(auvid_metric_t *m, int j)
+{
+    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
+    bool lag = (m->lagged >> j & 1) != 0;
+    auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
+    auvid_real_t square = m->memory.colour[j] * before / rows, freedom = AUVID_C(0.0);
+    uint32_t known = columns_known(m, j);
+    for (int k = 0; k < m->count[j]; ++k) {
+        if (known >> k & 1u) {
+            metric_rotate(m, j, k, auvid_sqrt(square));
+            freedom += AUVID_C(1.0);
+        }
+    }
+    auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
+    m->constant -= m->weight[j] * before;
+    auvid_metric_settle(m, j);
+    return more <= METRIC_LIMIT * freedom * square;
+}
+
+/* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (forgotten: the last pass begins anew) */
+static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
+        int j = m->at_dof;
+        if ((m->driven >> j & 1) == 0) {
+            continue;
+        }
+        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->count[j] + 2));
+        do {
+            if (*budget == 0) {
+                return AUVID_PENDING;
+            }
+        } while (!auvid_metric_pay(m, budget, price));
+        if (!recall_dof(m, j)) {
+            m->memory.known = 0;
+            m->recall = NULL;
+            auvid_metric_rewind(m, PASS_LAST);
+            return AUVID_EMPTY;
+        }
+    }
+    return AUVID_OK;
+}
+
+static bool is_error(auvid_real_t x)
+{
+    return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
+}
+
+auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric, const auvid_memory_t *memory)
+{
+    if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
+        int j = (int)metric->cfg.vehicle->parameter[i].dof;
+        if ((memory->known >> i & 1u) &&
+            !(is_error(memory->sigma[i]) && is_error(memory->colour[j]))) {
+            return AUVID_ERR_RANGE;
+        }
+    }
+    bool good = (memory->known & ~auvid_metric_free_of(metric, UINT8_MAX)) == 0 &&
+                auvid_all_within(memory->pi, AUVID_MAX_PARAMETERS, LARGEST_VALUE) == AUVID_OK;
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+{
+    if (metric == NULL || memory == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_metric_check_memory(metric, memory);
+    if (status < 0) {
+        return status;
+    }
+    if (!auvid_metric_has_regressor(metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    metric->memory = *memory;
+    metric->recall = memory->known == 0 ? NULL : recall;
+    return AUVID_OK;
+}

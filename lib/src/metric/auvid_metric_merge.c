@@ -1,0 +1,326 @@
+/*
+ * Metric, merging: the sets of the ring to one weighted triangle for each DoF.
+ *
+ * Three passes bring the ring together. (1) All rows of all sets and bands into one triangle for
+ * each DoF, bands weighted alike; from it the delay and the DoF's own least-squares parameters.
+ * (2) Each band's residual at those parameters; the new weights are the inverse of its mean square.
+ * (3) As (1), with the new weights. Successive rows a, b have residual variance (1 +- rho) sigma^2
+ * / 2 in their sum and difference when their correlation is rho, so this is the whitening of a
+ * first-order autoregression, chosen after the fact.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_internal.h"
+
+/* No band is trusted more than this times the other (in variance). */
+#define METRIC_LARGEST_RATIO AUVID_C(1e3)
+
+/* A delay is taken when it is known this well [s] and is this many standard deviations from none.
+ * The thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that
+ * misses something, a thruster's curve, say, makes look like a delay is not: it fits a little
+ * better with it and predicts worse. */
+#define DELAY_PRECISION_S AUVID_C(0.0125)
+#define DELAY_SIGMAS AUVID_C(4.0)
+
+/* A pivot up to this part of its column is rounding, of stored triangles above all. */
+#define ROUNDED                                                                                    \
+    (AUVID_METRIC_DIGITS == 15 ? AUVID_C(4.0) / AUVID_C(32768.0) : AUVID_C(100.0) * AUVID_EPSILON)
+
+/* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command, but late
+ * stamps make it look so: where the delay is uncertain, shifts from -2/3 (two cells) are tried. */
+enum { DELAY_STEPS = 20, EARLY_STEPS = 7 };
+#define DELAY_STEP AUVID_C(0.1)
+#define EARLIEST                                                                                   \
+    (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
+
+/* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
+ * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
+void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    auvid_real_t b = lag ? AUVID_C(2.0) * s * s : s * s;
+    l[0] = AUVID_C(1.0) - AUVID_C(1.5) * s + AUVID_C(0.5) * b;
+    l[1] = AUVID_C(2.0) * s - b;
+    l[2] = AUVID_C(0.5) * (b - s);
+}
+
+void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS])
+{
+    auvid_real_t b = lag ? AUVID_C(4.0) * s : AUVID_C(2.0) * s;
+    l[0] = AUVID_C(0.5) * b - AUVID_C(1.5);
+    l[1] = AUVID_C(2.0) - b;
+    l[2] = AUVID_C(0.5) * (b - AUVID_C(1.0));
+}
+
+auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
+{
+    int n = auvid_metric_order(m, j);
+    const auvid_real_t *t =
+        m->merged + m->factor_at[j] + auvid_triangle_row(n, n - AUVID_METRIC_DELAYS);
+    auvid_real_t l[AUVID_METRIC_DELAYS];
+    auvid_metric_delay_weights(s, lag, l);
+    auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
+    auvid_real_t b = t[3] * l[1] + t[4] * l[2], c = t[5] * l[2];
+    return a * a + b * b + c * c;
+}
+
+/* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola
+ * through the best point and its neighbours. */
+static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
+{
+    auvid_real_t least = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
+    bool early = !lag && m->cfg.delay_sigma_s > AUVID_C(0.0);
+    for (int i = early ? -EARLY_STEPS : 0; i <= DELAY_STEPS; ++i) {
+        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = auvid_metric_unexplained(m, j, s, lag);
+        if (e < least) {
+            least = e;
+            best = s;
+        }
+    }
+    auvid_real_t left = auvid_metric_unexplained(m, j, best - DELAY_STEP, lag);
+    auvid_real_t right = auvid_metric_unexplained(m, j, best + DELAY_STEP, lag);
+    auvid_real_t bend = left - AUVID_C(2.0) * least + right;
+    auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
+    best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
+    return auvid_clamp(best, early ? EARLIEST : AUVID_C(0.0),
+                       DELAY_STEP * (auvid_real_t)DELAY_STEPS);
+}
+
+/* Shift or first-order lag, whichever leaves less unexplained; none without evidence. With E(s) the
+ * unexplained part, N rows and E nearly a parabola: sigma^2 = s^2 / (N (E(0) / E(s) - 1)). */
+static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
+{
+    auvid_real_t as_shift = best_delay(m, j, false), as_lag = best_delay(m, j, true);
+    auvid_real_t shift_leaves = auvid_metric_unexplained(m, j, as_shift, false);
+    auvid_real_t lag_leaves = auvid_metric_unexplained(m, j, as_lag, true);
+    *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
+    auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
+    auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
+                        (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - leaves);
+    auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
+    bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
+    *lag = *lag && sure;
+    return sure ? s : AUVID_C(0.0);
+}
+
+/* A column that depends on those before it (yaw: m_u and m_v stand there as -u v and u v) leaves a
+ * pivot of rounding, and in its row whatever direction of the others' rows rounding chose. That row
+ * goes back to where it can be explained, or not. */
+void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
+{
+    int n = auvid_metric_order(m, j);
+    auvid_real_t *triangle = m->merged + m->factor_at[j];
+    for (int i = 0; i < m->count[j]; ++i) {
+        auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        auvid_real_t norm = auvid_triangle_norm(triangle, n, i);
+        if (auvid_abs(r[0]) > ROUNDED * norm) {
+            continue;
+        }
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        memcpy(row + i, r, (size_t)(n - i) * sizeof *r);
+        memset(r, 0, (size_t)(n - i) * sizeof *r);
+        auvid_triangle_add(triangle, n, i + 1, row);
+    }
+}
+
+/* candidate = [pi_j, -l]. */
+void auvid_metric_settle(auvid_metric_t *m, int j)
+{
+    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    const auvid_real_t *triangle = m->merged + m->factor_at[j];
+    auvid_real_t l[AUVID_METRIC_DELAYS];
+    auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
+    bool driven = (m->driven >> j & 1) != 0;
+    bool lag = (m->cfg.lagged >> j & 1) != 0;
+    auvid_metric_clear_dependent(m, j);
+    if (!auvid_metric_has_regressor(m)) {
+        s = driven ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
+        lag = false;
+    } else if (m->cfg.estimate_delay) {
+        s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
+    }
+    m->delay_s[j] = s * auvid_metric_node_s(m);
+    m->lagged = (uint8_t)((m->lagged & ~(1u << j)) | (unsigned)lag << j);
+    auvid_metric_delay_weights(s, lag, l);
+    for (int i = 0; i < count; ++i) {
+        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
+        m->candidate[at + i] = m->z[at + i];
+    }
+    (void)auvid_triangle_solve(triangle, n, count, AUVID_C(1e-4), m->candidate + at);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        m->candidate[at + count + d] = -l[d];
+    }
+    if (driven) {
+        m->constant += m->weight[j] * auvid_metric_unexplained(m, j, s, lag);
+    }
+}
+
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+{
+    int n = auvid_metric_order(m, j);
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
+    auvid_metric_unpack_row(m, set, band, j, i, row);
+    for (int k = i; k < n; ++k) {
+        row[k] *= scale;
+    }
+    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+}
+
+static bool rotates(const auvid_metric_t *m)
+{
+    return m->pass != PASS_RESIDUAL && m->pass != PASS_MEASURE;
+}
+
+/* One row of one band of one set: rotate it in, or add its residual at the candidate. */
+static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+{
+    int n = auvid_metric_order(m, j);
+    if (!rotates(m)) {
+        const auvid_real_t *x = m->candidate + m->channel_at[j];
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
+        auvid_metric_unpack_row(m, set, band, j, i, row);
+        for (int k = i; k < n; ++k) {
+            e += row[k] * x[k];
+        }
+        m->band_sse[band][j] += e * e;
+        return;
+    }
+    auvid_metric_rotate(m, set, band, j, i);
+}
+
+void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
+{
+    m->pass = pass;
+    m->to_set = (uint8_t)auvid_metric_sets(m);
+    m->at_set = m->at_band = m->at_dof = 0;
+    m->paid = 0;
+    m->at_row = 0;
+    memset(m->band_sse, 0, sizeof m->band_sse);
+    if (pass == PASS_FIRST || pass == PASS_LAST) {
+        memset(m->merged, 0, sizeof m->merged);
+        m->constant = AUVID_C(0.0);
+    }
+}
+
+/* Visit rows until the budget or the sets are at an end. Each unit of the budget is one step of the
+ * loop at least. @return all visited */
+bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget)
+{
+    while (m->at_set < m->to_set) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
+        int j = m->at_dof;
+        bool inside = (set->driven >> j & 1) != 0 && m->at_row < auvid_metric_order(m, j);
+        if (inside) {
+            if (*budget == 0) {
+                return false;
+            }
+            if (auvid_metric_pay(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+                visit_row(m, set, m->at_band, j, m->at_row++);
+            }
+            continue;
+        }
+        m->at_row = 0;
+        if (++m->at_dof == AUVID_DOF_COUNT) {
+            m->at_dof = 0;
+            if (++m->at_band == AUVID_METRIC_BANDS) {
+                m->at_band = 0;
+                ++m->at_set;
+            }
+        }
+    }
+    return true;
+}
+
+/* weight_b ~ 1 / sse_b, geometric mean one. */
+static void weigh_bands(auvid_metric_t *m, int j)
+{
+    auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
+    auvid_real_t ratio = AUVID_C(1.0);
+    if (low > AUVID_C(0.0) && high > AUVID_C(0.0)) {
+        ratio = auvid_clamp(high / low, AUVID_C(1.0) / METRIC_LARGEST_RATIO, METRIC_LARGEST_RATIO);
+    }
+    m->band_weight[0][j] = auvid_sqrt(ratio);
+    m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
+}
+
+/* After a pass, one DoF at a time: eight units each. @return all done */
+static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
+{
+    while (m->at_dof < AUVID_DOF_COUNT) {
+        int j = m->at_dof;
+        if (auvid_metric_order(m, j) > 0) {
+            if (*budget == 0) {
+                return false;
+            }
+            if (!auvid_metric_pay(m, budget, 2 * AUVID_METRIC_ROTATION)) {
+                continue; /* the work of two rows */
+            }
+            if (m->pass == PASS_RESIDUAL) {
+                weigh_bands(m, j);
+            } else {
+                auvid_metric_settle(m, j);
+            }
+        }
+        m->at_row = 0;
+        ++m->at_dof;
+    }
+    return true;
+}
+
+bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
+{
+    auvid_status_t status = AUVID_EMPTY;
+    while (status == AUVID_EMPTY) {
+        if (m->pass == PASS_MEMORY) {
+            status = m->recall == NULL ? AUVID_OK : m->recall(m, budget);
+        } else if (auvid_metric_visit_rows(m, budget) && metric_settle_dof(m, budget)) {
+            auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
+        } else {
+            status = AUVID_PENDING;
+        }
+    }
+    return status == AUVID_OK;
+}
+
+void auvid_metric_merge_begin(auvid_metric_t *metric)
+{
+    auvid_metric_t *m = metric;
+    if (m == NULL) {
+        return;
+    }
+    m->driven = m->sets_merged = 0;
+    memset(m->dof_rows, 0, sizeof m->dof_rows);
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        m->driven |= set->driven;
+        m->sets_merged = (uint8_t)(m->sets_merged + (set->driven != 0));
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            unsigned rows = (set->driven >> j & 1) ? set->rows_of[j] : 0u;
+            m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        m->weight[j] = m->dof_rows[j] == 0 ? AUVID_C(0.0)
+                                           : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
+                                                             (auvid_real_t)m->dof_rows[j]);
+        m->band_weight[0][j] = m->band_weight[1][j] = AUVID_C(1.0);
+    }
+    auvid_metric_rewind(m, auvid_metric_is_literal(&m->cfg) ? PASS_LAST : PASS_FIRST);
+}
+
+auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_metric_t *m = metric;
+    if (m->driven == 0) {
+        return AUVID_ERR_NO_DATA;
+    }
+    bool done = !auvid_metric_has_regressor(m) || auvid_metric_gather(m, budget);
+    return done ? AUVID_OK : AUVID_PENDING;
+}

@@ -1,0 +1,173 @@
+/*
+ * Navigation filter, first part: configuration and output. The prediction is in auvid_nav_step.c.
+ */
+#include <string.h>
+
+#include "auvid_nav_internal.h"
+
+void auvid_nav_defaults(auvid_nav_config_t *config)
+{
+    if (config == NULL) {
+        return;
+    }
+    memset(config, 0, sizeof *config);
+    for (int i = 0; i < 3; ++i) {
+        config->sigma_acceleration[i] = AUVID_C(1.0);
+    }
+    config->reference_tick = AUVID_C(0.02);
+    config->sigma_dvl = AUVID_C(0.007);
+    config->sigma_current = AUVID_C(0.3);
+    config->sigma_depth = AUVID_C(0.015);
+    config->sigma_gps = AUVID_C(1.5);
+    config->sigma_position = AUVID_C(1.0);
+    config->sigma_velocity = AUVID_C(1.0);
+    config->gate = AUVID_C(16.0);
+    config->agility = AUVID_C(3.0);
+    config->speed_limit = AUVID_C(3.0);
+    config->density = AUVID_C(1025.0);
+    config->gravity = AUVID_C(9.80665);
+    config->surface_pressure = AUVID_C(101325.0);
+    config->surface_depth = AUVID_C(0.5);
+    config->dvl_max_age_us = 500000;
+    config->depth_max_age_us = 500000;
+    config->gps_max_age_us = 500000;
+    config->future_us = 20000;
+    config->stale_us = 1000000;
+    config->gap_us = 1000000;
+    config->lockout = 10;
+    config->gps_start = 4;
+}
+
+/* The ranges of nav.h; `n` reals stand at `offset` in the configuration. */
+#define FIELD(name, n, low, high)                                                                  \
+    {                                                                                              \
+        (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \
+    }
+static const struct {
+    uint8_t offset, n;
+    auvid_real_t low, high;
+} ranges[] = {
+    FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
+    FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    FIELD(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    FIELD(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
+    FIELD(sigma_depth, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    FIELD(sigma_gps, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    FIELD(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    FIELD(agility, 1, AUVID_C(0.0), AUVID_C(100.0)),
+    FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    FIELD(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
+    FIELD(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
+    FIELD(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+};
+
+static auvid_status_t check_config(const auvid_nav_config_t *c)
+{
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; ++i) {
+        for (size_t k = 0; k < ranges[i].n; ++k) {
+            auvid_real_t x;
+            memcpy(&x, (const char *)c + ranges[i].offset + k * sizeof x, sizeof x);
+            if (!(x >= ranges[i].low && x <= ranges[i].high)) {
+                return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+            }
+        }
+    }
+    const uint32_t most_us = NAV_LARGEST_AGE_US;
+    bool good = c->dvl_max_age_us <= most_us && c->depth_max_age_us <= most_us &&
+                c->gps_max_age_us <= most_us && c->future_us <= most_us && c->stale_us > 0 &&
+                c->gps_start <= AUVID_NAV_GPS_START_MAX;
+    return good ? AUVID_OK : AUVID_ERR_RANGE;
+}
+
+static inline auvid_real_t square(auvid_real_t x)
+{
+    return x * x;
+}
+
+auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config)
+{
+    if (nav == NULL || config == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = check_config(config);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    memset(nav, 0, sizeof *nav);
+    for (int i = 0; i < 3; ++i) {
+        nav->q[i] = square(config->sigma_acceleration[i]) * config->reference_tick;
+        nav->position[i] = config->position[i];
+        nav->pp[nav_packed[i][i]] = square(config->sigma_position);
+        nav->vv[nav_packed[i][i]] = square(config->sigma_velocity);
+    }
+    nav->r[AUVID_NAV_DVL_BOTTOM] = square(config->sigma_dvl);
+    nav->r[AUVID_NAV_DVL_WATER] = square(config->sigma_dvl) + square(config->sigma_current);
+    nav->r[AUVID_NAV_DEPTH] = square(config->sigma_depth);
+    nav->r[AUVID_NAV_GPS] = square(config->sigma_gps);
+    nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = config->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DVL_WATER] = config->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DEPTH] = config->depth_max_age_us;
+    nav->max_age_us[AUVID_NAV_GPS] = config->gps_max_age_us;
+    nav->future_us = config->future_us;
+    nav->stale_us = config->stale_us;
+    nav->gap_us = config->gap_us;
+    nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
+    nav->agility = config->agility;
+    nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
+    nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
+    nav->surface_pressure = config->surface_pressure;
+    nav->surface_depth = config->surface_depth;
+    nav->lockout = config->lockout;
+    nav->gps_start = config->gps_start;
+    memcpy(nav->lever, config->dvl_lever, sizeof nav->lever);
+    auvid_rotation(config->dvl_euler[0], config->dvl_euler[1], config->dvl_euler[2], nav->mount);
+    nav->ready = NAV_READY;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
+{
+    if (nav == NULL || state == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
+    }
+    state->t_us = nav->t_us;
+    for (int i = 0; i < 3; ++i) {
+        state->position[i] = nav->position[i] + nav->residue[i];
+        state->attitude[i] =
+            nav->attitude[i] + (auvid_real_t)nav->turns[i] * (AUVID_C(2.0) * AUVID_PI);
+        state->velocity[i] = nav->velocity[i];
+        state->rates[i] = nav->rates[i];
+    }
+    state->flags = nav->flags;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        state->flags |= nav_fresh(nav, i) ? 1u << i : 0u;
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6])
+{
+    if (nav == NULL || p == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready == NAV_BLANK) {
+        return AUVID_ERR_STATE;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            p[i][j] = nav->pp[nav_packed[i][j]];
+            p[i][3 + j] = p[3 + j][i] = nav->pv[i][j];
+            p[3 + i][3 + j] = nav->vv[nav_packed[i][j]];
+        }
+    }
+    return AUVID_OK;
+}

@@ -1,0 +1,452 @@
+/*
+ * Navigation filter, third part: the sensors. Each brings its sample into the form that the filter
+ * takes (auvid_nav_internal.h), or says why not, and counts it. The two that come all the time, a
+ * velocity along all axes and a depth, both of the present, enter here by a shorter way.
+ */
+#include <string.h>
+
+#include "auvid_nav_internal.h"
+
+/* Refuse a sample out of its time, hold one ahead of it, or fill in the time of *m. */
+AUVID_INLINE auvid_status_t admit(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                  const auvid_real_t value[3], unsigned valid,
+                                  auvid_nav_measurement_t *m)
+{
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
+    uint64_t age_us = nav->t_us - t_us; /* huge, when it is ahead */
+    if (age_us > nav->max_age_us[sensor]) {
+        auvid_status_t status = auvid_nav_hold(nav, sensor, t_us, value, valid);
+        if (status != AUVID_OK) {
+            return status;
+        }
+        age_us = 0;
+    }
+    if (d->axes > 0 && t_us <= d->seen_us) {
+        return t_us < d->seen_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
+    }
+    m->t_us = t_us;
+    m->sensor = sensor;
+    m->age = (auvid_real_t)(uint32_t)age_us * AUVID_C(1e-6);
+    return AUVID_OK;
+}
+
+static void raise_flag(auvid_nav_t *nav, unsigned flag)
+{
+    nav->flags = (uint16_t)(nav->flags | flag);
+}
+
+/* Raise the counter that goes with a status, and hand the status on. */
+static auvid_status_t tally_refused(auvid_nav_diagnostics_t *d, auvid_status_t status)
+{
+    switch ((int)status) {
+    case NAV_HELD:
+        return AUVID_PENDING;
+    case AUVID_UNUSED:
+        nav_count(&d->unused);
+        break;
+    case AUVID_GATED:
+        nav_count(&d->gated);
+        break;
+    case AUVID_ERR_NOT_FINITE:
+        nav_count(&d->not_finite);
+        break;
+    case AUVID_ERR_RANGE:
+        nav_count(&d->invalid);
+        break;
+    default: /* AUVID_ERR_STALE, _TIME_SAME, _TIME_BACK */
+        nav_count(&d->stale);
+        break;
+    }
+    return status;
+}
+
+static inline auvid_status_t tally(auvid_nav_diagnostics_t *d, auvid_status_t status)
+{
+    if (status != AUVID_OK && status != AUVID_PENDING) {
+        return tally_refused(d, status);
+    }
+    d->accepted += d->accepted < UINT32_MAX ? 1u : 0u;
+    return status;
+}
+
+/* z in the body frame, what the lever arm adds removed: M v - omega x r; for a part of the axes the
+ * directions h_j (columns of M) and v_j - h_j'(omega x r). */
+static void to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned valid,
+                    auvid_nav_measurement_t *m)
+{
+    const auvid_real_t *w = nav->rates, *r = nav->lever;
+    auvid_real_t past[3];
+    if (m->age > AUVID_C(0.0)) {
+        auvid_nav_past_rates(nav, (uint32_t)(nav->t_us - m->t_us), past);
+        w = past;
+    }
+    const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
+                                     w[0] * r[1] - w[1] * r[0]};
+    m->is_velocity = true;
+    m->directed = valid != AUVID_DVL_ALL;
+    if (!m->directed) {
+        m->z[0] = nav_dot(nav->mount[0], v) - turning[0];
+        m->z[1] = nav_dot(nav->mount[1], v) - turning[1];
+        m->z[2] = nav_dot(nav->mount[2], v) - turning[2];
+        m->n = 3;
+        return;
+    }
+    m->n = 0;
+    for (int j = 0; j < 3; ++j) {
+        if ((valid >> j & 1) != 0) {
+            for (int k = 0; k < 3; ++k) {
+                m->h[m->n][k] = nav->mount[k][j];
+            }
+            m->z[m->n] = v[j] - nav_dot(m->h[m->n], turning);
+            ++m->n;
+        }
+    }
+}
+
+/* Write innovation j down: is it within the gate? */
+AUVID_INLINE bool admits(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j, auvid_real_t nu,
+                         auvid_real_t s)
+{
+    d->innovation[j] = nu;
+    d->variance[j] = s;
+    return nu * nu <= nav->gate * s;
+}
+
+/* Row i of Ppv = r W and what goes with it; w: row i of W. */
+AUVID_INLINE void nav_settle(auvid_nav_t *nav, int i, auvid_real_t r, const auvid_real_t w[3],
+                             const auvid_real_t e[3])
+{
+    nav->residue[i] += nav_dot(nav->pv[i], e);
+    nav->pv[i][0] = r * w[0];
+    nav->pv[i][1] = r * w[1];
+    nav->pv[i][2] = r * w[2];
+}
+
+/*
+ * All of a present velocity at once: H = [0 I], R = r I, S = Pvv + r I. With W = Ppv S^-1
+ *
+ *     e = S^-1 nu,   p += Ppv e,   v += nu - r e
+ *     Ppp -= W Ppv',   Ppv = r W,   Pvv = r Pvv S^-1 = r (I - r S^-1)
+ *
+ * the same as three scalars for two thirds of the work; S^-1 by S = L D L', L^-1 = [1; a 1; b c 1].
+ * The last form of Pvv is for what stands off its diagonal: there it has no difference.
+ * False, and the filter as before, when the sample does not pass the gate.
+ */
+static bool take_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+{
+    auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
+    const auvid_real_t v[6] = {nav->vv[0], nav->vv[1], nav->vv[2],
+                               nav->vv[3], nav->vv[4], nav->vv[5]};
+    auvid_real_t r = nav->r[m->sensor], e[3], w[3];
+    const auvid_real_t s[3] = {v[0] + r, v[3] + r, v[5] + r};
+    const auvid_real_t nu[3] = {m->z[0] - nav->velocity[0], m->z[1] - nav->velocity[1],
+                                m->z[2] - nav->velocity[2]};
+    if (!(admits(nav, d, 0, nu[0], s[0]) && admits(nav, d, 1, nu[1], s[1]) &&
+          admits(nav, d, 2, nu[2], s[2]))) {
+        return false;
+    }
+    auvid_real_t d0 = AUVID_C(1.0) / s[0];
+    auvid_real_t a = -v[1] * d0, l2 = v[2] * d0;
+    auvid_real_t d1 = AUVID_C(1.0) / (s[1] + a * v[1]);
+    auvid_real_t f = v[4] + a * v[2], c = -f * d1;
+    auvid_real_t d2 = AUVID_C(1.0) / (s[2] - l2 * v[2] + c * f);
+    auvid_real_t b = c * a - l2;
+    auvid_real_t bd = b * d2, cd = c * d2, ad = a * d1;
+    const auvid_real_t inverse[6] = {d0 + a * ad + b * bd, ad + c * bd, bd, d1 + c * cd, cd, d2};
+    nav_times(inverse, nu, e);
+    d->nis = nav_dot(nu, e);
+    nav->velocity[0] = m->z[0] - r * e[0];
+    nav->velocity[1] = m->z[1] - r * e[1];
+    nav->velocity[2] = m->z[2] - r * e[2];
+    auvid_real_t rr = -r * r;
+    nav->vv[0] = r * (v[0] * inverse[0] + v[1] * inverse[1] + v[2] * inverse[2]);
+    nav->vv[1] = rr * inverse[1];
+    nav->vv[2] = rr * inverse[2];
+    nav->vv[3] = r * (v[1] * inverse[1] + v[3] * inverse[3] + v[4] * inverse[4]);
+    nav->vv[4] = rr * inverse[4];
+    nav->vv[5] = r * (v[2] * inverse[2] + v[4] * inverse[4] + v[5] * inverse[5]);
+    nav_times(inverse, nav->pv[0], w);
+    nav->pp[0] -= nav_dot(w, nav->pv[0]);
+    nav->pp[1] -= nav_dot(w, nav->pv[1]);
+    nav->pp[2] -= nav_dot(w, nav->pv[2]);
+    nav_settle(nav, 0, r, w, e);
+    nav_times(inverse, nav->pv[1], w);
+    nav->pp[3] -= nav_dot(w, nav->pv[1]);
+    nav->pp[4] -= nav_dot(w, nav->pv[2]);
+    nav_settle(nav, 1, r, w, e);
+    nav_times(inverse, nav->pv[2], w);
+    nav->pp[5] -= nav_dot(w, nav->pv[2]);
+    nav_settle(nav, 2, r, w, e);
+    return true;
+}
+
+/* A present depth; false as above. */
+static bool take_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+{
+    auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_DEPTH];
+    const auvid_real_t c[6] = {nav->pp[2],    nav->pp[4],    nav->pp[5],
+                               nav->pv[2][0], nav->pv[2][1], nav->pv[2][2]};
+    auvid_real_t s = nav_variance(nav, m, c[2]);
+    auvid_real_t nu = (m->z[0] - nav->position[2]) - nav->residue[2];
+    if (!admits(nav, d, 0, nu, s)) {
+        return false;
+    }
+    d->nis = nav_apply(nav, c, s, nu);
+    return true;
+}
+
+/* Let a sample in, unless it is to be kept apart; `taken`: that has been done the short way. */
+AUVID_INLINE auvid_status_t nav_take(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool apart,
+                                     bool taken)
+{
+    auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
+    if (taken) {
+        d->axes = m->n;
+        d->seen_us = m->t_us;
+        nav_note_good(d, m->t_us);
+    } else {
+        auvid_status_t status = auvid_nav_pass(nav, m);
+        if (status != AUVID_OK || apart) {
+            return status;
+        }
+        auvid_nav_enter(nav, m);
+    }
+    nav->touched_us = nav->t_us;
+    return AUVID_OK;
+}
+
+/* Body axes in the span of the valid axes of the instrument: bit i. The part of axis i outside the
+ * span is what the others, M_ij, have of it. */
+static uint8_t measured_axes(const auvid_nav_t *nav, unsigned valid)
+{
+    const auvid_real_t most = AUVID_NAV_MEASURED_SINE * AUVID_NAV_MEASURED_SINE;
+    unsigned measured = 0;
+    if (valid == AUVID_DVL_ALL) {
+        return AUVID_DVL_ALL;
+    }
+    for (int i = 0; i < 3; ++i) {
+        auvid_real_t outside = AUVID_C(0.0);
+        for (int j = 0; j < 3; ++j) {
+            auvid_real_t part = (valid >> j & 1) != 0 ? AUVID_C(0.0) : nav->mount[i][j];
+            outside += part * part;
+        }
+        measured |= (unsigned)(outside <= most) << i;
+    }
+    return (uint8_t)measured;
+}
+
+static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t velocity[3],
+                     uint8_t measured)
+{
+    knot->measured = measured;
+    knot->t_us = t_us;
+    memcpy(knot->velocity, velocity, sizeof knot->velocity);
+    ++knot->sequence;
+}
+
+static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                 const auvid_real_t v[3], unsigned valid)
+{
+    if (valid == 0) {
+        return AUVID_UNUSED;
+    }
+    auvid_real_t part[3];
+    if (valid != AUVID_DVL_ALL) {
+        for (int j = 0; j < 3; ++j) {
+            part[j] = (valid >> j & 1) != 0 ? v[j] : AUVID_C(0.0);
+        }
+        v = part;
+    }
+    auvid_nav_measurement_t m;
+    auvid_status_t status = nav_within(v, nav->speed_limit);
+    if (status == AUVID_OK) {
+        status = admit(nav, sensor, t_us, v, valid, &m);
+    }
+    if (status != AUVID_OK) {
+        return status;
+    }
+    to_body(nav, v, valid, &m);
+    bool water = sensor == AUVID_NAV_DVL_WATER;
+    bool apart = water && nav_fresh(nav, AUVID_NAV_DVL_BOTTOM);
+    bool present = !apart && !m.directed && !(m.age > AUVID_C(0.0));
+    status = nav_take(nav, &m, apart, present && take_velocity(nav, &m));
+    if (status != AUVID_OK) {
+        return status;
+    }
+    if (water && !m.directed) {
+        tie_knot(&nav->water, m.t_us, m.z, AUVID_DVL_ALL);
+    }
+    if (apart) {
+        return AUVID_UNUSED;
+    }
+    nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_WATER_AIDED);
+    raise_flag(nav, AUVID_NAV_VELOCITY_KNOWN | (water ? AUVID_NAV_WATER_AIDED : 0u));
+    if (!water) {
+        uint8_t measured = measured_axes(nav, valid);
+        tie_knot(&nav->ground, m.t_us, nav->velocity, measured);
+        if ((measured & 3u) == 3u) {
+            nav->horizontal_us = m.t_us;
+            nav->horizontal = true;
+        }
+        if (measured == AUVID_DVL_ALL) {
+            nav->complete_us = m.t_us;
+            nav->complete = true;
+        }
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
+{
+    if (nav == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
+    }
+    uint8_t sensor = sample->lock == AUVID_DVL_WATER ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM;
+    if ((sample->lock != AUVID_DVL_WATER && sample->lock != AUVID_DVL_BOTTOM) ||
+        sample->valid > AUVID_DVL_ALL) {
+        return tally(&nav->diagnostics[sensor], AUVID_ERR_RANGE);
+    }
+    return auvid_nav_update(nav, sensor, sample->t_us, sample->velocity, sample->valid);
+}
+
+static auvid_status_t check_position(const auvid_real_t *x, int n)
+{
+    for (int i = 0; i < n; ++i) {
+        if (!(x[i] >= -NAV_LARGEST_POSITION && x[i] <= NAV_LARGEST_POSITION)) {
+            return auvid_is_finite(x[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    return AUVID_OK;
+}
+
+static auvid_status_t update_depth(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
+{
+    auvid_nav_measurement_t m;
+    auvid_status_t status = check_position(value, 1);
+    m.z[0] = value[0];
+    if (status == AUVID_OK) {
+        status = admit(nav, AUVID_NAV_DEPTH, t_us, value, 0, &m);
+    }
+    if (status != AUVID_OK) {
+        return status;
+    }
+    m.is_velocity = false;
+    m.first = 2;
+    m.n = 1;
+    if ((nav->flags & AUVID_NAV_DEPTH_KNOWN) == 0) {
+        (void)auvid_nav_look(nav, &m);
+        nav_note_good(&nav->diagnostics[AUVID_NAV_DEPTH], t_us);
+        auvid_nav_restart(nav, 2, nav->diagnostics[AUVID_NAV_DEPTH].innovation[0],
+                          nav->r[AUVID_NAV_DEPTH]);
+        raise_flag(nav, AUVID_NAV_DEPTH_KNOWN);
+        return AUVID_OK;
+    }
+    return nav_take(nav, &m, false, !(m.age > AUVID_C(0.0)) && take_depth(nav, &m));
+}
+
+auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
+{
+    if (nav == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
+    }
+    const auvid_real_t value[3] = {depth_m};
+    return auvid_nav_update(nav, AUVID_NAV_DEPTH, t_us, value, 0);
+}
+
+auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa)
+{
+    if (nav == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return auvid_nav_depth(nav, t_us,
+                           (pressure_pa - nav->surface_pressure) * nav->metres_per_pascal);
+}
+
+/* Keep a fix for the start, as its distance from the filter's position; each axis stays sorted.
+ * With the last one the position starts from the medians. */
+static auvid_status_t collect_fix(auvid_nav_t *nav, const auvid_nav_diagnostics_t *d)
+{
+    for (int j = 0; j < 2; ++j) {
+        auvid_real_t *sorted = nav->gps_offset[j];
+        int i = nav->gps_count;
+        for (; i > 0 && sorted[i - 1] > d->innovation[j]; --i) {
+            sorted[i] = sorted[i - 1];
+        }
+        sorted[i] = d->innovation[j];
+    }
+    if (++nav->gps_count < nav->gps_start) {
+        return AUVID_PENDING;
+    }
+    for (int j = 0; j < 2; ++j) {
+        const auvid_real_t *sorted = nav->gps_offset[j];
+        int low = (nav->gps_start - 1) / 2, high = nav->gps_start / 2;
+        auvid_real_t median = AUVID_C(0.5) * (sorted[low] + sorted[high]);
+        auvid_nav_restart(nav, j, median, nav->r[AUVID_NAV_GPS]);
+    }
+    nav->gps_start = 0;
+    raise_flag(nav, AUVID_NAV_POSITION_KNOWN);
+    return AUVID_OK;
+}
+
+static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
+{
+    auvid_nav_measurement_t m;
+    auvid_status_t status = check_position(value, 2);
+    m.z[0] = value[0];
+    m.z[1] = value[1];
+    if (status == AUVID_OK) {
+        status = admit(nav, AUVID_NAV_GPS, t_us, value, 0, &m);
+    }
+    if (status != AUVID_OK) {
+        return status;
+    }
+    if (nav->position[2] + nav->residue[2] > nav->surface_depth) {
+        return AUVID_UNUSED;
+    }
+    m.is_velocity = false;
+    m.first = 0;
+    m.n = 2;
+    if (nav->gps_start > 0) {
+        auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_GPS];
+        (void)auvid_nav_look(nav, &m);
+        nav_note_good(d, t_us);
+        return collect_fix(nav, d);
+    }
+    status = nav_take(nav, &m, false, false);
+    if (status == AUVID_OK) {
+        raise_flag(nav, AUVID_NAV_POSITION_KNOWN);
+    }
+    return status;
+}
+
+auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m)
+{
+    if (nav == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
+    }
+    const auvid_real_t value[3] = {x_m, y_m};
+    return auvid_nav_update(nav, AUVID_NAV_GPS, t_us, value, 0);
+}
+
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                const auvid_real_t value[3], unsigned valid)
+{
+    auvid_status_t status;
+    if (sensor == AUVID_NAV_DEPTH) {
+        status = update_depth(nav, t_us, value);
+    } else if (sensor == AUVID_NAV_GPS) {
+        status = update_gps(nav, t_us, value);
+    } else {
+        status = update_dvl(nav, sensor, t_us, value, valid);
+    }
+    return tally(&nav->diagnostics[sensor], status);
+}

@@ -1,0 +1,141 @@
+/*
+ * Navigation filter, last part: the prediction, with each sample of the IMU.
+ *
+ * Eq. 5 with R = R(phi_k, theta_k, psi_k), t the tick and n the accelerations:
+ *
+ *     p_k = p_{k-1} + R (v_{k-1} t + n t^2/2)          F = [ I  t R ]      G = [ R t^2/2 ]
+ *     v_k = v_{k-1} + n t                                  [ 0   I  ]          [ I t     ]
+ *
+ *     P_k = F P F' + G Q G',   Q = diag(q) / t,   q = sigma^2 reference_tick
+ *
+ * In blocks, with A = Pvv + diag(q) t/4, C = t R A and N = Ppv + C/2:
+ *
+ *     Ppp += N (t R)' + (t R) N'
+ *     Ppv += C + t R diag(q) t/4
+ *     Pvv += diag(q) t
+ */
+#include <string.h>
+
+#include "auvid_nav_internal.h"
+
+#define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
+#define LARGEST_RATE AUVID_C(100.0)
+
+/* Row i of t R, N and Ppv, and the position; a: A, its upper half. */
+AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
+                              const auvid_real_t quarter[3], auvid_real_t tr[3], auvid_real_t n[3])
+{
+    auvid_real_t x = t * nav->rotation[i][0];
+    auvid_real_t y = t * nav->rotation[i][1];
+    auvid_real_t z = t * nav->rotation[i][2];
+    auvid_real_t c0 = x * a[0] + y * a[1] + z * a[2];
+    auvid_real_t c1 = x * a[1] + y * a[3] + z * a[4];
+    auvid_real_t c2 = x * a[2] + y * a[4] + z * a[5];
+    auvid_real_t *pv = nav->pv[i];
+    tr[0] = x;
+    tr[1] = y;
+    tr[2] = z;
+    n[0] = pv[0] + AUVID_C(0.5) * c0;
+    n[1] = pv[1] + AUVID_C(0.5) * c1;
+    n[2] = pv[2] + AUVID_C(0.5) * c2;
+    pv[0] += c0 + x * quarter[0];
+    pv[1] += c1 + y * quarter[1];
+    pv[2] += c2 + z * quarter[2];
+    nav_move(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
+}
+
+/* Eq. 5 and the covariance that goes with it, as above. */
+static AUVID_APART void nav_predict(auvid_nav_t *nav, auvid_real_t t)
+{
+    auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
+    const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
+    const auvid_real_t a[6] = {nav->vv[0] + quarter[0], nav->vv[1], nav->vv[2],
+                               nav->vv[3] + quarter[1], nav->vv[4], nav->vv[5] + quarter[2]};
+    predict_row(nav, 0, t, a, quarter, tr[0], n[0]);
+    predict_row(nav, 1, t, a, quarter, tr[1], n[1]);
+    predict_row(nav, 2, t, a, quarter, tr[2], n[2]);
+    nav->pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
+    nav->pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
+    nav->pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
+    nav->pp[3] += AUVID_C(2.0) * nav_dot(n[1], tr[1]);
+    nav->pp[4] += nav_dot(n[1], tr[2]) + nav_dot(n[2], tr[1]);
+    nav->pp[5] += AUVID_C(2.0) * nav_dot(n[2], tr[2]);
+    nav->vv[0] += AUVID_C(4.0) * quarter[0];
+    nav->vv[3] += AUVID_C(4.0) * quarter[1];
+    nav->vv[5] += AUVID_C(4.0) * quarter[2];
+}
+
+/* Whole turns that an angle left behind when it jumped by more than half a turn. */
+static inline void count_turns(int32_t *turns, auvid_real_t from, auvid_real_t to)
+{
+    if (!(auvid_abs(from - to) < AUVID_C(3.0))) {
+        auvid_real_t part = (from - to) * (AUVID_C(0.5) / AUVID_PI);
+        *turns += (int32_t)(part + (part < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
+    }
+}
+
+void auvid_nav_release(auvid_nav_t *nav)
+{
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        unsigned bit = 1u << i;
+        if ((nav->holding & bit) == 0 || nav->held_us[i] > nav->t_us) {
+            continue;
+        }
+        nav->holding = (uint8_t)(nav->holding & ~bit);
+        auvid_status_t status = auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i],
+                                                 nav->held_valid[i]);
+        if (status < 0 || status == AUVID_GATED) {
+            nav->held_refused = (uint8_t)(nav->held_refused | bit);
+        }
+    }
+}
+
+auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
+                             const auvid_real_t rates[3])
+{
+    if (nav == NULL || attitude == NULL || rates == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (nav->ready == NAV_BLANK) {
+        return AUVID_ERR_STATE;
+    }
+    bool running = nav->ready == NAV_RUNNING;
+    auvid_status_t status = nav_within(attitude, LARGEST_ANGLE);
+    if (status == AUVID_OK) {
+        status = nav_within(rates, LARGEST_RATE);
+    }
+    if (status != AUVID_OK) {
+        nav_count(&nav->imu_invalid);
+        return status;
+    }
+    if (running && t_us <= nav->t_us) {
+        nav_count(&nav->imu_time);
+        return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
+    }
+    uint64_t dt_us = t_us - nav->t_us;
+    nav->t_us = t_us;
+    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
+    auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
+    memcpy(nav->attitude, attitude, sizeof nav->attitude);
+    memcpy(nav->rates, rates, sizeof nav->rates);
+    auvid_nav_keep_rates(nav, dt_us);
+    nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
+    nav->held_refused = 0;
+    if (!running) {
+        nav->ready = NAV_RUNNING;
+        nav->touched_us = t_us;
+        return AUVID_OK;
+    }
+    count_turns(&nav->turns[0], phi, attitude[0]);
+    count_turns(&nav->turns[2], psi, attitude[2]);
+    nav_predict(nav, auvid_seconds(0, dt_us));
+    if (nav->holding != 0) {
+        auvid_nav_release(nav);
+    }
+    if (nav->gap_us > 0 && dt_us > nav->gap_us) {
+        nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
+        nav_count(&nav->imu_gaps);
+        return AUVID_GAP;
+    }
+    return AUVID_OK;
+}

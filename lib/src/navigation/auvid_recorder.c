@@ -1,0 +1,312 @@
+/*
+ * Recorder (Karras et al. 2013, III-B, buffers of Eq. 9).
+ *
+ * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps; the
+ * integral of a straight line over an overlap is its value in the middle times the length. Cells
+ * live in a ring; a cell is zeroed when the first stream enters it. u, v and w are a stream each;
+ * one that is lost (not valid) takes part again from the next whole cell on.
+ */
+#include "auvid/recorder.h"
+
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+
+enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
+
+/* Channels of each stream in a cell: phi theta psi p q r | u | v | w | tau, commands. */
+static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER_CHANNELS};
+
+/* Cells without one of the velocities, the others measured, after which it is lost: some are left
+ * of the ring for the samples' delay. */
+enum { LONGEST_LAG = AUVID_RECORDER_CELLS - 8 };
+
+enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
+
+void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
+{
+    if (cfg != NULL) {
+        *cfg = (auvid_recorder_config_t){.cell_us = 100000};
+    }
+}
+
+uint32_t auvid_recorder_gap(uint32_t velocity_us)
+{
+    if (velocity_us >= 200000) {
+        return 1000000;
+    }
+    return velocity_us > 100000 ? 5u * velocity_us : 500000;
+}
+
+auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
+{
+    if (recorder == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    uint32_t gap_us = cfg->gap_us == 0 ? auvid_recorder_gap(0) : cfg->gap_us;
+    if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || gap_us < cfg->cell_us ||
+        gap_us > 1000000000 ||
+        (cfg->input != AUVID_INPUT_HOLD && cfg->input != AUVID_INPUT_LINEAR)) {
+        return AUVID_ERR_RANGE;
+    }
+    memset(recorder, 0, sizeof *recorder);
+    recorder->cfg = *cfg;
+    recorder->cfg.gap_us = gap_us;
+    return AUVID_OK;
+}
+
+static bool is_velocity(int s)
+{
+    return s >= VELOCITY && s < INPUT;
+}
+
+/* Unless there is one, begin a record at the latest of the streams' last samples, once all have one
+ * that is not older than a gap; of the velocities one is enough. */
+static void begin_record(auvid_recorder_t *rec)
+{
+    uint64_t origin = 0;
+    bool moves = false;
+    if (rec->running) {
+        return;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        if (rec->stream[s].valid) {
+            origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
+        } else if (!is_velocity(s)) {
+            return;
+        }
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        auvid_recorder_stream_t *st = &rec->stream[s];
+        st->valid = st->valid && origin - st->t_us <= rec->cfg.gap_us;
+        moves = moves || (is_velocity(s) && st->valid);
+        if (!st->valid && !is_velocity(s)) {
+            return;
+        }
+    }
+    if (!moves) {
+        return;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        rec->stream[s].filled_us = origin;
+        rec->stream[s].cell = 0;
+    }
+    rec->origin_us = origin;
+    rec->opened = 0;
+    rec->next = 2; /* the first cell with two neighbours on each side */
+    rec->running = true;
+}
+
+/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. False
+ * when it reaches a cell for which the ring has no room. At most AUVID_RECORDER_CELLS passes. */
+static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    auvid_recorder_stream_t *st = &rec->stream[s];
+    const auvid_real_t *last = &rec->last[first_channel[s]];
+    int channels = first_channel[s + 1] - first_channel[s];
+    bool hold = s == INPUT && rec->cfg.input == AUVID_INPUT_HOLD;
+    auvid_real_t per_segment = AUVID_C(1.0) / (auvid_real_t)(uint32_t)(t_us - st->t_us);
+    auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cfg.cell_us;
+
+    while (st->filled_us < t_us) {
+        uint64_t cell_end = rec->origin_us + (uint64_t)(st->cell + 1) * rec->cfg.cell_us;
+        uint64_t to = t_us < cell_end ? t_us : cell_end;
+        if (st->cell - (rec->next - 2) >= AUVID_RECORDER_CELLS) {
+            return false;
+        }
+        auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
+        for (; rec->opened <= st->cell; ++rec->opened) { /* one that was lost may be ahead */
+            memset(rec->mean[rec->opened % AUVID_RECORDER_CELLS], 0, sizeof rec->mean[0]);
+            rec->measured[rec->opened % AUVID_RECORDER_CELLS] = 0;
+        }
+        auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
+        /* where the middle of the overlap lies between the two samples, 0..1 */
+        auvid_real_t middle =
+            (auvid_real_t)(uint32_t)(to - st->t_us + (st->filled_us - st->t_us)) * AUVID_C(0.5);
+        auvid_real_t part = hold ? AUVID_C(0.0) : middle * per_segment;
+        for (int i = 0; i < channels; ++i) {
+            mean[first_channel[s] + i] += weight * (last[i] + part * (value[i] - last[i]));
+        }
+        st->filled_us = to;
+        if (to == cell_end) {
+            unsigned bit = is_velocity(s) ? 1u << (s - VELOCITY) : 0u;
+            uint8_t *measured = &rec->measured[st->cell % AUVID_RECORDER_CELLS];
+            *measured = (uint8_t)(*measured | bit);
+            ++st->cell;
+        }
+    }
+    return true;
+}
+
+/* A sample of a stream, checked. */
+static void recorder_take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    auvid_recorder_stream_t *st = &rec->stream[s];
+    if (rec->running && !st->valid) { /* a velocity that was lost */
+        bool inside = t_us >= rec->origin_us; /* or a late one of before the record */
+        st->cell =
+            inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
+        st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
+    } else if (rec->running &&
+               (t_us - st->t_us > rec->cfg.gap_us || !integrate(rec, s, t_us, value))) {
+        rec->broken = true;
+        rec->running = false;
+    }
+    memcpy(&rec->last[first_channel[s]], value,
+           (size_t)(first_channel[s + 1] - first_channel[s]) * sizeof value[0]);
+    st->t_us = t_us;
+    st->valid = true;
+}
+
+static auvid_status_t check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
+{
+    if (st->valid && t_us <= st->t_us) {
+        return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
+    }
+    return AUVID_OK;
+}
+
+static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+{
+    size_t channels = (size_t)(first_channel[s + 1] - first_channel[s]);
+    auvid_status_t status = auvid_all_within(value, channels, AUVID_RECORDER_LARGEST);
+    if (status == AUVID_OK) {
+        status = check_time(&rec->stream[s], t_us);
+    }
+    if (status == AUVID_OK) {
+        recorder_take(rec, s, t_us, value);
+        begin_record(rec);
+    }
+    return status;
+}
+
+auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
+                                       const auvid_real_t *attitude, const auvid_real_t *rates)
+{
+    if (recorder == NULL || attitude == NULL || rates == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_real_t value[6];
+    memcpy(value, attitude, 3 * sizeof value[0]);
+    memcpy(value + 3, rates, 3 * sizeof value[0]);
+    return feed(recorder, ATTITUDE, t_us, value);
+}
+
+auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
+                                       const auvid_real_t *velocity, unsigned measured)
+{
+    auvid_recorder_t *rec = recorder;
+    if (rec == NULL || velocity == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = measured > 7u ? AUVID_ERR_RANGE : AUVID_OK;
+    uint32_t silence_us[3], least_us = UINT32_MAX;
+    for (int i = 0; i < 3; ++i) {
+        const auvid_recorder_stream_t *st = &rec->stream[VELOCITY + i];
+        if (status == AUVID_OK && (measured >> i & 1u) != 0) {
+            status = auvid_all_within(velocity + i, 1, AUVID_RECORDER_LARGEST);
+        }
+        if (status == AUVID_OK) {
+            status = check_time(st, t_us);
+        }
+        uint64_t us = t_us - st->t_us;
+        silence_us[i] = st->valid && us < UINT32_MAX ? (uint32_t)us : UINT32_MAX;
+        least_us = silence_us[i] < least_us ? silence_us[i] : least_us;
+    }
+    if (status != AUVID_OK || measured == 0) {
+        return status != AUVID_OK ? status : AUVID_UNUSED;
+    }
+    /* after a silence of all three the record breaks, as after that of any stream */
+    bool goes_on = rec->running && least_us <= rec->cfg.gap_us;
+    for (int i = 0; i < 3; ++i) {
+        bool is_measured = (measured >> i & 1u) != 0;
+        bool lost = is_measured ? silence_us[i] > rec->cfg.gap_us
+                                : silence_us[i] >= rec->cfg.gap_us ||
+                                      silence_us[i] >= LONGEST_LAG * rec->cfg.cell_us;
+        if (goes_on && lost) {
+            rec->stream[VELOCITY + i].valid = false;
+        }
+        if (is_measured) {
+            recorder_take(rec, VELOCITY + i, t_us, velocity + i);
+        }
+    }
+    begin_record(rec);
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
+                                     const auvid_real_t *attitude, const auvid_real_t *nu)
+{
+    if (recorder == NULL || attitude == NULL || nu == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    /* what would refuse the velocity once the attitude is taken */
+    auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
+    for (int i = 0; i < 3 && status == AUVID_OK; ++i) {
+        status = check_time(&recorder->stream[VELOCITY + i], t_us);
+    }
+    if (status == AUVID_OK) {
+        status = auvid_recorder_attitude(recorder, t_us, attitude, nu + AUVID_ROLL);
+    }
+    return status == AUVID_OK ? auvid_recorder_velocity(recorder, t_us, nu, 7u) : status;
+}
+
+auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
+                                    const auvid_real_t *tau, const auvid_real_t *command)
+{
+    if (recorder == NULL || tau == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] = {AUVID_C(0.0)};
+    memcpy(value, tau, AUVID_DOF_COUNT * sizeof value[0]);
+    if (command != NULL) {
+        memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_COMMANDS * sizeof value[0]);
+    }
+    return feed(recorder, INPUT, t_us, value);
+}
+
+static const auvid_real_t *cell(const auvid_recorder_t *rec, uint32_t number)
+{
+    return rec->mean[number % AUVID_RECORDER_CELLS];
+}
+
+auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sample)
+{
+    if (recorder == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_recorder_t *rec = recorder;
+    if (rec->broken) {
+        rec->broken = false;
+        return AUVID_GAP;
+    }
+    for (int s = 0; s < STREAMS; ++s) {
+        bool lost = is_velocity(s) && !rec->stream[s].valid;
+        if (!rec->running || (!lost && rec->stream[s].cell <= rec->next + 2)) {
+            return AUVID_EMPTY;
+        }
+    }
+    const auvid_real_t *mean = cell(rec, rec->next);
+    const auvid_real_t *before2 = cell(rec, rec->next - 2), *before = cell(rec, rec->next - 1);
+    const auvid_real_t *after = cell(rec, rec->next + 1), *after2 = cell(rec, rec->next + 2);
+    auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cfg.cell_us);
+
+    memset(sample, 0, sizeof *sample);
+    sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cfg.cell_us + rec->cfg.cell_us / 2;
+    sample->phi = mean[PHI];
+    sample->theta = mean[PHI + 1];
+    sample->psi = mean[PHI + 2];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int i = j < 3 ? VELOCITIES + j : RATES + j - 3;
+        sample->nu[j] = mean[i];
+        sample->nu_dot[j] =
+            (AUVID_C(8.0) * (after[i] - before[i]) - (after2[i] - before2[i])) * per_12t;
+        sample->tau[j] = mean[TAU + j];
+    }
+    memcpy(sample->command, &mean[COMMAND], sizeof sample->command);
+    for (uint32_t k = rec->next - 2; k <= rec->next + 2; ++k) {
+        sample->missing |= (uint8_t)(~rec->measured[k % AUVID_RECORDER_CELLS] & 7u);
+    }
+    ++rec->next;
+    return AUVID_OK;
+}

@@ -1,0 +1,156 @@
+/*
+ * Line search, directions: where a trial lies, and how d_i is made conjugate (Smith 1962, Powell
+ * 1964: the minima of parallel subspaces).
+ *
+ * On a quadratic with half second derivatives c_k along d_k, slope g_k at the line's start, and all
+ * d_k, k < i, conjugate to each other: from p = base + a e_i the slope along d_k is
+ *     s_k = (J(p + t d_k) - J(p)) / t - c_k t
+ * so the minimum over the span of all d_k has gone by t_k = -(s_k - g_k) / (2 c_k) for the step a,
+ * and d_i = e_i + sum (t_k / a) d_k is conjugate to all of them. One trial for each k:
+ * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has nothing of
+ * e_k, k > i: the d_i span the space whatever the probes have told.
+ */
+#include "auvid_line_search_directions_internal.h"
+
+#include <string.h>
+
+/* More of d_k for one of e_i is rounding. */
+#define SHARE_MAX AUVID_C(1e6)
+
+bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_real_t *theta)
+{
+    for (size_t i = 0; i < c->n; ++i) {
+        if (!(theta[i] >= c->lower[i] && theta[i] <= c->upper[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Of d_i, along parameter k <= i [parameter's unit]. */
+static auvid_real_t component(const auvid_line_search_t *ls, size_t i, size_t k)
+{
+    const auvid_real_t unit = ls->config.scale[k];
+    return k == i ? unit : unit * ls->shear[AUVID_SHEAR(i) + k];
+}
+
+/* trial = base + axis_step e_i + t d_probe, or with -t. False if neither is in the box. */
+static bool place_probe(auvid_line_search_t *ls)
+{
+    const size_t i = line_search_parameter(ls);
+    for (int side = 0; side < 2; ++side) {
+        memcpy(ls->trial, ls->base, i * sizeof *ls->trial);
+        ls->trial[i] = ls->base[i] + ls->axis_step * ls->config.scale[i];
+        for (size_t k = 0; k <= ls->probe; ++k) {
+            ls->trial[k] += ls->t * component(ls, ls->probe, k);
+        }
+        if (auvid_line_search_inside(&ls->config, ls->trial)) {
+            return true;
+        }
+        ls->t = -ls->t;
+    }
+    return false;
+}
+
+/* trial = base + t d_i; t becomes the step that the box leaves. False if the iterate is there. */
+static bool place_along(auvid_line_search_t *ls)
+{
+    const auvid_line_search_config_t *c = &ls->config;
+    const size_t i = line_search_parameter(ls), first = line_search_is_literal(c) ? i : 0;
+    const auvid_real_t sign = line_search_sign(ls);
+    auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
+    size_t bound = AUVID_MAX_PARAMETERS;
+    bool moved = false;
+    for (size_t k = first; k <= i; ++k) {
+        d = sign * component(ls, i, k);
+        const auvid_real_t x = ls->base[k] + t * d;
+        if (!(x >= c->lower[k] && x <= c->upper[k])) {
+            bound = k;
+            to = auvid_clamp(x, c->lower[k], c->upper[k]);
+            t = (to - ls->base[k]) / d;
+        }
+    }
+    for (size_t k = first; k <= i; ++k) {
+        const auvid_real_t x = ls->base[k] + t * (sign * component(ls, i, k));
+        ls->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
+    }
+    ls->t = line_search_is_literal(c) ? (ls->trial[i] - ls->base[i]) / d : t;
+    return moved;
+}
+
+/* The same, d the displacement of the sweep. */
+static bool place_pattern(auvid_line_search_t *ls)
+{
+    const auvid_line_search_config_t *c = &ls->config;
+    bool moved = false;
+    for (size_t k = 0; k < c->n; ++k) {
+        const auvid_real_t x = ls->base[k] + ls->t * (ls->base[k] - ls->previous[k]);
+        ls->trial[k] = auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
+    }
+    return moved;
+}
+
+bool auvid_line_search_place(auvid_line_search_t *ls)
+{
+    if (ls->move == MOVE_PROBE) {
+        return place_probe(ls);
+    }
+    return line_search_is_pattern(ls) ? place_pattern(ls) : place_along(ls);
+}
+
+void auvid_line_search_release(auvid_line_search_t *ls)
+{
+    const auvid_line_search_config_t *c = &ls->config;
+    const size_t i = line_search_parameter(ls);
+    for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
+        const auvid_real_t d = line_search_sign(ls) * component(ls, i, k);
+        const auvid_real_t x = ls->base[k] + c->sigma * ls->t * d;
+        if (!(x >= c->lower[k] && x <= c->upper[k])) {
+            ls->shear[AUVID_SHEAR(i) + k] = AUVID_C(0.0);
+            ls->curvature[i] = AUVID_C(0.0);
+        }
+    }
+}
+
+/* That of the chord to a point of the line, and the bend on the way. */
+void auvid_line_search_note_slope(auvid_line_search_t *ls)
+{
+    const size_t i = line_search_parameter(ls);
+    const auvid_real_t c = ls->curvature[i], t = ls->t_near;
+    if (auvid_abs(t) > AUVID_C(0.0) && c > AUVID_C(0.0) &&
+        ls->cost_near < AUVID_LINE_SEARCH_COST_FAILED) {
+        const auvid_real_t chord = (ls->cost_near - ls->base_cost) / t;
+        ls->slope[i] = line_search_sign(ls) * (chord + c * (AUVID_C(2.0) * ls->t_best - t));
+    }
+}
+
+bool auvid_line_search_probe(auvid_line_search_t *ls, size_t k)
+{
+    while (k < line_search_parameter(ls) && !(ls->curvature[k] > AUVID_C(0.0))) {
+        ++k;
+    }
+    if (k == line_search_parameter(ls)) {
+        return false;
+    }
+    ls->probe = (uint8_t)k;
+    ls->move = MOVE_PROBE;
+    ls->t = ls->alpha[2u * k];
+    return true;
+}
+
+void auvid_line_search_learn(auvid_line_search_t *ls, auvid_real_t cost)
+{
+    const size_t i = line_search_parameter(ls), k = ls->probe;
+    const auvid_real_t c = ls->curvature[k];
+    const auvid_real_t slope = (cost - ls->axis_cost) / ls->t - c * ls->t - ls->slope[k];
+    const auvid_real_t share = AUVID_C(-0.5) * slope / (c * ls->axis_step);
+    if (cost < AUVID_LINE_SEARCH_COST_FAILED && auvid_abs(share) <= SHARE_MAX) {
+        auvid_real_t *u = ls->shear + AUVID_SHEAR(i), *v = ls->shear + AUVID_SHEAR(k);
+        for (size_t j = 0; j < k; ++j) {
+            u[j] = auvid_clamp(u[j] + share * v[j], -SHARE_MAX, SHARE_MAX);
+        }
+        u[k] = share;
+    }
+}

@@ -1,0 +1,429 @@
+/*
+ * Elementary functions: the bounds stated in auvid_math.c, against libm in long double, and the
+ * same bits from every compiler. AUVID_TEST_LONG compares the software square root for every float.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/auvid_math_internal.h"
+#include "base/auvid_sqrt_soft_internal.h"
+#include "unity.h"
+
+/* The bounds, as auvid_math.c states them, in AUVID_EPSILON. */
+#define SINCOS_BOUND 0.75L
+#define SIN_RELATIVE_BOUND 1.25L
+#define ATAN2_BOUND 2.0L
+#define WRAP_BOUND 1.25L
+
+#define EPS ((long double)AUVID_EPSILON)
+#define SWEEP 1000000
+
+static auvid_rng_t rng;
+
+void setUp(void)
+{
+    auvid_rng_seed(&rng, 1);
+}
+
+void tearDown(void)
+{
+}
+
+static uint32_t bits_32(float x)
+{
+    uint32_t b;
+    memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+static uint64_t bits_64(double x)
+{
+    uint64_t b;
+    memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+static bool same(auvid_real_t a, auvid_real_t b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* Uniform in [-limit, limit]; every third within 1e-3 of a multiple of pi/2, where reduction is
+ * hardest. */
+static auvid_real_t some_angle(int i, auvid_real_t limit)
+{
+    auvid_real_t x = (AUVID_C(2.0) * auvid_rng_uniform(&rng) - AUVID_C(1.0)) * limit;
+    if (i % 3 == 0) {
+        double near = floor((double)x / 1.5707963267948966) * 1.5707963267948966;
+        x = (auvid_real_t)(near + 1e-3 * ((double)auvid_rng_uniform(&rng) - 0.5));
+    }
+    return auvid_clamp(x, -limit, limit);
+}
+
+static void test_software_sqrt_of_a_float_is_the_correctly_rounded_one(void)
+{
+    uint64_t step = getenv("AUVID_TEST_LONG") != NULL ? 1u : 997u;
+    for (uint64_t i = 0; i <= UINT32_MAX; i += step) {
+        uint32_t b = (uint32_t)i;
+        float x;
+        memcpy(&x, &b, sizeof x);
+        uint32_t expected = x > 0.0f ? bits_32(sqrtf(x)) : 0u;
+        if (auvid_sqrt_soft_32(b) != expected) {
+            TEST_ASSERT_EQUAL_HEX32(expected, auvid_sqrt_soft_32(b));
+        }
+    }
+}
+
+static void test_software_sqrt_of_a_double_is_the_correctly_rounded_one(void)
+{
+    for (int i = 0; i < SWEEP; ++i) {
+        uint64_t b = ((uint64_t)auvid_rng_next(&rng) << 32) | auvid_rng_next(&rng);
+        if (i % 4 == 0) { /* denormals of all sizes */
+            b = (b & ((UINT64_C(1) << 52) - 1u)) >> auvid_rng_below(&rng, 52);
+        } else if (i % 4 == 1) { /* one below, at or above a square: the closest decisions */
+            double r = ldexp((double)(b >> 38), (int)(b & 63u) - 30);
+            b = bits_64(r * r) - 1u + b % 3u;
+        }
+        double x;
+        memcpy(&x, &b, sizeof x);
+        uint64_t expected = x > 0.0 ? bits_64(sqrt(x)) : 0u;
+        if (auvid_sqrt_soft_64(b) != expected) {
+            TEST_ASSERT_EQUAL_HEX64(expected, auvid_sqrt_soft_64(b));
+        }
+    }
+}
+
+static void test_software_sqrt_knows_the_ends_of_the_range(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0x7f800000u, auvid_sqrt_soft_32(0x7f800000u));
+    TEST_ASSERT_EQUAL_HEX32(0u, auvid_sqrt_soft_32(0x7fc00000u));
+    TEST_ASSERT_EQUAL_HEX32(0u, auvid_sqrt_soft_32(0x80000000u));
+    TEST_ASSERT_EQUAL_HEX32(bits_32(sqrtf(1e-45f)), auvid_sqrt_soft_32(1u));
+    TEST_ASSERT_EQUAL_HEX32(bits_32(sqrtf(3.4028235e38f)), auvid_sqrt_soft_32(0x7f7fffffu));
+    TEST_ASSERT_EQUAL_HEX64(bits_64(sqrt(5e-324)), auvid_sqrt_soft_64(1u));
+    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x7ff) << 52, auvid_sqrt_soft_64(UINT64_C(0x7ff) << 52));
+    TEST_ASSERT_EQUAL_HEX64(0u, auvid_sqrt_soft_64(UINT64_MAX));
+}
+
+static void test_sqrt_is_the_correctly_rounded_one(void)
+{
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t x = auvid_rng_uniform(&rng) * (auvid_real_t)(i + 1);
+#ifdef AUVID_REAL_DOUBLE
+        auvid_real_t expected = sqrt(x);
+#else
+        auvid_real_t expected = sqrtf(x);
+#endif
+        if (!same(expected, auvid_sqrt(x))) {
+            TEST_FAIL_MESSAGE("sqrt differs from the instruction");
+        }
+    }
+}
+
+static void test_sqrt_is_zero_where_there_is_none_and_leaves_errno_alone(void)
+{
+    volatile auvid_real_t zero = AUVID_C(0.0);
+    errno = 0;
+    TEST_ASSERT_TRUE(same(AUVID_C(0.0), auvid_sqrt(AUVID_C(-1.0))));
+    TEST_ASSERT_TRUE(same(AUVID_C(0.0), auvid_sqrt(-zero)));
+    TEST_ASSERT_TRUE(same(AUVID_C(0.0), auvid_sqrt(zero / zero)));
+    TEST_ASSERT_EQUAL_INT(0, errno);
+}
+
+static void test_sincos_keep_their_bound_up_to_ten_thousand(void)
+{
+    long double worst = 0.0L;
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t x = some_angle(i, i % 2 == 0 ? AUVID_C(10000.0) : AUVID_C(10.0));
+        auvid_real_t s, c;
+        auvid_sincos(x, &s, &c);
+        worst = fmaxl(worst, fabsl((long double)s - sinl((long double)x)));
+        worst = fmaxl(worst, fabsl((long double)c - cosl((long double)x)));
+    }
+    TEST_ASSERT_TRUE(worst <= SINCOS_BOUND * EPS);
+}
+
+static void test_sin_keeps_its_relative_bound_up_to_pi(void)
+{
+    long double worst = 0.0L;
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t x = some_angle(i, AUVID_PI);
+        auvid_real_t s;
+        long double exact = sinl((long double)x);
+        auvid_sincos(x, &s, NULL);
+        worst = fmaxl(worst, fabsl(((long double)s - exact) / exact));
+    }
+    TEST_ASSERT_TRUE(worst <= SIN_RELATIVE_BOUND * EPS);
+}
+
+static void test_sincos_is_odd_and_even_to_the_bit(void)
+{
+    for (int i = 0; i < 10000; ++i) {
+        auvid_real_t x = some_angle(i, AUVID_C(10000.0));
+        auvid_real_t s, c, s_minus, c_minus;
+        auvid_sincos(x, &s, &c);
+        auvid_sincos(-x, &s_minus, &c_minus);
+        TEST_ASSERT_TRUE(same(s, -s_minus) && same(c, c_minus));
+    }
+}
+
+static void test_one_of_sine_and_cosine_has_the_bits_of_both(void)
+{
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t s, c, x = AUVID_C(2e4) * auvid_rng_uniform(&rng) - AUVID_C(1e4);
+        x = i % 2 ? x * AUVID_C(1e-4) : x;
+        auvid_sincos(x, &s, &c);
+        TEST_ASSERT_TRUE(auvid_sin_turned(x, 0) == s && auvid_sin_turned(x, 1) == c);
+    }
+    TEST_ASSERT_FALSE(auvid_is_finite(auvid_sin_turned(AUVID_C(1.1e4), 0)));
+    TEST_ASSERT_FALSE(auvid_is_finite(auvid_sin_turned((auvid_real_t)NAN, 1)));
+}
+
+static void test_all_finite_finds_what_is_not_wherever_it_stands(void)
+{
+    const auvid_real_t bad[] = {(auvid_real_t)NAN, (auvid_real_t)INFINITY, (auvid_real_t)-INFINITY};
+    auvid_real_t x[5] = {AUVID_C(0.0), AUVID_LARGEST, -AUVID_LARGEST, AUVID_C(-0.0),
+                         AUVID_C(1e-40)};
+    TEST_ASSERT_TRUE(auvid_all_finite(x, 5));
+    for (int i = 0; i < 15; ++i) {
+        auvid_real_t good = x[i % 5];
+        x[i % 5] = bad[i / 5];
+        TEST_ASSERT_FALSE(auvid_all_finite(x, 5));
+        TEST_ASSERT_TRUE(auvid_all_finite(x, (size_t)(i % 5)));
+        x[i % 5] = good;
+    }
+}
+
+static void test_clear_writes_as_many_zeros_as_it_is_told(void)
+{
+    for (size_t n = 0; n < 20; ++n) {
+        auvid_real_t x[21];
+        for (size_t i = 0; i < 21; ++i) {
+            x[i] = AUVID_C(1.0);
+        }
+        auvid_clear(x, n);
+        for (size_t i = 0; i < 21; ++i) {
+            TEST_ASSERT_TRUE(x[i] == (i < n ? AUVID_C(0.0) : AUVID_C(1.0)));
+        }
+    }
+}
+
+static void test_sincos_accepts_null_for_what_is_not_wanted(void)
+{
+    auvid_real_t s = AUVID_C(5.0);
+    auvid_real_t c = AUVID_C(5.0);
+    auvid_sincos(AUVID_C(0.0), &s, NULL);
+    auvid_sincos(AUVID_C(0.0), NULL, &c);
+    TEST_ASSERT_TRUE(s == AUVID_C(0.0) && c == AUVID_C(1.0));
+}
+
+static void test_sincos_and_wrap_are_nan_out_of_range(void)
+{
+    volatile auvid_real_t zero = AUVID_C(0.0);
+    const auvid_real_t bad[] = {AUVID_C(10001.0), AUVID_C(-1e30), AUVID_C(1.0) / zero, zero / zero};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        auvid_real_t s, c;
+        auvid_sincos(bad[i], &s, &c);
+        TEST_ASSERT_TRUE(s != s && c != c);
+        s = auvid_wrap_pi(bad[i]);
+        TEST_ASSERT_TRUE(s != s);
+    }
+}
+
+static void test_atan2_keeps_its_bound_in_all_quadrants(void)
+{
+    long double worst = 0.0L;
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t y = AUVID_C(2.0) * auvid_rng_uniform(&rng) - AUVID_C(1.0);
+        auvid_real_t x = AUVID_C(2.0) * auvid_rng_uniform(&rng) - AUVID_C(1.0);
+        for (uint32_t shrink = i % 2 == 0 ? 0u : auvid_rng_below(&rng, 30); shrink > 0u; --shrink) {
+            y *= AUVID_C(0.5);
+        }
+        if (i % 4 == 3) {
+            auvid_real_t swap = x;
+            x = y;
+            y = swap;
+        }
+        long double exact = atan2l((long double)y, (long double)x);
+        if (exact != 0.0L) {
+            long double error = (long double)auvid_atan2(y, x) - exact;
+            worst = fmaxl(worst, fabsl(error / exact));
+        }
+    }
+    TEST_ASSERT_TRUE(worst <= ATAN2_BOUND * EPS);
+}
+
+static void test_atan2_is_exact_on_the_axes_and_zero_at_the_origin(void)
+{
+    const auvid_real_t half_pi = AUVID_C(0.5) * AUVID_PI;
+    TEST_ASSERT_TRUE(same(AUVID_C(0.0), auvid_atan2(AUVID_C(0.0), AUVID_C(0.0))));
+    TEST_ASSERT_TRUE(same(AUVID_C(0.0), auvid_atan2(AUVID_C(0.0), AUVID_C(3.0))));
+    TEST_ASSERT_TRUE(same(AUVID_PI, auvid_atan2(AUVID_C(0.0), AUVID_C(-3.0))));
+    TEST_ASSERT_TRUE(same(half_pi, auvid_atan2(AUVID_C(3.0), AUVID_C(0.0))));
+    TEST_ASSERT_TRUE(same(-half_pi, auvid_atan2(AUVID_C(-3.0), AUVID_C(0.0))));
+    TEST_ASSERT_TRUE(same(-AUVID_PI, auvid_atan2(AUVID_C(-1e-30), AUVID_C(-3.0))));
+}
+
+static void test_wrap_pi_keeps_its_bound_and_stays_within_pi(void)
+{
+    long double worst = 0.0L;
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t x = some_angle(i, AUVID_C(10000.0));
+        auvid_real_t w = auvid_wrap_pi(x);
+        TEST_ASSERT_TRUE(w >= -AUVID_PI && w <= AUVID_PI);
+        /* |sin(w - x)|, the error of the angle, from sines that libm reduces exactly */
+        long double s = sinl((long double)w) * cosl((long double)x);
+        worst = fmaxl(worst, fabsl(s - cosl((long double)w) * sinl((long double)x)));
+    }
+    TEST_ASSERT_TRUE(worst <= WRAP_BOUND * EPS);
+}
+
+static void test_wrap_pi_keeps_its_bound_next_to_odd_multiples_of_pi(void)
+{
+    for (int n = -3181; n <= 3181; n += 2) {
+        auvid_real_t x = (auvid_real_t)(n * 3.14159265358979323846);
+        for (int i = -20; i <= 20; ++i) {
+            auvid_real_t near = x + (auvid_real_t)i * AUVID_EPSILON * AUVID_C(1000.0);
+            auvid_real_t w = auvid_wrap_pi(near);
+            long double s = sinl((long double)w) * cosl((long double)near);
+            s -= cosl((long double)w) * sinl((long double)near);
+            TEST_ASSERT_TRUE(fabsl(s) <= WRAP_BOUND * EPS);
+        }
+    }
+}
+
+static void test_wrap_pi_leaves_an_angle_within_pi_untouched(void)
+{
+    const auvid_real_t angles[] = {AUVID_C(0.0), AUVID_C(1.5), -AUVID_PI, AUVID_PI, AUVID_C(-3.1)};
+    for (size_t i = 0; i < sizeof angles / sizeof angles[0]; ++i) {
+        TEST_ASSERT_TRUE(same(angles[i], auvid_wrap_pi(angles[i])));
+    }
+}
+
+/* R = Rz(psi) Ry(theta) Rx(phi), multiplied out from the three elementary rotations. */
+static void expected_rotation(double phi, double theta, double psi, double r[3][3])
+{
+    const double x[3][3] = {{1, 0, 0}, {0, cos(phi), -sin(phi)}, {0, sin(phi), cos(phi)}};
+    const double y[3][3] = {{cos(theta), 0, sin(theta)}, {0, 1, 0}, {-sin(theta), 0, cos(theta)}};
+    const double z[3][3] = {{cos(psi), -sin(psi), 0}, {sin(psi), cos(psi), 0}, {0, 0, 1}};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            r[i][j] = 0.0;
+            for (int k = 0; k < 3; ++k) {
+                for (int l = 0; l < 3; ++l) {
+                    r[i][j] += z[i][k] * y[k][l] * x[l][j];
+                }
+            }
+        }
+    }
+}
+
+static void test_rotation_is_the_product_of_yaw_pitch_and_roll(void)
+{
+    for (int n = 0; n < 1000; ++n) {
+        auvid_real_t phi = some_angle(n, AUVID_PI);
+        auvid_real_t theta = some_angle(n, AUVID_PI);
+        auvid_real_t psi = some_angle(n, AUVID_C(100.0));
+        auvid_real_t r[3][3];
+        double expected[3][3];
+        auvid_rotation(phi, theta, psi, r);
+        expected_rotation((double)phi, (double)theta, (double)psi, expected);
+        for (int i = 0; i < 9; ++i) {
+            double error = fabs((double)r[i / 3][i % 3] - expected[i / 3][i % 3]);
+            TEST_ASSERT_TRUE(error <= 4.0 * (double)AUVID_EPSILON);
+        }
+    }
+}
+
+static void test_rng_gives_the_published_sequence_of_its_authors(void)
+{
+    const uint32_t expected[] = {11520u,      0u,          5927040u,    70819200u,  2031721883u,
+                                 1637235492u, 1287239034u, 3734860849u, 3729100597u};
+    auvid_rng_t r = {{1u, 2u, 3u, 4u}};
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; ++i) {
+        TEST_ASSERT_EQUAL_HEX32(expected[i], auvid_rng_next(&r));
+    }
+}
+
+static void test_rng_seed_spreads_by_splitmix64(void)
+{
+    auvid_rng_t r;
+    auvid_rng_seed(&r, 1234567u); /* first outputs 6457827717110365317, 3203168211198807973 */
+    TEST_ASSERT_EQUAL_HEX32((uint32_t)UINT64_C(6457827717110365317), r.s[0]);
+    TEST_ASSERT_EQUAL_HEX32((uint32_t)(UINT64_C(6457827717110365317) >> 32), r.s[1]);
+    TEST_ASSERT_EQUAL_HEX32((uint32_t)UINT64_C(3203168211198807973), r.s[2]);
+    TEST_ASSERT_EQUAL_HEX32((uint32_t)(UINT64_C(3203168211198807973) >> 32), r.s[3]);
+}
+
+static void test_rng_uniform_and_below_stay_in_range_and_have_the_right_mean(void)
+{
+    double sum = 0.0;
+    double sum_below = 0.0;
+    for (int i = 0; i < SWEEP; ++i) {
+        auvid_real_t x = auvid_rng_uniform(&rng);
+        uint32_t k = auvid_rng_below(&rng, 7u);
+        TEST_ASSERT_TRUE(x >= AUVID_C(0.0) && x < AUVID_C(1.0) && k < 7u);
+        sum += (double)x;
+        sum_below += (double)k;
+    }
+    /* 4.5 standard errors of the mean of 1e6 draws: sigma 0.2887 and 2; false alarm 1e-5 */
+    TEST_ASSERT_TRUE(fabs(sum / SWEEP - 0.5) < 4.5 * 0.2887 / 1000.0);
+    TEST_ASSERT_TRUE(fabs(sum_below / SWEEP - 3.0) < 4.5 * 2.0 / 1000.0);
+    TEST_ASSERT_EQUAL_UINT32(0u, auvid_rng_below(&rng, 1u));
+}
+
+static void test_all_functions_give_the_same_bits_as_ever(void)
+{
+#ifdef AUVID_REAL_DOUBLE
+    const uint32_t golden = 0x62172512u;
+#else
+    const uint32_t golden = 0x20e8e9bau;
+#endif
+    uint32_t hash = 2166136261u;
+    for (int i = 0; i < 100000; ++i) {
+        auvid_real_t x = (auvid_rng_uniform(&rng) - AUVID_C(0.5)) * AUVID_C(20000.0);
+        auvid_real_t out[5];
+        auvid_sincos(x, &out[0], &out[1]);
+        out[2] = auvid_atan2(x, auvid_rng_uniform(&rng) * AUVID_C(1000.0) - AUVID_C(500.0));
+        out[3] = auvid_wrap_pi(x);
+        out[4] = auvid_sqrt(auvid_abs(x));
+        for (int j = 0; j < 5; ++j) {
+            uint64_t b = 0;
+            memcpy(&b, &out[j], sizeof out[j]); /* little endian */
+            hash = (((hash << 5) | (hash >> 27)) ^ (uint32_t)b) * 16777619u;
+            hash = (((hash << 5) | (hash >> 27)) ^ (uint32_t)(b >> 32)) * 16777619u;
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(golden, hash);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_software_sqrt_of_a_float_is_the_correctly_rounded_one);
+    RUN_TEST(test_software_sqrt_of_a_double_is_the_correctly_rounded_one);
+    RUN_TEST(test_software_sqrt_knows_the_ends_of_the_range);
+    RUN_TEST(test_sqrt_is_the_correctly_rounded_one);
+    RUN_TEST(test_sqrt_is_zero_where_there_is_none_and_leaves_errno_alone);
+    RUN_TEST(test_sincos_keep_their_bound_up_to_ten_thousand);
+    RUN_TEST(test_sin_keeps_its_relative_bound_up_to_pi);
+    RUN_TEST(test_sincos_is_odd_and_even_to_the_bit);
+    RUN_TEST(test_one_of_sine_and_cosine_has_the_bits_of_both);
+    RUN_TEST(test_all_finite_finds_what_is_not_wherever_it_stands);
+    RUN_TEST(test_clear_writes_as_many_zeros_as_it_is_told);
+    RUN_TEST(test_sincos_accepts_null_for_what_is_not_wanted);
+    RUN_TEST(test_sincos_and_wrap_are_nan_out_of_range);
+    RUN_TEST(test_atan2_keeps_its_bound_in_all_quadrants);
+    RUN_TEST(test_atan2_is_exact_on_the_axes_and_zero_at_the_origin);
+    RUN_TEST(test_wrap_pi_keeps_its_bound_and_stays_within_pi);
+    RUN_TEST(test_wrap_pi_keeps_its_bound_next_to_odd_multiples_of_pi);
+    RUN_TEST(test_wrap_pi_leaves_an_angle_within_pi_untouched);
+    RUN_TEST(test_rotation_is_the_product_of_yaw_pitch_and_roll);
+    RUN_TEST(test_rng_gives_the_published_sequence_of_its_authors);
+    RUN_TEST(test_rng_seed_spreads_by_splitmix64);
+    RUN_TEST(test_rng_uniform_and_below_stay_in_range_and_have_the_right_mean);
+    RUN_TEST(test_all_functions_give_the_same_bits_as_ever);
+    return UNITY_END();
+}

@@ -1,0 +1,101 @@
+/*
+ * A flood of random frames under the identifiers of thruster commands: how many does the receiver
+ * take for good ones? The rules in can_receiver.h say
+ *     p = 2^-8 (checksum) * (8002 / 8192)^4 (four thrusts in range, or not available) * 3 / 16
+ * and what was taken in by chance acts until the next good command, or for 150 ms.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/can_receiver.h"
+#include "base/auvid_math_internal.h"
+#include "binomial.h"
+#include "unity.h"
+
+#define TICK_US 20000u
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void random_frame(auvid_rng_t *rng, auvid_can_frame_t *frame)
+{
+    uint32_t low = auvid_rng_next(rng), high = auvid_rng_next(rng);
+    frame->length = 8;
+    memcpy(frame->data, &low, 4);
+    memcpy(frame->data + 4, &high, 4);
+}
+
+static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
+{
+    const uint32_t frames = campaign_is_long() ? 100000000u : 10000000u;
+    const double part = 8002.0 / 8192.0;
+    const double p = part * part * part * part * 3.0 / 16.0 / 256.0;
+    auvid_can_command_t command;
+    auvid_rng_t rng;
+    auvid_can_frame_t frame;
+    uint32_t good = 0;
+    memset(&frame, 0, sizeof frame);
+    auvid_rng_seed(&rng, 4);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 4, NULL));
+    frame.id = auvid_can_id(&command.half[0].ids, AUVID_CAN_THRUSTER_COMMAND_A);
+    for (uint32_t i = 0; i < frames; ++i) {
+        frame.t_us += 10; /* so that no time-out starts the count anew */
+        random_frame(&rng, &frame);
+        good += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
+    }
+    /* 99.9 %; the seed is not chosen: 1e9 frames of ten seeds gave 6.656e-4, 665552 good ones. */
+    double low = binomial_lower(good, frames, 5e-4), high = binomial_upper(good, frames, 5e-4);
+    printf("%u of %u forged commands good: %.3g [%.3g, %.3g] a frame, 1 in %.0f; expected %.3g\n",
+           (unsigned)good, (unsigned)frames, (double)good / frames, low, high,
+           frames / (double)good, p);
+    TEST_ASSERT_TRUE(low < p && p < high);
+}
+
+/* Genuine commands of zero each tick and 100 forged frames between two of them, more than a bus of
+ * 500 kbit/s holds. Forged counters make genuine commands jump too, so that it takes a few. */
+static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
+{
+    auvid_can_command_t command;
+    auvid_can_sender_t sender;
+    auvid_rng_t rng;
+    auvid_can_frame_t frame;
+    auvid_can_message_t zero = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
+    auvid_real_t thrust[AUVID_CAN_THRUSTERS];
+    uint32_t acted = 0, lasted = 0, longest = 0, silent = 0;
+    auvid_rng_seed(&rng, 5);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 4, NULL));
+    memset(&frame, 0, sizeof frame);
+    for (uint64_t tick = 1; tick <= 20000; ++tick) {
+        TEST_ASSERT_TRUE(auvid_can_pack(&sender, &zero, &frame) >= 0);
+        frame.t_us = tick * TICK_US;
+        (void)auvid_can_command_take(&command, &frame);
+        auvid_status_t status = auvid_can_command_thrust(&command, frame.t_us, thrust);
+        silent += tick > 2 && status != AUVID_OK;
+        bool forged = thrust[0] != 0;
+        lasted = forged ? lasted + 1 : 0;
+        longest = lasted > longest ? lasted : longest;
+        for (int i = 0; i < 100; ++i) {
+            random_frame(&rng, &frame);
+            acted += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
+        }
+    }
+    printf("%u forged commands acted; one outlasted %u good ones at most; %u ticks silent\n",
+           (unsigned)acted, (unsigned)longest, (unsigned)silent);
+    TEST_ASSERT_TRUE(acted > 1000);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(AUVID_CAN_COMMAND_TIMEOUT_US / TICK_US, longest);
+    TEST_ASSERT_EQUAL_UINT32(0, silent);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_forged_commands_are_good_as_often_as_the_rules_say);
+    RUN_TEST(test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms);
+    return UNITY_END();
+}

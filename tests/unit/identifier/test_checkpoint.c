@@ -1,0 +1,625 @@
+/* The checkpoint: what it takes, what it refuses, and that an identifier goes on from it. That the
+ * same holds in another process, with sensors and excitation: test_checkpoint_process.c. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/checkpoint.h"
+#include "auvid/warm.h"
+#include "search/auvid_line_search_directions_internal.h"
+#include "base/auvid_math_internal.h"
+#include "binomial.h"
+#include "unity.h"
+
+enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SET_ROWS };
+
+static auvid_identifier_config_t config;
+static auvid_identifier_t id, other;
+static uint8_t saved[AUVID_CHECKPOINT_MOST(ROWS)], again[AUVID_CHECKPOINT_MOST(ROWS)];
+static uint32_t bytes;
+
+void setUp(void)
+{
+    auvid_identifier_defaults(&config, &auvid_girona500);
+    config.metric.set_rows = SET_ROWS;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+}
+
+void tearDown(void)
+{
+}
+
+/* Motion made of sines, and the wrench that it takes; a cell. */
+static void record(auvid_identifier_t *to, int cell)
+{
+    auvid_sample_t s;
+    auvid_real_t attitude[3] = {0}, tau[AUVID_DOF_COUNT] = {0};
+    memset(&s, 0, sizeof s);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t t = (auvid_real_t)cell * AUVID_C(0.1), sine, cosine;
+        for (int k = 1; k <= 2 && j != AUVID_ROLL && j != AUVID_PITCH; ++k) {
+            auvid_real_t w = AUVID_C(0.3) * (auvid_real_t)k + AUVID_C(0.11) * (auvid_real_t)j;
+            auvid_sincos(w * t + (auvid_real_t)(j * k), &sine, &cosine);
+            s.nu[j] += AUVID_C(0.2) * sine;
+            s.nu_dot[j] += AUVID_C(0.2) * w * cosine;
+        }
+    }
+    auvid_vehicle_residual(&auvid_girona500, &s, auvid_girona500_paper, tau);
+    uint64_t t_us = (uint64_t)cell * CELL_US;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(to, t_us, tau, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(to, t_us, attitude, s.nu));
+}
+
+/* A cell, then work. */
+static void move(auvid_identifier_t *to, int cell)
+{
+    record(to, cell);
+    (void)auvid_identifier_work(to, BUDGET);
+}
+
+static void move_from_to(auvid_identifier_t *to, int first, int last)
+{
+    for (int cell = first; cell < last; ++cell) {
+        move(to, cell);
+    }
+}
+
+/* In chunks of up to `chunk` bytes. @return bytes of the checkpoint */
+static uint32_t save(const auvid_identifier_t *from, uint8_t *to, uint32_t chunk)
+{
+    auvid_checkpoint_t cursor;
+    auvid_status_t status;
+    uint32_t at = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
+    do {
+        uint32_t part = chunk;
+        status = auvid_checkpoint_next(&cursor, to + at, &part);
+        at += part;
+        TEST_ASSERT_EQUAL(at < cursor.bytes ? AUVID_PENDING : AUVID_OK, status);
+        TEST_ASSERT_TRUE(at == cursor.bytes || part == chunk);
+    } while (status == AUVID_PENDING);
+    return at;
+}
+
+/* One of an identifier that is in the middle of its second search. */
+static void make(void)
+{
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+        move(&id, cell);
+    }
+    TEST_ASSERT_TRUE(id.searching);
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+}
+
+static void check_refused(auvid_status_t status, const uint8_t *checkpoint, uint32_t size)
+{
+    other = id;
+    TEST_ASSERT_EQUAL(status, auvid_checkpoint_restore(&id, checkpoint, size));
+    TEST_ASSERT_EQUAL_MEMORY(&other, &id, sizeof other);
+}
+
+static void test_the_bytes_do_not_depend_on_the_chunks(void)
+{
+    static const uint32_t chunk[] = {1, 3, 17, 256, 4096};
+    make();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    for (size_t i = 0; i < sizeof chunk / sizeof chunk[0]; ++i) {
+        memset(again, 0, sizeof again);
+        TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, chunk[i]));
+        TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    }
+    TEST_ASSERT_TRUE(bytes <= AUVID_CHECKPOINT_MOST(0));
+    uint32_t check = 0;
+    memcpy(&check, saved + bytes - 4, 4);
+    printf("%u bytes, checksum %08lx\n", (unsigned)bytes, (unsigned long)check);
+}
+
+static void test_after_the_last_byte_there_is_none(void)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t part = sizeof again;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(cursor.bytes, part);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(0, part);
+}
+
+/* At many places of a run: restored into another identifier, which was initialised otherwise, both
+ * go on alike, to the same bytes. */
+static void test_an_identifier_goes_on_where_it_was_saved(void)
+{
+    static auvid_identifier_config_t plain;
+    uint32_t phases = 0;
+    for (int cell = 1; cell < CELLS; ++cell) {
+        move(&id, cell);
+        if (cell % 37 == 0 || !(phases >> id.phase & 1u)) {
+            phases |= 1u << id.phase;
+            bytes = save(&id, saved, 333);
+            auvid_identifier_defaults(&plain, &auvid_girona500);
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &plain));
+            move_from_to(&other, 1, 100); /* it may even have something else aboard */
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+            static auvid_identifier_t twin;
+            twin = id;
+            move_from_to(&twin, cell + 1, cell + 60);
+            move_from_to(&other, cell + 1, cell + 60);
+            bytes = save(&twin, saved, sizeof saved);
+            TEST_ASSERT_EQUAL_UINT32(bytes, save(&other, again, sizeof again));
+            TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+        }
+    }
+    TEST_ASSERT_TRUE(id.estimate.number >= 2 && phases != 1u);
+}
+
+/* Into one that has an estimate, and is in the middle of a search. */
+static void test_nothing_is_left_of_what_was_aboard_before(void)
+{
+    static auvid_identifier_t twin;
+    config.search.lower[0] = AUVID_C(-900.1); /* what is saved first */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &config));
+    move_from_to(&twin, 1, 9);
+    bytes = save(&twin, saved, sizeof saved);
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+        move(&id, cell);
+    }
+    TEST_ASSERT_TRUE(id.searching);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, sizeof again));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    move_from_to(&twin, 9, 250);
+    move_from_to(&id, 9, 250);
+    TEST_ASSERT_TRUE(id.estimate.number >= 1);
+    bytes = save(&twin, saved, sizeof saved);
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, sizeof again));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+}
+
+static void test_what_was_known_before_the_dive_goes_with_it(void)
+{
+    static uint8_t record[AUVID_WARM_BYTES];
+    move_from_to(&id, 1, 240);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&id, record, sizeof record));
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+    TEST_ASSERT_TRUE(other.metric.recall == id.metric.recall && id.metric.recall != NULL);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and back to none */
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
+    TEST_ASSERT_TRUE(other.metric.recall == NULL);
+}
+
+static void test_what_is_attached_stays(void)
+{
+    static auvid_validation_t validation;
+    make();
+    auvid_identifier_attach(&id, &validation);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
+    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
+    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.prediction.vehicle);
+}
+
+/* All positions (of eleven one in double, but in the long form); in the head and the tail all other
+ * values, else one of them. */
+static void test_every_damaged_byte_is_noticed(void)
+{
+#ifdef __linux__
+    const uint32_t stride = campaign_is_long() || sizeof(auvid_real_t) == 4 ? 1 : 11;
+#else
+    const uint32_t stride = 199; /* in an emulator */
+#endif
+    auvid_rng_t rng;
+    auvid_rng_seed(&rng, 1);
+    make();
+    other = id;
+    for (uint32_t k = 0; k < bytes;) {
+        bool edge = k < AUVID_CHECKPOINT_HEAD || k >= bytes - AUVID_CHECKPOINT_TAIL;
+        for (uint32_t i = 1; i < (edge ? 256u : 2u); ++i) {
+            uint8_t change = (uint8_t)(edge ? i : 1u + auvid_rng_below(&rng, 255));
+            saved[k] = (uint8_t)(saved[k] ^ change);
+            TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_checkpoint_restore(&id, saved, bytes));
+            saved[k] = (uint8_t)(saved[k] ^ change);
+        }
+        TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &id, sizeof id));
+        k += k < AUVID_CHECKPOINT_HEAD || k + stride >= bytes - AUVID_CHECKPOINT_TAIL ? 1 : stride;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes)); /* it was not void */
+}
+
+static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
+{
+    make();
+    for (uint32_t size = 0; size < bytes; size += 1 + size / 32) {
+        check_refused(AUVID_ERR_CHECKSUM, saved, size);
+    }
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes - 1);
+    check_refused(AUVID_ERR_CHECKSUM, saved, bytes + 1);
+    memset(again, 0, sizeof again); /* erased flash */
+    check_refused(AUVID_ERR_CHECKSUM, again, bytes);
+    memset(again, 0xFF, sizeof again);
+    check_refused(AUVID_ERR_CHECKSUM, again, bytes);
+}
+
+/* What is not damaged, but of others: with a checksum of theirs. */
+static void forge(uint32_t at)
+{
+    saved[at] ^= 1u;
+    uint32_t c = UINT32_MAX;
+    for (uint32_t k = 0; k < bytes - 4; ++k) {
+        c ^= saved[k];
+        for (int bit = 0; bit < 8; ++bit) {
+            c = c >> 1 ^ (0xEDB88320u & (0u - (c & 1u)));
+        }
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+        saved[bytes - 4 + k] = (uint8_t)(~c >> 8 * k);
+    }
+}
+
+static void check_forged(auvid_status_t status, uint32_t byte)
+{
+    forge(byte);
+    check_refused(status, saved, bytes);
+    forge(byte);
+}
+
+static void test_one_of_another_version_or_other_sizes_is_refused(void)
+{
+    make();
+    for (uint32_t byte = 0; byte < 4; ++byte) {
+        check_forged(AUVID_ERR_CHECKSUM, 0 + byte); /* the format */
+        check_forged(AUVID_ERR_SIZE, 4 + byte);     /* the checksum of the layout */
+        check_forged(AUVID_ERR_MODEL, 8 + byte);    /* that of the model */
+        check_forged(AUVID_ERR_SIZE, 16 + byte);    /* the storage of a model without regressor */
+        check_forged(AUVID_ERR_CHECKSUM, 20 + byte); /* the length */
+    }
+    check_forged(AUVID_ERR_CHECKSUM, 12); /* parts that this model cannot have */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_one_of_another_model_is_refused(void)
+{
+    make();
+    config.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+    config.metric.free = 0;
+    auvid_identifier_defaults(&config, &auvid_girona500_decoupled);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+    static auvid_vehicle_t nameless;
+    nameless = auvid_girona500;
+    nameless.name = NULL;
+    auvid_identifier_defaults(&config, &nameless);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+}
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
+{
+    static auvid_row_t store[2][ROWS];
+    static auvid_vehicle_t vehicle;
+    vehicle = auvid_girona500;
+    vehicle.regressor = NULL;
+    vehicle.residual = predict;
+    config.vehicle = &vehicle;
+    config.metric.rows = store[0];
+    config.metric.sets = 8;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    make(); /* and its storage holds what it held */
+    config.metric.rows = store[1];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_PTR(store[1], id.metric.cfg.rows);
+    TEST_ASSERT_EQUAL_UINT64(store[0][SET_ROWS].sample.t_us, store[1][SET_ROWS].sample.t_us);
+    TEST_ASSERT_TRUE(store[1][SET_ROWS].sample.t_us > 0);
+    TEST_ASSERT_EQUAL_MEMORY(store[0][1].late, store[1][1].late, sizeof store[0][1].late);
+    TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, 100));
+    TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
+    config.metric.sets = 7;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_SIZE, saved, bytes);
+    config.vehicle = &auvid_girona500;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
+}
+
+/* Stages of a run, whatever led there. */
+static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(void)
+{
+    for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
+        bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        id.guard.state = (auvid_guard_state_t)state;
+        id.starting = id.excitation.running = id.excitation.stopping = watched;
+        bytes = save(&id, saved, sizeof saved);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(watched ? AUVID_GUARD_DISARMED : state, id.guard.state);
+        TEST_ASSERT_FALSE(id.starting || id.excitation.running || id.excitation.stopping);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(state, id.guard.state);
+        TEST_ASSERT_EQUAL(watched, id.starting && id.excitation.running && id.excitation.stopping);
+    }
+}
+
+/* The plan and the guard's limits decide on forces: a file has no say in them. */
+static void test_plan_thrusters_and_limits_are_those_of_init(void)
+{
+    const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, strong, 30, 2, 1));
+    config.guard.distance_max_m = 300;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, weak, 30, 2, 1));
+    config.guard.distance_max_m = 30;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_peak(&id.excitation, peak));
+    TEST_ASSERT_EQUAL_MEMORY(weak, peak, sizeof peak);
+    TEST_ASSERT_TRUE(id.guard.cfg.distance_max_m < 31);
+}
+
+static void test_work_in_an_unknown_phase_ends(void)
+{
+    id.phase = UINT8_MAX;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&id, BUDGET));
+    TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.phase);
+}
+
+/* As auvid_checkpoint_begin would write them, had memory been damaged before. */
+static auvid_identifier_t good;
+#define IMPOSSIBLE(assignment)                                                                     \
+    other = good;                                                                                  \
+    other.assignment;                                                                              \
+    bytes = save(&other, saved, sizeof saved);                                                     \
+    check_refused(AUVID_ERR_RANGE, saved, bytes)
+
+static void check_good(void)
+{
+    bytes = save(&good, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_what_cannot_be_is_refused(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+    IMPOSSIBLE(phase = UINT8_MAX);
+    IMPOSSIBLE(guard.state = (auvid_guard_state_t)17);
+    IMPOSSIBLE(metric.cfg.sets = 0);
+    IMPOSSIBLE(metric.cfg.set_rows = 60000);
+    IMPOSSIBLE(metric.rows = SET_ROWS);
+    IMPOSSIBLE(metric.taps = AUVID_MAX_TAPS + 1);
+    IMPOSSIBLE(metric.overlap = 0);
+    IMPOSSIBLE(metric.channel_at[2] = 500);
+    IMPOSSIBLE(metric.index[0] = 200);
+    IMPOSSIBLE(metric.set[3].exponent[0] = 100);
+    IMPOSSIBLE(metric.set[3].driven = 1); /* and not a row */
+    IMPOSSIBLE(metric.factor[0][0] = AUVID_C(1e30));
+    IMPOSSIBLE(nav.gps_count = 200);
+    IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
+    IMPOSSIBLE(adaptive.factor[0] = AUVID_C(1000.0));
+    IMPOSSIBLE(nav.ground.measured = 8);
+    IMPOSSIBLE(nav.past_next = 2 * AUVID_NAV_PAST);
+    IMPOSSIBLE(nav.held_valid[1] = 8);
+    IMPOSSIBLE(nav.holding = 1); /* before the first tick */
+    IMPOSSIBLE(metric.missing[0][1] = 64);
+    IMPOSSIBLE(metric.successive[0] = AUVID_METRIC_LAGS + 1);
+    IMPOSSIBLE(metric.window_of[0] = AUVID_METRIC_WINDOW + 1);
+    IMPOSSIBLE(metric.rows_of[0] = 1);       /* of no row */
+    IMPOSSIBLE(metric.set[3].number = 1);    /* and none was recorded */
+    IMPOSSIBLE(metric.set[3].windows[0] = 1); /* of no row */
+    IMPOSSIBLE(metric.from = 1);             /* and the ring is not held */
+    IMPOSSIBLE(metric.least = 1);
+    IMPOSSIBLE(metric.full = true);
+    IMPOSSIBLE(metric.turned = true);
+    IMPOSSIBLE(metric.held = true); /* and there is no work */
+    IMPOSSIBLE(metric.waiting = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.sets_merged = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(unjudged = 1);
+    IMPOSSIBLE(active = 1u << 31);
+    IMPOSSIBLE(searching = true);
+    IMPOSSIBLE(estimate.speed[0][0] = -1);
+    IMPOSSIBLE(estimate.confidence.lost[0] = 101);
+    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_THRUST_SCALE + 1);
+    IMPOSSIBLE(estimate.confidence.thrust_error[0] = AUVID_C(2e18));
+    IMPOSSIBLE(estimate.confidence.dvl_error[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(estimate.confidence.uncertainty.thrust_scale = AUVID_C(1.1));
+    IMPOSSIBLE(estimate.covariance[0] = AUVID_C(2e37));
+    IMPOSSIBLE(uncertainty.thrust_scale = AUVID_C(-0.1));
+    IMPOSSIBLE(uncertainty.dvl_scale = (auvid_real_t)NAN);
+    check_good();
+}
+
+static void test_a_note_that_names_no_parameter_is_refused(void)
+{
+    static auvid_vehicle_t vehicle; /* of less parameters than there is room for */
+    vehicle = auvid_girona500;
+    --vehicle.parameters;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        vehicle.columns[j] &= ~(1u << vehicle.parameters);
+    }
+    vehicle.free &= ~(1u << vehicle.parameters);
+    config.vehicle = &vehicle;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+    good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
+    good.trusted.confidence.note[0] = AUVID_NOTE_COMBINATION;
+    IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(trusted.confidence.partner[0] = vehicle.parameters);
+    good.estimate.confidence.note[0] = AUVID_NOTE_DISCREDITED;
+    IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
+    check_good();
+}
+
+/* A ring of the recorder that does not reach from its oldest cell to the newest: it would be walked
+ * through for hours. */
+static void test_a_record_of_too_many_cells_is_refused(void)
+{
+    move_from_to(&id, 1, 9);
+    TEST_ASSERT_TRUE(id.recorder.running);
+    good = id;
+    IMPOSSIBLE(recorder.next = 0);
+    IMPOSSIBLE(recorder.next = UINT32_MAX);
+    IMPOSSIBLE(recorder.opened = good.recorder.next + AUVID_RECORDER_CELLS);
+    IMPOSSIBLE(recorder.stream[0].cell = UINT32_MAX);
+    IMPOSSIBLE(recorder.stream[4].valid = false);
+    IMPOSSIBLE(recorder.measured[15] = 8);
+    check_good();
+}
+
+/* Until the work is in this phase; a few units at a time. */
+static void move_to_phase(uint8_t phase)
+{
+    for (int cell = 1; cell < CELLS && id.phase != phase; ++cell) {
+        record(&id, cell);
+        for (int k = 0; k < BUDGET && id.phase != phase; ++k) {
+            (void)auvid_identifier_work(&id, 10);
+        }
+    }
+    TEST_ASSERT_EQUAL(phase, id.phase);
+    good = id;
+}
+
+static void test_an_optimum_that_cannot_be_is_refused(void)
+{
+    move_to_phase(AUVID_WORK_LINEARISE);
+    TEST_ASSERT_TRUE(good.optimum.n > 1);
+    IMPOSSIBLE(optimum.n = 0);
+    IMPOSSIBLE(optimum.n = (uint8_t)(good.optimum.n - 1));
+    IMPOSSIBLE(optimum.order[0] = good.optimum.n);
+    IMPOSSIBLE(optimum.fixed_from = (uint8_t)(good.optimum.n + 1));
+    IMPOSSIBLE(optimum.at = (uint8_t)(good.optimum.n + 2));
+    IMPOSSIBLE(optimum.changes = UINT8_MAX);
+    IMPOSSIBLE(optimum.dof = AUVID_DOF_COUNT + 1);
+    IMPOSSIBLE(optimum.row = UINT8_MAX);
+    IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
+    IMPOSSIBLE(optimum.triangle[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(active = 0);
+    IMPOSSIBLE(metric.held = false);
+    IMPOSSIBLE(metric.waiting = 1); /* which would not count */
+    check_good();
+}
+
+/* Directions are made conjugate by probes along the directions before. */
+static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
+{
+    const auvid_line_search_t *search = &good.optimizer.line_search;
+    move_to_phase(AUVID_WORK_COST);
+    for (int k = 0; k < 100000 && !(good.optimizer.phase == AUVID_OPTIMIZER_LOCAL &&
+                                    search->move == MOVE_PROBE && search->asked);
+         ++k) {
+        (void)auvid_identifier_work(&good, 1);
+    }
+    TEST_ASSERT_EQUAL(MOVE_PROBE, search->move);
+    TEST_ASSERT_TRUE(search->asked);
+    TEST_ASSERT_TRUE(search->probe < search->direction / 2);
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->direction / 2));
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->config.n - 1));
+    IMPOSSIBLE(optimizer.line_search.direction = 0);
+    check_good();
+}
+
+static void test_sets_that_do_not_go_with_the_work_are_refused(void)
+{
+    move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
+    TEST_ASSERT_EQUAL(1, good.unjudged);
+    IMPOSSIBLE(unjudged = 0);
+    IMPOSSIBLE(unjudged = 2);
+    IMPOSSIBLE(metric.from = 1);
+    IMPOSSIBLE(metric.full = true); /* of a model with regressor */
+    IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.set[0].rows_of[0] = SET_ROWS + 1);
+    IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of a DoF that is driven */
+    IMPOSSIBLE(prediction.compared[0] = UINT32_MAX);
+    check_good();
+}
+
+static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
+{
+    const auvid_real_t still[3] = {0};
+    const auvid_dvl_sample_t ahead = {.t_us = 200000, .valid = AUVID_DVL_ALL};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_imu(&id.nav, 100000, still, still));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_nav_dvl(&id.nav, &ahead));
+    good = id;
+    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100000);
+    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100001 + good.nav.max_age_us[0]);
+    IMPOSSIBLE(nav.held[AUVID_NAV_DVL_BOTTOM][0] = AUVID_C(1e6));
+    check_good();
+}
+#undef IMPOSSIBLE
+
+static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
+{
+    auvid_checkpoint_t cursor;
+    auvid_input_t in = {.t_us = 20000};
+    auvid_output_t out;
+    uint32_t part = 100;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, &id));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL_UINT32(0, part);
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t part = sizeof again;
+    make();
+    memset(&cursor, 0, sizeof cursor);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_next(&cursor, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(NULL, again, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(&cursor, NULL, &part));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_next(&cursor, again, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_begin(NULL, &id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_begin(&cursor, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(NULL, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(&id, NULL, bytes));
+    memset(&id, 0, sizeof id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_begin(&cursor, &id));
+    check_refused(AUVID_ERR_STATE, saved, bytes);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_bytes_do_not_depend_on_the_chunks);
+    RUN_TEST(test_after_the_last_byte_there_is_none);
+    RUN_TEST(test_an_identifier_goes_on_where_it_was_saved);
+    RUN_TEST(test_nothing_is_left_of_what_was_aboard_before);
+    RUN_TEST(test_what_was_known_before_the_dive_goes_with_it);
+    RUN_TEST(test_what_is_attached_stays);
+    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
+    RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
+    RUN_TEST(test_one_of_another_model_is_refused);
+    RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
+    RUN_TEST(test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched);
+    RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
+    RUN_TEST(test_work_in_an_unknown_phase_ends);
+    RUN_TEST(test_what_cannot_be_is_refused);
+    RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
+    RUN_TEST(test_a_record_of_too_many_cells_is_refused);
+    RUN_TEST(test_an_optimum_that_cannot_be_is_refused);
+    RUN_TEST(test_a_probe_along_a_direction_not_before_its_own_is_refused);
+    RUN_TEST(test_sets_that_do_not_go_with_the_work_are_refused);
+    RUN_TEST(test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused);
+    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    return UNITY_END();
+}

@@ -1,0 +1,356 @@
+/* Checkpoints whose content somebody has changed and whose checksum is right: refused, or harmless.
+ * Genuine ones come from five worlds: one with regressor, guarded and excited, begun with a prior
+ * record; one with adaptive excitation; one without regressor; and the first and the last of these
+ * again with budgets so small that sets wait, and an IMU so late that samples are held. */
+#define _POSIX_C_SOURCE 200809L /* alarm() */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "auvid/adaptive.h"
+#include "auvid/checkpoint.h"
+#include "auvid/warm.h"
+#include "identifier/auvid_checkpoint_layout_internal.h"
+#include "base/auvid_checksum_internal.h"
+#include "base/auvid_math_internal.h"
+#include "binomial.h"
+#include "chain.h"
+#include "unity.h"
+
+enum {
+    SETS = 9,
+    SET_ROWS = 20,
+    STORE = (SETS + 1) * SET_ROWS,
+    MOST = AUVID_CHECKPOINT_MOST(STORE),
+    PHASES = AUVID_WORK_CONFIDENCE + 1,
+    KINDS = 4 * PHASES, /* of moments: phases of work, with a set that waits, a sample held */
+    TAKEN = 2 * KINDS,  /* checkpoints of a world: two of each */
+    LATE_US = 50000,    /* the IMU in the slow worlds */
+    HANG_S = 60
+};
+
+typedef enum { SEQUENCE, ADAPTIVE, RESIDUAL, SLOW, SLOW_RESIDUAL, WORLDS } world_t;
+
+/* A moment of a run, and its checkpoint. */
+typedef struct {
+    chain_t chain;
+    uint32_t bytes;
+    uint8_t saved[MOST];
+} moment_t;
+
+static moment_t moment[WORLDS][TAKEN];
+static uint32_t moments[WORLDS];
+static auvid_identifier_t fresh[WORLDS]; /* as the program that restores begins */
+static chain_config_t config;
+static chain_t chain;
+static auvid_row_t store[STORE];
+static auvid_vehicle_t vehicle;
+static auvid_rng_t rng;
+static uint8_t forged[MOST];
+static char what[200]; /* has been forged, for a message */
+
+void setUp(void)
+{
+    auvid_rng_seed(&rng, 1);
+}
+
+void tearDown(void)
+{
+}
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+static bool is_slow(world_t world)
+{
+    return world == SLOW || world == SLOW_RESIDUAL;
+}
+
+static void delay_imu(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    in->imu.t_us -= LATE_US;
+}
+
+static void configure(world_t world)
+{
+    chain_defaults(&config, 1, 3, 1.0);
+    config.id.metric.set_rows = SET_ROWS;
+    if (is_slow(world)) {
+        config.epoch_us = 1000000;
+        config.before = delay_imu;
+    }
+    if (world == RESIDUAL || world == SLOW_RESIDUAL) {
+        vehicle = auvid_girona500;
+        vehicle.regressor = NULL;
+        vehicle.residual = predict;
+        config.id.vehicle = &vehicle;
+        config.id.metric.rows = store;
+        config.id.metric.sets = SETS - 1;
+        config.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+        memcpy(config.id.metric.fixed, auvid_girona500_paper, sizeof auvid_girona500_paper);
+    }
+}
+
+static void begin(world_t world, auvid_identifier_t *id)
+{
+    configure(world);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    if (world == ADAPTIVE) {
+        auvid_adaptive_config_t adaptive;
+        auvid_adaptive_defaults(&adaptive);
+        adaptive.amplitude[AUVID_SURGE] = adaptive.amplitude[AUVID_SWAY] = AUVID_C(100.0);
+        adaptive.amplitude[AUVID_HEAVE] = AUVID_C(100.0);
+        adaptive.amplitude[AUVID_YAW] = AUVID_C(40.0);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(id, &adaptive));
+    }
+}
+
+static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t bytes = MOST;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, to, &bytes));
+    return bytes;
+}
+
+static uint32_t kind_of(const auvid_identifier_t *id)
+{
+    const auvid_metric_t *m = &id->metric;
+    bool waits = m->held && (m->full || m->waiting > 0 || id->unjudged > 1);
+    return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
+}
+
+/* Two moments of each kind that there is in `seconds` of the world, which is excited. */
+static void run(world_t world, double seconds)
+{
+    static const auvid_real_t guess[AUVID_MAX_PARAMETERS] = {[AUVID_G500_M_U] = 500};
+    static auvid_real_t sigma[AUVID_MAX_PARAMETERS];
+    uint32_t count[KINDS] = {0}, usual = world == SLOW ? 30 : 120;
+    begin(world, &fresh[world]);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain.id = fresh[world];
+    for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
+        sigma[i] = AUVID_C(1e6);
+    }
+    if (world == SEQUENCE) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, guess, sigma));
+    }
+    for (int tick = 1; tick < (int)(50 * seconds); ++tick) {
+        chain.config.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
+        chain_tick(&chain);
+        uint32_t kind = kind_of(&chain.id);
+        bool first = count[kind] == 0, later = count[kind] == 1 && chain.id.estimate.number > 2;
+        if (tick > 100 && (first || later)) {
+            moment_t *m = &moment[world][moments[world]++];
+            ++count[kind];
+            m->chain = chain;
+            m->bytes = save(&chain.id, m->saved);
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_ABORTED);
+}
+
+static void record_all(void)
+{
+    uint32_t phases = 0, exciting = 0, waiting = 0, holding = 0, optima = 0;
+    if (moments[0] > 0) {
+        return;
+    }
+    run(SEQUENCE, 92);
+    run(ADAPTIVE, 92);
+    run(RESIDUAL, 92);
+    run(SLOW, 122);
+    run(SLOW_RESIDUAL, 92);
+    for (int w = 0; w < WORLDS; ++w) {
+        for (uint32_t k = 0; k < moments[w]; ++k) {
+            const auvid_identifier_t *id = &moment[w][k].chain.id;
+            uint32_t kind = kind_of(id);
+            phases |= 1u << id->phase;
+            exciting += id->guard.state == AUVID_GUARD_EXCITING;
+            waiting += kind / PHASES % 2;
+            holding += kind / PHASES / 2;
+            optima += (auvid_get_word(moment[w][k].saved + 12) & PART_OPTIMUM) != 0;
+        }
+    }
+    printf("%u exciting, %u with sets that wait, %u with samples held, %u while the least cost is "
+           "sought\n",
+           (unsigned)exciting, (unsigned)waiting, (unsigned)holding, (unsigned)optima);
+    TEST_ASSERT_EQUAL_HEX32((1u << PHASES) - 1, phases);
+    TEST_ASSERT_TRUE(exciting > 10 && waiting > 10 && holding > 10 && optima > 3);
+}
+
+static const auvid_checkpoint_sizes_t *sizes_of(const uint8_t *saved)
+{
+    static auvid_checkpoint_sizes_t sizes;
+    auvid_checkpoint_measure(&sizes, auvid_get_word(saved + 12));
+    return &sizes;
+}
+
+/* ---- forging ---- */
+
+static void correct_checksum(uint32_t bytes)
+{
+    auvid_put_word(forged + bytes - 4, ~auvid_checksum(UINT32_MAX, forged, bytes - 4));
+}
+
+/* Another value for a scalar: any, or one that tells. */
+static void change_scalar(uint8_t *at, uint32_t width)
+{
+    static const float tells[] = {0, -1, 1, NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-40f, 1e20f};
+    static const uint8_t bytes[] = {0x00, 0xff, 0x7f, 0x80, 0x01};
+    float single = tells[auvid_rng_below(&rng, sizeof tells / sizeof tells[0])];
+    double wide = (double)single;
+    switch (auvid_rng_below(&rng, 4)) {
+    case 0: /* one byte, any */
+        at[auvid_rng_below(&rng, width)] = (uint8_t)auvid_rng_below(&rng, 256);
+        break;
+    case 1: /* one byte of those that tell */
+        at[auvid_rng_below(&rng, width)] = bytes[auvid_rng_below(&rng, sizeof bytes)];
+        break;
+    case 2: /* a little more or less */
+        *at = (uint8_t)(*at + (auvid_rng_below(&rng, 2) == 0 ? 1 : 255));
+        break;
+    default:
+        if (width == sizeof single) {
+            memcpy(at, &single, sizeof single);
+        } else if (width == sizeof wide) {
+            memcpy(at, &wide, sizeof wide);
+        } else {
+            memset(at, bytes[auvid_rng_below(&rng, sizeof bytes)], width);
+        }
+        break;
+    }
+}
+
+/* One to three changes: of any bytes, and as often in any member of a struct, however short. */
+static void forge(const moment_t *m)
+{
+    static uint32_t start[MOST];
+    static const moment_t *of;
+    static uint32_t runs;
+    const auvid_checkpoint_sizes_t *sizes = sizes_of(m->saved);
+    uint32_t body = m->bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
+    if (of != m) {
+        of = m;
+        runs = 0;
+        for (uint32_t at = 0; at < sizes->of[TABLE_IDENTIFIER]; ++runs) {
+            auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
+            start[runs] = at;
+            at += run.count * run.row->width;
+        }
+    }
+    memcpy(forged, m->saved, m->bytes);
+    for (uint32_t k = 0; k <= auvid_rng_below(&rng, 3); ++k) {
+        uint32_t at = auvid_rng_below(&rng, 3) == 0 ? auvid_rng_below(&rng, body)
+                                                    : start[auvid_rng_below(&rng, runs)];
+        auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
+        at += auvid_rng_below(&rng, run.count) * run.row->width - run.skip;
+        change_scalar(forged + AUVID_CHECKPOINT_HEAD + at, run.row->width);
+        size_t said = strlen(what);
+        (void)snprintf(what + said, sizeof what - said, "; table %u, row at %u, byte %u: %02x",
+                       run.table, (unsigned)run.row->offset, (unsigned)at,
+                       forged[AUVID_CHECKPOINT_HEAD + at]);
+    }
+    if (auvid_rng_below(&rng, 50) == 0) {
+        forged[4 + auvid_rng_below(&rng, 20)] ^= (uint8_t)(1u << auvid_rng_below(&rng, 8));
+    }
+    correct_checksum(m->bytes);
+}
+
+/* ---- what must not happen ---- */
+
+#define FINITE(array) auvid_all_finite(array, sizeof(array) / sizeof(auvid_real_t))
+
+static void check_published(const chain_t *c)
+{
+    const auvid_estimate_t *e = &c->id.estimate;
+    const auvid_judgement_t *to = &c->id.judgement;
+    auvid_nav_state_t state;
+    memset(&state, 0, sizeof state);
+    (void)auvid_nav_state(&c->id.nav, &state);
+    bool finite = FINITE(e->pi) && auvid_is_finite(e->cost) && FINITE(e->delay_s) &&
+                  FINITE(e->r2_force) && FINITE(e->confidence.sigma) &&
+                  FINITE(e->confidence.noise) && FINITE(e->confidence.residual);
+    TEST_ASSERT_TRUE_MESSAGE(finite, what);
+    finite = FINITE(to->variance_ratio) && FINITE(to->change) && FINITE(to->r2_velocity) &&
+             auvid_is_finite(c->id.guard.trip.value) && auvid_is_finite(c->id.guard.trip.limit);
+    TEST_ASSERT_TRUE_MESSAGE(finite, what);
+    finite = FINITE(state.position) && FINITE(state.attitude) && FINITE(state.velocity) &&
+             FINITE(state.rates) && FINITE(c->out.excitation) && FINITE(c->out.thruster_N);
+    TEST_ASSERT_TRUE_MESSAGE(finite, what);
+}
+
+/* Ticks with work; the wrench is zero, or within what is planned. */
+static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
+{
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    (void)auvid_excitation_peak(&fresh[world].excitation, peak);
+    for (uint32_t k = 0; k < ticks; ++k) {
+        c->config.budget = 1 + auvid_rng_below(&rng, 400);
+        c->over_budget = false;
+        chain_tick(c);
+        TEST_ASSERT_FALSE_MESSAGE(c->over_budget, what);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t most = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
+            TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= most, what);
+        }
+        check_published(c);
+    }
+}
+
+/* One in so many that are taken goes on for a set and a search, too. */
+static void test_a_forged_checkpoint_is_refused_or_harmless(void)
+{
+    const uint32_t forgeries = campaign_is_long() ? 100000 : campaign_runs(3000), stride = 64;
+    uint32_t taken = 0, refused = 0, checkpoints = 0;
+    record_all();
+    for (int w = 0; w < WORLDS; ++w) {
+        checkpoints += moments[w];
+    }
+    for (uint32_t n = 0; n < forgeries; ++n) {
+        world_t world = (world_t)(n / 16 % WORLDS);
+        const moment_t *m = &moment[world][n / 16 / WORLDS % moments[world]];
+        bool resumes = n % 4 == 0;
+        (void)snprintf(what, sizeof what, "forgery %u of world %d", (unsigned)n, (int)world);
+        forge(m);
+        chain.id = fresh[world];
+        (void)alarm(HANG_S);
+        auvid_status_t status =
+            (resumes ? auvid_checkpoint_resume : auvid_checkpoint_restore)(&chain.id, forged,
+                                                                           m->bytes);
+        if (status != AUVID_OK) {
+            TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world], sizeof chain.id));
+            ++refused;
+            continue;
+        }
+        static auvid_identifier_t restored;
+        restored = chain.id;
+        chain = m->chain;
+        chain.id = restored;
+        chain.waiting = false;
+        check_published(&chain);
+        bool longer = ++taken % stride == 0;
+        check_ticks(&chain, world, 8, resumes);
+        chain.waiting = true; /* and now it may */
+        check_ticks(&chain, world, longer ? 800 : 8, true);
+    }
+    (void)alarm(0);
+    printf("%u forgeries of %u checkpoints: %u refused, %u taken, %u of them for a set\n",
+           (unsigned)forgeries, (unsigned)checkpoints, (unsigned)refused, (unsigned)taken,
+           (unsigned)(taken / stride));
+    TEST_ASSERT_TRUE(refused > forgeries / 10 && taken > forgeries / 10);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_forged_checkpoint_is_refused_or_harmless);
+    return UNITY_END();
+}

@@ -1,0 +1,421 @@
+/* The checkpoint across processes: a run is saved at random ticks, and from each of these another
+ * process goes on to its end. Every tick must answer as in the uninterrupted run, and the last
+ * checkpoint be the same, byte for byte. Two worlds: one with regressor, begun with a warm record,
+ * guarded and excited, and one without. */
+#define _POSIX_C_SOURCE 200809L /* mkstemp() */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "auvid/checkpoint.h"
+#include "auvid/warm.h"
+#include "base/auvid_math_internal.h"
+#include "binomial.h"
+#include "chain.h"
+#include "unity.h"
+
+enum {
+    SETS = 9,
+    SET_ROWS = 20,
+    CHAIN_SETS = 3,
+    TICKS = 5000,
+    PHASES = AUVID_WORK_CONFIDENCE + 1,
+    STORE = (SETS + 1) * SET_ROWS,
+    MOST = AUVID_CHECKPOINT_MOST(STORE)
+};
+
+/* What an identifier is given in a tick, and what it answers. */
+typedef struct {
+    auvid_input_t in;
+    auvid_real_t wrench[AUVID_DOF_COUNT]; /* applied */
+    uint32_t budget;
+    uint32_t answer; /* hash */
+    bool waiting;    /* to arm and excite */
+    uint8_t phase;   /* of work, afterwards */
+    bool late;       /* a set waits for the search to end */
+} tick_t;
+
+/* A run, as another process reads it. */
+typedef struct {
+    bool residual;
+    uint32_t ticks;
+    tick_t tick[TICKS];
+    uint32_t last_bytes;
+    uint8_t last[MOST]; /* checkpoint at its end */
+} run_t;
+
+static const char *self; /* this program */
+static char path[] = "/tmp/auvid_checkpoint_XXXXXX", saved_path[sizeof path + 2];
+static chain_config_t config;
+static chain_t chain;
+static run_t run;
+static auvid_row_t store[STORE];
+static auvid_vehicle_t vehicle;
+static auvid_identifier_t id;
+static uint8_t saved[MOST];
+static auvid_rng_t rng;
+static uint8_t known[AUVID_WARM_BYTES]; /* before the run */
+
+void setUp(void)
+{
+    auvid_rng_seed(&rng, 1);
+}
+
+void tearDown(void)
+{
+}
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+/* The same in both processes. */
+static void configure(bool residual)
+{
+    chain_defaults(&config, 1, CHAIN_SETS, 1.0);
+    config.id.metric.set_rows = SET_ROWS;
+    if (residual) { /* surge alone, with its delay */
+        vehicle = auvid_girona500;
+        vehicle.regressor = NULL;
+        vehicle.residual = predict;
+        config.id.vehicle = &vehicle;
+        config.id.metric.rows = store;
+        config.id.metric.sets = SETS - 1;
+        config.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+        memcpy(config.id.metric.fixed, auvid_girona500_paper, sizeof auvid_girona500_paper);
+    }
+}
+
+/* ---- answers ---- */
+
+static uint32_t hash(uint32_t h, const void *data, size_t size)
+{
+    const uint8_t *byte = data;
+    for (size_t k = 0; k < size; ++k) {
+        h = (h ^ byte[k]) * 16777619u;
+    }
+    return h;
+}
+
+#define HASH(member) h = hash(h, &(member), sizeof(member))
+
+/* All that is published in a tick. */
+static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
+{
+    uint32_t h = 2166136261u;
+    const auvid_estimate_t *e = &of->estimate;
+    const auvid_judgement_t *judgement = &of->judgement;
+    HASH(out->events);
+    HASH(out->excitation);
+    HASH(out->thruster_N);
+    HASH(out->guard);
+    HASH(out->cause);
+    HASH(of->work_last);
+    HASH(e->number);
+    HASH(e->t_us);
+    HASH(e->sets);
+    HASH(e->identified);
+    HASH(e->driven);
+    HASH(e->pi);
+    HASH(e->cost);
+    HASH(e->delay_s);
+    HASH(e->lagged);
+    HASH(e->r2_force);
+    HASH(e->evaluations_crs);
+    HASH(e->evaluations_line);
+    HASH(e->capped);
+    HASH(e->accepted);
+    HASH(e->confidence.sigma);
+    HASH(e->confidence.identifiable);
+    HASH(e->confidence.implausible);
+    HASH(e->confidence.note);
+    HASH(e->confidence.partner);
+    HASH(e->confidence.noise);
+    HASH(e->confidence.residual);
+    HASH(judgement->set);
+    HASH(judgement->changed);
+    HASH(judgement->variance_ratio);
+    HASH(judgement->change);
+    HASH(judgement->r2_velocity);
+    return h;
+}
+
+/* In chunks of random length. */
+static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
+{
+    auvid_checkpoint_t cursor;
+    uint32_t at = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
+    while (at < cursor.bytes) {
+        uint32_t part = 1 + auvid_rng_below(&rng, 1000);
+        TEST_ASSERT_TRUE(auvid_checkpoint_next(&cursor, to + at, &part) >= 0 && part > 0);
+        at += part;
+    }
+    return at;
+}
+
+/* ---- the uninterrupted run ---- */
+
+static void note_input(chain_t *of, auvid_input_t *in)
+{
+    run.tick[run.ticks].in = *in;
+    run.tick[run.ticks].waiting = of->waiting;
+}
+
+/* Ready for the run. */
+static void begin(auvid_identifier_t *to)
+{
+    configure(run.residual);
+    memset(store, 0, sizeof store);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(to, &config.id));
+    if (!run.residual) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(to, known, sizeof known));
+    }
+}
+
+static void record(bool residual)
+{
+    chain_defaults(&config, 3, 2, 1.0); /* the dive before */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, known));
+    configure(residual);
+    config.sim.seed = 2;
+    memset(&run, 0, sizeof run);
+    run.residual = residual;
+    config.before = note_input;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    begin(&chain.id);
+    uint32_t seconds = CHAIN_SETS * CHAIN_SET_S + 4;
+    for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
+        tick_t *tick = &run.tick[run.ticks];
+        /* so that sets find the search at work, now and then, and a tick may end in any phase */
+        uint32_t usual = residual ? 120 : 60;
+        tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
+        chain.config.budget = tick->budget;
+        chain_tick(&chain);
+        memcpy(tick->wrench, chain.wrench, sizeof tick->wrench);
+        tick->answer = answer(&chain.id, &chain.out);
+        tick->phase = chain.id.phase;
+        const auvid_metric_t *m = &chain.id.metric;
+        tick->late = m->held && (m->full || m->waiting > 0);
+    }
+    TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= SETS - 1 && chain.id.estimate.number > 4);
+    TEST_ASSERT_TRUE(residual || chain.id.metric.memory.known != 0);
+    run.last_bytes = save(&chain.id, run.last);
+}
+
+/* ---- another process ---- */
+
+static void step(auvid_identifier_t *of, const tick_t *tick, auvid_output_t *out)
+{
+    if (tick->waiting && auvid_identifier_arm(of) == AUVID_OK) {
+        (void)auvid_identifier_excite(of);
+    }
+    (void)auvid_identifier_step(of, &tick->in, out);
+    (void)auvid_identifier_applied(of, tick->in.t_us, tick->wrench, NULL);
+    (void)auvid_identifier_work(of, tick->budget);
+}
+
+static bool read_file(const char *name, void *to, size_t most, size_t *size)
+{
+    FILE *file = fopen(name, "rb");
+    if (file == NULL) {
+        return false;
+    }
+    *size = fread(to, 1, most, file);
+    return fclose(file) == 0;
+}
+
+/* Restore the file's identifier after tick `from` and go on to the end of the run.
+ * @return tick whose answer is another, at the end the run's length; 0: as it should be */
+static int go_on(const char *run_file, const char *saved_file, uint32_t from)
+{
+    size_t size = 0;
+    auvid_output_t out;
+    if (!read_file(run_file, &run, sizeof run, &size) || size != sizeof run) {
+        return -1;
+    }
+    configure(run.residual);
+    config.id.search.seed = 99; /* the checkpoint knows better */
+    if (!read_file(saved_file, saved, sizeof saved, &size) ||
+        auvid_identifier_init(&id, &config.id) != AUVID_OK ||
+        auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
+        return -1;
+    }
+    for (uint32_t k = from + 1; k < run.ticks; ++k) {
+        step(&id, &run.tick[k], &out);
+        if (answer(&id, &out) != run.tick[k].answer) {
+            return (int)k;
+        }
+    }
+    bool same = save(&id, saved) == run.last_bytes && memcmp(saved, run.last, run.last_bytes) == 0;
+    return same ? 0 : (int)run.ticks;
+}
+
+static void write_file(const char *name, const void *data, size_t size)
+{
+    FILE *file = fopen(name, "wb");
+    TEST_ASSERT_TRUE(file != NULL && fwrite(data, 1, size, file) == size && fclose(file) == 0);
+}
+
+/* The run once more, saved at the ticks that are marked. */
+static void check_ticks(const bool *marked)
+{
+    auvid_output_t out;
+    begin(&id);
+    write_file(path, &run, sizeof run);
+    for (uint32_t k = 1; k < run.ticks; ++k) {
+        step(&id, &run.tick[k], &out);
+        TEST_ASSERT_EQUAL_HEX32(run.tick[k].answer, answer(&id, &out));
+        if (marked[k]) {
+            char from[16];
+            int status = -1;
+            write_file(saved_path, saved, save(&id, saved));
+            (void)snprintf(from, sizeof from, "%u", (unsigned)k);
+            pid_t child = fork();
+            if (child == 0) {
+                execl(self, self, path, saved_path, from, (char *)NULL);
+                _exit(127);
+            }
+            TEST_ASSERT_TRUE(child > 0 && waitpid(child, &status, 0) == child);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(0, status, from);
+        }
+    }
+}
+
+/* Random ticks, `most` of them: two of each phase of work that there is, the others of all, the
+ * last of those at which a set waits.
+ * @return phases among them */
+static uint32_t mark(uint32_t most, bool *marked)
+{
+    uint32_t count[PHASES] = {0}, phases = 0, late = 0;
+    memset(marked, 0, TICKS * sizeof *marked);
+    for (uint32_t n = 0; n < most; ++n) {
+        uint32_t k = 1 + auvid_rng_below(&rng, run.ticks - 1);
+        for (uint32_t i = 1; n < 2 * PHASES && i < run.ticks && run.tick[k].phase != n / 2; ++i) {
+            k = 1 + k % (run.ticks - 1); /* the next */
+        }
+        for (uint32_t i = 1; n + 3 > most && i < run.ticks && !run.tick[k].late; ++i) {
+            k = 1 + k % (run.ticks - 1);
+        }
+        count[run.tick[k].phase] += !marked[k];
+        phases |= 1u << run.tick[k].phase;
+        late += run.tick[k].late && !marked[k];
+        marked[k] = true;
+    }
+    printf("%s regressor, ticks saved in phases IDLE, FORESEE ..:", run.residual ? "no" : "with");
+    for (int i = 0; i < PHASES; ++i) {
+        printf(" %u", (unsigned)count[i]);
+    }
+    printf("; %u while a set waited\n", (unsigned)late);
+    TEST_ASSERT_TRUE(late > 0);
+    return phases;
+}
+
+static void test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit(void)
+{
+    static bool marked[TICKS];
+    bool all = campaign_is_long();
+    record(false);
+    uint32_t phases = mark(all ? 1000 : 100, marked);
+    check_ticks(marked);
+    record(true);
+    phases |= mark(all ? 200 : 24, marked);
+    check_ticks(marked);
+    TEST_ASSERT_EQUAL_HEX32((1u << PHASES) - 1, phases);
+}
+
+/* A long way into the excitation the power fails: whatever is applied, nobody knows. */
+static void test_an_excitation_that_was_interrupted_is_aborted(void)
+{
+    auvid_output_t out;
+    record(false);
+    begin(&id);
+    for (uint32_t k = 1; k < 1000; ++k) {
+        step(&id, &run.tick[k], &out);
+    }
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
+    uint32_t bytes = save(&id, saved);
+    begin(&id);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
+    step(&id, &run.tick[1020], &out); /* 0.4 s later */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_TICK, out.cause);
+    TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
+                             sizeof out.excitation);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
+    step(&id, &run.tick[1], &out); /* a clock that began anew */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
+}
+
+/* Armed, exciting, settling: a program that restores has not been asked to act. */
+static void test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew(void)
+{
+    auvid_output_t out;
+    uint32_t states = 0;
+    record(false);
+    begin(&id);
+    for (uint32_t k = 1; k < run.ticks; ++k) {
+        step(&id, &run.tick[k], &out);
+        if ((states >> id.guard.state & 1u) != 0 && k % 1000 != 0) {
+            continue;
+        }
+        static auvid_identifier_t before;
+        auvid_guard_state_t state = id.guard.state;
+        bool latched = state == AUVID_GUARD_DONE || state == AUVID_GUARD_ABORTED;
+        states |= 1u << state;
+        before = id;
+        uint32_t bytes = save(&id, saved);
+        begin(&id);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+        TEST_ASSERT_EQUAL(latched ? state : AUVID_GUARD_DISARMED, id.guard.state);
+        for (uint32_t i = k + 1; i < k + 50 && i < run.ticks; ++i) {
+            (void)auvid_identifier_step(&id, &run.tick[i].in, &out);
+            TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
+                                     sizeof out.excitation);
+        }
+        TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&id));
+        if (state == AUVID_GUARD_EXCITING && k + 50 < run.ticks) {
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
+            (void)auvid_identifier_step(&id, &run.tick[k + 50].in, &out);
+            TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
+            TEST_ASSERT_EQUAL_UINT64(run.tick[k + 50].in.t_us, id.excitation.start_us);
+        }
+        id = before;
+    }
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
+                                1u << AUVID_GUARD_SETTLING,
+                            states);
+}
+
+int main(int count, char **argument)
+{
+    self = argument[0];
+    if (count == 4) {
+        setUp();
+        int tick = go_on(argument[1], argument[2], (uint32_t)atoi(argument[3]));
+        if (tick != 0) {
+            printf("saved after tick %s: another answer in tick %d\n", argument[3], tick);
+        }
+        return tick != 0;
+    }
+    int file = mkstemp(path);
+    if (file < 0 || close(file) != 0) {
+        return 1;
+    }
+    (void)snprintf(saved_path, sizeof saved_path, "%s_", path);
+    UNITY_BEGIN();
+    RUN_TEST(test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit);
+    RUN_TEST(test_an_excitation_that_was_interrupted_is_aborted);
+    RUN_TEST(test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew);
+    int status = UNITY_END();
+    (void)remove(path);
+    (void)remove(saved_path);
+    return status;
+}

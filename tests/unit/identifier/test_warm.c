@@ -1,0 +1,654 @@
+/* The warm record, from one dive to the next, and parameters that are known from elsewhere. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "auvid/warm.h"
+#include "base/auvid_checksum_internal.h"
+#include "base/auvid_math_internal.h"
+#include "binomial.h"
+#include "chain.h"
+#include "unity.h"
+
+enum { N = 13, SETS = 8, LATER = 4 };
+
+static chain_config_t config;
+static chain_t chain;
+static uint8_t record[AUVID_WARM_BYTES];
+
+void setUp(void)
+{
+    chain_defaults(&config, 1, 2, 1.0);
+}
+
+void tearDown(void)
+{
+}
+
+/* A dive of two sets leaves a record. */
+static void dive(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    memset(record, 0xFF, sizeof record);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
+}
+
+static void check_refused(auvid_status_t status, const uint8_t *bytes, uint32_t size)
+{
+    static auvid_identifier_t before;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(status, auvid_warm_start(&chain.id, bytes, size));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+}
+
+static void test_a_record_brings_the_estimate_into_the_next_dive(void)
+{
+    dive();
+    static auvid_estimate_t known;
+    known = chain.id.estimate;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_HEX32(known.identified, chain.id.estimate.identified);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_confidence_t *c = &known.confidence;
+        double ratio = c->residual[j] > 0 ? (double)(c->noise[j] / c->residual[j]) : 0;
+        double colour = (double)chain.id.metric.memory.colour[j];
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
+    }
+    for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
+                                     that are not rounded down */
+        float single = (float)known.pi[i];
+        auvid_real_t sigma = known.confidence.sigma[i] * (auvid_real_t)1.4142136;
+        TEST_ASSERT_EQUAL_FLOAT(single, (float)chain.id.estimate.pi[i]);
+        TEST_ASSERT_TRUE(chain.id.estimate.confidence.sigma[i] >= (auvid_real_t)0.999999 * sigma);
+        TEST_ASSERT_TRUE(chain.id.estimate.confidence.sigma[i] <= (auvid_real_t)1.008 * sigma);
+    }
+    chain_tick(&chain);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
+}
+
+/* The next dive has the same thrusters and DVL: their scales do not make the record weaker. What is
+ * known from elsewhere does not depend on them. */
+static void test_a_record_holds_errors_with_the_thrust_as_told(void)
+{
+    static auvid_real_t plain[N], dvl[N];
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    memcpy(plain, chain.id.metric.memory.sigma, sizeof plain);
+    config.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
+    config.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
+    dive();
+    memcpy(dvl, chain.id.estimate.confidence.dvl_error, sizeof dvl);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    const auvid_confidence_t *c = &chain.id.estimate.confidence;
+    TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
+    for (int i = 0; i < N; ++i) {
+        double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
+        double told = (double)chain.id.metric.memory.sigma[i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(told, scale), (double)dvl[i]),
+                                  (double)c->sigma[i]);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, auvid_girona500_paper, plain));
+    for (int i = 0; i < N; ++i) {
+        TEST_ASSERT_TRUE(c->sigma[i] == plain[i] && c->thrust_error[i] == 0);
+    }
+}
+
+/* Save the dive and begin the next with the record. */
+static void next_dive(const auvid_identifier_t *dived)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(dived, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+}
+
+/* What was not identified, or has no error or noise to go with it, is as unknown as before. */
+static void test_a_record_brings_only_what_was_identified_with_an_error(void)
+{
+    enum { LEFT = AUVID_G500_M_U, WAYS = 7 };
+    static auvid_identifier_t dived, spoilt;
+    dive();
+    dived = chain.id;
+    uint32_t surge = 0;
+    for (int i = 0; i < N; ++i) {
+        surge |= (uint32_t)(auvid_girona500.parameter[i].dof == AUVID_SURGE) << i;
+    }
+    const uint32_t left[WAYS] = {1u << LEFT, 1u << LEFT, 1u << LEFT, surge, surge, 0, 1u << LEFT};
+    for (int way = 0; way < WAYS; ++way) {
+        spoilt = dived;
+        auvid_estimate_t *e = &spoilt.estimate;
+        auvid_confidence_t *c = &e->confidence;
+        e->identified &= way == 0 ? ~left[0] : UINT32_MAX;
+        c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
+        c->noise[AUVID_SURGE] = way == 3 ? 0 : c->noise[AUVID_SURGE];
+        c->residual[AUVID_SURGE] = way == 4 ? 0 : c->residual[AUVID_SURGE];
+        c->residual[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        e->covariance[LEFT] *= way == 6 ? 0 : 1;       /* the variance of the first parameter */
+        next_dive(&spoilt);
+        TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
+                                chain.id.estimate.identified);
+        for (int i = 0; i < N; ++i) {
+            bool unknown = (left[way] >> i & 1u) != 0;
+            TEST_ASSERT_EQUAL(unknown, chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
+            TEST_ASSERT_EQUAL(unknown, chain.id.metric.memory.sigma[i] == 0);
+        }
+    }
+}
+
+/* Of the first parameter, when a dive ends with that error. */
+static double remembered(const auvid_identifier_t *dived, double sigma)
+{
+    static auvid_identifier_t ended;
+    ended = *dived;
+    ended.estimate.covariance[0] = (auvid_real_t)(sigma * sigma);
+    next_dive(&ended);
+    return (double)chain.id.metric.memory.sigma[0];
+}
+
+/* It has the upper halves of single precision: 1 and 1 + 1/128 are kept, what is above 1 is rounded
+ * up. */
+static void test_a_record_never_makes_an_error_smaller(void)
+{
+    static auvid_identifier_t dived;
+    const double next = 1 + ldexp(1, -7), above = 1 + ldexp(1, -23);
+    dive();
+    dived = chain.id;
+    double one = remembered(&dived, 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, next));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, above));
+}
+
+/* A degree of freedom of which the record holds nothing counts as not driven. */
+static void test_a_record_counts_as_driven_what_it_holds(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    dived.estimate.confidence.noise[AUVID_HEAVE] = 0;
+    next_dive(&dived);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven & ~(1u << AUVID_HEAVE), chain.id.estimate.driven);
+}
+
+/* The velocity is simulated with the record's parameters through the first set. */
+static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
+{
+    static auvid_identifier_t dived;
+    dive();
+    dived = chain.id;
+    next_dive(&dived);
+    while (chain.id.judgement.set == 0) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.judgement.set);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven, chain.id.judgement.simulated);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_TRUE((dived.estimate.driven >> j & 1) == 0 ||
+                         chain.id.judgement.r2_velocity[j] > AUVID_C(0.5));
+    }
+}
+
+static void test_saved_again_it_says_the_same(void)
+{
+    uint8_t again[AUVID_WARM_BYTES];
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, again));
+    TEST_ASSERT_EQUAL_MEMORY(record, again, sizeof again);
+}
+
+/* A dive without a set leaves nothing better than the record that it began with. */
+static void test_what_was_only_remembered_is_not_saved_again(void)
+{
+    uint8_t again[AUVID_WARM_BYTES] = {0}, zeros[AUVID_WARM_BYTES] = {0};
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_warm_save(&chain.id, again));
+    TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
+}
+
+static void test_every_damaged_byte_is_noticed(void)
+{
+    dive();
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    for (int k = 0; k < AUVID_WARM_BYTES; ++k) {
+        for (int change = 1; change < 256; ++change) {
+            record[k] = (uint8_t)(record[k] ^ change);
+            TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM,
+                              auvid_warm_start(&chain.id, record, sizeof record));
+            record[k] = (uint8_t)(record[k] ^ change);
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+    memset(record, 0, sizeof record); /* erased flash */
+    check_refused(AUVID_ERR_CHECKSUM, record, sizeof record);
+    memset(record, 0xFF, sizeof record);
+    check_refused(AUVID_ERR_CHECKSUM, record, sizeof record);
+}
+
+static void test_a_record_of_another_model_is_refused(void)
+{
+    dive();
+    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    check_refused(AUVID_ERR_MODEL, record, sizeof record);
+    config.id.metric.fixed[AUVID_G500_M_R] = 80;
+    dive(); /* a record with yaw's inertia given */
+    config.id.metric.fixed[AUVID_G500_M_R] = 81;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    check_refused(AUVID_ERR_MODEL, record, sizeof record);
+}
+
+static void test_a_model_without_a_name_is_another_model(void)
+{
+    static auvid_vehicle_t nameless;
+    dive();
+    nameless = auvid_girona500;
+    nameless.name = NULL;
+    config.id.vehicle = &nameless;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    check_refused(AUVID_ERR_MODEL, record, sizeof record);
+}
+
+static void test_calls_out_of_order_are_refused(void)
+{
+    memset(&chain.id, 0, sizeof chain.id);
+    check_refused(AUVID_ERR_STATE, record, sizeof record);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_warm_save(&chain.id, record));
+    dive();
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* it knows better by now */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    check_refused(AUVID_ERR_SIZE, record, sizeof record - 1);
+    check_refused(AUVID_ERR_NULL, NULL, sizeof record);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_start(NULL, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(NULL, record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(&chain.id, NULL));
+    config.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
+}
+
+/* ---- a record whose content is wrong and whose checksum is right ---- */
+
+enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
+
+static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                    auvid_real_t *residual)
+{
+    (void)context;
+    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
+}
+
+/* The same model with its regressor, or without. */
+static void choose_path(bool residual)
+{
+    static auvid_row_t rows[(AUVID_MAX_SETS + 1) * 60];
+    static auvid_vehicle_t vehicle;
+    vehicle = auvid_girona500;
+    vehicle.regressor = residual ? NULL : vehicle.regressor;
+    vehicle.residual = residual ? predict : vehicle.residual;
+    config.id.vehicle = &vehicle;
+    config.id.metric.rows = residual ? rows : NULL;
+}
+
+static void correct_checksum(void)
+{
+    auvid_put_word(record + CHECK, ~auvid_checksum(UINT32_MAX, record, CHECK));
+}
+
+static void check_forged(auvid_status_t status, int at, uint32_t word)
+{
+    uint32_t before = auvid_get_word(record + at);
+    auvid_put_word(record + at, word);
+    correct_checksum();
+    check_refused(status, record, sizeof record);
+    auvid_put_word(record + at, before);
+    correct_checksum();
+}
+
+static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor(void)
+{
+    const uint32_t nan = 0x7fc00000u, infinite = 0x7f800000u, huge = 0x7f000000u;
+    dive();
+    for (int residual = 0; residual < 2; ++residual) {
+        choose_path(residual != 0);
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        check_forged(AUVID_ERR_CHECKSUM, 0, 0x32777661u); /* "avw2": of another version */
+        check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, nan);
+        check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, infinite);
+        check_forged(AUVID_ERR_RANGE, VALUE + 4 * AUVID_G500_X_U, huge);
+        check_forged(AUVID_ERR_NOT_FINITE, SIGMA, nan);
+        check_forged(AUVID_ERR_RANGE, SIGMA, 0); /* of two parameters */
+        check_forged(AUVID_ERR_RANGE, SIGMA, 0xbf80bf80u);
+        check_forged(AUVID_ERR_NOT_FINITE, COLOUR, nan);
+        check_forged(AUVID_ERR_RANGE, COLOUR, 0);
+        check_forged(AUVID_ERR_RANGE, COLOUR, 0xbf800000u);
+        check_forged(AUVID_ERR_RANGE, KNOWN, 0x80001fffu);            /* no such parameter */
+        check_forged(AUVID_ERR_RANGE, KNOWN, 1u << AUVID_G500_X_0);   /* a fixed one */
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    }
+}
+
+static bool publishes_finite_numbers(const auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = &id->estimate;
+    const auvid_judgement_t *to = &id->judgement;
+    return auvid_all_finite(e->pi, N) && auvid_is_finite(e->cost) &&
+           auvid_all_finite(e->delay_s, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->r2_force, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.sigma, N) &&
+           auvid_all_finite(e->confidence.noise, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.residual, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->variance_ratio, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->change, AUVID_DOF_COUNT) &&
+           auvid_all_finite(to->r2_velocity, AUVID_DOF_COUNT);
+}
+
+/* One to four bytes, also those that make a number NaN, infinite or huge. */
+static void forge(auvid_rng_t *rng)
+{
+    static const uint8_t telling[] = {0x00, 0xff, 0x7f, 0x80, 0xfe, 0x01};
+    for (uint32_t k = 0; k <= auvid_rng_below(rng, 4); ++k) {
+        uint32_t at = KNOWN + auvid_rng_below(rng, CHECK - KNOWN);
+        bool any = auvid_rng_below(rng, 2) == 0;
+        record[at] = any ? (uint8_t)auvid_rng_below(rng, 256)
+                         : telling[auvid_rng_below(rng, sizeof telling)];
+    }
+    correct_checksum();
+}
+
+/* Of those taken, one in so many goes through a set, which is held against it. */
+static void test_a_forged_record_is_refused_or_harmless(void)
+{
+    const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
+    static uint8_t genuine[AUVID_WARM_BYTES];
+    uint32_t taken = 0, driven = 0;
+    auvid_rng_t rng;
+    auvid_rng_seed(&rng, 1);
+    dive();
+    memcpy(genuine, record, sizeof genuine);
+    for (uint32_t n = 0; n < forgeries; ++n) {
+        if (n % 1000 == 0) {
+            choose_path(n / 1000 % 2 == 1);
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        }
+        memcpy(record, genuine, sizeof record);
+        forge(&rng);
+        if (auvid_warm_start(&chain.id, record, sizeof record) != AUVID_OK) {
+            TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+            continue;
+        }
+        TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
+        if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
+            ++driven;
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+            while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
+                chain_tick(&chain);
+                TEST_ASSERT_TRUE(chain.id.work_last <= AUVID_DEFAULT_BUDGET);
+            }
+            TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    }
+    printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
+           (unsigned)taken, (unsigned)driven);
+    TEST_ASSERT_TRUE(taken > forgeries / 20 && driven > 0);
+}
+
+/* The paper's vehicle, as a towing tank might have told of it. */
+static void tank(auvid_real_t *pi, auvid_real_t *sigma)
+{
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        pi[i] = i < N ? auvid_girona500_paper[i] : (auvid_real_t)NAN; /* fixed ones: not read */
+        sigma[i] = i < N ? (auvid_real_t)(0.05 * fabs((double)pi[i])) : 0;
+    }
+}
+
+static void check_unknown(auvid_status_t status, const auvid_real_t *pi, const auvid_real_t *sigma)
+{
+    static auvid_identifier_t before;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+}
+
+static void test_known_parameters_are_the_first_estimate(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL_MEMORY(pi, chain.id.estimate.pi, N * sizeof pi[0]);
+    TEST_ASSERT_EQUAL_MEMORY(sigma, chain.id.estimate.confidence.sigma, N * sizeof sigma[0]);
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < N; ++k) {
+            auvid_real_t covariance =
+                auvid_estimate_covariance(&chain.id.estimate, &auvid_girona500, i, k);
+            TEST_ASSERT_TRUE(covariance == (i == k ? sigma[i] * sigma[i] : 0));
+        }
+    }
+    check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
+static void test_parameters_known_without_sense_are_refused(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_known(NULL, pi, sigma));
+    check_unknown(AUVID_ERR_NULL, NULL, sigma);
+    check_unknown(AUVID_ERR_NULL, pi, NULL);
+    tank(pi, sigma);
+    pi[3] = (auvid_real_t)NAN;
+    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
+    tank(pi, sigma);
+    sigma[3] = (auvid_real_t)INFINITY;
+    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
+    sigma[3] = 0;
+    check_unknown(AUVID_ERR_RANGE, pi, sigma);
+    sigma[3] = (auvid_real_t)1e31;
+    check_unknown(AUVID_ERR_RANGE, pi, sigma);
+    memset(&chain.id, 0, sizeof chain.id);
+    check_unknown(AUVID_ERR_STATE, pi, sigma);
+}
+
+static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    config.id.metric.fixed[AUVID_G500_M_R] = 80;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
+}
+
+static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t error)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    tank(pi, sigma);
+    pi[3] = value;
+    sigma[3] = error;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+}
+
+static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
+{
+    const auvid_real_t value = 300, error = 10;
+    check_limit(AUVID_OK, AUVID_C(1e18), error);
+    check_limit(AUVID_OK, AUVID_C(-1e18), error);
+    check_limit(AUVID_ERR_RANGE, AUVID_C(1.01e18), error);
+    check_limit(AUVID_ERR_RANGE, AUVID_C(-1.01e18), error);
+    check_limit(AUVID_OK, value, AUVID_C(5.1e-31));
+    check_limit(AUVID_ERR_RANGE, value, AUVID_C(4.9e-31));
+    check_limit(AUVID_ERR_RANGE, value, -error);
+    check_limit(AUVID_OK, value, AUVID_C(9.9e29));
+    check_limit(AUVID_ERR_RANGE, value, AUVID_C(1e30));
+}
+
+static void test_memory_that_makes_no_sense_is_refused(void)
+{
+    auvid_memory_t memory = {.known = 1};
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    auvid_metric_t *metric = &chain.id.metric;
+    memory.sigma[0] = memory.colour[AUVID_SURGE] = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_remember(metric, &memory));
+    memory.sigma[0] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_remember(metric, &memory));
+    memory.sigma[0] = 1;
+    memory.colour[AUVID_SURGE] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_remember(metric, &memory));
+    memory.colour[AUVID_SURGE] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_remember(metric, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_remember(NULL, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_remember(metric, NULL));
+    TEST_ASSERT_EQUAL_HEX32(1, metric->memory.known);
+}
+
+/* ---- what it is worth ---- */
+
+typedef struct {
+    double square;  /* of the error after the first set, summed over parameters and dives */
+    double seconds; /* until all parameters are identifiable, at most the dive's */
+    uint32_t kept;  /* dives in which the record was kept */
+} worth_t;
+
+/* What a dive begins with. */
+typedef enum { COLD, RECORD, TANK } start_t;
+
+/* A dive of four sets, in which the vehicle is `heavier` times the one that is known. */
+static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *worth)
+{
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    uint32_t seen = start == COLD ? 0 : 1;
+    bool all = false;
+    chain_defaults(&config, 1000 + seed, LATER, 1.0);
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        config.sim.parameter[i] *= i == SIM_WB ? 1.0 : heavier;
+    }
+    tank(pi, sigma);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    if (start == RECORD) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    } else if (start == TANK) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    }
+    const auvid_estimate_t *e = &chain.id.estimate;
+    while (chain.id.metric.sets_recorded < LATER || chain.work == AUVID_PENDING) {
+        chain_tick(&chain);
+        for (int i = 0; i < N && e->sets == 1 && e->number == seen + 1; ++i) {
+            worth->square += pow((double)e->pi[i] / config.sim.parameter[i] - 1.0, 2);
+        }
+        seen = e->number;
+        all = all || e->confidence.identifiable == (1u << N) - 1u;
+        worth->seconds += all ? 0.0 : 0.02;
+    }
+    worth->kept += chain.id.metric.memory.known != 0;
+}
+
+/* @return how many dives */
+static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
+{
+    uint32_t dives = campaign_is_long() ? 100 : campaign_runs(8);
+    memset(cold, 0, sizeof *cold);
+    memset(warm, 0, sizeof *warm);
+    for (uint32_t seed = 1; seed <= dives; ++seed) {
+        if (start == RECORD) {
+            chain_defaults(&config, seed, SETS, 1.0);
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+        }
+        dive_again(seed, COLD, heavier, cold);
+        dive_again(seed, start, heavier, warm);
+    }
+    printf("%u dives, %s, the vehicle %g times as heavy as known: first set cold %.2f %%, warm "
+           "%.2f %%; all identifiable after %.1f s, %.1f s; kept in %u\n",
+           (unsigned)dives, start == RECORD ? "a record" : "known parameters", heavier,
+           100 * sqrt(cold->square / N / dives), 100 * sqrt(warm->square / N / dives),
+           cold->seconds / dives, warm->seconds / dives, (unsigned)warm->kept);
+    return dives;
+}
+
+static void test_the_same_vehicle_is_known_in_half_the_time(void)
+{
+    worth_t cold, warm;
+    uint32_t dives = compare(RECORD, 1.0, &cold, &warm);
+    TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
+    TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
+    TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
+}
+
+/* What was known exactly, to the tank's 5 %, helps likewise. */
+static void test_known_parameters_help(void)
+{
+    worth_t cold, warm;
+    uint32_t dives = compare(TANK, 1.0, &cold, &warm);
+    TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
+    TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
+    TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
+}
+
+static void test_a_record_of_another_vehicle_does_no_harm(void)
+{
+    static const double heavier[] = {1.03, 1.1}; /* near enough to be confounded, and not */
+    for (size_t k = 0; k < sizeof heavier / sizeof heavier[0]; ++k) {
+        worth_t cold, warm;
+        uint32_t dives = compare(RECORD, heavier[k], &cold, &warm);
+        TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
+        TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
+        TEST_ASSERT_TRUE(warm.kept <= dives / 4);
+    }
+}
+
+static void test_parameters_known_wrongly_do_no_harm(void)
+{
+    worth_t cold, warm;
+    (void)compare(TANK, 1.3, &cold, &warm);
+    TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
+    TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
+    RUN_TEST(test_a_record_holds_errors_with_the_thrust_as_told);
+    RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
+    RUN_TEST(test_a_record_never_makes_an_error_smaller);
+    RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
+    RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
+    RUN_TEST(test_saved_again_it_says_the_same);
+    RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
+    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_a_record_of_another_model_is_refused);
+    RUN_TEST(test_a_model_without_a_name_is_another_model);
+    RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor);
+    RUN_TEST(test_a_forged_record_is_refused_or_harmless);
+    RUN_TEST(test_known_parameters_are_the_first_estimate);
+    RUN_TEST(test_parameters_known_without_sense_are_refused);
+    RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
+    RUN_TEST(test_known_parameters_are_taken_up_to_the_limits_of_the_header);
+    RUN_TEST(test_memory_that_makes_no_sense_is_refused);
+    RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
+    RUN_TEST(test_known_parameters_help);
+    RUN_TEST(test_a_record_of_another_vehicle_does_no_harm);
+    RUN_TEST(test_parameters_known_wrongly_do_no_harm);
+    return UNITY_END();
+}
