@@ -32,7 +32,7 @@ PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*
 PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
 # What of the program tests run as well: the demo's world.
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c field_run.c field_table.c \
-    statistics.c report.c complain.c) $(MEMORY)
+    statistics.c report.c report_error.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)

@@ -50,7 +50,7 @@ static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_pr
         c->crs.epsilon = AUVID_C(1e-6);
         c->crs.max_evaluations = 150u * row->population;
     }
-    c->line_search.literal = row->literal;
+    c->line_search.paper = row->literal;
     if (row->literal) {
         c->line_search.epsilon = AUVID_C(1e-5);
     }
@@ -91,7 +91,7 @@ static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
             }
             (void)auvid_optimizer_tell(&optimizer, (auvid_real_t)ls_problem_cost(p, pi));
             if (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
-                rejections = optimizer.crs.most_rejections;
+                rejections = optimizer.crs.max_rejections_seen;
             }
         } else if (status != AUVID_PENDING) {
             return rejections;

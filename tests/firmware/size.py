@@ -36,7 +36,7 @@ POINTERS = {
     r"vehicle->acceleration\(": r":g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"id->adapt\(": r"auvid_adaptive\.c:adapt$",
-    r"m->recall\(": r"auvid_metric_memory\.c:recall$",
+    r"m->apply_prior\(": r"auvid_metric_prior\.c:recall$",
     r"listener->command\(": r"auvid_thrusters\.c:listen$",
     r"listener->set\(": r"auvid_thrusters\.c:forget$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:lead_us$",

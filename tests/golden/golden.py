@@ -47,7 +47,7 @@ def vector(d):
         for p in points:
             yield (f"drag {j} speed {real(p['speed'])} force {real(p['force'])} "
                    f"half_width {real(p['half_width'])} identifiable {p['identifiable']:d}")
-    test = d["judgement"]
+    test = d["change_test"]
     if test is not None:
         yield f"change_test set {test['set']} estimate {test['estimate']}"
         for key, word in (("variance_ratio",) * 2, ("change", "statistic"), ("r2_velocity",) * 2):

@@ -1,7 +1,7 @@
 /*
  * Golden vectors of runs that are short enough for a microcontroller, at the default sizes.
  */
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "chain.h"
 #include "dead_band.h"
 #include "unity.h"
@@ -41,17 +41,17 @@ static void finish(void)
 /* A Girona500 at 1 N: two sets, and a dive that begins with what they have shown. */
 static void test_a_girona500_and_its_prior_record(void)
 {
-    uint8_t record[AUVID_WARM_BYTES];
+    uint8_t record[AUVID_PRIOR_BYTES];
     vector_begin(1);
     chain_defaults(&config, 1, 2, 1.0);
     config.after = look;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     finish();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
     golden_put("with the prior\n");
     vector_restart();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     vector_whole(&chain.id);
     chain_run(&chain, CHAIN_SET_S + 6.0);
     finish();

@@ -51,23 +51,23 @@ static inline void vector_parameter(const auvid_estimate_t *e, int i)
 static inline void vector_dof(const auvid_estimate_t *e, int j)
 {
     const auvid_confidence_t *c = &e->confidence;
-    golden_put("dof %d lag %d lost %d", j, e->lagged >> j & 1, c->lost[j]);
+    golden_put("dof %d lag %d lost %d", j, e->first_order_lag >> j & 1, c->lost[j]);
     golden_number("delay", (float)e->delay_s[j]);
     golden_number("r2", (float)e->r2_force[j]);
-    golden_number("noise", (float)c->noise[j]);
-    golden_number("residual", (float)c->residual[j]);
+    golden_number("noise", (float)c->effective_noise[j]);
+    golden_number("residual", (float)c->residual_rms[j]);
     golden_number("speed", (float)e->speed[j][0]);
     golden_number("back", (float)e->speed[j][1]);
     golden_put("\n");
 }
 
 /* How the newest set was predicted. */
-static inline void vector_change_test(const auvid_judgement_t *to)
+static inline void vector_change_test(const auvid_change_test_t *to)
 {
     golden_put("change_test set %u estimate %u excited %02x changed %02x simulated %02x\n",
-               (unsigned)to->set, (unsigned)to->estimate, to->driven, to->changed, to->simulated);
+               (unsigned)to->set, (unsigned)to->estimate, to->excited, to->changed, to->simulated);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!(to->driven >> j & 1)) {
+        if (!(to->excited >> j & 1)) {
             continue;
         }
         golden_put("change_test dof %d", j);
@@ -86,17 +86,17 @@ static inline void vector_whole(const auvid_identifier_t *id)
     size_t entries = (size_t)(n * (n + 1) / 2);
     vector_brief(e, n);
     golden_put("identified %08x accepted %d evaluation_limit %d covariance %08x\n",
-               (unsigned)e->identified, e->accepted, e->capped,
+               (unsigned)e->identified, e->accepted, e->not_converged,
                (unsigned)golden_hash(0, e->covariance, entries * sizeof e->covariance[0]));
     for (int i = 0; i < n; ++i) {
         vector_parameter(e, i);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (e->driven >> j & 1) {
+        if (e->excited >> j & 1) {
             vector_dof(e, j);
         }
     }
-    vector_change_test(&id->judgement);
+    vector_change_test(&id->change_test);
 }
 
 /** Before an identifier's first tick. */

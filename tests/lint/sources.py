@@ -15,6 +15,7 @@ Prints one line a breach; exit status 1 when there is any.
   path        no path of somebody's own machine
   version     config.h and the newest entry of CHANGELOG.md agree
   link name   what depends on config.h, in a public header, has the sizes in its link-time name
+  survivor    each entry of tests/mutation/survivors.txt is a line of its function
   target      every target of the Makefile is described for `make help`
 """
 import os
@@ -43,7 +44,7 @@ PUBLIC = {
     "metric": "metric confidence validation",
     "search": "crs line_search optimizer",
     "excitation": "excitation allocation guard",
-    "identifier": "identifier adaptive checkpoint warm",
+    "identifier": "identifier adaptive checkpoint prior",
     "can": "can can_messages can_receiver can_fifo",
     "node": "node",
 }
@@ -242,6 +243,19 @@ def check_link_names(headers):
                 yield "link name", f"{name} depends on {', '.join(sorted(needs))}"
 
 
+def check_survivors(survivors):
+    """Does each listed survivor's line stand in its function's file?"""
+    texts = {path.name: " ".join(path.read_text().split()) for path in root.glob("lib/src/*/*.c")}
+    here = function = ""
+    for number, line in enumerate(survivors.splitlines(), 1):
+        if line.startswith("@ "):
+            name, function = line.split()[1:]
+            here = texts.get(name, "")
+        known = f" {function}(" in here or f"*{function}(" in here
+        if line.startswith("- ") and not (known and " ".join(line[2:].split()) in here):
+            yield "survivor", f"line {number} is not in {function}"
+
+
 def main():
     breaches = []
 
@@ -263,6 +277,9 @@ def main():
         note(changelog, check_version(config.read_text(), changelog.read_text()))
     if (root / "Makefile").exists():
         note(root / "Makefile", check_targets((root / "Makefile").read_text()))
+    survivors = root / "tests/mutation/survivors.txt"
+    if survivors.exists():
+        note(survivors, check_survivors(survivors.read_text()))
     print("\n".join(breaches), end="\n" if breaches else "")
     sys.exit(1 if breaches else 0)
 

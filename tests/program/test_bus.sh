@@ -123,7 +123,7 @@ check "a log that is not there" refuses 'none.log: No such file' replay none.log
 # What is known at the end of one dive, the next one begins with.
 dives() {
     "$AUVID" node --bus memory --excite --sets 2 --seed 1 --save first.avw &&
-        "$AUVID" node --bus memory --excite --sets 2 --seed 2 --warm first.avw --log warm.log \
+        "$AUVID" node --bus memory --excite --sets 2 --seed 2 --prior first.avw --log warm.log \
             --save second.avw &&
         [ "$(wc -c <first.avw)" = 236 ] && [ "$(wc -c <second.avw)" = 236 ] &&
         ! cmp -s first.avw second.avw && [ ! -e first.avw.new ]
@@ -131,16 +131,16 @@ dives() {
 
 # A record that is of no use: told in a line, and the dive is made.
 cold() {
-    "$AUVID" node --bus memory --excite --sets 1 --seed 1 --warm "$2" >cold.out 2>cold.err || true
+    "$AUVID" node --bus memory --excite --sets 1 --seed 1 --prior "$2" >cold.out 2>cold.err || true
     [ "$(wc -l <cold.err)" = 1 ] && grep -q "$1: starts cold" cold.err && grep -q ' m_u ' cold.out
 }
 
 check "a dive is begun with what the one before has left" dives
 check "its log, replayed with the record, gives the same estimates" \
-    exits 0 replay warm.log --seed 2 --sets 2 --warm first.avw
+    exits 0 replay warm.log --seed 2 --sets 2 --prior first.avw
 check "without the record it does not" exits 1 replay warm.log --seed 2 --sets 2
 check "replay without its record is refused" refuses 'none.avw: No such file' \
-    replay warm.log --seed 2 --sets 2 --warm none.avw
+    replay warm.log --seed 2 --sets 2 --prior none.avw
 head -c 235 first.avw >short.avw
 head -c 235 first.avw | tr '\0' '\1' >torn.avw
 echo >>torn.avw

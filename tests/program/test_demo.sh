@@ -6,7 +6,7 @@ check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the keys it should have" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "judgement",
+                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "change_test",
                    "guard", "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
@@ -59,7 +59,7 @@ for j, (linear, quadratic) in zip("XYZN", (("X_u", "X_uu"), ("Y_v", "Y_vv"), ("Z
         assert abs(x["force"] - x["truth"]) < 2 * x["half_width"] < 0.4 * abs(x["force"])
         assert x["identifiable"]'
 check "the last set was foretold, and nothing has changed" is one.json '
-j = d["judgement"]
+j = d["change_test"]
 assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]
 assert j["set"] == 8 and j["estimate"] == 7 and j["changed"] == []
 assert all(0.05 < x < 5 for x in j["variance_ratio"].values()), j

@@ -25,7 +25,7 @@ cp out fit.json
 check "its JSON has the keys it should have" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
-                   "judgement", "evaluations", "budget"], list(d)
+                   "change_test", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}
            for p in d["parameters"])
@@ -38,7 +38,7 @@ assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.
 assert all(abs(p["estimate"] - TRUTH[n]) < 4 * p["sigma_told"] for n, p in P.items()), \
     {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma_told"] for n in P}
 assert len(d["missing"]) == 1 and d["missing"][0].startswith("heave: W-B is known to ")
-assert d["judgement"] is None'
+assert d["change_test"] is None'
 check "with the thrust calibrated to 1 % every parameter is identifiable" exits 0 fit train.csv \
     --json --thrust-scale 0.01
 check "  all are" is out '
@@ -202,10 +202,10 @@ check "  and nothing else is" is out \
 change 'for y in r: y[C["X_N"]] = y[C["Y_N"]] = y[C["Z_N"]] = y[C["N_Nm"]] = 0' <train.csv >rest.csv
 check "nothing driven: exit 1" exits 1 fit rest.csv --json
 check "  and status not_driven" is out '
-assert d["status"] == "not_driven" and all(p["estimate"] is None for p in d["parameters"])'
+assert d["status"] == "not_excited" and all(p["estimate"] is None for p in d["parameters"])'
 head -n 40 train.csv >short.csv
 check "a log too short for one row: exit 1" exits 1 fit short.csv --json
-check "  and status not_driven" is out 'assert d["status"] == "not_driven"'
+check "  and status not_driven" is out 'assert d["status"] == "not_excited"'
 change 'r = r[::30]' <train.csv >sparse.csv
 check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv
 
@@ -293,8 +293,8 @@ for y in r:
 h = [names.get(n, n) for n in h]' <rov.csv >far.csv
 check "a search that ends far from the optimum by its own criterion: exit 1" exits 1 \
     fit far.csv --json --model fossen --bounds=-1e5,1e5
-check "  status capped, nothing identifiable, and why" is out '
-assert d["status"] == "capped" and max(d["r2_force"].values()) < 0, d["r2_force"]
+check "  status not_converged, nothing identifiable, and why" is out '
+assert d["status"] == "not_converged" and max(d["r2_force"].values()) < 0, d["r2_force"]
 assert 0 < d["evaluations"]["line_search"] < 20000 and not any(P[n]["identifiable"] for n in P)
 assert d["missing"] == [
     "the search has not converged; narrow the bounds, or give a good point"], d["missing"]'

@@ -32,10 +32,10 @@ for name in payload yaw-idle operator-abort current dvl-lost; do
     check "$name: tells the same in both" python3 - "$name" <<'END'
 import json, sys
 d = json.load(open(sys.argv[1] + ".json"))
-told = ["  %7.2f s  %s" % (line["t_s"], line["text"]) for line in d["story"]]
+told = ["  %7.2f s  %s" % (line["t_s"], line["text"]) for line in d["events"]]
 text = open(sys.argv[1] + ".txt").read().split("\n")
 assert d["scenario"] == sys.argv[1] and told and [l for l in text if l in told] == told
-times = [line["t_s"] for line in d["story"]]
+times = [line["t_s"] for line in d["events"]]
 assert sys.argv[1] == "current" or times == sorted(times)
 END
     check "$name: another seed, another story" exits 0 demo --scenario "$name" --seed 2
@@ -51,7 +51,7 @@ assert all(abs(P[n]["truth"] / new[n] - 1) < 1e-5 for n in TRUTH)
 assert all(P[n]["identifiable"] for n in TRUTH if n != "W-B")
 rms = (sum((P[n]["estimate"] / new[n] - 1) ** 2 for n in TRUTH) / 13) ** 0.5
 assert rms < 0.05, rms
-assert d["guard"]["state"] == "done" and d["judgement"]["changed"] == []'
+assert d["guard"]["state"] == "done" and d["change_test"]["changed"] == []'
 check "  no change is told of but that one" test "$(grep -c CHANGED payload.txt)" = 1
 
 check "yaw-idle: says what is missing" tells yaw-idle 'missing: yaw: nothing moved it; excite it' \
@@ -62,7 +62,7 @@ for n in TRUTH:
     idle = n in ("m_r", "N_r", "N_rr")
     assert (P[n]["estimate"] is None) == (P[n]["sigma"] is None) == idle
     assert P[n]["identifiable"] == (not idle and n != "W-B") and (idle or error(n) < 0.1), (n, P[n])
-assert len(d["missing"]) == 2 and d["judgement"]["variance_ratio"]["N"] is None'
+assert len(d["missing"]) == 2 and d["change_test"]["variance_ratio"]["N"] is None'
 
 zero='in this tick: X 0.0, Y 0.0, Z 0.0 N, N 0.0 Nm'
 check "operator-abort: zero in the next tick, latched, the estimate stays" tells operator-abort \

@@ -82,12 +82,12 @@ static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
 {
     Watch &w = *static_cast<Watch *>(c->config.context);
     // with fewer sets there is no verdict
-    w.judged += (out->events & AUVID_EVENT_JUDGED) != 0 && c->id.judgement.set >= 6;
+    w.judged += (out->events & AUVID_EVENT_VALIDATED) != 0 && c->id.change_test.set >= 6;
     w.restored += (out->events & AUVID_EVENT_RESTORED) != 0;
     if (out->events & AUVID_EVENT_CHANGED) {
         w.early += !w.changed;
         w.alarm_s = w.changed && w.alarm == 0 ? c->tick * 1e-6 * SIM_TICK_US : w.alarm_s;
-        w.alarm = w.changed && w.alarm == 0 ? c->id.judgement.set : w.alarm;
+        w.alarm = w.changed && w.alarm == 0 ? c->id.change_test.set : w.alarm;
     }
     if (w.alarm > 0 && !w.measured && (out->events & AUVID_EVENT_ESTIMATE) &&
         c->id.estimate.sets == w.alarm + LATER) {

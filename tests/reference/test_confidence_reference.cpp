@@ -58,7 +58,7 @@ static Dof read(int j)
 {
     const auvid_metric_t &m = chain.id.metric;
     double s = double(m.delay_s[j]) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
-    bool lag = m.lagged >> j & 1;
+    bool lag = m.first_order_lag >> j & 1;
     Dof d;
     d.weight = double(m.weight[j]);
     d.delay = delay_weights(s, lag, false);
@@ -70,8 +70,8 @@ static Dof read(int j)
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         d.band[band] = double(m.band_weight[band][j]);
         for (int age = 0; age < SETS; ++age) {
-            const auvid_set_t &set = m.set[(int(m.turns) + 2 * sets - 1 - age) % sets];
-            const auvid_share_t *r = set.factor[band] + m.factor_at[j];
+            const auvid_set_t &set = m.set[(int(m.sets_stored) + 2 * sets - 1 - age) % sets];
+            const auvid_packed_t *r = set.factor[band] + m.factor_at[j];
             MatrixXd triangle = MatrixXd::Zero(n, n);
             for (int i = 0; i < n; ++i) {
                 for (int k = i; k < n; ++k) {
@@ -281,8 +281,8 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     for (int k = 0; k < 4; ++k) {
         double counts, residual;
         add(sums, k, pi, counts, residual);
-        agrees(counts, double(actual.noise[driven[k]]));
-        agrees(residual, double(actual.residual[driven[k]]));
+        agrees(counts, double(actual.effective_noise[driven[k]]));
+        agrees(residual, double(actual.residual_rms[driven[k]]));
         delayed = delayed || chain.id.metric.delay_s[driven[k]] > 0;
     }
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));

@@ -251,14 +251,14 @@ static void check_idle(int idle)
     const auvid_confidence_t &c = chain.id.estimate.confidence;
     for (int i = 0; i < PARAMETERS; ++i) {
         if (owner[i] == idle) {
-            TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_DRIVEN, c.note[i]);
+            TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_EXCITED, c.note[i]);
             TEST_ASSERT_TRUE(c.sigma[i] == AUVID_LARGEST);
             TEST_ASSERT_EQUAL(0, c.identifiable >> i & 1u);
         } else {
             TEST_ASSERT_TRUE(c.sigma[i] < AUVID_LARGEST);
         }
     }
-    TEST_ASSERT_TRUE(c.noise[idle] == 0);
+    TEST_ASSERT_TRUE(c.effective_noise[idle] == 0);
     check_words(idle);
 }
 

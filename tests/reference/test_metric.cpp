@@ -16,7 +16,7 @@ using Vector = Eigen::VectorXd;
 
 static const double eps = double(AUVID_EPSILON), pi_ = 3.14159265358979323846;
 // Half a unit of the largest entry of a stored column.
-static const double stored = std::ldexp(1.0, 1 - 8 * int(sizeof(auvid_share_t)));
+static const double stored = std::ldexp(1.0, 1 - 8 * int(sizeof(auvid_packed_t)));
 static const int dofs[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
 
 void setUp()
@@ -329,8 +329,10 @@ struct Reference {
                 Vector t = Eigen::Map<Vector>(&tau[j][s * cfg.set_rows], cfg.set_rows);
                 double m2 = (t.array() - t.mean()).square().sum();
                 set_m2[j].back() = m2;
-                mask |= unsigned(m2 > std::pow(double(cfg.driven) * double(cfg.tau_max[j]), 2) *
-                                          cfg.set_rows)
+                mask |= unsigned(
+                            m2 >
+                            std::pow(double(cfg.excitation_threshold) * double(cfg.tau_max[j]), 2) *
+                                cfg.set_rows)
                         << j;
                 int lag_rows = cfg.lag[j >= 3];
                 for (int k = s * cfg.set_rows; k < (s + 1) * cfg.set_rows; ++k) {
@@ -604,7 +606,7 @@ static Vector anywhere(Noise *noise)
 static void compare_evaluation(const Reference &of)
 {
     Reference reference = of;
-    TEST_ASSERT_EQUAL_HEX(reference.driven, metric.driven);
+    TEST_ASSERT_EQUAL_HEX(reference.driven, metric.excited);
     double node = reference.cell_s() * AUVID_METRIC_DELAY_CELLS;
     for (int j : dofs) {
         TEST_ASSERT_EQUAL_UINT(reference.dof_rows[j], metric.dof_rows[j]);
@@ -612,7 +614,7 @@ static void compare_evaluation(const Reference &of)
             continue;
         }
         // a parabola through three points 0.1 nodes apart, in place of the true minimum
-        TEST_ASSERT_EQUAL(reference.lag[j], metric.lagged >> j & 1);
+        TEST_ASSERT_EQUAL(reference.lag[j], metric.first_order_lag >> j & 1);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * node, reference.delay[j] * node,
                                   double(metric.delay_s[j]));
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * reference.band_weight[0][j], reference.band_weight[0][j],
@@ -737,7 +739,7 @@ static void test_first_order_lag_and_fixed_parameters_are_evaluated_as_the_heade
     world.noise = 1;
     world.lag = 0.2;
     Reference reference = run(cfg, record(cells_for(cfg, 2), 0.1, world));
-    TEST_ASSERT_EQUAL_HEX(0x27, metric.lagged);
+    TEST_ASSERT_EQUAL_HEX(0x27, metric.first_order_lag);
     compare_evaluation(reference);
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }

@@ -116,7 +116,7 @@ static void test_outliers_and_lockouts_keep_the_covariance_positive_definite()
 {
     auvid_nav_config_t c;
     auvid_nav_defaults(&c);
-    c.lockout = 3;
+    c.max_consecutive_rejections = 3;
     c.dvl_euler[2] = 1;
     c.dvl_lever[0] = 1;
     stress(c, true, 2);

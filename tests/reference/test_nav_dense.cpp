@@ -246,11 +246,11 @@ class Dense
             double nu = z[j] - H.row(j).dot(x);
             nus.push_back(nu);
             double since = velocity && s.alive ? 1e-6 * double(t_us - s.good_us) : 0.0;
-            double reach = std::sqrt(c.gate * S) + c.agility * std::min(since, 10.0);
+            double reach = std::sqrt(c.gate * S) + c.max_acceleration * std::min(since, 10.0);
             outside[size_t(j)] = std::abs(nu) > reach;
         }
         bool any = std::find(outside.begin(), outside.end(), true) != outside.end();
-        if (any && ++s.refusals < c.lockout) {
+        if (any && ++s.refusals < c.max_consecutive_rejections) {
             return AUVID_GATED;
         }
         s.refusals = 0;
@@ -370,7 +370,8 @@ class Ride
         auvid_nav_config_t c;
         auvid_nav_defaults(&c);
         c.speed_limit = 8;
-        c.agility = auvid_real_t(0.1); // so that the biased DVL gets to the end of its refusals
+        c.max_acceleration =
+            auvid_real_t(0.1); // so that the biased DVL gets to the end of its refusals
         c.dvl_euler[0] = auvid_real_t(0.05);
         c.dvl_euler[2] = auvid_real_t(3.926990817);
         c.dvl_lever[0] = auvid_real_t(-0.75);
@@ -477,7 +478,7 @@ class Ride
     void compare()
     {
         for (int i = 0; i < 3; ++i) {
-            double p = double(nav.position[i]) + double(nav.residue[i]);
+            double p = double(nav.position[i]) + double(nav.position_lo[i]);
             double v = double(nav.velocity[i]);
             worst_position = std::max(worst_position, std::abs(p - dense.x[i]));
             worst_velocity = std::max(worst_velocity, std::abs(v - dense.x[3 + i]));
@@ -595,7 +596,7 @@ class Clone
     {
         Vector6d x;
         for (int i = 0; i < 3; ++i) {
-            x[i] = double(nav.position[i]) + double(nav.residue[i]);
+            x[i] = double(nav.position[i]) + double(nav.position_lo[i]);
             x[3 + i] = double(nav.velocity[i]);
         }
         return x;

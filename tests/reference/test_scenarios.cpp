@@ -144,7 +144,7 @@ static void count(Counts &c, const Scenario &s, uint64_t seed, const Errors &lim
         c.idle_flagged += flagged && !excited;
         c.knowable += knowable;
         c.told += knowable && flagged;
-        c.notes[e.number > 0 ? e.confidence.note[i] : int(AUVID_NOTE_NOT_DRIVEN)] += 1;
+        c.notes[e.number > 0 ? e.confidence.note[i] : int(AUVID_NOTE_NOT_EXCITED)] += 1;
         if (flagged && std::fabs(error) > 0.2) {
             c.off += 1;
             some_off = true;

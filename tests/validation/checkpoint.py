@@ -18,7 +18,7 @@ DEAD = ("config", "metric.regressor", "confidence.regressor")
 # What decides on forces stays that of init.
 KEPT = ("allocation.", "excitation.config.", "excitation.duration_us", "excitation.pause_us",
         "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
-        "adaptive.leash", "guard.cfg.", "guard.ready")
+        "adaptive.excursion_limit", "guard.cfg.", "guard.ready")
 # What may refuse another identifier: what the model and its storage are.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
@@ -75,7 +75,7 @@ class Subject:
         with regressor where the least cost is sought, else of one without."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
         self.id.phase, self.id.searching = phase, phase == ASK
-        self.id.metric.driven = self.id.metric.dof_rows[0] = self.id.active = 1
+        self.id.metric.excited = self.id.metric.dof_rows[0] = self.id.active = 1
         self.id.metric.held = True
         self.vehicle.regressor = self.regressor if phase == LINEARISE else type(self.regressor)()
         if phase == LINEARISE:

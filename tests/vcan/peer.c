@@ -82,7 +82,7 @@ static void tell(const bus_t *bus)
            (unsigned long long)sum.checksum);
 }
 
-static int complain(const bus_t *bus)
+static int report_error(const bus_t *bus)
 {
     fprintf(stderr, "peer: %s\n", bus->text);
     return 2;
@@ -99,7 +99,7 @@ static int drain(bus_t *bus, bus_t *log)
         for (i = 0; i < count; i++) {
             add(&frames[i], bus->now_us(bus));
             if (log != NULL && log->send(log, &frames[i]) != BUS_OK) {
-                return complain(log);
+                return report_error(log);
             }
         }
     } while (count == BATCH);
@@ -114,10 +114,10 @@ static int receive(const char *interface, const char *path)
     int happened;
 
     if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
-        return complain(&can.bus);
+        return report_error(&can.bus);
     }
     if (path != NULL && bus_candump_create(&log, path, interface, 0) != BUS_OK) {
-        return complain(&log.bus);
+        return report_error(&log.bus);
     }
     if (tick_open(&tick, 10000) != 0 || tick_watch(&tick, can.bus.fd) != 0) {
         return 2;
@@ -127,13 +127,13 @@ static int receive(const char *interface, const char *path)
     do {
         happened = tick_wait(&tick, -1);
         if (drain(&can.bus, path != NULL ? &log.bus : NULL) != 0) {
-            return complain(&can.bus);
+            return report_error(&can.bus);
         }
     } while (!(happened & TICK_STOP));
     printf("buffer=%d ", can.receive_buffer);
     tell(&can.bus);
     tick_close(&tick);
-    return path == NULL || log.bus.close(&log.bus) == BUS_OK ? 0 : complain(&log.bus);
+    return path == NULL || log.bus.close(&log.bus) == BUS_OK ? 0 : report_error(&log.bus);
 }
 
 static int read_log(const char *path)
@@ -142,13 +142,13 @@ static int read_log(const char *path)
     int status;
 
     if (bus_candump_open(&log, path, NULL) != BUS_OK) {
-        return complain(&log.bus);
+        return report_error(&log.bus);
     }
     do {
         status = drain(&log.bus, NULL);
     } while (status == 0);
     tell(&log.bus);
-    return status == BUS_END ? 0 : complain(&log.bus);
+    return status == BUS_END ? 0 : report_error(&log.bus);
 }
 
 static int send_numbers(const char *interface, uint32_t count, unsigned gap_us)
@@ -159,7 +159,7 @@ static int send_numbers(const char *interface, uint32_t count, unsigned gap_us)
     int status;
 
     if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
-        return complain(&can.bus);
+        return report_error(&can.bus);
     }
     for (i = 0; i < count; i++) {
         memcpy(frame.data, &i, sizeof i);
@@ -167,7 +167,7 @@ static int send_numbers(const char *interface, uint32_t count, unsigned gap_us)
             wait_us(1000);
         }
         if (status != BUS_OK) {
-            return complain(&can.bus);
+            return report_error(&can.bus);
         }
         if (gap_us > 0) {
             wait_us(gap_us);
@@ -186,7 +186,7 @@ static int send_errors(const char *interface)
 
     if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK ||
         can.bus.send(&can.bus, &off) != BUS_OK || can.bus.send(&can.bus, &back) != BUS_OK) {
-        return complain(&can.bus);
+        return report_error(&can.bus);
     }
     return 0;
 }
@@ -207,7 +207,7 @@ static int flood(const char *interface, uint32_t count, unsigned gap_us, bool al
     uint64_t x = 88172645463325252U;
 
     if (bus_socketcan_open(&can, interface, NULL, 0) != BUS_OK) {
-        return complain(&can.bus);
+        return report_error(&can.bus);
     }
     while (count > 0) {
         const uint32_t r = (uint32_t)(next(&x) >> 32) % 23;
@@ -220,7 +220,7 @@ static int flood(const char *interface, uint32_t count, unsigned gap_us, bool al
             continue;
         }
         if (can.bus.send(&can.bus, &frame) == BUS_BROKEN) {
-            return complain(&can.bus);
+            return report_error(&can.bus);
         }
         sent[frame.id]++;
         count--;

@@ -162,10 +162,10 @@ static bool row_of(int j, int i, double row[N], double *z)
 {
     const auvid_metric_t *m = &id.metric;
     int order = auvid_metric_order(m, j), at = m->channel_at[j];
-    if (!(m->driven >> j & 1) || i >= m->count[j]) {
+    if (!(m->excited >> j & 1) || i >= m->count[j]) {
         return false;
     }
-    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(order, i);
+    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(order, i);
     double scale = sqrt((double)m->weight[j]);
     memset(row, 0, N * sizeof *row);
     for (int k = i; k < m->count[j]; ++k) {
@@ -247,7 +247,7 @@ static int run(const world_t *world, int seeds)
         to->least = cost_of(x) + (double)id.metric.constant;
         to->by_itself = id.estimate.evaluations_line <
                         1000u * (unsigned)__builtin_popcount(id.estimate.identified);
-        to->capped = id.estimate.capped;
+        to->capped = id.estimate.not_converged;
         to->flags = __builtin_popcount(id.estimate.confidence.identifiable);
     }
     return seeds;

@@ -59,7 +59,7 @@ static void identify(uint64_t seed, const double c[2])
     }
     finish_work(&world.node[1].id, BUDGET);
     TEST_ASSERT_EQUAL_UINT32(SETS, id->estimate.sets);
-    TEST_ASSERT_FALSE(id->estimate.capped);
+    TEST_ASSERT_FALSE(id->estimate.not_converged);
 }
 
 /* The stored rows, oldest first, their wrench at the delay: the parabola through the three. */

@@ -185,7 +185,7 @@ static void test_any_subset_may_be_free(void)
  * which roll and pitch angles are up to `tilt`. */
 static double least_independent(uint32_t free, auvid_real_t tilt)
 {
-    static auvid_real_t triangle[AUVID_TRIANGLE(N)];
+    static auvid_real_t triangle[AUVID_QR_FACTOR(N)];
     double least = 1.0;
     int n = bits(free);
     memset(triangle, 0, sizeof triangle);
@@ -202,12 +202,12 @@ static double least_independent(uint32_t free, auvid_real_t tilt)
                     row[k++] = y.row[j][i];
                 }
             }
-            auvid_triangle_add(triangle, n, 0, row);
+            auvid_qr_update(triangle, n, 0, row);
         }
     }
     for (int i = 0; i < n; ++i) {
-        auvid_real_t pivot = triangle[auvid_triangle_row(n, i)];
-        least = fmin(least, fabs((double)(pivot / auvid_triangle_norm(triangle, n, i))));
+        auvid_real_t pivot = triangle[auvid_qr_row(n, i)];
+        least = fmin(least, fabs((double)(pivot / auvid_qr_column_norm(triangle, n, i))));
     }
     return least;
 }

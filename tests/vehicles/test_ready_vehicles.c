@@ -44,13 +44,13 @@ static void test_the_papers_reading_has_the_plain_rows(void)
 
 static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
 {
-    craft_config_t cfg;
-    craft_t *craft = &world.craft;
+    vehicle_sim_config_t cfg;
+    vehicle_sim_t *craft = &world.craft;
     double truth[CRAFT_PARAMETERS];
     TEST_ASSERT_EQUAL(SIM_FOSSEN_PARAMETERS, AUVID_FOSSEN_COUNT);
     vehicle_craft(rov, &cfg);
-    TEST_ASSERT_TRUE(craft_init(craft, &cfg));
-    craft_truth(craft, truth);
+    TEST_ASSERT_TRUE(vehicle_sim_init(craft, &cfg));
+    vehicle_sim_truth(craft, truth);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double expected = (double)auvid_bluerov2_heavy_benzon[i];
         TEST_ASSERT_DOUBLE_WITHIN(2e-7 * fabs(expected), expected, truth[i]);
@@ -62,7 +62,7 @@ static void test_simulator_and_allocation_have_the_same_thrusters(void)
     const vehicle_t *vehicles[] = {&vehicle_girona500, rov};
     for (int k = 0; k < 2; ++k) {
         const auvid_allocation_config_t *a = vehicles[k]->allocation;
-        craft_config_t cfg;
+        vehicle_sim_config_t cfg;
         vehicle_craft(vehicles[k], &cfg);
         const sim_config_t *c = &cfg.sim;
         double back = c->thruster_back_N > 0 ? c->thruster_back_N : c->thruster_max_N;
@@ -104,7 +104,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
     double truth[CRAFT_PARAMETERS], most_rad = 0;
     int sure = 0;
     TEST_ASSERT_TRUE(world_begin(&world, &config));
-    craft_truth(&world.craft, truth);
+    vehicle_sim_truth(&world.craft, truth);
     for (uint32_t linger = 0; linger < rov->linger_ticks;) {
         world_tick(&world);
         bool busy = world_work(&world, AUVID_DEFAULT_BUDGET);
@@ -126,7 +126,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
         }
     }
     TEST_ASSERT_EQUAL(17, sure);
-    double rms = craft_rms_percent(&world.craft);
+    double rms = vehicle_sim_rms_percent(&world.craft);
     TEST_ASSERT_TRUE(rms > 0 && rms < 3);
 }
 

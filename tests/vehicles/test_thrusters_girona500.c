@@ -40,7 +40,7 @@ static void test_hull_and_thrusters_are_identified_together(void)
         identify(seed);
         TEST_ASSERT_EQUAL_HEX32(FREE, id.estimate.identified);
         TEST_ASSERT_EQUAL_HEX32(FREE, id.estimate.confidence.identifiable);
-        TEST_ASSERT_FALSE(id.estimate.capped);
+        TEST_ASSERT_FALSE(id.estimate.not_converged);
         for (int i = 0; i < PARAMETERS; ++i) {
             double error = FREE >> i & 1u ? error_of(i) : 0.0;
             TEST_ASSERT_TRUE(i < OWN || fabs(error) < 0.05);

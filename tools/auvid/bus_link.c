@@ -3,7 +3,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "complain.h"
+#include "report_error.h"
 #include "frames.h"
 
 /* SCHED_FIFO priority with --realtime. */
@@ -20,11 +20,11 @@ int link_tick(link_t *link, const options_t *options)
 {
     char text[2 * TICK_TEXT];
     if (options->realtime && tick_realtime(PRIORITY, text, sizeof text) != 0) {
-        complain_line("%s: %s", link->command, text);
+        report_error_line("%s: %s", link->command, text);
     }
     link->ticking = tick_open(&link->tick, LINK_TICK_US / options->speed) == 0;
     if (!link->ticking || tick_watch(&link->tick, link->bus->fd) != 0) {
-        complain_line("%s: %s", link->command, link->tick.text);
+        report_error_line("%s: %s", link->command, link->tick.text);
         (void)link_close(link);
         return EXIT_REFUSED;
     }
@@ -35,7 +35,7 @@ int link_open(link_t *link, const char *command, const options_t *options)
 {
     link_take(link, command, &link->socket.bus);
     if (bus_socketcan_open(&link->socket, options->bus, NULL, 0) != BUS_OK) {
-        return complain("%s: %s", command, link->socket.bus.text);
+        return report_error("%s: %s", command, link->socket.bus.text);
     }
     return link_tick(link, options);
 }
@@ -44,7 +44,7 @@ int link_log(link_t *link, const char *path, const char *interface)
 {
     uint64_t now = link->bus->now_us(link->bus), day = 1000000u * (uint64_t)time(NULL);
     if (bus_candump_create(&link->log, path, interface, day - now) != BUS_OK) {
-        return complain("%s: %s", link->command, link->log.bus.text);
+        return report_error("%s: %s", link->command, link->log.bus.text);
     }
     link->logging = true;
     return 0;
@@ -62,7 +62,7 @@ static int log_frame(link_t *link, const bus_frame_t *frame)
 
 static int tell_log(const link_t *link)
 {
-    return complain("%s: %s", link->command, link->log.bus.text);
+    return report_error("%s: %s", link->command, link->log.bus.text);
 }
 
 /* What a failure of the bus means: a line when it goes down or comes up, the end when broken. */
@@ -70,13 +70,13 @@ static int note(link_t *link, int status)
 {
     bool down = status == BUS_DOWN;
     if (down && !link->down) {
-        complain_line("%s: %s", link->command, link->bus->text);
+        report_error_line("%s: %s", link->command, link->bus->text);
     }
     if (!down && link->down) {
-        complain_line("%s: the interface is up again", link->command);
+        report_error_line("%s: the interface is up again", link->command);
     }
     link->down = down;
-    return status == BUS_BROKEN ? complain("%s: %s", link->command, link->bus->text) : 0;
+    return status == BUS_BROKEN ? report_error("%s: %s", link->command, link->bus->text) : 0;
 }
 
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count)

@@ -8,9 +8,9 @@
 #include "auvid/node.h"
 #include "bus_link.h"
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "report.h"
-#include "warm_file.h"
+#include "prior_file.h"
 #include "world.h"
 
 /* Frames received in one turn of the loop: more than a full bus brings in a tick. */
@@ -23,7 +23,7 @@ typedef struct {
     const options_t *options;
     auvid_node_t node;
     link_t link;
-    craft_t craft;    /* --bus memory: the vehicle is in this process */
+    vehicle_sim_t craft; /* --bus memory: the vehicle is in this process */
     bus_memory_t hub; /* ends: node, vehicle */
     bool simulated, silent;
     uint64_t heard_us;          /* last tick */
@@ -44,20 +44,21 @@ static int begin(run_t *run)
     cfg.answer = o->lock_step || run->simulated;
     auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
     if (status < 0) {
-        return complain("node: the identifier refused its configuration");
+        return report_error("node: the identifier refused its configuration");
     }
     if (o->warm != NULL) {
-        (void)warm_file_read(&run->node.id, o->warm);
+        (void)prior_file_read(&run->node.id, o->warm);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);
     }
-    craft_config_t craft;
+    vehicle_sim_config_t craft;
     vehicle_craft(o->vehicle, &craft);
     craft.sim.seed = o->seed;
     craft.no_arm = !o->excite;
-    if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK || !craft_init(&run->craft, &craft)) {
-        return complain("node: the simulator refused its configuration");
+    if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK ||
+        !vehicle_sim_init(&run->craft, &craft)) {
+        return report_error("node: the simulator refused its configuration");
     }
     link_take(&run->link, "node", &run->hub.end[0].bus);
     return o->realtime ? link_tick(&run->link, o) : 0;
@@ -103,7 +104,7 @@ static int wait(run_t *run)
 {
     int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;
     if (events < 0) {
-        complain_line("node: %s", run->link.tick.text);
+        report_error_line("node: %s", run->link.tick.text);
     }
     if (run->simulated) {
         if (events > 0 && (events & TICK_DUE) != 0) {
@@ -112,7 +113,7 @@ static int wait(run_t *run)
         return events;
     }
     if (!run->silent && tick_now_us() - run->heard_us > LINK_SILENCE_US) {
-        complain_line("node: no tick frame on %s: waiting", run->options->bus);
+        report_error_line("node: no tick frame on %s: waiting", run->options->bus);
         run->silent = true;
     }
     return events;
@@ -199,7 +200,7 @@ int bus_node(const options_t *options)
 {
     run_t *run = calloc(1, sizeof *run);
     if (run == NULL) {
-        return complain("node: not enough memory");
+        return report_error("node: not enough memory");
     }
     run->options = options;
     run->simulated = strcmp(options->bus, "memory") == 0;
@@ -216,7 +217,7 @@ int bus_node(const options_t *options)
         }
         int report = status == 0 ? finish(run) : 0;
         if (status == 0 && options->save != NULL &&
-            !warm_file_write(&run->node.id, options->save)) {
+            !prior_file_write(&run->node.id, options->save)) {
             report = EXIT_REFUSED;
         }
         int closed = link_close(&run->link);

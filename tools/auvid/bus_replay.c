@@ -8,10 +8,10 @@
 #include "auvid/node.h"
 #include "bus_link.h"
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "csv.h"
 #include "report.h"
-#include "warm_file.h"
+#include "prior_file.h"
 #include "world.h"
 
 /* Frames that the node has sent and the log has not shown yet. */
@@ -122,16 +122,16 @@ static int read_all(run_t *run)
         }
     }
     if (count != BUS_END) {
-        return complain("replay: %s", bus->text);
+        return report_error("replay: %s", bus->text);
     }
     if (run->ours == 0) {
-        return complain("replay: %s: no frame of auvid in it; is it a log of its bus?",
-                        run->options->log);
+        return report_error("replay: %s: no frame of auvid in it; is it a log of its bus?",
+                            run->options->log);
     }
     return run->node.counters.ticks > 0
                ? 0
-               : complain("replay: %s: no tick frame in it, so no time; record the whole bus",
-                          run->options->log);
+               : report_error("replay: %s: no tick frame in it, so no time; record the whole bus",
+                              run->options->log);
 }
 
 static int begin(run_t *run)
@@ -145,13 +145,13 @@ static int begin(run_t *run)
     auvid_node_defaults(&cfg);
     cfg.excite = true; /* obey what the log's operator ordered; nobody hears the commands */
     if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
-        return complain("replay: the identifier refused its configuration");
+        return report_error("replay: the identifier refused its configuration");
     }
-    if (run->options->warm != NULL && !warm_file_read(&run->node.id, run->options->warm)) {
+    if (run->options->warm != NULL && !prior_file_read(&run->node.id, run->options->warm)) {
         return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
-        return complain("replay: %s", run->log.bus.text);
+        return report_error("replay: %s", run->log.bus.text);
     }
     return 0;
 }
@@ -161,14 +161,15 @@ static void tell_left_out(const run_t *run)
 {
     const uint32_t *refused = run->refused;
     if (run->log.bus.text[0] != '\0') {
-        complain_warning("%s", run->log.bus.text);
+        report_warning("%s", run->log.bus.text);
     }
     if (run->node.counters.refused > 0) {
-        complain_warning("%s: %u frames of auvid are refused: %u with a wrong checksum, length or "
-                         "value, %u repeated, %u after a gap of their counter, %u late ticks",
-                         run->options->log, (unsigned)run->node.counters.refused,
-                         (unsigned)refused[AUVID_CAN_BAD], (unsigned)refused[AUVID_CAN_REPEATED],
-                         (unsigned)refused[AUVID_CAN_JUMPED], (unsigned)refused[AUVID_CAN_GOOD]);
+        report_warning("%s: %u frames of auvid are refused: %u with a wrong checksum, length or "
+                       "value, %u repeated, %u after a gap of their counter, %u late ticks",
+                       run->options->log, (unsigned)run->node.counters.refused,
+                       (unsigned)refused[AUVID_CAN_BAD], (unsigned)refused[AUVID_CAN_REPEATED],
+                       (unsigned)refused[AUVID_CAN_COUNTER_JUMP],
+                       (unsigned)refused[AUVID_CAN_GOOD]);
     }
 }
 
@@ -193,7 +194,7 @@ int bus_replay(const options_t *options)
 {
     run_t *run = calloc(1, sizeof *run);
     if (run == NULL) {
-        return complain("replay: not enough memory");
+        return report_error("replay: not enough memory");
     }
     run->options = options;
     int status = begin(run);

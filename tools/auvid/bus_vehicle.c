@@ -6,7 +6,7 @@
 
 #include "bus_link.h"
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "report.h"
 #include "vehicles.h"
 
@@ -19,7 +19,7 @@
 
 typedef struct {
     const options_t *options;
-    craft_t craft;
+    vehicle_sim_t craft;
     link_t link;
     uint64_t heard_us; /* last frame of the node */
     bool stop;
@@ -31,7 +31,7 @@ static int receive(run_t *run)
     int got = 0;
     for (int k = 0; k < MOST_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
         uint32_t before = run->craft.frames;
-        craft_take(&run->craft, &frame);
+        vehicle_sim_take(&run->craft, &frame);
         run->heard_us = run->craft.frames != before ? tick_now_us() : run->heard_us;
     }
     return got < 0 ? EXIT_REFUSED : 0;
@@ -41,12 +41,12 @@ static int receive(run_t *run)
  * node that has never answered yet may not be there: it is waited for, but not for ever. */
 static int pace(run_t *run)
 {
-    const craft_t *craft = &run->craft;
+    const vehicle_sim_t *craft = &run->craft;
     bool lock_step = run->options->lock_step;
     int status = 0, ticks = lock_step ? FIRST_TICKS : 1;
     while (status == 0 && !run->stop && ticks > 0) {
         int events = tick_wait(&run->link.tick, -1);
-        status = events < 0 ? complain("vehicle: %s", run->link.tick.text) : receive(run);
+        status = events < 0 ? report_error("vehicle: %s", run->link.tick.text) : receive(run);
         run->stop = events > 0 && (events & TICK_STOP) != 0;
         bool silent = run->heard_us > 0 && tick_now_us() - run->heard_us > LINK_SILENCE_US;
         run->stop = run->stop || silent;
@@ -65,7 +65,7 @@ static int loop(run_t *run)
     int status = 0;
     while (status == 0 && !run->stop) {
         status = receive(run);
-        int count = craft_tick(&run->craft, frame);
+        int count = vehicle_sim_tick(&run->craft, frame);
         status = status == 0 ? link_send(&run->link, frame, count) : status;
         status = status == 0 ? pace(run) : status;
     }
@@ -74,13 +74,13 @@ static int loop(run_t *run)
 
 static void print(const run_t *run)
 {
-    const craft_t *c = &run->craft;
-    double rms = craft_rms_percent(c);
+    const vehicle_sim_t *c = &run->craft;
+    double rms = vehicle_sim_rms_percent(c);
     printf("auvid %s vehicle on %s: %.0f s simulated, %u frames of a node\n", AUVID_VERSION_STRING,
            run->options->bus, 1e-6 * (double)c->seen.t_us, (unsigned)c->frames);
     printf("  commands  %u good, %u lost, %u repeated, %u jumped, %u bad\n",
            (unsigned)c->command.half[0].good, (unsigned)c->command.half[0].lost,
-           (unsigned)c->command.half[0].repeated, (unsigned)c->command.half[0].jumped,
+           (unsigned)c->command.half[0].repeated, (unsigned)c->command.half[0].counter_jumps,
            (unsigned)(c->command.half[0].checksum + c->command.half[0].invalid));
     if (c->cut_us > 0) {
         printf("  thrust    zero %.0f ms after the last command, cut %u times\n",
@@ -95,9 +95,9 @@ int bus_vehicle(const options_t *options)
 {
     run_t *run = calloc(1, sizeof *run);
     if (run == NULL) {
-        return complain("vehicle: not enough memory");
+        return report_error("vehicle: not enough memory");
     }
-    craft_config_t cfg;
+    vehicle_sim_config_t cfg;
     vehicle_craft(options->vehicle, &cfg);
     cfg.sim.seed = options->seed;
     cfg.sim.disturbance_N = options->disturbance_N;
@@ -105,9 +105,9 @@ int bus_vehicle(const options_t *options)
     cfg.no_arm = options->no_arm;
     cfg.arm_again = options->arm_again;
     run->options = options;
-    int status = craft_init(&run->craft, &cfg)
+    int status = vehicle_sim_init(&run->craft, &cfg)
                      ? link_open(&run->link, "vehicle", options)
-                     : complain("vehicle: the simulator refused its configuration");
+                     : report_error("vehicle: the simulator refused its configuration");
     if (status == 0) {
         status = loop(run);
         if (status == 0) {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "columns.h"
-#include "complain.h"
+#include "report_error.h"
 
 #define LARGEST 1e6      /* of a value: squares of it must fit a float */
 #define LARGEST_TIME 1e9 /* [s] from the first row */
@@ -31,7 +31,7 @@ typedef struct {
 
 static int out_of_memory(const char *path)
 {
-    return complain("%s: not enough memory", path);
+    return report_error("%s: not enough memory", path);
 }
 
 /* The whole file, with a zero at its end. */
@@ -41,7 +41,7 @@ static int slurp(const char *path, char **out, size_t *size)
     char *text = NULL;
     size_t used = 0, room = 0;
     if (file == NULL) {
-        return complain("%s: %s", path, strerror(errno));
+        return report_error("%s: %s", path, strerror(errno));
     }
     for (;;) {
         if (used + 1 >= room) {
@@ -65,7 +65,7 @@ static int slurp(const char *path, char **out, size_t *size)
     (void)fclose(file);
     if (problem != 0) {
         free(text);
-        return complain("%s: %s", path, strerror(problem));
+        return report_error("%s: %s", path, strerror(problem));
     }
     text[used] = '\0';
     *out = text;
@@ -142,9 +142,9 @@ static void add_name(csv_list_t list, const char *name)
 int csv_missing(const csv_log_t *log, int column, const char *why)
 {
     const char *like = log->like[column];
-    return complain("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
-                    csv_name[column], why, like[0] != '\0' ? "; " : "", like,
-                    like[0] != '\0' ? " resembles it" : "");
+    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
+                        csv_name[column], why, like[0] != '\0' ? "; " : "", like,
+                        like[0] != '\0' ? " resembles it" : "");
 }
 
 void csv_ignore(csv_log_t *log, int column)
@@ -163,12 +163,12 @@ void csv_notes(const csv_log_t *log)
         }
     }
     if (log->cut > 0) {
-        complain_warning("%s:%zu: the last line has no line end and may be cut off: it is left out",
-                         log->path, log->cut);
+        report_warning("%s:%zu: the last line has no line end and may be cut off: it is left out",
+                       log->path, log->cut);
     }
     if (log->ignored[0] != '\0') {
-        complain_line("%s: ignored columns: %s%s%s%s", log->path, log->ignored,
-                      like[0] != '\0' ? " (" : "", like, like[0] != '\0' ? ")" : "");
+        report_error_line("%s: ignored columns: %s%s%s%s", log->path, log->ignored,
+                          like[0] != '\0' ? " (" : "", like, like[0] != '\0' ? ")" : "");
     }
 }
 
@@ -198,8 +198,8 @@ static int read_name(reader_t *r, const char *field, int *column)
         return 0;
     }
     if (log->has[*column]) {
-        return complain("%s:%zu:%zu: there is a second column %s", log->path, r->line,
-                        column_of(r, field), field);
+        return report_error("%s:%zu:%zu: there is a second column %s", log->path, r->line,
+                            column_of(r, field), field);
     }
     log->has[*column] = true;
     return 0;
@@ -213,7 +213,7 @@ static int read_header(reader_t *r)
     }
     char *rest = next_line(r);
     if (rest == NULL) {
-        return complain("%s:1:1: the file is empty", log->path);
+        return report_error("%s:1:1: the file is empty", log->path);
     }
     const char *separator = other_separator(rest);
     log->header = r->line;
@@ -261,8 +261,8 @@ static int read_value(const reader_t *r, const char *field, int column, double *
         trouble = "is beyond +-1e6";
     }
     return trouble == NULL ? 0
-                           : complain("%s:%zu:%zu: %s: '%.24s' %s", r->log->path, r->line,
-                                      column_of(r, field), csv_name[column], field, trouble);
+                           : report_error("%s:%zu:%zu: %s: '%.24s' %s", r->log->path, r->line,
+                                          column_of(r, field), csv_name[column], field, trouble);
 }
 
 static int check_time(const reader_t *r, const char *field, const csv_row_t *row)
@@ -277,8 +277,8 @@ static int check_time(const reader_t *r, const char *field, const csv_row_t *row
         trouble = "more than 1e9 s after the first row";
     }
     return trouble == NULL ? 0
-                           : complain("%s:%zu:%zu: t_s: %s: '%.24s'", log->path, r->line,
-                                      column_of(r, field), trouble, field);
+                           : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path, r->line,
+                                          column_of(r, field), trouble, field);
 }
 
 static int read_row(reader_t *r, char *rest, csv_row_t *row)
@@ -288,8 +288,8 @@ static int read_row(reader_t *r, char *rest, csv_row_t *row)
     for (int i = 0; i < r->fields; ++i) {
         char *field = next_field(&rest);
         if (field == NULL) {
-            return complain("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path,
-                            r->line, r->length + 1, i, r->fields);
+            return report_error("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path,
+                                r->line, r->length + 1, i, r->fields);
         }
         int column = r->column[i];
         if (column >= 0 && read_value(r, field, column, &row->value[column]) != 0) {
@@ -298,8 +298,8 @@ static int read_row(reader_t *r, char *rest, csv_row_t *row)
         time_field = column == CSV_T ? field : time_field;
     }
     if (rest != NULL) {
-        return complain("%s:%zu:%zu: the row has more than %d columns", r->log->path, r->line,
-                        column_of(r, rest), r->fields);
+        return report_error("%s:%zu:%zu: the row has more than %d columns", r->log->path, r->line,
+                            column_of(r, rest), r->fields);
     }
     return check_time(r, time_field, row);
 }
@@ -326,8 +326,9 @@ static int read_rows(reader_t *r)
         ++log->rows;
     }
     if (log->rows < 2) {
-        return complain("%s:%zu:1: %s", log->path, r->line,
-                        log->rows == 0 ? "there is a header and no row" : "there is only one row");
+        return report_error("%s:%zu:1: %s", log->path, r->line,
+                            log->rows == 0 ? "there is a header and no row"
+                                           : "there is only one row");
     }
     return 0;
 }
@@ -344,7 +345,7 @@ int csv_read(csv_log_t *log, const char *path)
     r.at = r.text;
     int status = 0;
     if (strlen(r.text) != size) {
-        status = complain("%s: not a text file", path);
+        status = report_error("%s: not a text file", path);
     }
     if (status == 0) {
         status = read_header(&r);
@@ -385,7 +386,7 @@ int csv_create(csv_writer_t *writer, const char *path)
         int problem = errno;
         free(writer->temporary);
         writer->temporary = NULL;
-        return complain("%s: cannot be written: %s", path, strerror(problem));
+        return report_error("%s: cannot be written: %s", path, strerror(problem));
     }
     return 0;
 }
@@ -418,7 +419,7 @@ int csv_commit(csv_writer_t *writer)
     }
     if (bad) {
         int problem = errno != 0 ? errno : EIO;
-        (void)complain("%s: cannot be written: %s", writer->path, strerror(problem));
+        (void)report_error("%s: cannot be written: %s", writer->path, strerror(problem));
         csv_discard(writer);
         return EXIT_REFUSED;
     }

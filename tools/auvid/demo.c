@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "csv.h"
 #include "progress.h"
 #include "report.h"
@@ -35,7 +35,7 @@ typedef struct {
     csv_writer_t *writer; /* null: no log */
     csv_row_t row[WAITING];
     int rows;
-    auvid_nav_knot_t knot; /* the last velocity */
+    auvid_nav_velocity_sample_t knot; /* the last velocity */
 } logger_t;
 
 /* One run. */
@@ -49,7 +49,7 @@ typedef struct {
 } run_t;
 
 /* A new velocity: rows since the last one can be written. After a gap they are dropped. */
-static void log_velocity(logger_t *logger, const auvid_nav_knot_t *knot)
+static void log_velocity(logger_t *logger, const auvid_nav_velocity_sample_t *knot)
 {
     double t0 = 1e-6 * (double)logger->knot.t_us, t1 = 1e-6 * (double)knot->t_us;
     for (int k = 0; k < logger->rows && logger->knot.sequence > 0 && t1 - t0 <= 0.5; ++k) {
@@ -73,7 +73,7 @@ static void log_tick(logger_t *logger, const world_t *world)
 {
     auvid_nav_state_t state;
     const auvid_nav_t *nav = &world->node[0].id.nav;
-    const auvid_nav_knot_t *knot = &nav->ground;
+    const auvid_nav_velocity_sample_t *knot = &nav->ground;
     if (logger->writer == NULL || auvid_nav_state(nav, &state) != AUVID_OK) {
         return;
     }
@@ -102,7 +102,7 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
 {
     const auvid_estimate_t *e = &run->world.node[0].id.estimate;
     double truth[CRAFT_PARAMETERS];
-    craft_truth(&run->world.craft, truth);
+    vehicle_sim_truth(&run->world.craft, truth);
     double rms = report_rms_percent(e, truth);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
@@ -179,7 +179,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     }
     for (int i = 0; i < world->nodes; ++i) {
         report_gather(&run->result[i], &world->node[i].id, seed);
-        run->result[i].estimate.capped |= linger == 0; /* it ran out of time */
+        run->result[i].estimate.not_converged |= linger == 0; /* it ran out of time */
         run->result[i].budget = options->budget;
     }
     run->result[0].estimates = &run->estimates;
@@ -191,7 +191,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         result_t *result = &run->result[0];
         const auvid_adaptive_t *adaptive = &world->node[0].id.adaptive;
         result->excited_s = TICK_S * exciting;
-        result->given_up = adaptive->given_up;
+        result->given_up = adaptive->abandoned;
         result->still_missing = adaptive->missing & ~result->estimate.confidence.identifiable;
     }
     return true;
@@ -221,7 +221,7 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
     }
     for (int i = 0; i < WORLD_NODES; ++i) {
         valid[i] = auvid_validation_init(&run->validation[i], result->vehicle, pi[i], 0,
-                                         result->estimate.delay_s, result->estimate.lagged,
+                                         result->estimate.delay_s, result->estimate.first_order_lag,
                                          AUVID_C(1e-6) * (auvid_real_t)cfg.recorder.cell_us) >= 0;
         auvid_identifier_attach(&world->node[i].id, valid[i] ? &run->validation[i] : NULL);
     }
@@ -261,7 +261,7 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
         csv_discard(&writer);
     }
     if (!done) {
-        return complain("demo: the identifier refused its configuration");
+        return report_error("demo: the identifier refused its configuration");
     }
     return path == NULL ? 0 : csv_commit(&writer);
 }
@@ -390,7 +390,7 @@ static int many_runs(run_t *run, const options_t *options)
     int lists = options->literal ? 2 : 1, status = 0;
     for (int i = 0; i < lists && status == 0; ++i) {
         if (!tally_begin(&tally[i], options->runs)) {
-            status = complain("demo: not enough memory for %u runs", (unsigned)options->runs);
+            status = report_error("demo: not enough memory for %u runs", (unsigned)options->runs);
         }
     }
     if (status == 0) {
@@ -407,7 +407,7 @@ static int many_runs(run_t *run, const options_t *options)
         } else {
             report_campaign(&first[0], all, last);
         }
-        status = all->capped ? 1 : 0;
+        status = all->not_converged ? 1 : 0;
     }
     for (int i = 0; i < lists; ++i) {
         tally_free(&tally[i]);
@@ -419,7 +419,7 @@ int demo(const options_t *options)
 {
     run_t *run = malloc(sizeof *run);
     if (run == NULL) {
-        return complain("demo: not enough memory");
+        return report_error("demo: not enough memory");
     }
     int status = options->runs > 0 ? many_runs(run, options) : single_run(run, options);
     free(run);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "field_report.h"
 #include "progress.h"
 
@@ -32,7 +32,7 @@ static int set_mismatch(const char *text, field_config_t *field)
     const char *equals = strchr(text, '=');
     size_t length = equals == NULL ? 0 : (size_t)(equals - text);
     if (length == 0 || length >= sizeof name) {
-        return complain("--mismatch: '%s' is not NAME=SIZE, or list", text);
+        return report_error("--mismatch: '%s' is not NAME=SIZE, or list", text);
     }
     memcpy(name, text, length);
     name[length] = '\0';
@@ -42,11 +42,11 @@ static int set_mismatch(const char *text, field_config_t *field)
         if (strcmp(kind[k].name, name) == 0) {
             return end != equals + 1 && *end == '\0' && field_set(field, name, size)
                        ? 0
-                       : complain("--mismatch: '%s' is not a number from %g to %g", text,
-                                  kind[k].min_size, kind[k].max_size);
+                       : report_error("--mismatch: '%s' is not a number from %g to %g", text,
+                                      kind[k].min_size, kind[k].max_size);
         }
     }
-    return complain("--mismatch: '%s' is none (--mismatch list shows them)", name);
+    return report_error("--mismatch: '%s' is none (--mismatch list shows them)", name);
 }
 
 /* Thrust that is delivered as told. */
@@ -141,7 +141,8 @@ static int run_all(campaign_memory_t *m, const options_t *options)
     for (uint32_t k = 0; k < options->runs && status == 0; ++k) {
         status = make_world(options, &m->campaign.uncertainty, options->seed + k, &m->config);
         if (status == 0 && !field_run(&m->run, &m->config, &m->record[k])) {
-            status = complain("demo: the simulator or the identifier refused its configuration");
+            status =
+                report_error("demo: the simulator or the identifier refused its configuration");
         }
         if (status == 0) {
             field_table_add(&m->table, &m->record[k]);
@@ -165,13 +166,13 @@ int field_demo(const options_t *options)
     field_record_t *record = calloc(options->runs, sizeof *record);
     int status = 0;
     if (m == NULL || record == NULL || !field_table_begin(&m->table, options->runs)) {
-        status = complain("demo: not enough memory for %u runs", (unsigned)options->runs);
+        status = report_error("demo: not enough memory for %u runs", (unsigned)options->runs);
     } else {
         m->record = record;
         begin(m, options);
         status = run_all(m, options);
         if (status == 0 && !field_table_finish(&m->table, options->seed)) {
-            status = complain("demo: not enough memory for %u runs", (unsigned)options->runs);
+            status = report_error("demo: not enough memory for %u runs", (unsigned)options->runs);
         }
         if (status == 0) {
             (options->json ? field_report_json : field_report_tables)(&m->campaign, &m->table,

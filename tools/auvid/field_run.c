@@ -71,7 +71,7 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
         (void)auvid_averaged_init(averaged, &auvid_girona500, cfg->recorder.cell_us, DVL_US);
         cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         cfg->metric.half_width[1] = 4;
-        vehicle_hasten(&cfg->excitation);
+        vehicle_use_fast_excitation(&cfg->excitation);
     }
     cfg->guard.off = AUVID_GUARD_SWITCHABLE;
     cfg->search.seed = field->seed;
@@ -192,7 +192,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
     memset(record, 0, sizeof *record);
     record->seed = config->field.seed;
     memcpy(record->size, config->field.size, sizeof record->size);
-    record->capped = estimate->capped;
+    record->not_converged = estimate->not_converged;
     record->sets = id->metric.sets_recorded;
     record->simulated_s = field_truth(&run->field)->t_s;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
@@ -201,7 +201,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
         record->flagged[i] =
             record->estimated[i] && (estimate->confidence.identifiable >> i & 1u) != 0;
         record->note[i] =
-            record->estimated[i] ? estimate->confidence.note[i] : (uint8_t)AUVID_NOTE_NOT_DRIVEN;
+            record->estimated[i] ? estimate->confidence.note[i] : (uint8_t)AUVID_NOTE_NOT_EXCITED;
         record->impossible[i] = record->note[i] != AUVID_NOTE_IMPLAUSIBLE &&
                                 (estimate->confidence.implausible >> i & 1u) != 0;
         record->pi[i] = (double)estimate->pi[i];

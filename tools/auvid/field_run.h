@@ -41,7 +41,7 @@ typedef struct {
     uint64_t seed;
     double size[FIELD_MISMATCHES]; /**< of the mismatches */
     double tau_max[FIELD_EQUATIONS];
-    bool capped;   /**< the search has not converged */
+    bool not_converged; /**< the search has not converged */
     uint32_t sets; /**< recorded */
     double simulated_s;
     bool estimated[SIM_PARAMETERS];  /**< free, and its DoF excited enough */

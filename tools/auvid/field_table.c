@@ -143,7 +143,7 @@ static bool is_flagged_at(const field_record_t *record, int i, double limit)
     }
     switch ((auvid_note_t)record->note[i]) {
     case AUVID_NOTE_FIXED:
-    case AUVID_NOTE_NOT_DRIVEN:
+    case AUVID_NOTE_NOT_EXCITED:
     case AUVID_NOTE_AT_BOUND:
     case AUVID_NOTE_BESIDE_BOUND:
     case AUVID_NOTE_NOT_CONVERGED:
@@ -191,7 +191,7 @@ void field_table_add(field_table_t *table, const field_record_t *record)
         take_curve(run, record, k);
     }
     add(&run[FIELD_AT_WRONG_RUN], run[FIELD_AT(FIELD_WRONG, FIELD_ALL)].part > 0.0, 1.0);
-    add(&run[FIELD_AT_CAPPED_RUN], record->capped, 1.0);
+    add(&run[FIELD_AT_CAPPED_RUN], record->not_converged, 1.0);
 }
 
 /* ---- all runs ---- */

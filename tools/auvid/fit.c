@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "csv.h"
 #include "heldout.h"
 #include "replay.h"
@@ -54,7 +54,8 @@ static int parameter_named(const auvid_vehicle_t *model, const char *name, const
             return i;
         }
     }
-    complain_line("fit: '%.*s' is no parameter of the model %s", (int)length, name, model->name);
+    report_error_line("fit: '%.*s' is no parameter of the model %s", (int)length, name,
+                      model->name);
     return -1;
 }
 
@@ -84,7 +85,7 @@ static int take_choice(job_t *job, const char *text)
             char *rest = NULL;
             double x = strtod(value + 1, &rest);
             if (rest == value + 1 || *rest != '\0' || !(fabs(x) <= 1e6)) {
-                return complain("fit: --fix: '%s' is not a number within +-1e6", value + 1);
+                return report_error("fit: --fix: '%s' is not a number within +-1e6", value + 1);
             }
             job->free &= ~(1u << i);
             job->fixed[i] = (auvid_real_t)x;
@@ -102,7 +103,7 @@ static int choose_free(job_t *job)
     for (int k = 0; k < options->choices && status == 0; ++k) {
         status = take_choice(job, options->choice[k]);
     }
-    return status == 0 && job->free == 0 ? complain("fit: nothing is left to be identified")
+    return status == 0 && job->free == 0 ? report_error("fit: nothing is left to be identified")
                                          : status;
 }
 
@@ -152,9 +153,9 @@ static int find_inputs(job_t *job)
     bool wrench = has_inputs(log, model, INPUT_WRENCH);
     if (!wrench && !has_inputs(log, model, INPUT_COMMAND)) {
         bool six = model->columns[AUVID_ROLL] != 0;
-        return complain("%s:1:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge cmd_sway "
-                        "cmd_heave %scmd_yaw) in the header",
-                        log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
+        return report_error("%s:1:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge cmd_sway "
+                            "cmd_heave %scmd_yaw) in the header",
+                            log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
     }
     job->replay.kind = wrench ? INPUT_WRENCH : INPUT_COMMAND;
     return check_columns(log, job);
@@ -201,9 +202,9 @@ static int read_logs(job_t *job)
     if (status == 0 && options->validate != NULL) {
         status = csv_read(&job->test, options->validate);
         if (status == 0 && !has_inputs(&job->test, options->model, job->replay.kind)) {
-            status = complain("%s:1:1: no input column of the kind that %s has (%s)",
-                              options->validate, options->train,
-                              job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
+            status = report_error("%s:1:1: no input column of the kind that %s has (%s)",
+                                  options->validate, options->train,
+                                  job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
         }
         status = status != 0 ? status : check_columns(&job->test, job);
     }
@@ -240,7 +241,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 {
     const options_t *options = job->options;
     auvid_identifier_defaults(cfg, vehicle);
-    vehicle_quicken(cfg);
+    vehicle_use_averaged_model(cfg);
     cfg->search.seed = options->seed;
     if (job->replay.kind == INPUT_COMMAND) {
         cfg->uncertainty.thrust_scale = 0; /* in units of the command it has none */
@@ -276,7 +277,7 @@ static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *veh
     configure(job, vehicle, &cfg);
     auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
     if (status < 0) {
-        (void)complain("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
+        (void)report_error("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
         free(id);
         return NULL;
     }
@@ -349,7 +350,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     report_gather(result, id, job->options->seed);
     result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (id->estimate.driven >> j & 1u) != 0;
+        bool driven = (id->estimate.excited >> j & 1u) != 0;
         result->why[j] = job->why[j];
         if (!driven && job->why[j] == NULL) {
             result->why[j] = id->metric.sets_recorded > 0 ? "input hardly varies"
@@ -380,7 +381,7 @@ static int run(job_t *job)
     gather(job, id, &result);
     if (job->options->validate != NULL && result.estimate.number > 0 &&
         !heldout_r2(&job->test, &job->replay, &id->recorder.cfg, job->options->seed, &result)) {
-        return complain("%s: not enough memory", job->options->validate);
+        return report_error("%s: not enough memory", job->options->validate);
     }
     if (job->options->json) {
         report_json(&result, NULL, NULL, NULL);

@@ -41,19 +41,19 @@ bool frames_receive(bus_memory_end_t *end, auvid_can_frame_t *frame)
     return false;
 }
 
-void frames_hear(bus_memory_end_t *end, craft_t *craft)
+void frames_hear(bus_memory_end_t *end, vehicle_sim_t *craft)
 {
     auvid_can_frame_t frame;
     while (frames_receive(end, &frame)) {
-        craft_take(craft, &frame);
+        vehicle_sim_take(craft, &frame);
     }
 }
 
-void frames_vehicle(bus_memory_end_t *end, craft_t *craft)
+void frames_vehicle(bus_memory_end_t *end, vehicle_sim_t *craft)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
     frames_hear(end, craft);
     bus_memory_advance(end->hub, SIM_TICK_US);
-    int count = craft_tick(craft, frame);
+    int count = vehicle_sim_tick(craft, frame);
     frames_send(end, frame, count);
 }

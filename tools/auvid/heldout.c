@@ -37,7 +37,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     (void)auvid_metric_least_squares(&train, auvid_metric_searched(&train), pi);
     test.cfg.estimate_delay = false;
     memcpy(test.cfg.delay_s, train.delay_s, sizeof test.cfg.delay_s);
-    test.cfg.lagged = train.lagged;
+    test.cfg.first_order_lag = train.first_order_lag;
     uint32_t budget = UINT32_MAX;
     if (!merge(&test)) {
         return 0.0;
@@ -48,7 +48,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     }
     double sum = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (test.driven & train.driven & 1u << j) {
+        if (test.excited & train.excited & 1u << j) {
             double scale = (double)test.cfg.tau_max[j];
             sum += (double)test.sse[j] / (scale * scale);
             *rows += test.dof_rows[j];
@@ -142,7 +142,7 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
     cells_t cells;
     auvid_validation_t validation;
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
-    uint32_t dofs = result->estimate.driven;
+    uint32_t dofs = result->estimate.excited;
     if (!replay_record(log, replay, recorder, &cells)) {
         return false;
     }
@@ -157,7 +157,7 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
         return false;
     }
     if (auvid_validation_init(&validation, result->vehicle, result->estimate.pi, dofs,
-                              result->estimate.delay_s, result->estimate.lagged,
+                              result->estimate.delay_s, result->estimate.first_order_lag,
                               cell_s) == AUVID_OK) {
         size_t blocks = simulate(&validation, &cells, block);
         sim_rng_t rng;

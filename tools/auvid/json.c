@@ -104,7 +104,7 @@ static void json_reals(const result_t *result, const char *key, const char *cons
 
 static void json_dof_values(const result_t *result)
 {
-    uint32_t driven = result->estimate.number > 0 ? result->estimate.driven : 0u;
+    uint32_t driven = result->estimate.number > 0 ? result->estimate.excited : 0u;
     json_reals(result, "delay_s", force, result->estimate.delay_s, driven);
     json_reals(result, "r2_force", force, result->estimate.r2_force, driven);
     json_dofs(result, "r2_validation", velocity, result->r2, NULL,
@@ -174,20 +174,20 @@ static void json_missing(const result_t *result)
 }
 
 /* null: no set was foretold. */
-static void json_judgement(const result_t *result)
+static void json_change_test(const result_t *result)
 {
-    const auvid_judgement_t *judged = &result->judgement;
+    const auvid_change_test_t *judged = &result->judgement;
     const char *separator = "";
     if (judged->set == 0) {
-        printf(",\n  \"judgement\": null");
+        printf(",\n  \"change_test\": null");
         return;
     }
-    printf(",\n  \"judgement\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
+    printf(",\n  \"change_test\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
            (unsigned)judged->estimate);
-    json_reals(result, "variance_ratio", force, judged->variance_ratio, judged->driven);
-    json_reals(result, "change", force, judged->change, judged->driven);
+    json_reals(result, "variance_ratio", force, judged->variance_ratio, judged->excited);
+    json_reals(result, "change", force, judged->change, judged->excited);
     json_reals(result, "r2_velocity", velocity, judged->r2_velocity,
-               judged->simulated & judged->driven);
+               judged->simulated & judged->excited);
     printf(",\n  \"changed\": [");
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (judged->changed >> j & 1u) {
@@ -242,9 +242,9 @@ static void json_guard(const result_t *result)
     printf("}");
 }
 
-static void json_story(const story_t *story)
+static void json_event_log(const event_log_t *story)
 {
-    printf(",\n  \"scenario\": \"%s\",\n  \"story\": [", story->name);
+    printf(",\n  \"scenario\": \"%s\",\n  \"events\": [", story->name);
     for (int k = 0; k < story->lines; ++k) {
         printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", story->line[k].t_s,
                story->line[k].text);
@@ -291,12 +291,12 @@ static void json_beside(const beside_t *beside)
 }
 
 void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
-                 const story_t *story)
+                 const event_log_t *story)
 {
     const char *status = report_status(result);
     uint32_t worst = campaign == NULL ? result->work_most : campaign->work_most;
-    if (campaign != NULL && campaign->capped) {
-        status = "capped";
+    if (campaign != NULL && campaign->not_converged) {
+        status = "not_converged";
     }
     printf("{\n  \"version\": \"%s\",\n  \"status\": \"%s\",\n  \"seed\": %llu,\n",
            AUVID_VERSION_STRING, status, (unsigned long long)result->seed);
@@ -305,7 +305,7 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     json_missing(result);
     json_drag(result);
     json_dof_values(result);
-    json_judgement(result);
+    json_change_test(result);
     json_guard(result);
     json_adaptive(result);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
@@ -322,7 +322,7 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
         json_beside(beside);
     }
     if (story != NULL) {
-        json_story(story);
+        json_event_log(story);
     }
     printf("\n}\n");
 }

@@ -8,7 +8,7 @@
 
 #include "auvid/config.h"
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "options.h"
 #include "report.h"
 
@@ -99,8 +99,8 @@ static const char node_help[] =
     "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
     "  --sets K           end when K sets are identified; default 8\n"
     "  --log FILE         write every frame as candump -L does\n"
-    "  --save FILE        write what is known of the vehicle in the end, for --warm\n"
-    "  --warm FILE        begin with it; where it cannot be used, a line says so\n"
+    "  --save FILE        write what is known of the vehicle in the end, for --prior\n"
+    "  --prior FILE        begin with it; where it cannot be used, a line says so\n"
     "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
     "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
     "  --seed N, --vehicle NAME, --json, --thrust-scale S, --dvl-scale S   as for demo\n"
@@ -116,7 +116,7 @@ static const char vehicle_help[] =
     "\n";
 static const char replay_help[] =
     "options of replay\n"
-    "  --seed N, --sets K, --vehicle NAME, --warm FILE   those of the node that wrote the log\n"
+    "  --seed N, --sets K, --vehicle NAME, --prior FILE   those of the node that wrote the log\n"
     "  --csv FILE         write its motion and thrust as a log that fit reads\n"
     "  --json, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
@@ -180,12 +180,12 @@ static int print_help(const char *command)
 static int help(int count, char **argument)
 {
     if (count > 1) {
-        return complain("help: unexpected argument '%s'", argument[1]);
+        return report_error("help: unexpected argument '%s'", argument[1]);
     }
     if (count == 1 && !is_command(argument[0])) {
-        return complain("help: unknown command '%s': use 'auvid help' for the list, or "
-                        "'auvid help demo'",
-                        argument[0]);
+        return report_error("help: unknown command '%s': use 'auvid help' for the list, or "
+                            "'auvid help demo'",
+                            argument[0]);
     }
     return print_help(count == 1 ? argument[0] : NULL);
 }
@@ -246,11 +246,12 @@ int main(int count, char **argument)
     } else if (count > 1 && (status = on_bus(command, count - 2, argument + 2)) >= 0) {
         return status == EXIT_REFUSED ? status : report_finish(status);
     } else if (command[0] == '\0') {
-        return complain("no command: use 'auvid demo', 'auvid fit TRAIN.csv' or 'auvid --help'");
+        return report_error(
+            "no command: use 'auvid demo', 'auvid fit TRAIN.csv' or 'auvid --help'");
     } else {
-        return complain("unknown command '%s': use 'auvid demo', 'auvid fit TRAIN.csv' or "
-                        "'auvid --help'",
-                        command);
+        return report_error("unknown command '%s': use 'auvid demo', 'auvid fit TRAIN.csv' or "
+                            "'auvid --help'",
+                            command);
     }
     return status == EXIT_REFUSED ? status : report_finish(status);
 }

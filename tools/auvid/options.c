@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "complain.h"
+#include "report_error.h"
 #include "options_reader.h"
 
 /* Take the next argument: an option, its value split off, or a plain word (name null). */
@@ -40,7 +40,7 @@ int take_value(reader_t *r, const char **value)
         r->value = r->argument[r->next++];
     }
     if (r->value == NULL || r->value[0] == '\0') {
-        return complain("%s needs a value", r->name);
+        return report_error("%s needs a value", r->name);
     }
     *value = r->value;
     return 0;
@@ -49,7 +49,7 @@ int take_value(reader_t *r, const char **value)
 int take_flag(const reader_t *r, bool *flag)
 {
     if (r->value != NULL) {
-        return complain("%s takes no value", r->name);
+        return report_error("%s takes no value", r->name);
     }
     *flag = true;
     return 0;
@@ -65,8 +65,8 @@ static int take_count(reader_t *r, uint64_t low, uint64_t high, uint64_t *out)
     errno = 0;
     unsigned long long x = strtoull(text, &end, 10);
     if (text[strspn(text, "0123456789")] != '\0' || errno != 0 || x < low || x > high) {
-        return complain("%s: '%s' is not a whole number from %llu to %llu", r->name, text,
-                        (unsigned long long)low, (unsigned long long)high);
+        return report_error("%s: '%s' is not a whole number from %llu to %llu", r->name, text,
+                            (unsigned long long)low, (unsigned long long)high);
     }
     *out = x;
     return 0;
@@ -98,7 +98,7 @@ int take_number(reader_t *r, double high, double *out)
         return EXIT_REFUSED;
     }
     if (!number(text, &end, &x) || *end != '\0' || !(x >= 0.0 && x <= high)) {
-        return complain("%s: '%s' is not a number from 0 to %g", r->name, text, high);
+        return report_error("%s: '%s' is not a number from 0 to %g", r->name, text, high);
     }
     *out = x;
     return 0;
@@ -113,10 +113,11 @@ static int take_bounds(reader_t *r, options_t *options)
     }
     if (!number(text, &end, &low) || *end != ',' || !number(end + 1, &end, &high) || *end != '\0' ||
         fabs(low) > 1e6 || fabs(high) > 1e6) {
-        return complain("%s: '%s' is not LO,HI within +-1e6", r->name, text);
+        return report_error("%s: '%s' is not LO,HI within +-1e6", r->name, text);
     }
     if (!(low < high)) {
-        return complain("%s: '%s': the lower bound is not below the upper bound", r->name, text);
+        return report_error("%s: '%s': the lower bound is not below the upper bound", r->name,
+                            text);
     }
     options->lower = low;
     options->upper = high;
@@ -136,8 +137,8 @@ static int take_word(reader_t *r, const char *const *words, int count, int *out)
             return 0;
         }
     }
-    return complain("%s: '%s' is not one of %s, %s%s%s", r->name, text, words[0], words[1],
-                    count > 2 ? ", " : "", count > 2 ? words[2] : "");
+    return report_error("%s: '%s' is not one of %s, %s%s%s", r->name, text, words[0], words[1],
+                        count > 2 ? ", " : "", count > 2 ? words[2] : "");
 }
 
 /* Options that both sub-commands have; -1: not one of them. */
@@ -179,22 +180,22 @@ static int take_vehicle(reader_t *r, options_t *options, bool in_field)
     options->vehicle = vehicle_named(text);
     return options->vehicle != NULL
                ? 0
-               : complain("%s: '%s' is not one of %s", r->name, text, vehicle_words);
+               : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_words);
 }
 
 /* --fix or --free: kept as given, as only the model knows its parameters' names. */
 static int take_choice(reader_t *r, options_t *options)
 {
     if (options->choices == OPTIONS_CHOICES) {
-        return complain("fit: more than %d of --fix and --free", OPTIONS_CHOICES);
+        return report_error("fit: more than %d of --fix and --free", OPTIONS_CHOICES);
     }
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
         return EXIT_REFUSED;
     }
     if ((strchr(text, '=') != NULL) != is(r, "--fix")) {
-        return complain("%s: '%s' is not %s", r->name, text,
-                        is(r, "--fix") ? "NAME=VALUE" : "NAME,NAME,..");
+        return report_error("%s: '%s' is not %s", r->name, text,
+                            is(r, "--fix") ? "NAME=VALUE" : "NAME,NAME,..");
     }
     options->choice[options->choices++] = text;
     return 0;
@@ -209,7 +210,7 @@ static int take_model(reader_t *r, options_t *options)
     options->model = vehicle_model(text);
     return options->model != NULL
                ? 0
-               : complain("%s: '%s' is not one of %s", r->name, text, vehicle_model_words);
+               : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_model_words);
 }
 
 static int demo_option(reader_t *r, options_t *options)
@@ -243,7 +244,7 @@ static int demo_option(reader_t *r, options_t *options)
     }
     int status = options_field_take(r, options);
     return status >= 0 ? status
-                       : complain("demo: unknown option %s (auvid --help lists them)", r->name);
+                       : report_error("demo: unknown option %s (auvid --help lists them)", r->name);
 }
 
 static int fit_option(reader_t *r, options_t *options)
@@ -276,7 +277,7 @@ static int fit_option(reader_t *r, options_t *options)
     if (is(r, "--fix") || is(r, "--free")) {
         return take_choice(r, options);
     }
-    return complain("fit: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("fit: unknown option %s (auvid --help lists them)", r->name);
 }
 
 /* Options that node and vehicle have in common; -1: not one of them. */
@@ -315,7 +316,7 @@ static int node_option(reader_t *r, options_t *options)
     if (is(r, "--log")) {
         return take_value(r, &options->log);
     }
-    if (is(r, "--warm")) {
+    if (is(r, "--prior")) {
         return take_value(r, &options->warm);
     }
     if (is(r, "--save")) {
@@ -324,7 +325,7 @@ static int node_option(reader_t *r, options_t *options)
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
-    return complain("node: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("node: unknown option %s (auvid --help lists them)", r->name);
 }
 
 static int vehicle_option(reader_t *r, options_t *options)
@@ -345,7 +346,7 @@ static int vehicle_option(reader_t *r, options_t *options)
     if (is(r, "--speed")) {
         return take_count32(r, 1, 20, &options->speed);
     }
-    return complain("vehicle: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("vehicle: unknown option %s (auvid --help lists them)", r->name);
 }
 
 static int replay_option(reader_t *r, options_t *options)
@@ -353,7 +354,7 @@ static int replay_option(reader_t *r, options_t *options)
     if (is(r, "--vehicle")) {
         return take_vehicle(r, options, false);
     }
-    if (is(r, "--warm")) {
+    if (is(r, "--prior")) {
         return take_value(r, &options->warm);
     }
     if (is(r, "--csv")) {
@@ -362,7 +363,7 @@ static int replay_option(reader_t *r, options_t *options)
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
-    return complain("replay: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("replay: unknown option %s (auvid --help lists them)", r->name);
 }
 
 static int read_all(options_t *options, int count, char **argument, const char *command,
@@ -382,7 +383,7 @@ static int read_all(options_t *options, int count, char **argument, const char *
     while (next(&r)) {
         if (r.name == NULL) {
             if (word == NULL || *word != NULL) {
-                return complain("%s: unexpected argument '%s'", command, r.value);
+                return report_error("%s: unexpected argument '%s'", command, r.value);
             }
             *word = r.value;
             continue;
@@ -410,10 +411,10 @@ static int check_scenario(const options_t *options)
                         : options->vehicle != &vehicle_girona500 ? "--vehicle"
                                                                  : NULL;
     if (options->scenario != NULL && other != NULL) {
-        return complain("demo: --scenario and %s do not go together", other);
+        return report_error("demo: --scenario and %s do not go together", other);
     }
     if (options->adaptive && options->literal) {
-        return complain("demo: --adaptive and --literal do not go together");
+        return report_error("demo: --adaptive and --literal do not go together");
     }
     return 0;
 }
@@ -429,7 +430,7 @@ int options_demo(options_t *options, int count, char **argument)
     options->sets = options->sets > 0 ? options->sets : options->adaptive ? 16 : 8;
     options->budget = options->budget > 0 ? options->budget : AUVID_DEFAULT_BUDGET;
     if (status == 0 && options->adaptive && options->sets > 120) {
-        return complain("demo: --adaptive takes 120 sets at most");
+        return report_error("demo: --adaptive takes 120 sets at most");
     }
     return status;
 }
@@ -440,10 +441,10 @@ int options_fit(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "fit", fit_option, &train);
     options->train = train;
     if (status == 0 && train == NULL) {
-        return complain("fit: no TRAIN.csv given");
+        return report_error("fit: no TRAIN.csv given");
     }
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
-        return complain("fit: --coupling off is for the model girona500");
+        return report_error("fit: --coupling off is for the model girona500");
     }
     return status;
 }
@@ -454,13 +455,13 @@ static int check_bus(options_t *options, const char *command)
     options->sets = options->sets > 0 ? options->sets : 8;
     options->disturbance_N = options->disturbance_N < 0.0 ? 0.0 : options->disturbance_N;
     if (options->literal) {
-        return complain("%s: unknown option --literal (auvid --help lists them)", command);
+        return report_error("%s: unknown option --literal (auvid --help lists them)", command);
     }
     if (options->bus == NULL) {
-        return complain("%s: no --bus given: can0, say, or vcan0", command);
+        return report_error("%s: no --bus given: can0, say, or vcan0", command);
     }
     if (options->clock_own && options->lock_step) {
-        return complain("%s: --clock own and --lock-step do not go together", command);
+        return report_error("%s: --clock own and --lock-step do not go together", command);
     }
     return 0;
 }
@@ -470,7 +471,7 @@ int options_node(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "node", node_option, NULL);
     status = status != 0 ? status : check_bus(options, "node");
     if (status == 0 && options->clock_own && strcmp(options->bus, "memory") == 0) {
-        return complain("node: on the bus in memory the vehicle has the clock");
+        return report_error("node: on the bus in memory the vehicle has the clock");
     }
     return status;
 }
@@ -485,7 +486,7 @@ int options_vehicle(options_t *options, int count, char **argument)
                         : options->delay_s >= 0.0      ? "--delay"
                                                        : NULL;
     if (status == 0 && other != NULL) {
-        return complain("vehicle: unknown option %s (auvid --help lists them)", other);
+        return report_error("vehicle: unknown option %s (auvid --help lists them)", other);
     }
     return status;
 }
@@ -497,5 +498,5 @@ int options_replay(options_t *options, int count, char **argument)
     options->log = log;
     options->bus = "";
     status = status != 0 ? status : check_bus(options, "replay");
-    return status == 0 && log == NULL ? complain("replay: no FILE.log given") : status;
+    return status == 0 && log == NULL ? report_error("replay: no FILE.log given") : status;
 }

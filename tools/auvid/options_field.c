@@ -3,7 +3,7 @@
  */
 #include <string.h>
 
-#include "complain.h"
+#include "report_error.h"
 #include "options_reader.h"
 
 const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawnmower", "station"};
@@ -23,13 +23,14 @@ static int take_driver(reader_t *r, options_field_t *f)
             return 0;
         }
     }
-    return complain("%s: '%s' is not one of excited, joystick, lawnmower, station", r->name, text);
+    return report_error("%s: '%s' is not one of excited, joystick, lawnmower, station", r->name,
+                        text);
 }
 
 static int take_mismatch(reader_t *r, options_field_t *f)
 {
     if (f->mismatches == FIELD_MISMATCHES) {
-        return complain("demo: more than %d of --mismatch", FIELD_MISMATCHES);
+        return report_error("demo: more than %d of --mismatch", FIELD_MISMATCHES);
     }
     return take_value(r, &f->mismatch[f->mismatches++]);
 }
@@ -74,21 +75,21 @@ int options_field_check(options_t *options)
     f->wanted = f->mixture || f->matched || f->mismatches > 0;
     if (!f->wanted) {
         return f->chosen != NULL
-                   ? complain("demo: %s is for --field, --mismatch or --matched", f->chosen)
+                   ? report_error("demo: %s is for --field, --mismatch or --matched", f->chosen)
                    : 0;
     }
     if (matched) {
-        return complain("demo: --matched is a world of its own: no --field, --mismatch or "
-                        "--perfect-thrust beside it");
+        return report_error("demo: --matched is a world of its own: no --field, --mismatch or "
+                            "--perfect-thrust beside it");
     }
     if (other != NULL) {
-        return complain("demo: --field and %s do not go together", other);
+        return report_error("demo: --field and %s do not go together", other);
     }
     if (options->vehicle != &vehicle_girona500) {
-        return complain("demo: in the field there are girona500 and rov20");
+        return report_error("demo: in the field there are girona500 and rov20");
     }
     if (options->sets > 0 && f->driver != FIELD_EXCITED) {
-        return complain("demo: --sets is for --driver excited");
+        return report_error("demo: --sets is for --driver excited");
     }
     options->runs = options->runs > 0 ? options->runs : RUNS;
     return 0;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "complain.h"
+#include "report_error.h"
 
 const char *const report_dof_name[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
                                                       "roll",  "pitch", "yaw"};
@@ -24,9 +24,9 @@ int report_dofs(const auvid_vehicle_t *model, auvid_dof_t dof[AUVID_DOF_COUNT])
 const char *report_status(const result_t *result)
 {
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
-        return "not_driven";
+        return "not_excited";
     }
-    return result->estimate.capped ? "capped" : "ok";
+    return result->estimate.not_converged ? "not_converged" : "ok";
 }
 
 int report_exit(const result_t *result)
@@ -41,17 +41,17 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .free = id->metric.cfg.free,
                          .estimate = id->estimate,
                          .budget = AUVID_DEFAULT_BUDGET,
-                         .work_most = id->work_most,
-                         .judgement = id->judgement,
+                         .work_most = id->max_work,
+                         .judgement = id->change_test,
                          .has_guard = id->excitation.config.segments > 0,
                          .guard = id->guard.state,
                          .trip = id->guard.trip};
 }
 
-void report_heard(result_t *result, const craft_t *craft)
+void report_heard(result_t *result, const vehicle_sim_t *craft)
 {
     double truth[CRAFT_PARAMETERS];
-    craft_truth(craft, truth);
+    vehicle_sim_truth(craft, truth);
     result->has_truth = true;
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         result->truth[i] = truth[i];
@@ -119,7 +119,7 @@ bool report_is_identified(const result_t *result, int i)
 
 bool report_is_driven(const result_t *result, auvid_dof_t j)
 {
-    return result->estimate.number > 0 && (result->estimate.driven >> j & 1u) != 0;
+    return result->estimate.number > 0 && (result->estimate.excited >> j & 1u) != 0;
 }
 
 bool report_is_modelled(const result_t *result, auvid_dof_t j)
@@ -223,7 +223,7 @@ int report_finish(int status)
 {
     errno = 0;
     if (fflush(stdout) != 0 || ferror(stdout)) {
-        return complain("standard output: cannot be written: %s", strerror(errno));
+        return report_error("standard output: cannot be written: %s", strerror(errno));
     }
     return status;
 }

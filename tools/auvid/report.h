@@ -6,8 +6,8 @@
 #define PROGRAM_REPORT_H
 
 #include "auvid/identifier.h"
-#include "craft.h"
-#include "story.h"
+#include "vehicle_sim.h"
+#include "event_log.h"
 
 /** Standard errors in the 95 % half-width that is shown: sets are few (see confidence.h). */
 #define HALF_WIDTH 2.1
@@ -32,7 +32,7 @@ typedef struct {
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
-    auvid_judgement_t judgement; /**< of the newest set */
+    auvid_change_test_t judgement; /**< of the newest set */
     double excited_s; /**< adaptive excitation: how long; 0: it was not */
     uint32_t given_up, still_missing; /**< by it; bit i: parameter i */
     auvid_guard_state_t guard;
@@ -63,7 +63,7 @@ typedef struct {
     /** flagged; of those, more than 20 % off, or four standard errors where the truth is 0 */
     uint32_t identifiable, wrong;
     uint32_t work_most;
-    bool capped; /**< some run did not converge */
+    bool not_converged; /**< some run did not converge */
 } campaign_t;
 
 /** The degrees of freedom that a model has. @return how many */
@@ -76,7 +76,7 @@ typedef struct {
     const campaign_t *campaign; /**< null: one run */
 } beside_t;
 
-/** "ok", "capped" (not converged) or "not_driven" (no estimate). */
+/** "ok", "not_converged" or "not_excited" (no estimate). */
 const char *report_status(const result_t *result);
 
 /** Exit status that goes with it: 0 or 1. */
@@ -86,7 +86,7 @@ int report_exit(const result_t *result);
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed);
 
 /** What the simulated vehicle knows: the truth, and the estimate as it came in frames. */
-void report_heard(result_t *result, const craft_t *craft);
+void report_heard(result_t *result, const vehicle_sim_t *craft);
 
 /** Root mean square relative error of the parameters that are identified and whose truth is not 0
  * [%]; 0 when none is. @param truth [AUVID_MAX_PARAMETERS] */
@@ -134,7 +134,7 @@ void report_campaign(const result_t *first, const campaign_t *campaign, const ca
 
 /** The JSON object; campaign, beside and story may be null. */
 void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
-                 const story_t *story);
+                 const event_log_t *story);
 
 /** Flush stdout; EXIT_REFUSED after one line on stderr if it could not be written, else status. */
 int report_finish(int status);

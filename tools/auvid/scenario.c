@@ -9,9 +9,9 @@
 
 #include "auvid/current.h"
 #include "commands.h"
-#include "complain.h"
+#include "report_error.h"
 #include "report.h"
-#include "story.h"
+#include "event_log.h"
 #include "world.h"
 
 /* A search may go on for so long after the last set [s of simulated time]. */
@@ -31,7 +31,7 @@ enum { ROWS = 60 }; /* of a set */
 
 typedef struct {
     const options_t *options;
-    story_t story;
+    event_log_t story;
     world_t world;
     result_t result, other; /* other: of the first of two runs */
     const char *other_key;  /* its name in JSON; null: there is none */
@@ -52,9 +52,9 @@ typedef struct {
 
 static void tell_excitation(play_t *play, const char *when, const double *wrench)
 {
-    story_tell(&play->story, world_time_s(&play->world),
-               "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when, wrench[AUVID_SURGE],
-               wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
+    event_log_add(&play->story, world_time_s(&play->world),
+                  "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when, wrench[AUVID_SURGE],
+                  wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
 }
 
 static void tell_guard(play_t *play)
@@ -63,7 +63,7 @@ static void tell_guard(play_t *play)
     const auvid_guard_trip_t *trip = &guard->trip;
     double t_s = world_time_s(&play->world);
     if (guard->state == AUVID_GUARD_EXCITING) {
-        story_tell(&play->story, t_s, "armed, and exciting");
+        event_log_add(&play->story, t_s, "armed, and exciting");
     } else if (guard->state == AUVID_GUARD_ABORTED) {
         const char *unit = report_cause_unit(trip->cause);
         char value[60] = "";
@@ -71,50 +71,50 @@ static void tell_guard(play_t *play)
             (void)snprintf(value, sizeof value, ", %.3g %s (limit %.3g)", (double)trip->value, unit,
                            (double)trip->limit);
         }
-        story_tell(&play->story, t_s, "guard: ABORTED: %s%s", auvid_guard_cause_str(trip->cause),
-                   value);
+        event_log_add(&play->story, t_s, "guard: ABORTED: %s%s", auvid_guard_cause_str(trip->cause),
+                      value);
         tell_excitation(play, "in the tick before", play->before);
         tell_excitation(play, "in this tick", play->world.excitation);
     } else {
-        story_tell(&play->story, t_s, "guard: %s", auvid_guard_state_str(guard->state));
+        event_log_add(&play->story, t_s, "guard: %s", auvid_guard_state_str(guard->state));
     }
 }
 
-static void tell_judgement(play_t *play)
+static void print_change_test(play_t *play)
 {
-    const auvid_judgement_t *judged = &play->world.node[0].id.judgement;
+    const auvid_change_test_t *judged = &play->world.node[0].id.change_test;
     const auvid_real_t *ratio = judged->variance_ratio;
     double most = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         most = fmax(most, (double)judged->change[j]);
     }
-    story_tell(&play->story, world_time_s(&play->world),
-               "set %u, foretold: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
-               (unsigned)judged->set, (double)ratio[AUVID_SURGE], (double)ratio[AUVID_SWAY],
-               (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], most);
+    event_log_add(&play->story, world_time_s(&play->world),
+                  "set %u, foretold: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
+                  (unsigned)judged->set, (double)ratio[AUVID_SURGE], (double)ratio[AUVID_SWAY],
+                  (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], most);
 }
 
 static void tell_change(play_t *play)
 {
-    const auvid_judgement_t *judged = &play->world.node[0].id.judgement;
+    const auvid_change_test_t *judged = &play->world.node[0].id.change_test;
     int j = 0;
     while (j < AUVID_DOF_COUNT - 1 && !(judged->changed >> j & 1u)) {
         ++j;
     }
-    story_tell(&play->story, world_time_s(&play->world),
-               "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, a new search",
-               report_dof_name[j]);
+    event_log_add(&play->story, world_time_s(&play->world),
+                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, a new search",
+                  report_dof_name[j]);
 }
 
 static void tell_estimate(play_t *play)
 {
     const auvid_estimate_t *e = &play->world.node[0].id.estimate;
     double truth[CRAFT_PARAMETERS];
-    craft_truth(&play->world.craft, truth);
-    story_tell(&play->story, world_time_s(&play->world),
-               "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
-               (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
-               report_rms_percent(e, truth), report_identifiable(e), SIM_PARAMETERS);
+    vehicle_sim_truth(&play->world.craft, truth);
+    event_log_add(&play->story, world_time_s(&play->world),
+                  "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
+                  (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
+                  report_rms_percent(e, truth), report_identifiable(e), SIM_PARAMETERS);
 }
 
 static void tell_events(play_t *play)
@@ -123,21 +123,22 @@ static void tell_events(play_t *play)
     uint32_t events = play->world.node[0].events;
     double t_s = world_time_s(&play->world);
     if (events & AUVID_EVENT_EXCITATION_DONE) {
-        story_tell(&play->story, t_s, "excitation done");
+        event_log_add(&play->story, t_s, "excitation done");
     }
     if (id->guard.state != play->guard) {
         play->guard = id->guard.state;
         tell_guard(play);
     }
-    if ((events & AUVID_EVENT_JUDGED) && play->judgements) {
-        tell_judgement(play);
+    if ((events & AUVID_EVENT_VALIDATED) && play->judgements) {
+        print_change_test(play);
     }
     if (events & AUVID_EVENT_CHANGED) {
         play->changed = true;
         tell_change(play);
     }
     if (events & AUVID_EVENT_RESTORED) {
-        story_tell(&play->story, t_s, "the estimate before foretold this set better: taken back");
+        event_log_add(&play->story, t_s,
+                      "the estimate before foretold this set better: taken back");
     }
     if (events & AUVID_EVENT_ESTIMATE) {
         tell_estimate(play);
@@ -196,7 +197,7 @@ static void run_to_end(play_t *play, uint32_t sets)
     }
     report_gather(&play->result, &play->world.node[0].id, play->options->seed);
     report_heard(&play->result, &play->world.craft);
-    play->result.estimate.capped |= busy;
+    play->result.estimate.not_converged |= busy;
 }
 
 /* After an abort: the latch holds, and the estimate stays. @return did both? */
@@ -206,11 +207,13 @@ static bool aftermath(play_t *play, uint32_t number)
     double t_s = world_time_s(&play->world) + 5.0;
     run_until(play, t_s);
     play->world.craft.order_arm = true;
-    story_tell(&play->story, t_s, "latched: the operator's order to arm is refused until disarm");
+    event_log_add(&play->story, t_s,
+                  "latched: the operator's order to arm is refused until disarm");
     run_until(play, t_s + 15.0);
-    story_tell(&play->story, t_s + 15.0,
-               "largest excitation since the abort: %.1f; what was identified stays: estimate %u",
-               play->after_abort, (unsigned)id->estimate.number);
+    event_log_add(
+        &play->story, t_s + 15.0,
+        "largest excitation since the abort: %.1f; what was identified stays: estimate %u",
+        play->after_abort, (unsigned)id->estimate.number);
     return !(play->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
            id->estimate.number >= number;
 }
@@ -232,9 +235,9 @@ static bool payload(play_t *play)
     for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
         play->world.craft.sim.config.parameter[i] *= DRAG_FACTOR;
     }
-    story_tell(&play->story, PAYLOAD_S,
-               "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; from now on "
-               "errors are against this truth");
+    event_log_add(&play->story, PAYLOAD_S,
+                  "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; from now on "
+                  "errors are against this truth");
     bool early = play->changed;
     run_to_end(play, PAYLOAD_SETS);
     return !early && play->changed;
@@ -243,13 +246,13 @@ static bool payload(play_t *play)
 static bool yaw_idle(play_t *play)
 {
     const world_config_t config = {.idle = 1u << AUVID_YAW};
-    char text[STORY_LENGTH];
+    char text[EVENT_LOG_LENGTH];
     if (!begin(play, config)) {
         return false;
     }
     run_to_end(play, play->options->sets);
     for (unsigned k = 0; report_missing(&play->result, k, text, sizeof text); ++k) {
-        story_tell(&play->story, world_time_s(&play->world), "missing: %s", text);
+        event_log_add(&play->story, world_time_s(&play->world), "missing: %s", text);
     }
     return (play->result.estimate.identified & 1u << AUVID_G500_M_R) == 0;
 }
@@ -261,7 +264,7 @@ static bool operator_abort(play_t *play)
         return false;
     }
     run_until(play, EVENT_S);
-    story_tell(&play->story, EVENT_S, "operator: abort, in the middle of set 4");
+    event_log_add(&play->story, EVENT_S, "operator: abort, in the middle of set 4");
     uint32_t number = play->world.node[0].id.estimate.number;
     play->world.craft.order_abort = true;
     bool held = aftermath(play, number);
@@ -276,7 +279,7 @@ static bool dvl_lost(play_t *play)
         return false;
     }
     run_until(play, EVENT_S);
-    story_tell(&play->story, EVENT_S, "the DVL falls silent, for good");
+    event_log_add(&play->story, EVENT_S, "the DVL falls silent, for good");
     uint32_t number = play->world.node[0].id.estimate.number;
     play->world.craft.sim.config.sensor[SIM_DVL].dropout = 1.0;
     bool held = aftermath(play, number);
@@ -297,10 +300,11 @@ static void tell_worst(play_t *play)
             at = i;
         }
     }
-    story_tell(&play->story, world_time_s(&play->world),
-               "worst in standard errors: %s, %.1f off, %.1f of them; farthest from start %.1f m",
-               result->vehicle->parameter[at].name,
-               (double)result->estimate.pi[at] - result->truth[at], worst, play->farthest_m);
+    event_log_add(
+        &play->story, world_time_s(&play->world),
+        "worst in standard errors: %s, %.1f off, %.1f of them; farthest from start %.1f m",
+        result->vehicle->parameter[at].name, (double)result->estimate.pi[at] - result->truth[at],
+        worst, play->farthest_m);
 }
 
 /* A second node hears the same frames, and searches the current with the parameters. */
@@ -326,11 +330,11 @@ static void tell_current(play_t *play)
     const auvid_estimate_t *e = &play->world.node[1].id.estimate;
     int north = play->current.hull->parameters;
     double truth[CRAFT_PARAMETERS], half[2]; /* the current's stands elsewhere: 0 here */
-    craft_truth(&play->world.craft, truth);
+    vehicle_sim_truth(&play->world.craft, truth);
     for (int i = 0; i < 2; ++i) {
         half[i] = HALF_WIDTH * (double)e->confidence.sigma[north + i];
     }
-    story_tell(
+    event_log_add(
         &play->story, world_time_s(&play->world),
         "current searched too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
         report_rms_percent(e, truth), (double)e->pi[north], half[0], (double)e->pi[north + 1],
@@ -343,7 +347,7 @@ static bool current(play_t *play)
     if (!begin(play, config) || !listen_for_current(play, config)) {
         return false;
     }
-    story_tell(&play->story, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is taken for motion");
+    event_log_add(&play->story, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is taken for motion");
     run_to_end(play, play->options->sets);
     tell_worst(play);
     tell_current(play);
@@ -354,8 +358,8 @@ static bool current(play_t *play)
     if (!begin(play, config)) {
         return false;
     }
-    story_tell(&play->story, 0.0,
-               "DYNAMICS FROM WATER LOCK: the DVL pings bottom and water in turn");
+    event_log_add(&play->story, 0.0,
+                  "DYNAMICS FROM WATER LOCK: the DVL pings bottom and water in turn");
     run_to_end(play, play->options->sets);
     tell_worst(play);
     return bottom && play->result.guard != AUVID_GUARD_ABORTED;
@@ -399,7 +403,7 @@ static int tell(play_t *play, int which)
     }
     bool as_told = scenarios[which].play(play);
     if (play->result.vehicle == NULL) {
-        return complain("demo: the identifier refused its configuration");
+        return report_error("demo: the identifier refused its configuration");
     }
     const beside_t beside = {play->other_key, &play->other, NULL};
     if (options->json) {
@@ -417,13 +421,14 @@ int scenario(const options_t *options)
         ++which;
     }
     if (which == SCENARIOS) {
-        return complain("demo: --scenario: '%s' is not one of payload, yaw-idle, operator-abort, "
-                        "current, dvl-lost",
-                        options->scenario);
+        return report_error(
+            "demo: --scenario: '%s' is not one of payload, yaw-idle, operator-abort, "
+            "current, dvl-lost",
+            options->scenario);
     }
     play_t *play = calloc(1, sizeof *play);
     if (play == NULL) {
-        return complain("demo: not enough memory");
+        return report_error("demo: not enough memory");
     }
     play->options = options;
     int status = tell(play, which);

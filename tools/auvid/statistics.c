@@ -71,7 +71,7 @@ void tally_add(tally_t *tally, const result_t *result)
 {
     campaign_t *c = &tally->sum;
     const auvid_estimate_t *e = &result->estimate;
-    bool capped = strcmp(report_status(result), "ok") != 0, failed = capped;
+    bool not_converged = strcmp(report_status(result), "ok") != 0, failed = not_converged;
     double squares = 0.0;
     c->parameters = c->relative = 0;
     for (int i = 0; i < result->vehicle->parameters; ++i) {
@@ -99,7 +99,7 @@ void tally_add(tally_t *tally, const result_t *result)
         tally->r2_truth[j][c->runs] = result->r2_truth[j];
     }
     c->failed += failed;
-    c->capped = c->capped || capped;
+    c->not_converged = c->not_converged || not_converged;
     c->work_most = result->work_most > c->work_most ? result->work_most : c->work_most;
     ++c->runs;
 }

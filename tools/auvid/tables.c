@@ -235,16 +235,16 @@ static void dof_table(const result_t *result)
 {
     static const char *const words[] = {"X, u", "Y, v", "Z, w", "K, p", "M, q", "N, r"};
     double value[AUVID_DOF_COUNT];
-    uint32_t driven = result->estimate.driven;
+    uint32_t driven = result->estimate.excited;
     dof_heading(result, words);
     to_double(value, result->estimate.delay_s);
     dof_line(result, "delay from input to response [s]", 3, value, driven);
-    if (result->estimate.lagged & driven) {
+    if (result->estimate.first_order_lag & driven) {
         printf("  %-34s", "  which is that of a");
         auvid_dof_t dof[AUVID_DOF_COUNT];
         int dofs = report_dofs(result->vehicle, dof);
         for (int k = 0; k < dofs; ++k) {
-            bool lag = (result->estimate.lagged >> dof[k] & 1u) != 0;
+            bool lag = (result->estimate.first_order_lag >> dof[k] & 1u) != 0;
             printf("  %8s", driven >> dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
         }
         putchar('\n');
@@ -264,9 +264,9 @@ static void dof_table(const result_t *result)
 }
 
 /* How the newest set was foretold. */
-static void judgement_lines(const result_t *result)
+static void change_test_lines(const result_t *result)
 {
-    const auvid_judgement_t *judged = &result->judgement;
+    const auvid_change_test_t *judged = &result->judgement;
     double value[AUVID_DOF_COUNT];
     if (judged->set == 0) {
         return;
@@ -274,11 +274,11 @@ static void judgement_lines(const result_t *result)
     printf("  the newest set, foretold before it was used%s\n",
            judged->changed ? ": THE VEHICLE HAS CHANGED" : "");
     to_double(value, judged->variance_ratio);
-    dof_line(result, "  variance ratio of the force", 2, value, judged->driven);
+    dof_line(result, "  variance ratio of the force", 2, value, judged->excited);
     to_double(value, judged->change);
-    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, judged->driven);
+    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, judged->excited);
     to_double(value, judged->r2_velocity);
-    dof_line(result, "  R2 of its velocity", 4, value, judged->simulated & judged->driven);
+    dof_line(result, "  R2 of its velocity", 4, value, judged->simulated & judged->excited);
 }
 
 static void guard_line(const result_t *result)
@@ -302,17 +302,17 @@ void report_result(const result_t *result, const result_t *last)
 {
     const auvid_estimate_t *e = &result->estimate;
     parameter_table(result, last);
-    if (last == NULL && e->driven != 0) {
+    if (last == NULL && e->excited != 0) {
         drag_table(result);
     }
     missing_list(result);
     dof_table(result);
-    judgement_lines(result);
+    change_test_lines(result);
     putchar('\n');
     guard_line(result);
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
-           e->capped ? "; NOT CONVERGED" : "");
+           e->not_converged ? "; NOT CONVERGED" : "");
     printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->work_most,
            (unsigned)result->budget);
 }

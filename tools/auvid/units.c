@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "complain.h"
+#include "report_error.h"
 
 #define TURN 6.283185307179586
 #define DEGREES 57.29577951308232 /* in a radian */
@@ -75,9 +75,10 @@ static int check_steps(const csv_log_t *log, int column)
     for (size_t i = 1; i < log->rows; ++i) {
         double step = fabs(log->row[i].value[column] - log->row[i - 1].value[column]);
         if (step > 1.5 * TURN && interval_s(log, i) <= GAP_S) {
-            return complain("%s: %s jumps by %.4g at t_s %.9g, and no angle in radians jumps by "
-                            "more than a turn of 6.28: " CONVERT_ANGLES,
-                            log->path, csv_name[column], step, log->row[i].value[CSV_T]);
+            return report_error(
+                "%s: %s jumps by %.4g at t_s %.9g, and no angle in radians jumps by "
+                "more than a turn of 6.28: " CONVERT_ANGLES,
+                log->path, csv_name[column], step, log->row[i].value[CSV_T]);
         }
     }
     return 0;
@@ -86,10 +87,11 @@ static int check_steps(const csv_log_t *log, int column)
 static int check_pitch(const csv_log_t *log)
 {
     double share = share_beyond(log, CSV_ATTITUDE + 1, 0.25 * TURN + 0.01);
-    return share <= FEW ? 0
-                        : complain("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, and no "
-                                   "pitch in radians is: " CONVERT_ANGLES,
-                                   log->path, 100.0 * share);
+    return share <= FEW
+               ? 0
+               : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, and no "
+                              "pitch in radians is: " CONVERT_ANGLES,
+                              log->path, 100.0 * share);
 }
 
 static int check_angle(const csv_log_t *log, int axis)
@@ -97,15 +99,15 @@ static int check_angle(const csv_log_t *log, int axis)
     int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
     change_t c = changes(log, angle, rate, TURN * DEGREES);
     if (follows(&c, DEGREES)) {
-        return complain("%s: %s changes 57 times as fast as %s says, so the attitude is in "
-                        "degrees: convert it to radians (times pi/180)",
-                        log->path, csv_name[angle], csv_name[rate]);
+        return report_error("%s: %s changes 57 times as fast as %s says, so the attitude is in "
+                            "degrees: convert it to radians (times pi/180)",
+                            log->path, csv_name[angle], csv_name[rate]);
     }
     return c.windows < WINDOWS || c.fast <= FEW * c.windows
                ? 0
-               : complain("%s: %s turns by more than 9.4 a second for %.0f %% of the log, too "
-                          "fast for radians: " CONVERT_ANGLES,
-                          log->path, csv_name[angle], 100.0 * c.fast / c.windows);
+               : report_error("%s: %s turns by more than 9.4 a second for %.0f %% of the log, too "
+                              "fast for radians: " CONVERT_ANGLES,
+                              log->path, csv_name[angle], 100.0 * c.fast / c.windows);
 }
 
 static int check_rate(const csv_log_t *log, int axis)
@@ -113,15 +115,17 @@ static int check_rate(const csv_log_t *log, int axis)
     int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
     change_t c = changes(log, angle, rate, TURN);
     if (follows(&c, 1.0 / DEGREES)) {
-        return complain("%s: %s is 57 times as large as the change of %s says, so the rates are "
-                        "in deg/s: convert them to rad/s (times pi/180)",
-                        log->path, csv_name[rate], csv_name[angle]);
+        return report_error(
+            "%s: %s is 57 times as large as the change of %s says, so the rates are "
+            "in deg/s: convert them to rad/s (times pi/180)",
+            log->path, csv_name[rate], csv_name[angle]);
     }
     double share = share_beyond(log, rate, TURN);
-    return share <= FEW ? 0
-                        : complain("%s: %s is beyond +-6.28, a turn a second, in %.0f %% of the "
-                                   "rows: " CONVERT_RATES,
-                                   log->path, csv_name[rate], 100.0 * share);
+    return share <= FEW
+               ? 0
+               : report_error("%s: %s is beyond +-6.28, a turn a second, in %.0f %% of the "
+                              "rows: " CONVERT_RATES,
+                              log->path, csv_name[rate], 100.0 * share);
 }
 
 int units_check(const csv_log_t *log)

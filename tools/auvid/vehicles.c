@@ -61,14 +61,14 @@ const auvid_vehicle_t *vehicle_model(const char *word)
     return vehicle != NULL ? vehicle->model : NULL;
 }
 
-void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config)
+void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config)
 {
-    craft_defaults(config);
+    vehicle_sim_defaults(config);
     vehicle->simulate(&config->sim);
     config->allocation = vehicle->allocation;
 }
 
-void vehicle_quicken(auvid_identifier_config_t *cfg)
+void vehicle_use_averaged_model(auvid_identifier_config_t *cfg)
 {
 #ifdef HAS_BLUEROV2
     static auvid_averaged_t averaged; /* the same whenever it is written */
@@ -82,7 +82,7 @@ void vehicle_quicken(auvid_identifier_config_t *cfg)
 #endif
 }
 
-void vehicle_hasten(auvid_excitation_config_t *excitation)
+void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation)
 {
     for (int i = 0; i < excitation->segments; ++i) {
         auvid_segment_t *segment = &excitation->segment[i];
@@ -110,8 +110,8 @@ void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t s
     }
     (void)auvid_excitation_plan(&cfg->excitation, amplitude, set_s, sets, seed);
     if (vehicle->quick) {
-        vehicle_quicken(cfg);
-        vehicle_hasten(&cfg->excitation);
+        vehicle_use_averaged_model(cfg);
+        vehicle_use_fast_excitation(&cfg->excitation);
     }
     if (vehicle->tilt_max_rad > 0) {
         cfg->guard.roll_max_rad = cfg->guard.pitch_max_rad = vehicle->tilt_max_rad;

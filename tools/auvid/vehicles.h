@@ -10,7 +10,7 @@
 #define PROGRAM_VEHICLES_H
 
 #include "auvid/identifier.h"
-#include "craft.h"
+#include "vehicle_sim.h"
 
 typedef struct {
     const char *word;  /**< on the command line */
@@ -42,13 +42,13 @@ extern const char vehicle_model_words[];
 
 /** Where the model is that of a quick vehicle: identify with averaged rows, for a DVL at 5 Hz, and
  * with shorter filters of the moments. */
-void vehicle_quicken(auvid_identifier_config_t *cfg);
+void vehicle_use_averaged_model(auvid_identifier_config_t *cfg);
 
 /** Steps and sines of the moments, for a vehicle that swings in seconds. */
-void vehicle_hasten(auvid_excitation_config_t *excitation);
+void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 
-/** Configure its simulation: craft_defaults of this vehicle. */
-void vehicle_craft(const vehicle_t *vehicle, craft_config_t *config);
+/** Configure its simulation: vehicle_sim_defaults of this vehicle. */
+void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config);
 
 /** Configure its identification: auvid_identifier_defaults of this vehicle.
  * @param sets of excitation, of set_s seconds each

@@ -18,8 +18,8 @@ static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config
     auvid_adaptive_config_t cfg;
     auvid_adaptive_defaults(&cfg);
     (void)auvid_excitation_peak(&id->excitation, cfg.amplitude);
-    memcpy(cfg.leash, id->excitation.config.leash, sizeof cfg.leash);
-    cfg.most_s = (auvid_real_t)(config->sets * WORLD_SET_S);
+    memcpy(cfg.excursion_limit, id->excitation.config.excursion_limit, sizeof cfg.excursion_limit);
+    cfg.max_s = (auvid_real_t)(config->sets * WORLD_SET_S);
     cfg.seed = config->seed;
     return auvid_adaptive_begin(id, &cfg);
 }
@@ -46,7 +46,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
 
 bool world_begin(world_t *world, const world_config_t *config)
 {
-    craft_config_t craft;
+    vehicle_sim_config_t craft;
     auvid_node_config_t node;
     auvid_identifier_config_t cfg;
     memset(world, 0, sizeof *world);
@@ -68,7 +68,7 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->both_locks = config->both_locks;
     world->nodes = 1;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
-           craft_init(&world->craft, &craft) &&
+           vehicle_sim_init(&world->craft, &craft) &&
            auvid_node_init(&world->node[0], &node, &cfg) >= 0 &&
            (!config->adaptive || adapt(&world->node[0].id, config) == AUVID_OK);
 }
@@ -98,10 +98,10 @@ static void step(world_t *world, int i)
 /* The wrench of the thrust that the vehicle has been commanded. */
 static void note_excitation(world_t *world)
 {
-    craft_t *craft = &world->craft;
+    vehicle_sim_t *craft = &world->craft;
     const sim_config_t *c = &craft->sim.config;
     double force_N[SIM_THRUSTERS];
-    craft_commanded(craft, force_N);
+    vehicle_sim_commanded(craft, force_N);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         world->excitation[j] = 0.0;
         for (int i = 0; i < c->thrusters; ++i) {
@@ -112,7 +112,7 @@ static void note_excitation(world_t *world)
 
 void world_tick(world_t *world)
 {
-    craft_t *craft = &world->craft;
+    vehicle_sim_t *craft = &world->craft;
     if (world->both_locks && craft->seen.sensor[SIM_DVL].has) {
         bool bottom = craft->seen.sensor[SIM_DVL].bottom;
         craft->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;

@@ -2,7 +2,8 @@
  * @file world.h
  * A simulated vehicle and the node aboard it, over the bus in memory, one control tick at a time.
  *
- * The vehicle is the simulator's (craft.h), by default the Girona500. All that passes between it
+ * The vehicle is the simulator's (vehicle_sim.h), by default the Girona500. All that passes
+ * between it
  * and the node are frames: sensors, feedback of the thrusters, the operator's orders and the tick
  * one way, thruster commands and estimates the other. In lock step: the node does a tick, then
  * comes the next.
@@ -46,7 +47,7 @@ enum { WORLD_VEHICLE, WORLD_NODE, WORLD_LISTENER, WORLD_ENDS };
 
 typedef struct {
     bus_memory_t hub;
-    craft_t craft;
+    vehicle_sim_t craft;
     auvid_node_t node[WORLD_NODES];
     int nodes;
     bool both_locks;                    /**< see world_config_t */

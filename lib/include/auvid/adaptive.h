@@ -24,7 +24,7 @@
  * 93 s; with the plan of excitation.h, all at once, after 110 s, one by one after 425 s. The
  * signals themselves differ little in what they are worth. It is for ending when it is enough, for
  * vehicles whose time constants nobody knows, and for weak thrusters. Begun with a warm record
- * (warm.h) it is over after 62 s instead of 104 s, mean of ten dives.
+ * (prior.h) it is over after 62 s instead of 104 s, mean of ten dives.
  *
  * All else is as with a sequence: arm, excite, stop, abort and guard of identifier.h, peak within
  * the thrusters, amplitude never exceeded, leash.
@@ -55,8 +55,8 @@ typedef struct {
     /** How far each DoF may wander before it is led back [m, rad], >= 0; zero: never. Default 5 m
      * in surge and sway, 3 m in heave, 2 pi in yaw. In surge and sway at most 0.3 of the guard's
      * distance_max_m, unless that is off: else it would wander until the guard aborts. */
-    auvid_real_t leash[AUVID_DOF_COUNT];
-    auvid_real_t most_s; /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
+    auvid_real_t excursion_limit[AUVID_DOF_COUNT];
+    auvid_real_t max_s;  /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
     uint64_t seed;       /**< of signs and holds; default 1; zero is a seed like any other */
 } auvid_adaptive_config_t;
 

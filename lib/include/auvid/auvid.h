@@ -27,7 +27,7 @@
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
 #include "auvid/adaptive.h"
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "auvid/checkpoint.h"
 #include "auvid/thrusters.h"
 #include "auvid/node.h"

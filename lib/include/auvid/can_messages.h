@@ -90,7 +90,7 @@ enum { AUVID_CAN_ACTION_DISARM = 0, AUVID_CAN_ACTION_ARM = 1, AUVID_CAN_ACTION_S
 enum {
     AUVID_CAN_NOTE_NONE = 0,
     AUVID_CAN_NOTE_FIXED = 1,
-    AUVID_CAN_NOTE_NOT_DRIVEN = 2,
+    AUVID_CAN_NOTE_NOT_EXCITED = 2,
     AUVID_CAN_NOTE_COMBINATION = 3,
     AUVID_CAN_NOTE_SMALL = 4,
     AUVID_CAN_NOTE_NOISE = 5,
@@ -116,10 +116,10 @@ enum {
 /** Values of `work`. */
 enum {
     AUVID_CAN_WORK_IDLE = 0,
-    AUVID_CAN_WORK_FORESEE = 1,
+    AUVID_CAN_WORK_PREPARE = 1,
     AUVID_CAN_WORK_PREDICT = 2,
     AUVID_CAN_WORK_COMPARE = 3,
-    AUVID_CAN_WORK_JUDGE = 4,
+    AUVID_CAN_WORK_CHANGE_TEST = 4,
     AUVID_CAN_WORK_MERGE = 5,
     AUVID_CAN_WORK_ASK = 6,
     AUVID_CAN_WORK_COST = 7,
@@ -172,7 +172,7 @@ enum {
 };
 
 /** 0x040, on event. Stop exciting and disarm. On event, and repeated until the vehicle is
- * disarmed. A receiver obeys any authentic one, repeated or jumped too. */
+ * disarmed. A receiver obeys any authentic one, even if its counter repeats or jumps. */
 typedef struct {
     /** Why: auvid_guard_cause_t of guard.h; 0..31 */
     uint32_t cause;
@@ -410,8 +410,8 @@ typedef struct {
     uint32_t index;
     /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
     uint32_t number;
-    /** Bit 0: identified; 1: its degree of freedom was driven; 2: the search ended at a cap; 3:
-     * identifiable; 4: implausible; 5: the estimate has foretold a set that it had not seen;
+    /** Bit 0: identified; 1: its degree of freedom was excited; 2: the search did not converge;
+     * 3: identifiable; 4: implausible; 5: the estimate predicted a set that it had not seen;
      * 0..255 */
     uint32_t flags;
     /** Value in the parameter's unit; NaN: not available; float32 */
@@ -451,8 +451,9 @@ typedef struct {
     uint32_t sets;
     /** Searches begun, modulo 256; 0..255 */
     uint32_t searches;
-    /** Degrees of freedom that the last estimate had driven: bit 0 surge .. 5 yaw; 0..63 */
-    uint32_t driven;
+    /** Degrees of freedom that were excited in the data of the last estimate: bit 0 surge .. 5
+     * yaw; 0..63 */
+    uint32_t excited;
     /** Degree of freedom in which the newest set shows most clearly that the vehicle has
      * changed; 0: it does not; 0..63 */
     uint32_t changed;

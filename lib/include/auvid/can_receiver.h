@@ -42,10 +42,11 @@ extern "C" {
 
 /** State of a message, and what became of a frame. */
 typedef enum {
-    AUVID_CAN_SILENT = 0,    /**< none has arrived yet */
-    AUVID_CAN_GOOD = 1,      /**< the last frame was good */
-    AUVID_CAN_REPEATED = 2,  /**< authentic, but its counter is the last one's */
-    AUVID_CAN_JUMPED = 3,    /**< authentic, but too many are missing; or the first of a command */
+    AUVID_CAN_SILENT = 0,   /**< none has arrived yet */
+    AUVID_CAN_GOOD = 1,     /**< the last frame was good */
+    AUVID_CAN_REPEATED = 2, /**< authentic, but its counter is the last one's */
+    AUVID_CAN_COUNTER_JUMP =
+        3,                   /**< authentic, but too many are missing; or the first of a command */
     AUVID_CAN_BAD = 4,       /**< wrong checksum or length, or a value out of range */
     AUVID_CAN_TIMED_OUT = 5, /**< no good frame for the time-out */
     AUVID_CAN_FOREIGN = 6    /**< another message's frame: only as an answer of take */
@@ -58,7 +59,7 @@ typedef struct {
     bool strict;         /* the first frame only starts the count */
     uint8_t counter;     /* of the last authentic frame */
     bool started;        /* there is one to follow */
-    bool alive;          /**< a good frame has come within the time-out, as of the last call */
+    bool is_fresh;       /**< a good frame has come within the time-out, as of the last call */
     uint8_t state;       /**< auvid_can_state_t as of the last call */
     uint32_t timeout_us; /* 0: none */
     uint64_t seen_us;    /* arrival of the last authentic frame [us] */
@@ -66,10 +67,10 @@ typedef struct {
     uint32_t good;       /**< frames that were good */
     uint32_t lost;       /**< frames missing between good ones */
     uint32_t repeated;   /**< frames repeated */
-    uint32_t jumped;     /**< frames that did not follow */
+    uint32_t counter_jumps; /**< frames that did not follow */
     uint32_t checksum;   /**< frames with a wrong checksum */
     uint32_t invalid;    /**< frames of another length, or with a value out of range */
-    uint32_t timed_out;  /**< times the message fell silent */
+    uint32_t timeouts;   /**< times the message fell silent */
     uint32_t ahead;      /**< of a command: times that frames stamped too far ahead were refused */
 } auvid_can_receiver_t;
 

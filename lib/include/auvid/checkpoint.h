@@ -6,7 +6,7 @@
  * compiler chooses. It holds the configuration (but for what decides on forces, which stays that
  * of init), the record, the data sets, the search under way, at whatever point it is, and the state
  * of navigation, excitation and guard. Whoever needs but the parameters of the last dive takes the
- * warm record (warm.h), of 236 bytes.
+ * warm record (prior.h), of 236 bytes.
  *
  * It is written in chunks of any size, so that no write to flash delays a tick. The identifier must
  * not change meanwhile: save from a copy, which a tick makes and later ticks write, or when nothing
@@ -25,7 +25,7 @@
  *
  * Called from the control task, between ticks. Cost: 42 instructions of a Cortex-M4F a byte to save
  * (17k a page of 256), 110 to restore, and 27k to begin. Size: 20 to 26 KB with default sizes,
- * by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MOST bounds it. Memory: the cursor,
+ * by what is under way; cursor.bytes says it, AUVID_CHECKPOINT_MAX bounds it. Memory: the cursor,
  * 56 bytes; stack 0.6 KiB. Code: 13 KB on a Cortex-M4F (-Os), none where not called.
  * Not in the paper.
  */
@@ -43,7 +43,7 @@ enum { AUVID_CHECKPOINT_HEAD = 24, AUVID_CHECKPOINT_TAIL = 4 };
 
 /** No checkpoint is longer, with `rows` rows of storage: (sets + 1) set_rows for a model without
  * regressor, else 0. */
-#define AUVID_CHECKPOINT_MOST(rows)                                                                \
+#define AUVID_CHECKPOINT_MAX(rows)                                                                 \
     (AUVID_CHECKPOINT_HEAD + sizeof(auvid_identifier_t) + (rows) * sizeof(auvid_row_t) +           \
      AUVID_CHECKPOINT_TAIL)
 

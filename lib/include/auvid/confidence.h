@@ -57,19 +57,19 @@ extern "C" {
 
 /** What is to be said about a parameter. */
 typedef enum {
-    AUVID_NOTE_NONE = 0,    /**< identifiable and plausible */
-    AUVID_NOTE_FIXED,       /**< not free: the value is the configuration's */
-    AUVID_NOTE_NOT_DRIVEN,  /**< its degree of freedom was not driven */
-    AUVID_NOTE_COMBINATION, /**< only a combination with parameter `partner` is known */
-    AUVID_NOTE_SMALL,       /**< too small to tell from zero, and known to be: with certainty its
+    AUVID_NOTE_NONE = 0,     /**< identifiable and plausible */
+    AUVID_NOTE_FIXED,        /**< not free: the value is the configuration's */
+    AUVID_NOTE_NOT_EXCITED,  /**< its degree of freedom was not driven */
+    AUVID_NOTE_COMBINATION,  /**< only a combination with parameter `partner` is known */
+    AUVID_NOTE_SMALL,        /**< too small to tell from zero, and known to be: with certainty its
                                  force is below AUVID_CONFIDENCE_SMALL of the rms force, in every
                                  DoF */
-    AUVID_NOTE_NOISE,       /**< a mass that the noise of the measured acceleration may bias */
-    AUVID_NOTE_UNCERTAIN,   /**< too little motion, or too short, for the disturbance there is */
-    AUVID_NOTE_IMPLAUSIBLE, /**< identifiable, but in a DoF whose force the result explains worse
+    AUVID_NOTE_NOISE,        /**< a mass that the noise of the measured acceleration may bias */
+    AUVID_NOTE_UNCERTAIN,    /**< too little motion, or too short, for the disturbance there is */
+    AUVID_NOTE_IMPLAUSIBLE,  /**< identifiable, but in a DoF whose force the result explains worse
                                  than its mean does: a sign, a unit, a bound or the model is
                                  wrong */
-    AUVID_NOTE_AT_BOUND,    /**< the search stopped it at its `bound`: `partner` is 0 for the lower
+    AUVID_NOTE_AT_BOUND,     /**< the search stopped it at its `bound`: `partner` is 0 for the lower
                                  one, 1 for the upper one. Within a thousandth of the distance of
                                  the two, and not further from it than its half-width */
     AUVID_NOTE_BESIDE_BOUND, /**< its value depends on parameter `partner`, which is at its bound:
@@ -127,10 +127,10 @@ typedef struct {
     uint8_t lost[AUVID_DOF_COUNT];            /**< rows of these that gaps in the record, or in a
                                                    velocity that the DoF's equation reads, cost [%];
                                                    0 for DoF that are not driven */
-    auvid_real_t noise[AUVID_DOF_COUNT];    /**< residual that counts: rms of white noise that would
-                                              make the parameters as uncertain [N, Nm]; 0: DoF not
-                                              driven */
-    auvid_real_t residual[AUVID_DOF_COUNT]; /**< rms residual, bands weighted [N, Nm] */
+    /** effective noise: rms of white noise that gives the same standard errors [N, Nm];
+     * 0: DoF not driven */
+    auvid_real_t effective_noise[AUVID_DOF_COUNT];
+    auvid_real_t residual_rms[AUVID_DOF_COUNT]; /**< rms residual, bands weighted [N, Nm] */
     auvid_uncertainty_t uncertainty;        /**< that it was told */
 } auvid_confidence_t;
 
@@ -140,9 +140,11 @@ typedef struct {
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
-    auvid_real_t own[AUVID_MAX_COLUMNS];   /* each DoF's own optimum, then minus the weights of its
+    auvid_real_t single_dof_optimum
+        [AUVID_MAX_COLUMNS]; /* each DoF's own optimum, then minus the weights of its
                                                delay */
-    auvid_real_t joint[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2]; /* J'J = sum w H */
+    auvid_real_t
+        joint_factor[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2]; /* J'J = sum w H */
     union {
         /* of one DoF of one set, whitened; or one DoF's triangle with its delay first */
         auvid_real_t part[(AUVID_MAX_PARAMETERS + 3) * (AUVID_MAX_PARAMETERS + 4) / 2];
@@ -154,14 +156,15 @@ typedef struct {
     auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of influences */
     auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
     auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated and uncertain delays */
-    auvid_real_t moved[AUVID_MAX_PARAMETERS]; /* by the delays that the data and their priors say */
-    auvid_real_t scatter[AUVID_DOF_COUNT], freedom[AUVID_DOF_COUNT]; /* of the scores */
+    /* by the delays that the data and their priors say */
+    auvid_real_t delay_step[AUVID_MAX_PARAMETERS];
+    auvid_real_t scatter[AUVID_DOF_COUNT], degrees_of_freedom[AUVID_DOF_COUNT]; /* of the scores */
     auvid_real_t rows[AUVID_DOF_COUNT];
-    uint8_t place[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
-    uint8_t index[AUVID_MAX_PARAMETERS]; /* and back */
+    uint8_t column_of[AUVID_MAX_PARAMETERS]; /* of parameter i in the joint triangle, or NOWHERE */
+    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* and back */
     uint32_t at_bound; /* bit i: parameter i is near a bound */
-    uint8_t n, paid, phase, at_set, at_dof, at_row;
-    bool capped;  /* the search has not converged */
+    uint8_t n, spent, phase, at_set, at_dof, at_row;
+    bool not_converged; /* the search has not converged */
     bool delayed; /* some delay was estimated: what it costs is being found */
 } auvid_confidence_job_t;
 
@@ -196,7 +199,7 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
 const char *auvid_note_str(auvid_note_t note);
 
 /** Rows lost to gaps from which on auvid_confidence_missing says so [%]. */
-#define AUVID_CONFIDENCE_LOST 20
+#define AUVID_CONFIDENCE_LOST_PERCENT 20
 
 #define auvid_confidence_missing AUVID_SIZED1(auvid_confidence_missing, AUVID_MAX_PARAMETERS)
 /** What motion, or choice, is missing, in words: "yaw: nothing moved it; excite it with steps held

@@ -74,14 +74,14 @@ typedef struct {
     uint32_t extra_evaluations;  /**< of these, after auvid_crs_reevaluate */
     uint32_t attempts;           /**< points made, rejected ones too */
     uint32_t rejections;         /**< consecutive trials outside the box, now */
-    uint32_t most_rejections;    /**< the most there have been */
+    uint32_t max_rejections_seen; /**< the most there have been */
     uint16_t filled;             /**< points of S with a valid cost, 0..m */
     uint16_t known;              /**< points added by auvid_crs_add_point, 0..m */
     uint16_t first;              /**< S is evaluated from this point on, around */
     uint16_t best, worst;        /**< indices of theta_min and theta_max */
     uint8_t state;               /**< private enum */
     bool asked;                  /**< a point is out, its cost not yet told */
-    bool again;                  /**< S has been complete: its evaluation is an extra */
+    bool reevaluating;           /**< S has been complete: its evaluation is an extra */
 } auvid_crs_t;
 
 #define auvid_crs_defaults                                                                         \
@@ -127,7 +127,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
  * @return AUVID_OK: evaluate theta, then tell;
  *         AUVID_PENDING: a trial was made and fell outside the box: ask again. Counts as work;
  *         AUVID_FINISHED: J_max - J_min <= epsilon, or reduced enough;
- *         AUVID_CAPPED: ended by max_evaluations or max_rejections;
+ *         AUVID_EVALUATION_LIMIT: ended by max_evaluations or max_rejections;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
  * Cost: (n + 1) / 2 random numbers, n + 1 divisions, n (n + 1) multiply-adds. Stack: ~0.3 KiB.
  */

@@ -10,7 +10,7 @@
  * Who calls it: the control tick, once a tick, and adds the wrench to the controller's own. There
  * is no arming and no limit on the vehicle's motion here: see guard.h. Until it is stopped, the
  * wrench depends on the seed and on t - start only, not on the tick rate or on ticks left out; with
- * a leash also on the displacement that auvid_excitation_steer tells.
+ * a leash also on the displacement that auvid_excitation_set_displacement tells.
  *
  * Net drift: random signs make the vehicle wander. Beyond its leash a degree of freedom is led
  * back: random steps take the sign that does so, and a steady pull is added, up to the segment's
@@ -108,8 +108,8 @@ typedef struct {
     auvid_real_t fade_s;
     uint64_t seed; /**< of all random choices; default 1; zero is a seed like any other */
     /** How far each degree of freedom may wander before it is led back [m, rad], >= 0; default 0:
-     * never. No effect until auvid_excitation_steer is called. */
-    auvid_real_t leash[AUVID_DOF_COUNT];
+     * never. No effect until auvid_excitation_set_displacement is called. */
+    auvid_real_t excursion_limit[AUVID_DOF_COUNT];
 } auvid_excitation_config_t;
 
 /** What one degree of freedom is doing. Written by auvid_excitation_step only. */
@@ -239,16 +239,16 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
                                      auvid_real_t wrench[AUVID_DOF_COUNT]);
 
-#define auvid_excitation_steer                                                                     \
-    AUVID_SIZED2(auvid_excitation_steer, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_set_displacement                                                          \
+    AUVID_SIZED2(auvid_excitation_set_displacement, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
 /**
  * Tell where the vehicle is, before the step; until told again it is taken to stay there.
  * @param displacement 6: from where the run began, turned into present body axes [m]; for roll,
  *                     pitch, yaw the angle turned since [rad], yaw unwrapped.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (the last one stays).
  */
-auvid_status_t auvid_excitation_steer(auvid_excitation_t *e,
-                                      const auvid_real_t displacement[AUVID_DOF_COUNT]);
+auvid_status_t auvid_excitation_set_displacement(auvid_excitation_t *e,
+                                                 const auvid_real_t displacement[AUVID_DOF_COUNT]);
 
 #define auvid_excitation_progress                                                                  \
     AUVID_SIZED2(auvid_excitation_progress, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)

@@ -69,27 +69,27 @@ typedef enum {
  * told. The last one no step looks at. */
 typedef enum {
     AUVID_GUARD_NO_CAUSE = 0,
-    AUVID_GUARD_OPERATOR,       /**< auvid_guard_abort; value and limit 0 */
-    AUVID_GUARD_NO_INPUT,       /**< a step without input; value and limit 0 */
-    AUVID_GUARD_TIME,           /**< a tick's time did not advance; value: by how much [s], <= 0 */
-    AUVID_GUARD_TICK,           /**< a tick longer than max_tick_us [s] */
-    AUVID_GUARD_LINK,           /**< no auvid_guard_alive for alive_us [s] */
-    AUVID_GUARD_IMU_STALE,      /**< age of the newest sample [s] */
-    AUVID_GUARD_VELOCITY_STALE, /**< likewise: of the newest that measured what is excited */
-    AUVID_GUARD_DEPTH_STALE,    /**< likewise; where a depth limit is on */
-    AUVID_GUARD_ALTITUDE_STALE, /**< likewise; where the altitude limit is on and one was known */
-    AUVID_GUARD_APPLIED_STALE,  /**< likewise; EXCITING only: the excitation acts unrecorded */
-    AUVID_GUARD_DEPTH_MIN,      /**< [m] */
-    AUVID_GUARD_DEPTH_MAX,      /**< [m] */
-    AUVID_GUARD_ALTITUDE,       /**< [m] */
-    AUVID_GUARD_ROLL,           /**< |phi| [rad] */
-    AUVID_GUARD_PITCH,          /**< |theta| [rad] */
-    AUVID_GUARD_SPEED,          /**< over ground, all three axes [m/s]; AUVID_LARGEST: not known */
-    AUVID_GUARD_YAW_RATE,       /**< |r| [rad/s] */
-    AUVID_GUARD_DISTANCE,       /**< horizontal, from where it was armed [m]; AUVID_LARGEST: not
+    AUVID_GUARD_OPERATOR,        /**< auvid_guard_abort; value and limit 0 */
+    AUVID_GUARD_NO_INPUT,        /**< a step without input; value and limit 0 */
+    AUVID_GUARD_TIME,            /**< a tick's time did not advance; value: by how much [s], <= 0 */
+    AUVID_GUARD_TICK,            /**< a tick longer than max_tick_us [s] */
+    AUVID_GUARD_LINK,            /**< no auvid_guard_heartbeat for alive_us [s] */
+    AUVID_GUARD_IMU_STALE,       /**< age of the newest sample [s] */
+    AUVID_GUARD_VELOCITY_STALE,  /**< likewise: of the newest that measured what is excited */
+    AUVID_GUARD_DEPTH_STALE,     /**< likewise; where a depth limit is on */
+    AUVID_GUARD_ALTITUDE_STALE,  /**< likewise; where the altitude limit is on and one was known */
+    AUVID_GUARD_APPLIED_STALE,   /**< likewise; EXCITING only: the excitation acts unrecorded */
+    AUVID_GUARD_DEPTH_MIN,       /**< [m] */
+    AUVID_GUARD_DEPTH_MAX,       /**< [m] */
+    AUVID_GUARD_ALTITUDE,        /**< [m] */
+    AUVID_GUARD_ROLL,            /**< |phi| [rad] */
+    AUVID_GUARD_PITCH,           /**< |theta| [rad] */
+    AUVID_GUARD_SPEED,           /**< over ground, all three axes [m/s]; AUVID_LARGEST: not known */
+    AUVID_GUARD_YAW_RATE,        /**< |r| [rad/s] */
+    AUVID_GUARD_DISTANCE,        /**< horizontal, from where it was armed [m]; AUVID_LARGEST: not
                                      known */
-    AUVID_GUARD_RUN_TIME,       /**< since excite, EXCITING only [s] */
-    AUVID_GUARD_SATURATION,     /**< thrusters saturated without interruption for [s] */
+    AUVID_GUARD_RUN_TIME,        /**< since excite, EXCITING only [s] */
+    AUVID_GUARD_SATURATION,      /**< thrusters saturated without interruption for [s] */
     AUVID_GUARD_FOREIGN_COMMAND, /**< somebody else commands the thrusters (node.h); value and
                                       limit 0 */
     AUVID_GUARD_CAUSE_COUNT
@@ -131,12 +131,13 @@ typedef struct {
     uint32_t saturation_us;      /**< saturated without interruption [us]; default 1000000 */
     uint32_t max_tick_us;    /**< longest tick [us]; default 250000: a loop that stalled must not
                                      come back exciting */
-    uint32_t alive_us;       /**< dead man's switch: longest silence of auvid_guard_alive [us];
-                                     default 0: none (the one field where zero is off) */
-    auvid_real_t calm_speed; /**< SETTLING ends when not faster over ground than this [m/s], */
-    auvid_real_t calm_rate;  /**< nor turning faster than this, all axes together [rad/s], */
-    uint32_t calm_us;        /**< for so long [us]; defaults 0.1, 0.1, 2000000 */
-    uint32_t settle_us;      /**< or at the latest after this [us]; default 30000000. In a
+    /** dead man's switch: longest silence of auvid_guard_heartbeat [us]; default 0: none (the one
+     * field where zero is off) */
+    uint32_t heartbeat_timeout_us;
+    auvid_real_t rest_speed;  /**< SETTLING ends when not faster over ground than this [m/s], */
+    auvid_real_t rest_rate;   /**< nor turning faster than this, all axes together [rad/s], */
+    uint32_t rest_dwell_us;   /**< for so long [us]; defaults 0.1, 0.1, 2000000 */
+    uint32_t settle_timeout_us; /**< or at the latest after this [us]; default 30000000. In a
                                      current the vehicle is never calm over ground */
     uint32_t off;            /**< AUVID_GUARD_BIT() of the limits switched off; default 0 */
     /** Default false: where no altitude was known since arming (deep water, no altimeter) its limit
@@ -171,9 +172,9 @@ typedef struct {
 /** A breach. */
 typedef struct {
     auvid_guard_cause_t cause;
-    auvid_real_t
-        value; /**< measured; in the unit of the cause. AUVID_LARGEST: age of what was never
-                             known, or a speed or distance that is not known now */
+    /** measured, in the unit of the cause. AUVID_LARGEST: age of what was never known, speed or
+     * distance that is not known now */
+    auvid_real_t value;
     auvid_real_t limit; /**< that it breaks */
     uint64_t t_us;      /**< of the step that saw it */
 } auvid_guard_trip_t;
@@ -188,13 +189,13 @@ typedef struct {
     auvid_guard_config_t cfg;
     uint64_t t_us;         /* last step, or arm */
     uint64_t excite_us;    /* time of excite */
-    uint64_t settle_us;    /* SETTLING since */
-    uint64_t calm_us;      /* calm since */
+    uint64_t settling_us;  /* SETTLING since */
+    uint64_t at_rest_us;   /* calm since */
     uint64_t saturated_us; /* saturated since */
-    uint64_t alive_us;     /* last sign of life */
+    uint64_t heartbeat_us; /* last sign of life */
     auvid_real_t home[2];  /* where it was armed */
     bool stepped;          /* since arm */
-    bool calm, saturated;  /* the times above count */
+    bool at_rest, saturated; /* the times above count */
     bool altitude_known;   /* since arm */
     bool ready;            /* initialised */
 } auvid_guard_t;
@@ -244,10 +245,10 @@ auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guar
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_guard_disarm(auvid_guard_t *g);
 
-#define auvid_guard_alive AUVID_SIZED0(auvid_guard_alive)
+#define auvid_guard_heartbeat AUVID_SIZED0(auvid_guard_heartbeat)
 /** A sign of life from the operator. @param t_us when [us]; an earlier one than the last is
  * ignored. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK. */
-auvid_status_t auvid_guard_alive(auvid_guard_t *g, uint64_t t_us);
+auvid_status_t auvid_guard_heartbeat(auvid_guard_t *g, uint64_t t_us);
 
 #define auvid_guard_step AUVID_SIZED0(auvid_guard_step)
 /** One tick. Does nothing in DISARMED, DONE and ABORTED.

@@ -71,7 +71,7 @@ typedef struct {
                                 AUVID_MAX_POPULATION allows */
     auvid_real_t omega;   /**< of Algorithm 1; 0: the number of parameters, as in the paper */
     bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
-    bool literal_search;  /**< Algorithm 2 without pattern steps; default false */
+    bool paper;           /**< Algorithm 2 without pattern steps; default false */
     uint64_t seed;        /**< of the search; default 1 */
 } auvid_search_config_t;
 
@@ -110,7 +110,7 @@ typedef struct auvid_identifier_config {
     auvid_uncertainty_t uncertainty; /**< see confidence.h; default 0.05 of the thrust, 0.005 of
                                           the DVL, 0.1 s of the delay; 0: all is as told */
     const auvid_listener_t *listener; /**< default null: nobody */
-    void *listening;                  /**< its context */
+    void *listener_context;           /**< its context */
 } auvid_identifier_config_t;
 
 /** What arrived since the last tick. Zero what did not. */
@@ -178,7 +178,7 @@ enum {
     AUVID_EVENT_VELOCITY_STALE = 1u << 6,    /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,               /**< the record was broken and started anew */
     AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
-    AUVID_EVENT_NOT_DRIVEN = 1u << 9,        /**< no DoF with a free parameter was driven in
+    AUVID_EVENT_NOT_EXCITED = 1u << 9,       /**< no DoF with a free parameter was driven in
                                               the set: it is left out, the estimate stays */
     AUVID_EVENT_ESTIMATE = 1u << 10,         /**< a search has ended: there is a new estimate */
     AUVID_EVENT_EXCITATION_DONE = 1u << 11,  /**< the excitation's run came to its end */
@@ -186,12 +186,12 @@ enum {
                                                   than the one before, or ahead of the tick by more
                                                   than nav.future_us */
     AUVID_EVENT_ABORTED = 1u << 13,          /**< the guard aborted; why is in guard.trip */
-    AUVID_EVENT_SETTLED = 1u << 14, /**< the run is over and the vehicle calm (or the guard has
+    AUVID_EVENT_SETTLED = 1u << 14,   /**< the run is over and the vehicle calm (or the guard has
                                          given up waiting): the guard is DONE */
-    AUVID_EVENT_JUDGED = 1u << 16,  /**< a set was predicted before it was used: see judgement */
-    AUVID_EVENT_CHANGED = 1u << 17, /**< the vehicle has changed: older sets are dropped, a search
+    AUVID_EVENT_VALIDATED = 1u << 16, /**< a set was predicted before it was used: see judgement */
+    AUVID_EVENT_CHANGED = 1u << 17,   /**< the vehicle has changed: older sets are dropped, a search
                                           begins without the last estimate */
-    AUVID_EVENT_RESTORED = 1u << 18, /**< the last estimate predicted a new set worse than the one
+    AUVID_EVENT_RESTORED = 1u << 18,  /**< the last estimate predicted a new set worse than the one
                                           accepted before, which is the estimate again. Not where
                                           other DoF were driven in that one */
     AUVID_EVENT_ROWS_DROPPED = 1u << 19 /**< a search has taken so long that complete rows were
@@ -217,7 +217,7 @@ typedef struct {
     uint32_t sets;       /**< data sets completed when its search was prepared */
     uint32_t identified; /**< bit i: parameter i was free and its DoF driven; others hold `fixed`,
                               or what serves the driven DoF best (auvid_metric_searched) */
-    uint8_t driven;      /**< bit j: DoF j was driven */
+    uint8_t excited;     /**< bit j: DoF j was driven */
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /**< parameters, in the model's order */
     /** Covariance of the n parameters with thrust and DVL scale as told, packed: rows of the upper
      * triangle, the first has n entries; 0 where it is not known. The total has the products of
@@ -228,16 +228,16 @@ typedef struct {
     auvid_real_t cost;                     /**< J, Eq. 11, in the metric's units */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< between wrench and response; negative: the wrench's
                                                 stamps are late */
-    uint8_t lagged; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
+    uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
-    bool capped; /**< the search has not converged: a cap ended the local phase, no point had a
-                      finite cost, or, for a model with regressor, the cost exceeds the least one
-                      within the bounds by more than a thousandth of that (with the part that no
-                      parameters explain). With a regressor nothing is identifiable then. Without
-                      one the least cost is not known: a search may end above it unnoticed, and
-                      one that a cap ended keeps its flags: treat them with care */
+    /** the search has not converged: a cap ended the local phase, no point had a finite cost, or,
+     * for a model with regressor, the cost exceeds the least one within the bounds by more than a
+     * thousandth of that (with the part that no parameters explain). With a regressor nothing is
+     * identifiable then. Without one the least cost is not known: a search may end above it
+     * unnoticed, and one that a cap ended keeps its flags: treat them with care */
+    bool not_converged;
     bool accepted; /**< it has predicted a set that it had not seen, about as well as the estimate
                         accepted before, or better */
     auvid_confidence_t confidence; /**< how sure it is; see confidence.h */
@@ -264,7 +264,7 @@ typedef struct {
 typedef struct {
     uint32_t set;      /**< number of the set, from 1; 0: none was judged yet */
     uint32_t estimate; /**< number of the estimate that foretold it */
-    uint8_t driven;    /**< bit j: DoF j was driven in it and in the estimate's data */
+    uint8_t excited;   /**< bit j: DoF j was driven in it and in the estimate's data */
     uint8_t changed;   /**< bit j: the vehicle has changed, most clearly in this DoF; 0: it has not,
                             or there are too few sets to tell */
     auvid_real_t
@@ -278,19 +278,19 @@ typedef struct {
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             when the estimate was there; see validation.h */
     uint8_t simulated;                         /**< bit j: r2_velocity is there */
-} auvid_judgement_t;
+} auvid_change_test_t;
 
 /** Where work() is. */
 typedef enum {
-    AUVID_WORK_IDLE,      /**< nothing to do until a set completes */
-    AUVID_WORK_FORESEE,   /**< residual path: the new set is made ready for what follows */
-    AUVID_WORK_PREDICT,   /**< the last estimate is held against the new set */
-    AUVID_WORK_COMPARE,   /**< so is the one accepted before */
-    AUVID_WORK_JUDGE,     /**< new sets are held against older ones */
-    AUVID_WORK_MERGE,     /**< sets are brought together, and a search is begun */
-    AUVID_WORK_ASK,       /**< the optimizer is to give a point */
-    AUVID_WORK_COST,      /**< its cost is being evaluated */
-    AUVID_WORK_MEASURE,   /**< the result's residuals are measured */
+    AUVID_WORK_IDLE,        /**< nothing to do until a set completes */
+    AUVID_WORK_PREPARE,     /**< residual path: the new set is made ready for what follows */
+    AUVID_WORK_PREDICT,     /**< the last estimate is held against the new set */
+    AUVID_WORK_COMPARE,     /**< so is the one accepted before */
+    AUVID_WORK_CHANGE_TEST, /**< new sets are held against older ones */
+    AUVID_WORK_MERGE,       /**< sets are brought together, and a search is begun */
+    AUVID_WORK_ASK,         /**< the optimizer is to give a point */
+    AUVID_WORK_COST,        /**< its cost is being evaluated */
+    AUVID_WORK_MEASURE,     /**< the result's residuals are measured */
     AUVID_WORK_LINEARISE, /**< residual path: so are their derivatives; else: the least cost within
                                the bounds is found */
     AUVID_WORK_CONFIDENCE /**< standard errors and notes */
@@ -299,9 +299,9 @@ typedef enum {
 /** State of the adaptive excitation (adaptive.h). */
 typedef struct {
     uint32_t missing;  /**< bit i: parameter i is excited for, and not known yet */
-    uint32_t given_up; /**< bit i: parameter i is not known, and nothing is done about it: its DoF
+    uint32_t abandoned; /**< bit i: parameter i is not known, and nothing is done about it: its DoF
                             is not excited, or all data within the run would not do */
-    uint8_t driving;   /**< bit j: DoF j is excited at present */
+    uint8_t playing;    /**< bit j: DoF j is excited at present */
     uint8_t tried[AUVID_DOF_COUNT];         /* sets recorded while it was, 255: that or more */
     uint16_t close_rows;                    /* complete the set at so many rows; 0: when full */
     uint32_t estimate;                      /* number of the one looked at last */
@@ -314,7 +314,7 @@ typedef struct {
     auvid_real_t level[AUVID_DOF_COUNT];    /* to this one */
     auvid_real_t factor[AUVID_DOF_COUNT];   /* in the last tick */
     auvid_real_t low_owed[AUVID_DOF_COUNT]; /* time that low levels are behind their part [s] */
-    auvid_real_t leash[AUVID_DOF_COUNT];    /* of the configuration */
+    auvid_real_t excursion_limit[AUVID_DOF_COUNT]; /* of the configuration */
 } auvid_adaptive_t;
 
 /** The identifier. Modules are public to read; write only through the functions. */
@@ -332,24 +332,25 @@ typedef struct auvid_identifier {
     auvid_adaptive_t adaptive; /**< missing and given_up are public to read */
     void (*adapt)(struct auvid_identifier *id, auvid_real_t *wrench); /* null: play the sequence; so
                                                        that its code is linked only where used */
-    auvid_guard_t guard; /**< state, trip and refused are public; auvid_guard_alive may be called */
+    /** state, trip and refused are public; auvid_guard_heartbeat may be called */
+    auvid_guard_t guard;
     auvid_estimate_t estimate;   /**< the last result */
-    auvid_estimate_t trusted;    /* the last accepted one */
-    auvid_judgement_t judgement; /**< of the newest set */
+    auvid_estimate_t accepted_estimate;  /* the last accepted one */
+    auvid_change_test_t change_test;     /**< of the newest set */
     auvid_validation_t prediction;       /* of the set being recorded, by the last estimate */
     auvid_real_t predicted;              /* cost of the last estimate on the new set */
     auvid_validation_t *validation;      /* fed with every cell, if attached */
     const auvid_listener_t *listener;    /* as configured */
     void *listening;
     uint64_t t_us;                       /* last tick */
-    uint32_t knot;                       /* sequence of the last velocity recorded */
+    uint32_t last_sample;                /* sequence of the last velocity recorded */
     uint32_t events;                     /* since the last step */
     uint32_t searches;                   /**< begun so far */
     uint32_t sets;                       /* completed when the sets at hand were taken up */
     uint32_t work_last;                  /**< units used by the last call of work */
-    uint32_t work_most;                  /**< most units used by any call of work */
+    uint32_t max_work;                   /**< most units used by any call of work */
     uint8_t phase;                       /**< auvid_work_phase_t */
-    uint8_t place[AUVID_MAX_PARAMETERS]; /* parameter that the optimizer's i-th is */
+    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter that the optimizer's i-th is */
     uint32_t active;                     /* parameters in the present search */
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point out */
     auvid_real_t delay_s;                         /* its delay, where that is searched too */
@@ -362,11 +363,11 @@ typedef struct auvid_identifier {
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     auvid_optimizer_work_t searched;    /* by the search that has ended */
     auvid_real_t cost;                  /* its result's */
-    uint8_t paid; /* 1 and more: all is merged; of what the search costs to begin */
-    uint8_t unjudged; /* completed sets that are still to be judged before the merge */
-    bool set_pending, searching, capped;
-    bool suspect; /* the set before may be from before and after a change */
-    bool anew;    /* search without the last estimate */
+    uint8_t spent;    /* 1 and more: all is merged; of what the search costs to begin */
+    uint8_t untested; /* completed sets that are still to be judged before the merge */
+    bool set_pending, searching, not_converged;
+    bool straddles_change; /* the set before may be from before and after a change */
+    bool cold_start;       /* search without the last estimate */
     union { /* in turn: the search is over when its result is assessed */
         auvid_identifier_config_t config; /**< may be filled here for init; void afterwards */
         auvid_optimizer_t optimizer;
@@ -462,7 +463,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
 
 #define auvid_identifier_close AUVID_SIZED(auvid_identifier_close)
 /** Complete the data set under way, at the end of a dive or log.
- * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (left out: see AUVID_EVENT_NOT_DRIVEN);
+ * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (left out: see AUVID_EVENT_NOT_EXCITED);
  * AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (it is empty). */
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 

@@ -58,7 +58,7 @@ typedef struct {
     uint8_t n;            /**< parameters, 1..AUVID_MAX_PARAMETERS; no default */
     uint8_t restarts;     /**< times to begin again with alpha0 / 10, the first along e_i;
                                 default 1 */
-    bool literal;         /**< Algorithm 2 alone, along e_i; default false */
+    bool paper;           /**< Algorithm 2 alone, along e_i; default false */
     auvid_real_t alpha0;  /**< first steps [scale], > epsilon, <= 1e3; 0: 0.35, literal 0.05 */
     auvid_real_t sigma;   /**< contraction, 0 < sigma < 1; 0: 0.09, literal 0.5. A step this much
                                 longer than epsilon is the last that is tried */
@@ -133,7 +133,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
  *         AUVID_PENDING: a step had no room (bound, or below the arithmetic's resolution): ask
  *         again. Counts as work;
  *         AUVID_FINISHED: all steps <= epsilon, restarts included;
- *         AUVID_CAPPED: ended by max_evaluations;
+ *         AUVID_EVALUATION_LIMIT: ended by max_evaluations;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
  * Cost: 2n multiply-adds and comparisons.
  */

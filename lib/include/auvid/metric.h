@@ -91,8 +91,9 @@ typedef struct {
                                 auvid_metric_searched. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
                                                    dimensionless. Default 100, 40 */
-    auvid_real_t driven; /**< a DoF is driven when its wrench's rms about its mean exceeds this part
-                              of tau_max; 0..1, default 0.02 */
+    /** a DoF is driven when its wrench's rms about its mean exceeds this part of tau_max; 0..1,
+     * default 0.02 */
+    auvid_real_t excitation_threshold;
     uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
     uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: in
                                every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used with
@@ -117,7 +118,7 @@ typedef struct {
     auvid_real_t delay_sigma_s; /**< uncertainty of the delay [s], 0..1; > 0: negative ones are
                                      estimated, too; default 0. The identifier sets its own
                                      uncertainty.delay_s */
-    uint8_t lagged;                        /**< bit j: DoF j's given delay is that of a first-order
+    uint8_t first_order_lag;    /**< bit j: DoF j's given delay is that of a first-order
                                                 lag, not a shift; default 0 */
     auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric; null otherwise */
@@ -125,9 +126,9 @@ typedef struct {
 
 /** An entry of a stored triangle, in units of 2^exponent of its column. */
 #ifdef AUVID_REAL_DOUBLE
-typedef int64_t auvid_share_t;
+typedef int64_t auvid_packed_t;
 #else
-typedef int16_t auvid_share_t;
+typedef int16_t auvid_packed_t;
 #endif
 
 /** One completed data set. Private but for `rows`, `fastest` and `driven`. */
@@ -141,9 +142,9 @@ typedef struct {
                                           auvid_metric_linearise */
     uint16_t fastest[AUVID_DOF_COUNT][2]; /**< largest speed measured, forward and backward [mm/s,
                                                mrad/s] */
-    auvid_share_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
+    auvid_packed_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
     int8_t exponent[AUVID_MAX_COLUMNS];                         /* by channel */
-    uint8_t driven; /**< bit j: DoF j is driven */
+    uint8_t excited;                                            /**< bit j: DoF j is driven */
 } auvid_set_t;
 
 /** What was known before the first set. */
@@ -151,19 +152,19 @@ typedef struct {
     uint32_t known;                           /**< bit i: parameter i; 0: nothing */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< in the parameters' units */
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
-    auvid_real_t colour[AUVID_DOF_COUNT];     /**< mean square of the noise that counts over that of
-                                                   the residual (confidence.h), > 0 */
-} auvid_memory_t;
+    /** mean square of the noise that counts over that of the residual (confidence.h), > 0 */
+    auvid_real_t variance_inflation[AUVID_DOF_COUNT];
+} auvid_prior_t;
 
 /** The metric. Fields are private but for those under "results". */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    auvid_status_t (*recall)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
+    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
                                                        that its code is linked only where used */
     uint64_t window_us; /* time of the window's last row */
     uint64_t until_us;  /* residual path: no row is taken after this while the ring is held */
     uint64_t resume_us; /* residual path: nor one from before this */
-    auvid_memory_t memory;
+    auvid_prior_t prior;
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint8_t count[AUVID_DOF_COUNT];           /* how many */
     uint8_t taps, overlap;                    /* of the kernel */
@@ -171,11 +172,12 @@ typedef struct auvid_metric {
     uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's triangle starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
     auvid_real_t kernel[2][AUVID_MAX_TAPS]; /* ends in zeros, see spread */
-    auvid_real_t spread; /* of forces, to what interpolated velocity is spread */
+    auvid_real_t interpolation_spread;      /* of forces, to what interpolated velocity is spread */
 
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
-    auvid_real_t known[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* of their wrench, by fixed pi */
+    auvid_real_t fixed_wrench[AUVID_MAX_OVERLAP]
+                             [AUVID_DOF_COUNT]; /* of their wrench, by fixed pi */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1] /* inputs */
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
@@ -195,7 +197,7 @@ typedef struct auvid_metric {
 
     /* evaluation */
     auvid_set_t set[AUVID_MAX_SETS];       /* the ring */
-    uint32_t turns;                        /* sets that it has taken in */
+    uint32_t sets_stored;                  /* sets that it has taken in */
     auvid_real_t merged[AUVID_MAX_FACTOR]; /* the ring's [R_j | Z_j], bands weighted */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
@@ -211,11 +213,11 @@ typedef struct auvid_metric {
         auvid_regressor_t regressor; /* not in the residual path: of a cell */
 #endif
     };
-    auvid_real_t share[AUVID_METRIC_WINDOW]; /* weights in the window */
+    auvid_real_t window_weight[AUVID_METRIC_WINDOW]; /* weights in the window */
     uint32_t window_rows; /* since a gap */
     uint8_t window_of[AUVID_DOF_COUNT]; /* of each DoF, since a gap of its own, ..window_length */
     uint16_t at_row;      /* progress */
-    uint16_t at_part, paid;
+    uint16_t at_part, spent;
     uint8_t window_length;
     uint8_t at_set, to_set, at_band, at_dof, pass;
     /* see auvid_metric_hold */
@@ -223,15 +225,15 @@ typedef struct auvid_metric {
     uint8_t waiting;     /* newest sets that were completed since the ring was held last */
     uint8_t least;       /* sets that count are not overwritten when there are so many or fewer */
     uint8_t sets_merged; /* sets with a driven DoF at the last merge */
-    bool held, full, turned;
+    bool held, full, ring_changed;
     auvid_real_t linear_delay_s; /* at which the residual path was linearised */
 
     /** @name results */
     /**@{*/
-    uint8_t driven;                        /**< bit j: DoF j is driven in some set merged */
+    uint8_t excited;                       /**< bit j: DoF j is driven in some set merged */
     uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is driven */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
-    uint8_t lagged;                        /**< bit j: DoF j's delay is that of a first-order lag,
+    uint8_t first_order_lag;               /**< bit j: DoF j's delay is that of a first-order lag,
                                                 not a shift */
     auvid_real_t constant;                 /**< part of the cost that no pi explains; 0 in the
                                                 residual path */
@@ -245,7 +247,7 @@ typedef struct auvid_metric {
                                                   residuals at the last prediction [N^2, Nm^2] */
     auvid_real_t change[2][AUVID_DOF_COUNT]; /**< what the newest set (0), the newest two (1) and
                                                   the others fit worse together than apart [N^2,
-                                                  Nm^2]; see auvid_metric_judge */
+                                                  Nm^2]; see auvid_metric_change */
     uint8_t change_rank[AUVID_DOF_COUNT];    /**< parameters that this was about */
     /**@}*/
 } auvid_metric_t;
@@ -319,7 +321,7 @@ auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
  * ring, or forgotten before). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 
-#define auvid_metric_remember AUVID_SIZED(auvid_metric_remember)
+#define auvid_metric_set_prior AUVID_SIZED(auvid_metric_set_prior)
 /** Go on from what is known: rows that say pi = its value within its standard error are merged with
  * those of the sets, weighted with the residual of these. Where the sets contradict them
  * (Chow's F of a DoF above 6), they are forgotten: memory.known is 0 then. Regressor path only.
@@ -327,7 +329,7 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
  * is no free parameter's, a value beyond 1e18, of a known parameter a standard error or colour that
  * is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: checked, and not used). Refused:
  * nothing changed. */
-auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory);
+auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *memory);
 
 #define auvid_metric_merge_begin AUVID_SIZED(auvid_metric_merge_begin)
 /** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
@@ -366,18 +368,18 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
-#define auvid_metric_judge_begin AUVID_SIZED(auvid_metric_judge_begin)
+#define auvid_metric_change_begin AUVID_SIZED(auvid_metric_change_begin)
 /** Begin to compare the newest sets with the others, before they are merged: does each DoF's
  * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
  * last merge. What was merged is lost: merge afterwards. Null is ignored. */
-void auvid_metric_judge_begin(auvid_metric_t *metric);
+void auvid_metric_change_begin(auvid_metric_t *metric);
 
-#define auvid_metric_judge AUVID_SIZED(auvid_metric_judge)
+#define auvid_metric_change AUVID_SIZED(auvid_metric_change)
 /** Go on with it.
  * @param budget four units for each row of each set, and of the newest two once more
  * @return AUVID_OK (`change` and `change_rank` written: U of all sets - U of the others - U of the
  * newest, U the part of the wrench that no pi explains); AUVID_PENDING; AUVID_ERR_NULL. */
-auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget);
+auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_linearise_begin AUVID_SIZED(auvid_metric_linearise_begin)
 /** Residual path: begin to make of each of the newest `sets` sets the triangles that a model with
@@ -410,9 +412,9 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 /** The newest set that counts; never null. */
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
 
-#define auvid_metric_driven_sets AUVID_SIZED(auvid_metric_driven_sets)
+#define auvid_metric_excited_sets AUVID_SIZED(auvid_metric_excited_sets)
 /** How many sets of the ring drive DoF j, without the newest `newest`. */
-int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest);
+int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest);
 
 #define auvid_metric_active AUVID_SIZED(auvid_metric_active)
 /** Free parameters whose own DoF is driven: bit i. Valid after merge. */

@@ -87,7 +87,7 @@ typedef struct {
         first sample within `speed_limit` is gated; 1e-4..10 */
     auvid_real_t gate;           /**< largest nu^2/S of one scalar; default 16 (4 sigma); 0..1e6,
         0: no gate */
-    auvid_real_t agility;        /**< acceleration that the vehicle may reach, turns (v r, u r)
+    auvid_real_t max_acceleration; /**< acceleration that the vehicle may reach, turns (v r, u r)
         included, beyond what the process noise tells [m/s2]: since its last sample that passed, dt
         ago, the DVL may have changed by agility dt more than the gate has it. Default 3; 0..100 */
     auvid_real_t speed_limit;    /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
@@ -111,8 +111,9 @@ typedef struct {
         1000000; >= 1 */
     uint32_t gap_us;           /**< tick above which auvid_nav_imu reports AUVID_GAP [us]; default
         1000000; 0: never */
-    uint16_t lockout;          /**< this many refusals by the gate in a row and the sample is taken
-        after all, what it measures started again from it; default 10; 0: never */
+    /** this many refusals by the gate in a row and the sample is taken after all, what it measures
+     * started again from it; default 10; 0: never */
+    uint16_t max_consecutive_rejections;
     uint8_t gps_start;         /**< fixes whose median starts the position; default 4; <=
         AUVID_NAV_GPS_START_MAX, 0: none, the first fix is an ordinary update */
 } auvid_nav_config_t;
@@ -130,9 +131,10 @@ typedef struct {
     uint16_t invalid;    /**< AUVID_ERR_RANGE */
     uint16_t not_finite; /**< AUVID_ERR_NOT_FINITE */
     uint16_t resets;     /**< samples that passed although outside the gate (lockout) */
-    uint16_t refusals;   /**< refused by the gate in a row, now */
-    uint8_t axes; /**< values in innovation and variance, 1..3; 0: no sample has met the gate */
-    bool alive;   /**< a sample has passed: good_us counts */
+    uint16_t consecutive_rejections; /**< refused by the gate in a row, now */
+    /** values in innovation and variance, 1..3; 0: no sample has met the gate */
+    uint8_t innovation_count;
+    bool has_sample;      /**< a sample has passed: good_us counts */
     auvid_real_t innovation[3]; /**< nu = z - H x of the last sample that met the gate [m/s or m]:
         body axes for a full DVL sample, the valid axes of the instrument in order for a part */
     auvid_real_t variance[3];   /**< S = H P H' + R of each, before any of them was used */
@@ -150,7 +152,7 @@ typedef struct {
     auvid_real_t velocity[3]; /**< u v w, body frame, of the body's origin [m/s] */
     uint32_t sequence;        /**< 0: none yet; raised by one with each new knot */
     uint8_t measured;         /**< bit i: the sample measured velocity[i]; else that is predicted */
-} auvid_nav_knot_t;
+} auvid_nav_velocity_sample_t;
 
 /** Bits of auvid_nav_state_t.flags. */
 enum {
@@ -180,8 +182,10 @@ typedef struct {
  * `held_refused` may be read at any time, the rest through the functions; written by the functions
  * only. */
 typedef struct {
-    auvid_nav_knot_t ground; /**< the filter's velocity just after the last accepted bottom lock */
-    auvid_nav_knot_t water;  /**< velocity of the last good water lock with all axes valid */
+    /** the filter's velocity just after the last accepted bottom lock */
+    auvid_nav_velocity_sample_t ground;
+    auvid_nav_velocity_sample_t
+        water;               /**< velocity of the last good water lock with all axes valid */
     uint64_t horizontal_us;  /**< last bottom lock that passed and measured u and v [us] */
     uint64_t complete_us;    /**< last bottom lock that passed and measured u, v and w [us] */
     bool horizontal, complete; /**< there was one */
@@ -190,12 +194,12 @@ typedef struct {
     uint16_t imu_invalid; /**< auvid_nav_imu refused: not finite or out of range */
     uint16_t imu_gaps;    /**< ticks longer than gap_us */
 
-    uint16_t lockout;            /* from the configuration */
+    uint16_t max_consecutive_rejections; /* from the configuration */
     uint8_t gps_start;           /* from the configuration; 0 once the position has started */
     uint8_t gps_count;           /* fixes collected so far */
     uint16_t flags;              /* all of auvid_nav_state_t.flags but FRESH */
     uint8_t ready;               /* 0 not initialised, 1 no tick yet, 2 running */
-    uint8_t held_refused; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
+    uint8_t held_rejected; /**< bit i: the last accepted auvid_nav_imu() came to the held sample of
                                sensor i, and it was refused (AUVID_GATED or < 0) */
     uint8_t holding;             /* bit i: a sample of sensor i is held */
     uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* axes of each, if of a DVL */
@@ -203,9 +207,9 @@ typedef struct {
     uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* time of each */
     uint64_t until_us;           /* no sample after this is held; 0: no such limit */
     uint64_t t_us;               /* time of the last tick */
-    uint64_t touched_us;         /* tick at which a measurement last entered */
+    uint64_t last_update_us;     /* tick at which a measurement last entered */
     auvid_real_t position[3];    /* position is position + residue */
-    auvid_real_t residue[3];     /* what position could not hold, and corrections of this tick */
+    auvid_real_t position_lo[3]; /* what position could not hold, and corrections of this tick */
     auvid_real_t velocity[3];    /* body */
     auvid_real_t pp[6];          /* covariance of position: xx xy xz yy yz zz */
     auvid_real_t pv[3][3];       /* of position (row) and velocity (column) */
@@ -213,11 +217,11 @@ typedef struct {
     auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
     auvid_real_t attitude[3];    /* as measured, not unwrapped */
     auvid_real_t rates[3];       /* p q r */
-    int32_t turns[3];            /* whole turns to add to the attitude; theta has none */
+    int32_t yaw_revolutions[3];  /* whole turns to add to the attitude; theta has none */
     auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water with the current's */
     auvid_real_t gate;
-    auvid_real_t agility;
+    auvid_real_t max_acceleration;
     auvid_real_t speed_limit;
     auvid_real_t metres_per_pascal;
     auvid_real_t surface_pressure;

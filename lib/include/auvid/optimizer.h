@@ -103,7 +103,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  * @return AUVID_OK: evaluate theta, then tell;
  *         AUVID_PENDING: work was done, but there is no point yet: ask again;
  *         AUVID_FINISHED: converged;
- *         AUVID_CAPPED: the local phase was ended by its cap on evaluations;
+ *         AUVID_EVALUATION_LIMIT: the local phase was ended by its cap on evaluations;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); those of auvid_line_search_init,
  *         should memory be damaged: the search is over, and the best point the global phase's.
  * Cost: at most one trial point.
@@ -164,7 +164,7 @@ typedef struct {
     auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* in order */
     uint32_t free;                       /* bit i: x_i is not held at a value */
     uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
-    uint8_t n, fixed_from, at, changes, paid;
+    uint8_t n, fixed_from, at, changes, spent;
     uint8_t dof, row; /* of the metric: taken so far */
 } auvid_bounded_ls_t;
 

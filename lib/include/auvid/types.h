@@ -63,33 +63,33 @@ typedef enum {
  * exact set it returns.
  */
 typedef enum {
-    AUVID_OK = 0,            /**< done */
-    AUVID_PENDING = 1,       /**< more work remains: call again */
-    AUVID_FINISHED = 2,      /**< the procedure has come to its end */
-    AUVID_EMPTY = 3,         /**< there is nothing to take */
-    AUVID_GAP = 4,           /**< the record was broken here and starts anew */
-    AUVID_SET_COMPLETE = 5,  /**< a data set was closed by this sample */
-    AUVID_GATED = 6,         /**< measurement refused by the innovation gate */
-    AUVID_UNUSED = 7,        /**< measurement valid but not usable now (GPS under water, ...) */
-    AUVID_SATURATED = 8,     /**< limited to what the thrusters can give, or a frame can carry */
-    AUVID_CAPPED = 9,        /**< stopped at a cap before its own criterion was met */
-    AUVID_TICK = 10,         /**< a control tick has opened: step */
-    AUVID_SET_IDLE = 11,     /**< a data set was closed and left out: no DoF with a free parameter
+    AUVID_OK = 0,               /**< done */
+    AUVID_PENDING = 1,          /**< more work remains: call again */
+    AUVID_FINISHED = 2,         /**< the procedure has come to its end */
+    AUVID_EMPTY = 3,            /**< there is nothing to take */
+    AUVID_GAP = 4,              /**< the record was broken here and starts anew */
+    AUVID_SET_COMPLETE = 5,     /**< a data set was closed by this sample */
+    AUVID_GATED = 6,            /**< measurement refused by the innovation gate */
+    AUVID_UNUSED = 7,           /**< measurement valid but not usable now (GPS under water, ...) */
+    AUVID_SATURATED = 8,        /**< limited to what the thrusters can give, or a frame can carry */
+    AUVID_EVALUATION_LIMIT = 9, /**< stopped at a cap before its own criterion was met */
+    AUVID_TICK = 10,            /**< a control tick has opened: step */
+    AUVID_SET_IDLE = 11,       /**< a data set was closed and left out: no DoF with a free parameter
                                   was driven in it */
-    AUVID_ERR_NULL = -1,     /**< a required pointer is null */
-    AUVID_ERR_NOT_FINITE = -2,  /**< a value is NaN or infinite */
-    AUVID_ERR_TIME_BACK = -3,   /**< time went back */
-    AUVID_ERR_TIME_SAME = -4,   /**< time did not advance (zero dt) */
-    AUVID_ERR_STALE = -5,       /**< sample older than the stated age, or from the future */
-    AUVID_ERR_RANGE = -6,       /**< a value or configuration field is outside its stated range */
-    AUVID_ERR_BOUNDS = -7,      /**< lower bound not below upper bound */
-    AUVID_ERR_POPULATION = -8,  /**< m < n + 1, or m > AUVID_MAX_POPULATION */
-    AUVID_ERR_PARAMETERS = -9,  /**< no parameter, or more than AUVID_MAX_PARAMETERS */
-    AUVID_ERR_SIZE = -10,       /**< something else exceeds a size in config.h */
-    AUVID_ERR_STATE = -11,      /**< call out of order (tell without ask, not initialised, ...) */
-    AUVID_ERR_NO_DATA = -12,    /**< no rows to work on: empty set, no DoF driven */
-    AUVID_ERR_SINGULAR = -13,   /**< the data or the matrix do not determine the answer */
-    AUVID_ERR_LIMIT = -14,      /**< more is asked for than the thrusters can give, a limit of the
+    AUVID_ERR_NULL = -1,       /**< a required pointer is null */
+    AUVID_ERR_NOT_FINITE = -2, /**< a value is NaN or infinite */
+    AUVID_ERR_TIME_BACK = -3,  /**< time went back */
+    AUVID_ERR_TIME_SAME = -4,  /**< time did not advance (zero dt) */
+    AUVID_ERR_STALE = -5,      /**< sample older than the stated age, or from the future */
+    AUVID_ERR_RANGE = -6,      /**< a value or configuration field is outside its stated range */
+    AUVID_ERR_BOUNDS = -7,     /**< lower bound not below upper bound */
+    AUVID_ERR_POPULATION = -8, /**< m < n + 1, or m > AUVID_MAX_POPULATION */
+    AUVID_ERR_PARAMETERS = -9, /**< no parameter, or more than AUVID_MAX_PARAMETERS */
+    AUVID_ERR_SIZE = -10,      /**< something else exceeds a size in config.h */
+    AUVID_ERR_STATE = -11,     /**< call out of order (tell without ask, not initialised, ...) */
+    AUVID_ERR_NO_DATA = -12,   /**< no rows to work on: empty set, no DoF driven */
+    AUVID_ERR_SINGULAR = -13,  /**< the data or the matrix do not determine the answer */
+    AUVID_ERR_LIMIT = -14,     /**< more is asked for than the thrusters can give, a limit of the
                                      guard allows, or a queue can take */
     AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic is not auvid's */
     AUVID_ERR_MODEL = -16,      /**< the vehicle model lacks what is asked of it */

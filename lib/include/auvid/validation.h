@@ -34,7 +34,7 @@ typedef struct {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     auvid_real_t delay_cells[AUVID_DOF_COUNT];
     auvid_real_t wrench[AUVID_DOF_COUNT]; /* after the lag */
-    uint32_t lagged;
+    uint32_t first_order_lag;
     auvid_real_t cell_s;
     uint32_t dofs;                                             /* bit j: this DoF is integrated */
     auvid_sample_t last;                                       /* the cell before */

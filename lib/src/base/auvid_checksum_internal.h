@@ -1,6 +1,6 @@
 /**
  * @file auvid_checksum_internal.h
- * Private: what records that outlive the power have in common (warm.h, checkpoint.h).
+ * Private: what records that outlive the power have in common (prior.h, checkpoint.h).
  */
 #ifndef AUVID_CHECKSUM_INTERNAL_H
 #define AUVID_CHECKSUM_INTERNAL_H

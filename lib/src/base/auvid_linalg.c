@@ -6,10 +6,10 @@
  */
 #include "auvid_linalg_internal.h"
 
-void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *row)
+void auvid_qr_update(auvid_real_t *triangle, int n, int first, auvid_real_t *row)
 {
     for (int i = first; i < n; ++i) {
-        auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        auvid_real_t *r = triangle + auvid_qr_row(n, i);
         if (auvid_is_zero(row[i])) {
             continue;
         }
@@ -28,36 +28,35 @@ void auvid_triangle_add(auvid_real_t *triangle, int n, int first, auvid_real_t *
     }
 }
 
-auvid_real_t auvid_triangle_norm(const auvid_real_t *triangle, int n, int i)
+auvid_real_t auvid_qr_column_norm(const auvid_real_t *triangle, int n, int i)
 {
     auvid_real_t squares = AUVID_C(0.0);
     for (int k = 0; k <= i; ++k) {
-        auvid_real_t above = triangle[auvid_triangle_row(n, k) + i - k];
+        auvid_real_t above = triangle[auvid_qr_row(n, k) + i - k];
         squares += above * above;
     }
     return auvid_sqrt(squares);
 }
 
-int auvid_triangle_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny,
-                         auvid_real_t *x)
+int auvid_qr_solve(const auvid_real_t *triangle, int n, int m, auvid_real_t tiny, auvid_real_t *x)
 {
     int lost = 0;
     for (int i = m - 1; i >= 0; --i) {
-        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        const auvid_real_t *r = triangle + auvid_qr_row(n, i);
         for (int j = i + 1; j < m; ++j) {
             x[i] -= r[j - i] * x[j];
         }
-        bool usable = auvid_abs(r[0]) > tiny * auvid_triangle_norm(triangle, n, i);
+        bool usable = auvid_abs(r[0]) > tiny * auvid_qr_column_norm(triangle, n, i);
         lost += !usable;
         x[i] = usable ? x[i] / r[0] : AUVID_C(0.0);
     }
     return lost;
 }
 
-void auvid_triangle_solve_left(const auvid_real_t *triangle, int n, int m, auvid_real_t *x)
+void auvid_qr_solve_transposed(const auvid_real_t *triangle, int n, int m, auvid_real_t *x)
 {
     for (int i = 0; i < m; ++i) {
-        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        const auvid_real_t *r = triangle + auvid_qr_row(n, i);
         x[i] = auvid_abs(r[0]) > AUVID_C(0.0) ? x[i] / r[0] : AUVID_C(0.0);
         for (int j = i + 1; j < m; ++j) {
             x[j] -= r[j - i] * x[i];

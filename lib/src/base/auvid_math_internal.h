@@ -26,9 +26,9 @@
 
 /* For a function whose large frame must not lie under what its caller calls next. */
 #if defined(__GNUC__)
-#define AUVID_APART __attribute__((noinline))
+#define AUVID_NOINLINE __attribute__((noinline))
 #else
-#define AUVID_APART
+#define AUVID_NOINLINE
 #endif
 
 /* +0 for both zeros. */

@@ -14,7 +14,7 @@ static const char *const news[] = {
     [AUVID_GATED] = "measurement refused by the innovation gate",
     [AUVID_UNUSED] = "measurement is valid but cannot be used now",
     [AUVID_SATURATED] = "limited to what the thrusters can give, or a frame can carry",
-    [AUVID_CAPPED] = "stopped at a cap before its own criterion was met",
+    [AUVID_EVALUATION_LIMIT] = "stopped at a cap before its own criterion was met",
     [AUVID_TICK] = "a control tick has opened",
     [AUVID_SET_IDLE] = "a data set was closed and left out: nothing free was driven in it",
 };

@@ -51,10 +51,10 @@ static void can_receiver_look(auvid_can_receiver_t *receiver, uint64_t now_us, b
     if (is_silent(receiver, receiver->seen_us, now_us)) {
         receiver->started = false;
     }
-    if (ends && receiver->alive && is_silent(receiver, receiver->good_us, now_us)) {
-        receiver->alive = false;
+    if (ends && receiver->is_fresh && is_silent(receiver, receiver->good_us, now_us)) {
+        receiver->is_fresh = false;
         receiver->state = AUVID_CAN_TIMED_OUT;
-        ++receiver->timed_out;
+        ++receiver->timeouts;
     }
 }
 
@@ -78,8 +78,8 @@ static auvid_can_state_t judge(auvid_can_receiver_t *receiver, uint8_t counter)
         return AUVID_CAN_GOOD;
     }
     if (first || step > AUVID_CAN_LARGEST_STEP) {
-        ++receiver->jumped;
-        return AUVID_CAN_JUMPED;
+        ++receiver->counter_jumps;
+        return AUVID_CAN_COUNTER_JUMP;
     }
     if (step == 0) {
         ++receiver->repeated;
@@ -114,7 +114,7 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
     if (state == AUVID_CAN_GOOD) {
         ++receiver->good;
         receiver->good_us = frame->t_us;
-        receiver->alive = true;
+        receiver->is_fresh = true;
     }
     receiver->state = (uint8_t)state;
     return state;
@@ -172,7 +172,7 @@ static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
     auvid_real_t *thrust = &command->thrust[RECEIVER_HALF * i],
                  *kept = &command->thrust_before[RECEIVER_HALF * i];
     if ((half->started && is_ahead(half, half->seen_us, now_us)) ||
-        (half->alive && is_ahead(half, half->good_us, now_us))) {
+        (half->is_fresh && is_ahead(half, half->good_us, now_us))) {
         *half = *before;
         memcpy(thrust, kept, RECEIVER_HALF * sizeof *kept);
         ++half->ahead;
@@ -180,7 +180,7 @@ static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
     can_receiver_look(half, now_us, true);
     *before = *half;
     memcpy(kept, thrust, RECEIVER_HALF * sizeof *kept);
-    return half->alive;
+    return half->is_fresh;
 }
 
 auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t now_us,

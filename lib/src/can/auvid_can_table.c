@@ -85,7 +85,7 @@ const auvid_can_signal_t auvid_can_signals[] = {
     {25, 18, CAN_WORD(progress, percent), 0},
     {32, 19, CAN_WORD(progress, sets), 0},
     {40, 19, CAN_WORD(progress, searches), 0},
-    {48, 16, CAN_WORD(progress, driven), 0},
+    {48, 16, CAN_WORD(progress, excited), 0},
     {54, 16, CAN_WORD(progress, changed), 1},
     {12, 21, CAN_WORD(health, ticks_missed), 0},
     {24, 21, CAN_WORD(health, frames_refused), 0},

@@ -58,7 +58,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /* ---- frames in ---- */
 
 /* Time of a sample of this age, at the tick to come; the age is counted back in step. */
-static AUVID_APART bool has_age(auvid_node_t *node, uint32_t age_ms)
+static AUVID_NOINLINE bool has_age(auvid_node_t *node, uint32_t age_ms)
 {
     bool known = age_ms != AUVID_CAN_AGE_UNKNOWN;
     node->counters.unknown_age += !known;

@@ -39,8 +39,8 @@ static uint32_t flags_of(const auvid_node_t *node, int i)
 {
     const auvid_estimate_t *e = &node->id.estimate;
     auvid_dof_t dof = node->id.metric.cfg.vehicle->parameter[i].dof;
-    return (e->identified >> i & 1u) | (uint32_t)(e->driven >> dof & 1) << 1 |
-           (uint32_t)e->capped << 2 | (e->confidence.identifiable >> i & 1u) << 3 |
+    return (e->identified >> i & 1u) | (uint32_t)(e->excited >> dof & 1) << 1 |
+           (uint32_t)e->not_converged << 2 | (e->confidence.identifiable >> i & 1u) << 3 |
            (e->confidence.implausible >> i & 1u) << 4 | (uint32_t)e->accepted << 5;
 }
 
@@ -126,8 +126,8 @@ static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, i
     m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
     m.as.progress.sets = id->metric.sets_recorded % 256u;
     m.as.progress.searches = id->searches % 256u;
-    m.as.progress.driven = id->estimate.driven;
-    m.as.progress.changed = id->judgement.changed;
+    m.as.progress.excited = id->estimate.excited;
+    m.as.progress.changed = id->change_test.changed;
     auvid_node_send(node, &m, frame, count);
 }
 

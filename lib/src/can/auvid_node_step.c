@@ -99,7 +99,7 @@ static void date_samples(auvid_node_t *node, uint64_t tick_us)
 
 /* The thrust fed back acted from the tick before on. It is made up in the input, not on the stack
  * of so deep a call; there it is not present, so that the step leaves it alone. */
-static AUVID_APART void record_thrust(auvid_node_t *node)
+static AUVID_NOINLINE void record_thrust(auvid_node_t *node)
 {
     const auvid_allocation_config_t *cfg = &node->id.allocation.config;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};

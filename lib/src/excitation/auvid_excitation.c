@@ -312,7 +312,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
 /* How far beyond its leash, -1..1; 0 within it or without one. */
 static auvid_real_t excitation_strayed(const auvid_excitation_t *e, int dof)
 {
-    auvid_real_t leash = e->config.leash[dof];
+    auvid_real_t leash = e->config.excursion_limit[dof];
     auvid_real_t d = e->displacement[dof];
     auvid_real_t beyond = auvid_abs(d) - leash;
     if (!(leash > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
@@ -382,8 +382,8 @@ auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
     return AUVID_OK;
 }
 
-auvid_status_t auvid_excitation_steer(auvid_excitation_t *e,
-                                      const auvid_real_t displacement[AUVID_DOF_COUNT])
+auvid_status_t auvid_excitation_set_displacement(auvid_excitation_t *e,
+                                                 const auvid_real_t displacement[AUVID_DOF_COUNT])
 {
     if (e == NULL || displacement == NULL) {
         return AUVID_ERR_NULL;

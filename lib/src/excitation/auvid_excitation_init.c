@@ -95,11 +95,11 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
         return AUVID_ERR_SIZE;
     }
     if (!auvid_is_finite(config->duration_s) || !auvid_is_finite(config->fade_s) ||
-        !auvid_all_finite(config->leash, AUVID_DOF_COUNT)) {
+        !auvid_all_finite(config->excursion_limit, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
-        if (config->leash[i] < AUVID_C(0.0)) {
+        if (config->excursion_limit[i] < AUVID_C(0.0)) {
             return AUVID_ERR_RANGE;
         }
     }

@@ -96,7 +96,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
                            pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
-    memcpy(config->leash, leash, sizeof leash);
+    memcpy(config->excursion_limit, leash, sizeof leash);
     config->duration_s = duration_s;
     config->seed = seed;
     return AUVID_OK;

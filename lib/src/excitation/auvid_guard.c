@@ -30,10 +30,10 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
     cfg->applied_stale_us = 1000000;
     cfg->saturation_us = 1000000;
     cfg->max_tick_us = 250000;
-    cfg->calm_speed = AUVID_C(0.1);
-    cfg->calm_rate = AUVID_C(0.1);
-    cfg->calm_us = 2000000;
-    cfg->settle_us = 30000000;
+    cfg->rest_speed = AUVID_C(0.1);
+    cfg->rest_rate = AUVID_C(0.1);
+    cfg->rest_dwell_us = 2000000;
+    cfg->settle_timeout_us = 30000000;
 }
 
 auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
@@ -43,8 +43,8 @@ auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cf
     }
     const auvid_real_t limits[] = {cfg->depth_min_m,  cfg->depth_max_m,    cfg->altitude_min_m,
                                    cfg->roll_max_rad, cfg->pitch_max_rad,  cfg->speed_max,
-                                   cfg->yaw_rate_max, cfg->distance_max_m, cfg->calm_speed,
-                                   cfg->calm_rate};
+                                   cfg->yaw_rate_max, cfg->distance_max_m, cfg->rest_speed,
+                                   cfg->rest_rate};
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
         if (!auvid_is_finite(limits[i])) {
             return AUVID_ERR_NOT_FINITE;
@@ -223,9 +223,9 @@ static bool any_late(const auvid_guard_t *g, auvid_guard_trip_t *trip)
     if (is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
         return tell_time(trip, AUVID_GUARD_TICK, tick_us, g->cfg.max_tick_us);
     }
-    uint64_t silence_us = apart_us(trip->t_us, g->alive_us);
-    return g->cfg.alive_us > 0 && silence_us > g->cfg.alive_us &&
-           tell_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.alive_us);
+    uint64_t silence_us = apart_us(trip->t_us, g->heartbeat_us);
+    return g->cfg.heartbeat_timeout_us > 0 && silence_us > g->cfg.heartbeat_timeout_us &&
+           tell_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us);
 }
 
 auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
@@ -243,7 +243,7 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     armed.ready = true;
     armed.cfg = g->cfg;
     armed.state = AUVID_GUARD_ARMED;
-    armed.t_us = armed.alive_us = t_us;
+    armed.t_us = armed.heartbeat_us = t_us;
     armed.home[0] = in->position[0];
     armed.home[1] = in->position[1];
     armed.altitude_known = guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
@@ -281,8 +281,8 @@ auvid_status_t auvid_guard_finished(auvid_guard_t *g, uint64_t t_us)
         return AUVID_ERR_STATE;
     }
     g->state = AUVID_GUARD_SETTLING;
-    g->settle_us = t_us;
-    g->calm = false;
+    g->settling_us = t_us;
+    g->at_rest = false;
     return AUVID_OK;
 }
 
@@ -329,15 +329,15 @@ auvid_status_t auvid_guard_disarm(auvid_guard_t *g)
     return AUVID_OK;
 }
 
-auvid_status_t auvid_guard_alive(auvid_guard_t *g, uint64_t t_us)
+auvid_status_t auvid_guard_heartbeat(auvid_guard_t *g, uint64_t t_us)
 {
     if (g == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (t_us < g->alive_us) {
+    if (t_us < g->heartbeat_us) {
         return AUVID_ERR_TIME_BACK;
     }
-    g->alive_us = t_us;
+    g->heartbeat_us = t_us;
     return AUVID_OK;
 }
 
@@ -357,13 +357,13 @@ static void guard_settle(auvid_guard_t *g, const auvid_guard_input_t *in)
 {
     const auvid_real_t *v = in->velocity_ground, *w = in->rates;
     bool calm =
-        norm(v[0], v[1], v[2]) <= g->cfg.calm_speed && norm(w[0], w[1], w[2]) <= g->cfg.calm_rate;
-    if (calm && !g->calm) {
-        g->calm_us = g->t_us;
+        norm(v[0], v[1], v[2]) <= g->cfg.rest_speed && norm(w[0], w[1], w[2]) <= g->cfg.rest_rate;
+    if (calm && !g->at_rest) {
+        g->at_rest_us = g->t_us;
     }
-    g->calm = calm;
-    if ((calm && g->t_us - g->calm_us >= g->cfg.calm_us) ||
-        g->t_us - g->settle_us >= g->cfg.settle_us) {
+    g->at_rest = calm;
+    if ((calm && g->t_us - g->at_rest_us >= g->cfg.rest_dwell_us) ||
+        g->t_us - g->settling_us >= g->cfg.settle_timeout_us) {
         g->state = AUVID_GUARD_DONE;
     }
 }

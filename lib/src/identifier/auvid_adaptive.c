@@ -66,7 +66,7 @@ static auvid_real_t hold_s(const auvid_identifier_t *id, int j, auvid_real_t for
     auvid_real_t b = auvid_max(-sum_of(id, j, AUVID_PARAMETER_QUADRATIC_DRAG), AUVID_C(0.0));
     auvid_real_t root = auvid_sqrt(a * a + AUVID_C(4.0) * b * force); /* = a + 2 b u */
     auvid_real_t s = TIME_CONSTANTS * m / root;
-    bool known = (id->estimate.driven >> j & 1) && m > AUVID_C(0.0) && auvid_is_finite(s);
+    bool known = (id->estimate.excited >> j & 1) && m > AUVID_C(0.0) && auvid_is_finite(s);
     if (j == AUVID_ROLL || j == AUVID_PITCH) {
         return SWING_S;
     }
@@ -84,7 +84,7 @@ static void shorten(const auvid_guard_config_t *guard, auvid_real_t *leash)
 /* How far beyond its leash, -1..1. */
 static auvid_real_t adaptive_strayed(const auvid_identifier_t *id, int j)
 {
-    auvid_real_t leash = id->adaptive.leash[j], d = id->excitation.displacement[j];
+    auvid_real_t leash = id->adaptive.excursion_limit[j], d = id->excitation.displacement[j];
     auvid_real_t beyond = auvid_abs(d) - leash;
     if (!(leash > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
         return AUVID_C(0.0);
@@ -136,7 +136,7 @@ static void adaptive_next_hold(auvid_identifier_t *id, int j)
     memcpy(a->rng, rng.s, sizeof rng.s);
     a->low_owed[j] += s * (low ? part - AUVID_C(1.0) : part);
     a->before[j] = a->factor[j];
-    a->level[j] = (a->driving >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
+    a->level[j] = (a->playing >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
     a->from_us[j] = since_us(id);
     a->hold_us[j] = (uint32_t)(s * AUVID_C(1e6));
 }
@@ -149,7 +149,7 @@ static auvid_real_t factor(auvid_identifier_t *id, int j)
     }
     auvid_real_t x = (auvid_real_t)(since_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
     auvid_real_t w = x < AUVID_C(1.0) ? x * x * (AUVID_C(3.0) - AUVID_C(2.0) * x) : AUVID_C(1.0);
-    auvid_real_t pull = (a->driving >> j & 1) ? adaptive_strayed(id, j) : AUVID_C(0.0);
+    auvid_real_t pull = (a->playing >> j & 1) ? adaptive_strayed(id, j) : AUVID_C(0.0);
     auvid_real_t to = auvid_clamp(a->level[j] - pull, AUVID_C(-1.0), AUVID_C(1.0));
     a->factor[j] = a->before[j] + (to - a->before[j]) * w;
     return a->factor[j];
@@ -191,14 +191,14 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
                  e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.dof_rows[j];
     a->missing &= ~(1u << i);
-    a->given_up &= ~((uint32_t)known << i);
-    if (known || (a->given_up >> i & 1u)) {
+    a->abandoned &= ~((uint32_t)known << i);
+    if (known || (a->abandoned >> i & 1u)) {
         return;
     }
     auvid_real_t square = e->number == 0 ? UNKNOWN : excess(id, i);
     if (!(amplitude_of(id, j) > AUVID_C(0.0)) ||
         (a->tried[j] >= TRIALS && square * rows > HOPELESS * rows_to_come(id, j))) {
-        a->given_up |= 1u << i;
+        a->abandoned |= 1u << i;
         return;
     }
     a->missing |= 1u << i;
@@ -241,10 +241,10 @@ static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool turns = ((driving ^ id->adaptive.driving) >> j & 1u) != 0;
+        bool turns = ((driving ^ id->adaptive.playing) >> j & 1u) != 0;
         id->adaptive.hold_us[j] = turns ? 0 : id->adaptive.hold_us[j];
     }
-    id->adaptive.driving = (uint8_t)driving;
+    id->adaptive.playing = (uint8_t)driving;
 }
 
 static void adaptive_consider(auvid_identifier_t *id)
@@ -253,7 +253,7 @@ static void adaptive_consider(auvid_identifier_t *id)
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     const auvid_metric_t *m = &id->metric;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool more = (a->driving >> j & 1) && m->sets_recorded != a->sets && a->tried[j] < UINT8_MAX;
+        bool more = (a->playing >> j & 1) && m->sets_recorded != a->sets && a->tried[j] < UINT8_MAX;
         a->tried[j] = (uint8_t)(a->tried[j] + more);
     }
     a->estimate = id->estimate.number;
@@ -280,9 +280,9 @@ static void begin_run(auvid_identifier_t *id)
     auvid_rng_seed(&rng, id->excitation.config.seed);
     uint64_t run_us = id->excitation.start_us;
     auvid_real_t leash[AUVID_DOF_COUNT];
-    memcpy(leash, a->leash, sizeof leash);
+    memcpy(leash, a->excursion_limit, sizeof leash);
     memset(a, 0, sizeof *a);
-    memcpy(a->leash, leash, sizeof leash);
+    memcpy(a->excursion_limit, leash, sizeof leash);
     memcpy(a->rng, rng.s, sizeof rng.s);
     a->run_us = run_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -317,10 +317,10 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
 {
     if (cfg != NULL) {
         memset(cfg, 0, sizeof *cfg);
-        cfg->leash[AUVID_SURGE] = cfg->leash[AUVID_SWAY] = AUVID_C(5.0);
-        cfg->leash[AUVID_HEAVE] = AUVID_C(3.0);
-        cfg->leash[AUVID_YAW] = AUVID_C(2.0) * AUVID_PI;
-        cfg->most_s = AUVID_C(480.0);
+        cfg->excursion_limit[AUVID_SURGE] = cfg->excursion_limit[AUVID_SWAY] = AUVID_C(5.0);
+        cfg->excursion_limit[AUVID_HEAVE] = AUVID_C(3.0);
+        cfg->excursion_limit[AUVID_YAW] = AUVID_C(2.0) * AUVID_PI;
+        cfg->max_s = AUVID_C(480.0);
         cfg->seed = 1;
     }
 }
@@ -328,13 +328,13 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
 static auvid_status_t adaptive_check(const auvid_adaptive_config_t *cfg)
 {
     if (!auvid_all_finite(cfg->amplitude, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(cfg->leash, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->most_s)) {
+        !auvid_all_finite(cfg->excursion_limit, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->max_s)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    bool good = cfg->most_s >= AUVID_C(30.0) && cfg->most_s <= AUVID_EXCITATION_LONGEST_S;
+    bool good = cfg->max_s >= AUVID_C(30.0) && cfg->max_s <= AUVID_EXCITATION_LONGEST_S;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        good = good && cfg->leash[j] >= AUVID_C(0.0) && cfg->amplitude[j] >= AUVID_C(0.0) &&
-               cfg->amplitude[j] <= AUVID_EXCITATION_LARGEST;
+        good = good && cfg->excursion_limit[j] >= AUVID_C(0.0) &&
+               cfg->amplitude[j] >= AUVID_C(0.0) && cfg->amplitude[j] <= AUVID_EXCITATION_LARGEST;
     }
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
@@ -374,7 +374,7 @@ static void plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
             auvid_segment_t *s = &to->segment[to->segments++];
             s->dof = (auvid_dof_t)j;
             s->kind = AUVID_SEGMENT_STEP;
-            s->duration_s = cfg->most_s;
+            s->duration_s = cfg->max_s;
             s->amplitude = cfg->amplitude[j];
         }
     }
@@ -397,9 +397,10 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
     if (status == AUVID_OK) {
         plan(id, cfg);
         memset(&id->adaptive, 0, sizeof id->adaptive);
-        memcpy(id->adaptive.leash, cfg->leash, sizeof id->adaptive.leash);
-        shorten(&id->guard.cfg, &id->adaptive.leash[AUVID_SURGE]);
-        shorten(&id->guard.cfg, &id->adaptive.leash[AUVID_SWAY]);
+        memcpy(id->adaptive.excursion_limit, cfg->excursion_limit,
+               sizeof id->adaptive.excursion_limit);
+        shorten(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SURGE]);
+        shorten(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SWAY]);
         id->adaptive.run_us = UINT64_MAX;
         id->adapt = adapt;
     }

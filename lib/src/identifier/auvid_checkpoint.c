@@ -117,8 +117,8 @@ static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_
 }
 
 /* The same into the identifier, whole scalars. */
-static AUVID_APART uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
-                                 uint32_t most, const uint8_t *from)
+static AUVID_NOINLINE uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
+                                    uint32_t most, const uint8_t *from)
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
@@ -240,7 +240,7 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     }
     bool simulated = (sizes.parts & PART_SIMULATED) != 0;
     id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
-    (void)auvid_metric_remember(m, &m->memory); /* the function that goes with it */
+    (void)auvid_metric_set_prior(m, &m->prior); /* the function that goes with it */
     return AUVID_OK;
 }
 

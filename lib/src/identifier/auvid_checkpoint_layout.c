@@ -48,38 +48,38 @@ static const row_t search[] = {
     BYTE(auvid_search_config_t, has_good, has_good),
     SPAN(auvid_search_config_t, uint16_t, population, population),
     REALS(auvid_search_config_t, omega, omega),
-    BYTE(auvid_search_config_t, scale_by_bounds, literal_search),
+    BYTE(auvid_search_config_t, scale_by_bounds, paper),
     SPAN(auvid_search_config_t, uint64_t, seed, seed),
 };
 
 static const row_t knot[] = {
-    SPAN(auvid_nav_knot_t, uint64_t, t_us, t_us),
-    REALS(auvid_nav_knot_t, velocity, velocity),
-    SPAN(auvid_nav_knot_t, uint32_t, sequence, sequence),
-    BYTE(auvid_nav_knot_t, measured, measured),
+    SPAN(auvid_nav_velocity_sample_t, uint64_t, t_us, t_us),
+    REALS(auvid_nav_velocity_sample_t, velocity, velocity),
+    SPAN(auvid_nav_velocity_sample_t, uint32_t, sequence, sequence),
+    BYTE(auvid_nav_velocity_sample_t, measured, measured),
 };
 
 static const row_t diagnostics[] = {
     SPAN(auvid_nav_diagnostics_t, uint64_t, seen_us, good_us),
     SPAN(auvid_nav_diagnostics_t, uint32_t, accepted, accepted),
-    SPAN(auvid_nav_diagnostics_t, uint16_t, unused, refusals),
-    BYTE(auvid_nav_diagnostics_t, axes, alive),
+    SPAN(auvid_nav_diagnostics_t, uint16_t, unused, consecutive_rejections),
+    BYTE(auvid_nav_diagnostics_t, innovation_count, has_sample),
     REALS(auvid_nav_diagnostics_t, innovation, nis),
 };
 
 static const row_t nav[] = {
-    STRUCT(auvid_nav_t, ground, TABLE_KNOT),
-    STRUCT(auvid_nav_t, water, TABLE_KNOT),
+    STRUCT(auvid_nav_t, ground, TABLE_VELOCITY_SAMPLE),
+    STRUCT(auvid_nav_t, water, TABLE_VELOCITY_SAMPLE),
     SPAN(auvid_nav_t, uint64_t, horizontal_us, complete_us),
     BYTE(auvid_nav_t, horizontal, complete),
     STRUCTS(auvid_nav_t, diagnostics, TABLE_DIAGNOSTICS),
-    SPAN(auvid_nav_t, uint16_t, imu_time, lockout),
+    SPAN(auvid_nav_t, uint16_t, imu_time, max_consecutive_rejections),
     BYTE(auvid_nav_t, gps_start, gps_count),
     SPAN(auvid_nav_t, uint16_t, flags, flags),
     BYTE(auvid_nav_t, ready, past_next),
-    SPAN(auvid_nav_t, uint64_t, held_us, touched_us),
+    SPAN(auvid_nav_t, uint64_t, held_us, last_update_us),
     REALS(auvid_nav_t, position, rates),
-    SPAN(auvid_nav_t, int32_t, turns, turns),
+    SPAN(auvid_nav_t, int32_t, yaw_revolutions, yaw_revolutions),
     REALS(auvid_nav_t, q, lever),
     SPAN(auvid_nav_t, uint32_t, max_age_us, past_us),
     REALS(auvid_nav_t, past_rates, gps_offset),
@@ -102,26 +102,24 @@ static const row_t recorder[] = {
 };
 
 static const row_t set[] = {
-    SPAN(auvid_set_t, uint32_t, number, number),
-    REALS(auvid_set_t, tau_m2, tau_m2),
-    SPAN(auvid_set_t, uint16_t, rows, fastest),
-    SPAN(auvid_set_t, auvid_share_t, factor, factor),
-    BYTE(auvid_set_t, exponent, driven),
+    SPAN(auvid_set_t, uint32_t, number, number), REALS(auvid_set_t, tau_m2, tau_m2),
+    SPAN(auvid_set_t, uint16_t, rows, fastest),  SPAN(auvid_set_t, auvid_packed_t, factor, factor),
+    BYTE(auvid_set_t, exponent, excited),
 };
 
 static const row_t metric[] = {
     SPAN(auvid_metric_t, uint32_t, cfg.free, cfg.free),
-    REALS(auvid_metric_t, cfg.fixed, cfg.driven),
+    REALS(auvid_metric_t, cfg.fixed, cfg.excitation_threshold),
     SPAN(auvid_metric_t, uint32_t, cfg.cell_us, cfg.velocity_us),
     SPAN(auvid_metric_t, uint16_t, cfg.row_cells, cfg.set_rows),
     BYTE(auvid_metric_t, cfg.sets, cfg.sets),
     ENUM(auvid_metric_t, cfg.smoothing),
     BYTE(auvid_metric_t, cfg.half_width, cfg.estimate_delay),
     REALS(auvid_metric_t, cfg.delay_s, cfg.delay_sigma_s),
-    BYTE(auvid_metric_t, cfg.lagged, cfg.lagged),
+    BYTE(auvid_metric_t, cfg.first_order_lag, cfg.first_order_lag),
     SPAN(auvid_metric_t, uint64_t, window_us, resume_us),
-    SPAN(auvid_metric_t, uint32_t, memory.known, memory.known),
-    REALS(auvid_metric_t, memory.pi, memory.colour),
+    SPAN(auvid_metric_t, uint32_t, prior.known, prior.known),
+    REALS(auvid_metric_t, prior.pi, prior.variance_inflation),
     SPAN(auvid_metric_t, uint32_t, columns, columns),
     BYTE(auvid_metric_t, count, index),
     SPAN(auvid_metric_t, uint16_t, factor_at, channel_at),
@@ -131,22 +129,22 @@ static const row_t metric[] = {
     REALS(auvid_metric_t, factor, tau_m2),
     SPAN(auvid_metric_t, uint16_t, rows, fastest),
     STRUCTS(auvid_metric_t, set, TABLE_SET),
-    SPAN(auvid_metric_t, uint32_t, turns, turns),
+    SPAN(auvid_metric_t, uint32_t, sets_stored, sets_stored),
     REALS(auvid_metric_t, merged, band_weight),
     COSTS(auvid_metric_t, band_sse, z),
     REALS(auvid_metric_t, candidate, weight),
     COSTS(auvid_metric_t, sum, squares),
     SOME(auvid_metric_t, auvid_real_t, window, window, PART_RESIDUAL, false),
-    REALS(auvid_metric_t, share, share),
+    REALS(auvid_metric_t, window_weight, window_weight),
     SPAN(auvid_metric_t, uint32_t, window_rows, window_rows),
     BYTE(auvid_metric_t, window_of, window_of),
-    SPAN(auvid_metric_t, uint16_t, at_row, paid),
-    BYTE(auvid_metric_t, window_length, turned),
+    SPAN(auvid_metric_t, uint16_t, at_row, spent),
+    BYTE(auvid_metric_t, window_length, ring_changed),
     REALS(auvid_metric_t, linear_delay_s, linear_delay_s),
-    BYTE(auvid_metric_t, driven, driven),
+    BYTE(auvid_metric_t, excited, excited),
     SPAN(auvid_metric_t, uint16_t, dof_rows, dof_rows),
     REALS(auvid_metric_t, delay_s, delay_s),
-    BYTE(auvid_metric_t, lagged, lagged),
+    BYTE(auvid_metric_t, first_order_lag, first_order_lag),
     REALS(auvid_metric_t, constant, constant),
     COSTS(auvid_metric_t, cost, sse),
     SPAN(auvid_metric_t, uint32_t, sets_recorded, rows_dropped),
@@ -176,8 +174,8 @@ static const row_t trip[] = {
 };
 
 static const row_t adaptive[] = {
-    SPAN(auvid_adaptive_t, uint32_t, missing, given_up),
-    BYTE(auvid_adaptive_t, driving, tried),
+    SPAN(auvid_adaptive_t, uint32_t, missing, abandoned),
+    BYTE(auvid_adaptive_t, playing, tried),
     SPAN(auvid_adaptive_t, uint16_t, close_rows, close_rows),
     SPAN(auvid_adaptive_t, uint32_t, estimate, rng),
     SPAN(auvid_adaptive_t, uint64_t, run_us, run_us),
@@ -189,7 +187,7 @@ static const row_t guard[] = {
     ENUM(auvid_guard_t, state),
     STRUCT(auvid_guard_t, trip, TABLE_TRIP),
     STRUCT(auvid_guard_t, refused, TABLE_TRIP),
-    SPAN(auvid_guard_t, uint64_t, t_us, alive_us),
+    SPAN(auvid_guard_t, uint64_t, t_us, heartbeat_us),
     REALS(auvid_guard_t, home, home),
     BYTE(auvid_guard_t, stepped, altitude_known),
 };
@@ -198,27 +196,27 @@ static const row_t confidence[] = {
     REALS(auvid_confidence_t, sigma, bound),
     SPAN(auvid_confidence_t, uint32_t, identifiable, implausible),
     BYTE(auvid_confidence_t, note, lost),
-    REALS(auvid_confidence_t, noise, uncertainty),
+    REALS(auvid_confidence_t, effective_noise, uncertainty),
 };
 
 static const row_t estimate[] = {
     SPAN(auvid_estimate_t, uint32_t, number, number),
     SPAN(auvid_estimate_t, uint64_t, t_us, t_us),
     SPAN(auvid_estimate_t, uint32_t, sets, identified),
-    BYTE(auvid_estimate_t, driven, driven),
+    BYTE(auvid_estimate_t, excited, excited),
     REALS(auvid_estimate_t, pi, delay_s),
-    BYTE(auvid_estimate_t, lagged, lagged),
+    BYTE(auvid_estimate_t, first_order_lag, first_order_lag),
     REALS(auvid_estimate_t, r2_force, r2_force),
     SPAN(auvid_estimate_t, uint32_t, evaluations_crs, evaluations_line),
-    BYTE(auvid_estimate_t, capped, accepted),
+    BYTE(auvid_estimate_t, not_converged, accepted),
     STRUCT(auvid_estimate_t, confidence, TABLE_CONFIDENCE),
 };
 
 static const row_t judgement[] = {
-    SPAN(auvid_judgement_t, uint32_t, set, estimate),
-    BYTE(auvid_judgement_t, driven, changed),
-    REALS(auvid_judgement_t, variance_ratio, r2_velocity),
-    BYTE(auvid_judgement_t, simulated, simulated),
+    SPAN(auvid_change_test_t, uint32_t, set, estimate),
+    BYTE(auvid_change_test_t, excited, changed),
+    REALS(auvid_change_test_t, variance_ratio, r2_velocity),
+    BYTE(auvid_change_test_t, simulated, simulated),
 };
 
 static const row_t sample[] = {
@@ -229,7 +227,7 @@ static const row_t sample[] = {
 
 static const row_t validation[] = {
     REALS(auvid_validation_t, pi, wrench),
-    SPAN(auvid_validation_t, uint32_t, lagged, lagged),
+    SPAN(auvid_validation_t, uint32_t, first_order_lag, first_order_lag),
     REALS(auvid_validation_t, cell_s, cell_s),
     SPAN(auvid_validation_t, uint32_t, dofs, dofs),
     STRUCT(auvid_validation_t, last, TABLE_SAMPLE),
@@ -252,13 +250,13 @@ static const row_t crs[] = {
     SPAN(auvid_crs_t, uint16_t, order, order),
     COSTS(auvid_crs_t, trial, trial),
     REALS(auvid_crs_t, initial_spread, last_spread),
-    SPAN(auvid_crs_t, uint32_t, rng, most_rejections),
+    SPAN(auvid_crs_t, uint32_t, rng, max_rejections_seen),
     SPAN(auvid_crs_t, uint16_t, filled, worst),
-    BYTE(auvid_crs_t, state, again),
+    BYTE(auvid_crs_t, state, reevaluating),
 };
 
 static const row_t line_config[] = {
-    BYTE(auvid_line_search_config_t, n, literal),
+    BYTE(auvid_line_search_config_t, n, paper),
     REALS(auvid_line_search_config_t, alpha0, epsilon),
     SPAN(auvid_line_search_config_t, uint32_t, max_evaluations, max_evaluations),
     REALS(auvid_line_search_config_t, lower, start),
@@ -288,10 +286,10 @@ static const row_t optimum[] = {
 
 static const row_t job[] = {
     STRUCT(auvid_confidence_job_t, result, TABLE_CONFIDENCE),
-    REALS(auvid_confidence_job_t, dry_mass_kg, joint),
+    REALS(auvid_confidence_job_t, dry_mass_kg, joint_factor),
     REALS(auvid_confidence_job_t, part, part), /* zeros, where a regressor may have been */
     REALS(auvid_confidence_job_t, score, rows),
-    BYTE(auvid_confidence_job_t, place, index),
+    BYTE(auvid_confidence_job_t, column_of, parameter_of),
     SPAN(auvid_confidence_job_t, uint32_t, at_bound, at_bound),
     BYTE(auvid_confidence_job_t, n, delayed),
 };
@@ -313,13 +311,13 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, adaptive, TABLE_ADAPTIVE),
     STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
     STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
-    STRUCT(auvid_identifier_t, trusted, TABLE_ESTIMATE),
-    STRUCT(auvid_identifier_t, judgement, TABLE_JUDGEMENT),
+    STRUCT(auvid_identifier_t, accepted_estimate, TABLE_ESTIMATE),
+    STRUCT(auvid_identifier_t, change_test, TABLE_CHANGE_TEST),
     STRUCT_OF(auvid_identifier_t, prediction, TABLE_VALIDATION, PART_SIMULATED),
     COSTS(auvid_identifier_t, predicted, predicted),
     SPAN(auvid_identifier_t, uint64_t, t_us, t_us),
-    SPAN(auvid_identifier_t, uint32_t, knot, work_most),
-    BYTE(auvid_identifier_t, phase, place),
+    SPAN(auvid_identifier_t, uint32_t, last_sample, max_work),
+    BYTE(auvid_identifier_t, phase, parameter_of),
     SPAN(auvid_identifier_t, uint32_t, active, active),
     REALS(auvid_identifier_t, candidate, delay_s),
     BYTE(auvid_identifier_t, started, saturated),
@@ -328,7 +326,7 @@ static const row_t identifier[] = {
     REALS(auvid_identifier_t, altitude_m, home),
     SPAN(auvid_identifier_t, uint32_t, searched, searched),
     REALS(auvid_identifier_t, cost, cost),
-    BYTE(auvid_identifier_t, paid, anew),
+    BYTE(auvid_identifier_t, spent, cold_start),
     STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
     STRUCT_OF(auvid_identifier_t, optimum, TABLE_OPTIMUM, PART_OPTIMUM),
     STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
@@ -345,7 +343,7 @@ static const row_t row[] = {
     }
 const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SEARCH] = TABLE(search),
-    [TABLE_KNOT] = TABLE(knot),
+    [TABLE_VELOCITY_SAMPLE] = TABLE(knot),
     [TABLE_DIAGNOSTICS] = TABLE(diagnostics),
     [TABLE_NAV] = TABLE(nav),
     [TABLE_STREAM] = TABLE(stream),
@@ -359,7 +357,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_GUARD] = TABLE(guard),
     [TABLE_CONFIDENCE] = TABLE(confidence),
     [TABLE_ESTIMATE] = TABLE(estimate),
-    [TABLE_JUDGEMENT] = TABLE(judgement),
+    [TABLE_CHANGE_TEST] = TABLE(judgement),
     [TABLE_SAMPLE] = TABLE(sample),
     [TABLE_VALIDATION] = TABLE(validation),
     [TABLE_CRS] = TABLE(crs),

@@ -42,7 +42,7 @@ typedef struct {
 /** The tables. One holds structs of earlier ones only. */
 enum {
     TABLE_SEARCH,
-    TABLE_KNOT,
+    TABLE_VELOCITY_SAMPLE,
     TABLE_DIAGNOSTICS,
     TABLE_NAV,
     TABLE_STREAM,
@@ -56,7 +56,7 @@ enum {
     TABLE_GUARD,
     TABLE_CONFIDENCE,
     TABLE_ESTIMATE,
-    TABLE_JUDGEMENT,
+    TABLE_CHANGE_TEST,
     TABLE_SAMPLE,
     TABLE_VALIDATION,
     TABLE_CRS,

@@ -52,9 +52,9 @@ static auvid_real_t number(const uint8_t *at, uint32_t width, bool has_sign)
 }
 
 /* Is the scalar at `at` within this limit? own: the identifier's. */
-static AUVID_APART bool is_within(const auvid_checkpoint_limit_t *limit,
-                                  const auvid_checkpoint_row_t *row, const uint8_t *at,
-                                  const uint8_t *own)
+static AUVID_NOINLINE bool is_within(const auvid_checkpoint_limit_t *limit,
+                                     const auvid_checkpoint_row_t *row, const uint8_t *at,
+                                     const uint8_t *own)
 {
     if (limit->same) {
         bool same = true;
@@ -178,8 +178,8 @@ static bool recorder_is_possible(const view_t *v)
 /* Rows of the set of that age. */
 static uint32_t set_rows(const view_t *v, uint32_t age)
 {
-    uint32_t slot = auvid_metric_place(WORD(metric.turns), WORD(metric.cfg.sets),
-                                       WORD(metric.from) + age);
+    uint32_t slot = auvid_metric_ring_index(WORD(metric.sets_stored), WORD(metric.cfg.sets),
+                                            WORD(metric.from) + age);
     return word(v, MEMBER(metric.set[0].rows) + slot * sizeof(auvid_set_t));
 }
 
@@ -187,11 +187,11 @@ static uint32_t set_rows(const view_t *v, uint32_t age)
  * estimate. Then the newer ones that wait do not, nor those that are to be judged later. */
 static bool ring_is_possible(const view_t *v)
 {
-    uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), unjudged = WORD(unjudged);
+    uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), unjudged = WORD(untested);
     uint32_t waiting = WORD(metric.waiting), least = WORD(metric.least), phase = WORD(phase);
     bool held = WORD(metric.held) != 0, stored = !auvid_metric_has_regressor(&v->id->metric);
-    bool full = WORD(metric.full) != 0, turned = WORD(metric.turned) != 0;
-    bool judges = phase >= AUVID_WORK_FORESEE && phase <= AUVID_WORK_JUDGE;
+    bool full = WORD(metric.full) != 0, turned = WORD(metric.ring_changed) != 0;
+    bool judges = phase >= AUVID_WORK_PREPARE && phase <= AUVID_WORK_CHANGE_TEST;
     uint32_t later = waiting + (unjudged > 0 ? unjudged - 1u : 0u);
     return from <= sets && waiting <= sets && unjudged <= sets && least <= sets &&
            WORD(metric.sets_merged) <= sets && judges == (unjudged > 0) &&
@@ -222,12 +222,12 @@ static bool sets_are_possible(const view_t *v)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         modelled |= (uint32_t)(auvid_metric_order(m, j) > 0) << j;
     }
-    bool good = (WORD(metric.driven) & ~modelled) == 0 &&
+    bool good = (WORD(metric.excited) & ~modelled) == 0 &&
                 rows_are_possible(v, MEMBER(metric.rows), MEMBER(metric.rows_of[0]),
                                   MEMBER(metric.rows_of[0]), 0);
     for (size_t k = 0; k < AUVID_MAX_SETS; ++k) {
         size_t at = MEMBER(metric.set[0]) + k * sizeof(auvid_set_t);
-        uint32_t driven = word(v, at + offsetof(auvid_set_t, driven));
+        uint32_t driven = word(v, at + offsetof(auvid_set_t, excited));
         uint32_t filled = word(v, at + offsetof(auvid_set_t, rows));
         good = good && filled <= rows && (driven != 0) == (filled != 0) &&
                word(v, at + offsetof(auvid_set_t, number)) <= recorded &&
@@ -237,7 +237,7 @@ static bool sets_are_possible(const view_t *v)
     }
     bool any = WORD(phase) < AUVID_WORK_MERGE;
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (WORD(metric.driven) >> j & 1u) != 0;
+        bool driven = (WORD(metric.excited) >> j & 1u) != 0;
         good = good && (!driven || word(v, MEMBER(metric.dof_rows[0]) + j * sizeof(uint16_t)) > 0);
         any = any || (driven && m->count[j] > 0);
     }
@@ -251,7 +251,7 @@ static bool pass_is_possible(const view_t *v)
     uint32_t phase = WORD(phase), pass = WORD(metric.pass), sets = WORD(metric.cfg.sets);
     uint32_t at_set = WORD(metric.at_set), at_dof = WORD(metric.at_dof);
     uint32_t at_row = WORD(metric.at_row), to_set = WORD(metric.to_set);
-    bool linear = auvid_metric_has_regressor(m), gathers = pass <= PASS_MEMORY;
+    bool linear = auvid_metric_has_regressor(m), gathers = pass <= PASS_PRIOR;
     bool walks = pass <= PASS_LAST || pass == PASS_MEASURE; /* by DoF */
     bool in_dof = at_dof < AUVID_DOF_COUNT || !walks || at_set >= to_set;
     bool right = true;
@@ -268,11 +268,11 @@ static bool pass_is_possible(const view_t *v)
     case AUVID_WORK_MEASURE:
         right = pass == PASS_MEASURE && in_dof;
         break;
-    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREPARE:
     case AUVID_WORK_LINEARISE:
         right = linear || ((pass == PASS_LINEAR || gathers) && in_dof);
         break;
-    case AUVID_WORK_JUDGE:
+    case AUVID_WORK_CHANGE_TEST:
         right = pass == PASS_LAST;
         break;
     default:
@@ -285,7 +285,7 @@ static bool pass_is_possible(const view_t *v)
         right = right && at_set < count && at_row < set_rows(v, at_set) &&
                 length <= at_row + 1u + before && WORD(metric.at_part) < parts;
     }
-    return right && to_set <= sets && at_set <= sets + (phase == AUVID_WORK_JUDGE ? 2u : 0u);
+    return right && to_set <= sets && at_set <= sets + (phase == AUVID_WORK_CHANGE_TEST ? 2u : 0u);
 }
 
 static bool metric_is_possible(const view_t *v)
@@ -293,19 +293,20 @@ static bool metric_is_possible(const view_t *v)
     const auvid_metric_t *m = &v->id->metric;
     uint32_t sets = WORD(metric.cfg.sets), rows = WORD(metric.cfg.set_rows);
     bool stored = !auvid_metric_has_regressor(m);
-    auvid_memory_t memory;
+    auvid_prior_t memory;
     memset(&memory, 0, sizeof memory);
-    memory.known = WORD(metric.memory.known);
+    memory.known = WORD(metric.prior.known);
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        memory.pi[i] = real_at(v, MEMBER(metric.memory.pi[0]) + i * sizeof(auvid_real_t));
-        memory.sigma[i] = real_at(v, MEMBER(metric.memory.sigma[0]) + i * sizeof(auvid_real_t));
+        memory.pi[i] = real_at(v, MEMBER(metric.prior.pi[0]) + i * sizeof(auvid_real_t));
+        memory.sigma[i] = real_at(v, MEMBER(metric.prior.sigma[0]) + i * sizeof(auvid_real_t));
     }
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory.colour[j] = real_at(v, MEMBER(metric.memory.colour[0]) + j * sizeof(auvid_real_t));
+        memory.variance_inflation[j] =
+            real_at(v, MEMBER(metric.prior.variance_inflation[0]) + j * sizeof(auvid_real_t));
     }
     return rows * sets <= 60000u && ring_is_possible(v) &&
            (!stored || (sets + 1u) * rows == (m->cfg.sets + 1u) * m->cfg.set_rows) &&
-           auvid_metric_check_memory(m, &memory) == AUVID_OK && sets_are_possible(v) &&
+           auvid_metric_check_prior(m, &memory) == AUVID_OK && sets_are_possible(v) &&
            pass_is_possible(v);
 }
 
@@ -397,12 +398,13 @@ static bool job_is_possible(const view_t *v)
                 WORD(confidence.at_set) < WORD(metric.cfg.sets) &&
                 notes_are_possible(v, MEMBER(confidence.result));
     for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        uint32_t to = word(v, MEMBER(confidence.place[0]) + i);
+        uint32_t to = word(v, MEMBER(confidence.column_of[0]) + i);
         bool unused = i >= m->cfg.vehicle->parameters;
         good = good && (unused || to < n || to == NOWHERE) &&
-               word(v, MEMBER(confidence.index[0]) + i) < m->cfg.vehicle->parameters;
+               word(v, MEMBER(confidence.parameter_of[0]) + i) < m->cfg.vehicle->parameters;
     }
-    if (!good || j >= AUVID_DOF_COUNT || m->count[j] == 0 || (WORD(metric.driven) >> j & 1u) == 0) {
+    if (!good || j >= AUVID_DOF_COUNT || m->count[j] == 0 ||
+        (WORD(metric.excited) >> j & 1u) == 0) {
         return false;
     }
     uint32_t steps = phase == OWN || phase == BIAS ? 1u
@@ -451,12 +453,12 @@ static bool search_goes_with_phase(const view_t *v)
 static bool identifier_is_possible(const view_t *v)
 {
     uint32_t parts = v->sizes->parts;
-    return parts < 2u * PART_OPTIMUM && WORD(paid) <= BEGIN_PRICE + 1u &&
+    return parts < 2u * PART_OPTIMUM && WORD(spent) <= BEGIN_PRICE + 1u &&
            ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
            ((parts & PART_SIMULATED) == 0 || prediction_is_possible(v)) &&
            (WORD(active) & ~auvid_metric_free_of(&v->id->metric, UINT8_MAX)) == 0 &&
            notes_are_possible(v, MEMBER(estimate.confidence)) &&
-           notes_are_possible(v, MEMBER(trusted.confidence)) && search_goes_with_phase(v);
+           notes_are_possible(v, MEMBER(accepted_estimate.confidence)) && search_goes_with_phase(v);
 }
 
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,

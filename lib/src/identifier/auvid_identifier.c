@@ -64,7 +64,7 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
             search.upper[n++] = cfg->search.upper[i];
         }
     }
-    if (AUVID_REGRESSOR_ONLY && cfg->search.literal_search) {
+    if (AUVID_REGRESSOR_ONLY && cfg->search.paper) {
         return AUVID_ERR_MODEL;
     }
     if (delay && n < AUVID_MAX_PARAMETERS) {
@@ -179,7 +179,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
-        id->listening = cfg->listening;
+        id->listening = cfg->listener_context;
         status = init_modules(id, cfg);
     }
     if (status < 0) {

@@ -9,7 +9,8 @@
 
 static auvid_guard_seen_t seen_by(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
-    auvid_guard_seen_t seen = {nav->diagnostics[sensor].good_us, nav->diagnostics[sensor].alive};
+    auvid_guard_seen_t seen = {nav->diagnostics[sensor].good_us,
+                               nav->diagnostics[sensor].has_sample};
     return seen;
 }
 
@@ -33,7 +34,7 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
         in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
     }
     in->depth = seen_by(&id->nav, AUVID_NAV_DEPTH);
-    const auvid_nav_knot_t *water = &id->nav.water;
+    const auvid_nav_velocity_sample_t *water = &id->nav.water;
     if (id->guard.cfg.water_lock && water->sequence > 0 &&
         (!in->velocity.known || water->t_us > in->velocity.t_us)) {
         in->velocity = (auvid_guard_seen_t){water->t_us, true};
@@ -96,7 +97,7 @@ static void steer(auvid_identifier_t *id)
     for (int j = 0; j < 3; ++j) {
         d[j] = r[0][j] * moved[0] + r[1][j] * moved[1] + r[2][j] * moved[2];
     }
-    (void)auvid_excitation_steer(&id->excitation, d);
+    (void)auvid_excitation_set_displacement(&id->excitation, d);
 }
 
 static void end_excitation(auvid_identifier_t *id)

@@ -71,7 +71,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
         return AUVID_ERR_RANGE;
     }
     auvid_real_t seen = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];
-    bool credible = (e->driven >> dof & 1) != 0 && !e->capped && auvid_abs(speed) <= seen &&
+    bool credible = (e->excited >> dof & 1) != 0 && !e->not_converged && auvid_abs(speed) <= seen &&
                     (e->confidence.implausible & equation) == 0 && s.force * speed < AUVID_C(0.0);
     auvid_real_t sigma = auvid_sqrt(s.variance + s.thrust * s.thrust + s.dvl * s.dvl);
     auvid_real_t half = AUVID_CONFIDENCE_HALF_WIDTH * sigma;

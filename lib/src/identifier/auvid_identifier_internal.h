@@ -35,7 +35,7 @@ static inline void identifier_take_set(auvid_identifier_t *id, auvid_status_t st
         id->set_pending = true;
         id->events |= AUVID_EVENT_SET;
     } else if (status == AUVID_SET_IDLE) {
-        id->events |= AUVID_EVENT_SET | AUVID_EVENT_NOT_DRIVEN;
+        id->events |= AUVID_EVENT_SET | AUVID_EVENT_NOT_EXCITED;
     }
 }
 
@@ -49,7 +49,7 @@ void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, a
 void auvid_identifier_begin_sets(auvid_identifier_t *id);
 
 /** Judge the last estimate by the oldest set that has not been judged; if there is none, merge. */
-void auvid_identifier_begin_judge(auvid_identifier_t *id);
+void auvid_identifier_begin_change_test(auvid_identifier_t *id);
 
 /** Nothing is left to do for the sets of the ring. */
 void auvid_identifier_rest(auvid_identifier_t *id);
@@ -58,7 +58,7 @@ void auvid_identifier_rest(auvid_identifier_t *id);
 void auvid_identifier_begin_merge(auvid_identifier_t *id);
 
 /** One stretch of judging. @return AUVID_OK; AUVID_PENDING */
-auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget);
+auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *budget);
 
 /** Regressor path: begin to look for the least cost within the bounds, from the result that is in
  * `candidate`. What the optimizer held is lost. */

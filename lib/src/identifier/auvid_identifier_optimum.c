@@ -22,7 +22,7 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id)
     }
     auvid_bounded_ls_begin(ls, n);
     for (int i = 0; i < n; ++i) {
-        int p = id->place[i];
+        int p = id->parameter_of[i];
         ls->lower[i] = id->search.lower[p];
         ls->upper[i] = id->search.upper[p];
         ls->x[i] = id->candidate[p];
@@ -38,13 +38,13 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     auvid_status_t status = AUVID_PENDING;
     while (status == AUVID_PENDING && *budget > 0) {
         --*budget;
-        if (++ls->paid * 40 < ls->n * (ls->n + 24)) {
+        if (++ls->spent * 40 < ls->n * (ls->n + 24)) {
             continue;
         }
-        ls->paid = 0;
+        ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->constant);
-        } else if (ls->row == m->count[ls->dof] || !(m->driven >> ls->dof & 1)) {
+        } else if (ls->row == m->count[ls->dof] || !(m->excited >> ls->dof & 1)) {
             ++ls->dof;
             ls->row = 0;
         } else {
@@ -54,7 +54,7 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     }
     if (status != AUVID_PENDING) {
         auvid_real_t allowed = EXCESS * (ls->cost + m->constant) + EXCESS_OF_ALL * ls->zero;
-        id->capped |= !(ls->start - ls->cost <= allowed);
+        id->not_converged |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;
 }

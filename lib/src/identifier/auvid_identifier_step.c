@@ -41,9 +41,9 @@ static void take_cells(auvid_identifier_t *id, int most)
 static void record_velocity(auvid_identifier_t *id)
 {
     bool water = id->velocity == AUVID_VELOCITY_WATER;
-    const auvid_nav_knot_t *knot = water ? &id->nav.water : &id->nav.ground;
-    if (!id->velocity_every_tick && knot->sequence != id->knot) {
-        id->knot = knot->sequence;
+    const auvid_nav_velocity_sample_t *knot = water ? &id->nav.water : &id->nav.ground;
+    if (!id->velocity_every_tick && knot->sequence != id->last_sample) {
+        id->last_sample = knot->sequence;
         (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity, knot->measured);
     }
 }
@@ -57,7 +57,7 @@ static void identifier_note(auvid_identifier_t *id, auvid_status_t status, uint3
 static void note_held(auvid_identifier_t *id)
 {
     const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
-    unsigned refused = id->nav.held_refused;
+    unsigned refused = id->nav.held_rejected;
     id->events |= (refused & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
     id->events |= (refused >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
     id->events |= (refused >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;

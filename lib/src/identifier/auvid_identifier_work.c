@@ -8,7 +8,7 @@
  * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
  * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
  * oldest: what reads the ring begins again with those that are left. Judging is in
- * auvid_identifier_judge.c, what LINEARISE does for a model with regressor in
+ * auvid_identifier_validate.c, what LINEARISE does for a model with regressor in
  * auvid_identifier_optimum.c.
  */
 #include <string.h>
@@ -32,7 +32,7 @@ static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, con
     auvid_real_t *theta = cfg->scale;
     int n = cfg->crs.n - (searches_delay(id) ? 1 : 0);
     for (int i = 0; i < n; ++i) {
-        theta[i] = auvid_clamp(pi[id->place[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
+        theta[i] = auvid_clamp(pi[id->parameter_of[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
     }
     if (searches_delay(id)) {
         theta[n] = delay_s;
@@ -50,13 +50,13 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
     id->active = auvid_metric_searched(&id->metric);
     for (uint8_t i = 0; i < identifier_vehicle(id)->parameters; ++i) {
         if (id->active >> i & 1u) {
-            id->place[n++] = i;
+            id->parameter_of[n++] = i;
         }
     }
     auvid_optimizer_defaults(search, (uint8_t)(n + searches_delay(id)));
     auvid_metric_scale(&id->metric, scale);
     for (int i = 0; i < n; ++i) {
-        int p = id->place[i];
+        int p = id->parameter_of[i];
         auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
         search->crs.lower[i] = cfg->lower[p];
         search->crs.upper[i] = cfg->upper[p];
@@ -73,7 +73,7 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
         search->crs.omega = cfg->omega;
     }
     search->crs.seed = cfg->seed + id->searches;
-    search->line_search.literal = cfg->literal_search;
+    search->line_search.paper = cfg->paper;
 }
 
 static auvid_status_t begin_search(auvid_identifier_t *id)
@@ -88,10 +88,10 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
     if (id->search.has_good) {
         add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
     }
-    if (id->estimate.number > 0 && !id->anew) {
+    if (id->estimate.number > 0 && !id->cold_start) {
         add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
     }
-    id->anew = false;
+    id->cold_start = false;
     return AUVID_OK;
 }
 
@@ -115,7 +115,7 @@ static void begin_measure(auvid_identifier_t *id)
     id->phase = AUVID_WORK_MEASURE;
 }
 
-static AUVID_APART void ask(auvid_identifier_t *id)
+static AUVID_NOINLINE void ask(auvid_identifier_t *id)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
@@ -126,7 +126,7 @@ static AUVID_APART void ask(auvid_identifier_t *id)
     } else if (status != AUVID_PENDING) {
         expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
         id->searched = auvid_optimizer_work(&id->optimizer);
-        id->capped = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
+        id->not_converged = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
         begin_measure(id);
     }
 }
@@ -138,7 +138,7 @@ static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
         uint16_t most = 0;
         for (int age = 0; age < auvid_metric_sets(m); ++age) {
             const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-            uint16_t speed = (set->driven >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+            uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
             most = speed > most ? speed : most;
         }
         e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)most;
@@ -152,17 +152,17 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     e->t_us = id->t_us;
     e->sets = id->sets;
     e->identified = auvid_metric_active(&id->metric);
-    e->driven = id->metric.driven;
+    e->excited = id->metric.excited;
     memcpy(e->pi, id->candidate, sizeof e->pi);
     e->cost = id->cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool common = identifier_residual_path(id) && (e->driven >> j & 1);
+        bool common = identifier_residual_path(id) && (e->excited >> j & 1);
         e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
     }
-    e->lagged = id->metric.lagged;
+    e->first_order_lag = id->metric.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
     gather_speeds(&id->metric, e);
-    e->capped = id->capped;
+    e->not_converged = id->not_converged;
     e->evaluations_crs = id->searched.crs;
     e->evaluations_line = id->searched.line_search;
     e->confidence = id->confidence.result;
@@ -196,7 +196,7 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
             auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg,
                                    &id->uncertainty);
             auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
-                                    id->capped && !identifier_residual_path(id));
+                                    id->not_converged && !identifier_residual_path(id));
             id->phase = AUVID_WORK_CONFIDENCE;
         }
     } else {
@@ -212,12 +212,12 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
 static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
-    if (id->paid == 0) {
+    if (id->spent == 0) {
         status = auvid_metric_merge(&id->metric, budget);
-        id->paid = status == AUVID_OK;
+        id->spent = status == AUVID_OK;
     } else {
         --*budget;
-        if (id->paid++ == BEGIN_PRICE) {
+        if (id->spent++ == BEGIN_PRICE) {
             status = begin_search(id);
             id->searching = true;
             id->phase = AUVID_WORK_ASK;
@@ -232,15 +232,15 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
 /* A set has taken the place of the oldest: begin again what was reading the ring. */
 static void begin_again(auvid_identifier_t *id)
 {
-    id->metric.turned = false;
+    id->metric.ring_changed = false;
     switch ((auvid_work_phase_t)id->phase) {
-    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREPARE:
     case AUVID_WORK_PREDICT:
     case AUVID_WORK_COMPARE:
-        auvid_identifier_begin_judge(id);
+        auvid_identifier_begin_change_test(id);
         break;
-    case AUVID_WORK_JUDGE:
-        auvid_metric_judge_begin(&id->metric);
+    case AUVID_WORK_CHANGE_TEST:
+        auvid_metric_change_begin(&id->metric);
         break;
     case AUVID_WORK_MERGE:
         auvid_identifier_begin_merge(id);
@@ -282,11 +282,11 @@ static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
     case AUVID_WORK_CONFIDENCE:
         status = assess(id, budget);
         break;
-    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREPARE:
     case AUVID_WORK_PREDICT:
     case AUVID_WORK_COMPARE:
-    case AUVID_WORK_JUDGE:
-        status = auvid_identifier_judge(id, budget);
+    case AUVID_WORK_CHANGE_TEST:
+        status = auvid_identifier_change_test(id, budget);
         break;
     case AUVID_WORK_IDLE:
     default:
@@ -306,7 +306,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
-    if (budget > 0 && id->metric.turned) {
+    if (budget > 0 && id->metric.ring_changed) {
         begin_again(id);
     }
     if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {
@@ -317,7 +317,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
         status = advance(id, &left);
     }
     id->work_last = budget - left;
-    id->work_most = id->work_last > id->work_most ? id->work_last : id->work_most;
+    id->max_work = id->work_last > id->max_work ? id->work_last : id->max_work;
     bool idle = id->phase == AUVID_WORK_IDLE && !id->set_pending;
     return status < 0 || idle ? status : AUVID_PENDING;
 }

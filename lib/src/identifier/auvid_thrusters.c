@@ -296,7 +296,7 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     }
     cfg->metric.estimate_delay = false;
     cfg->listener = &listener;
-    cfg->listening = th;
+    cfg->listener_context = th;
     return AUVID_OK;
 }
 

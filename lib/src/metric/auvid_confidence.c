@@ -51,7 +51,7 @@ typedef auvid_confidence_job_t job_t;
 
 static bool is_driven(const job_t *c, int j)
 {
-    return (c->metric->driven >> j & 1) != 0 && c->metric->count[j] > 0;
+    return (c->metric->excited >> j & 1) != 0 && c->metric->count[j] > 0;
 }
 
 /* Weights of the wrench at DoF j's delay, or their derivatives. */
@@ -59,7 +59,7 @@ static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUV
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
-    bool lag = (m->lagged >> j & 1) != 0;
+    bool lag = (m->first_order_lag >> j & 1) != 0;
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
@@ -76,7 +76,7 @@ static void find_own(job_t *c, int j)
     c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the sets merged, some of which may be gone */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        uint32_t rows = (set->driven >> j & 1) == 0 ? 0u : set->rows_of[j];
+        uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
         if (rows > 0) {
             c->rows[j] -= linear ? AUVID_C(0.0) : (auvid_real_t)(rows - set->windows[j]);
             lost += (uint32_t)set->lost + set->rows - rows;
@@ -85,21 +85,23 @@ static void find_own(job_t *c, int j)
     }
     c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
     for (int i = 0; i < count; ++i) {
-        const auvid_real_t *r = confidence_merged(c, j) + auvid_triangle_row(n, i);
+        const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
         auvid_real_t e = -m->z[at + i];
         for (int k = i; k < count; ++k) {
             e += r[k - i] * c->pi[m->index[at + k]];
         }
         excess += e * e;
-        c->own[at + i] = m->z[at + i];
+        c->single_dof_optimum[at + i] = m->z[at + i];
     }
-    (void)auvid_triangle_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4), c->own + at);
+    (void)auvid_qr_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4),
+                         c->single_dof_optimum + at);
     delay_weights(c, j, false, l);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        c->own[at + count + d] = -l[d];
+        c->single_dof_optimum[at + count + d] = -l[d];
     }
-    auvid_real_t squares = excess + auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
-    c->result.residual[j] =
+    auvid_real_t squares =
+        excess + auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
+    c->result.residual_rms[j] =
         c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
 }
 
@@ -131,14 +133,14 @@ static int delay_columns(const job_t *c, int j)
 static void add_priors(job_t *c, int j, int order)
 {
     auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
-    auvid_real_t left = c->part[AUVID_TRIANGLE(order) - 1];
+    auvid_real_t left = c->part[AUVID_QR_FACTOR(order) - 1];
     auvid_real_t noise = auvid_sqrt(SMOOTHED * left * left / c->rows[j]);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     row[0] = noise / sigma;
-    auvid_triangle_add(c->part, order, 0, row);
+    auvid_qr_update(c->part, order, 0, row);
     memset(row, 0, sizeof row);
     row[1] = noise / (AUVID_C(2.0) * sigma * sigma);
-    auvid_triangle_add(c->part, order, 1, row);
+    auvid_qr_update(c->part, order, 1, row);
 }
 
 /* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
@@ -156,7 +158,7 @@ static void border(job_t *c, int j)
     delay_weights(c, j, false, l);
     memset(c->part, 0, sizeof c->part);
     for (int i = 0; i < n; ++i) {
-        const auvid_real_t *r = confidence_merged(c, j) + auvid_triangle_row(n, i);
+        const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
         auvid_real_t residual = AUVID_C(0.0), second = AUVID_C(0.0);
         for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
@@ -172,7 +174,7 @@ static void border(job_t *c, int j)
             row[1] = second;
             row[order - 1] = residual;
         }
-        auvid_triangle_add(c->part, order, 0, row);
+        auvid_qr_update(c->part, order, 0, row);
     }
     if (first == 2) {
         add_priors(c, j, order);
@@ -186,23 +188,22 @@ static void confidence_rotate_row(job_t *c, int j, int i)
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
     int count = m->count[j], first = delay_columns(c, j);
-    const auvid_real_t *r =
-        confidence_merged(c, j) + auvid_triangle_row(auvid_metric_order(m, j), i);
+    const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(auvid_metric_order(m, j), i);
     if (c->delayed && (is_considered(c, j) || is_estimated(c, j))) {
         if (i == 0) {
             border(c, j);
         }
-        r = c->part + auvid_triangle_row(first == 1 ? count + 1 : count + 3, i + first);
+        r = c->part + auvid_qr_row(first == 1 ? count + 1 : count + 3, i + first);
         residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
     }
     for (int k = i; k < count; ++k) {
-        int place = c->place[m->index[m->channel_at[j] + k]];
+        int place = c->column_of[m->index[m->channel_at[j] + k]];
         if (place != NOWHERE) {
             row[place] += scale * r[k - i];
             c->influence[place] += scale * r[k - i] * residual;
         }
     }
-    auvid_triangle_add(c->joint, c->n, 0, row);
+    auvid_qr_update(c->joint_factor, c->n, 0, row);
 }
 
 /* ---- BOUND: a smallest pivot for column i; INVERT: (J'J)^-1_ii ---- */
@@ -210,24 +211,24 @@ static void confidence_rotate_row(job_t *c, int j, int i)
 static void bound_pivot(job_t *c, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
-    row[i] = RIDGE * auvid_triangle_norm(c->joint, c->n, i);
-    auvid_triangle_add(c->joint, c->n, i, row);
+    row[i] = RIDGE * auvid_qr_column_norm(c->joint_factor, c->n, i);
+    auvid_qr_update(c->joint_factor, c->n, i, row);
 }
 
 static void invert(job_t *c, int i)
 {
     auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
     if (c->delayed && i == 0) {
-        auvid_triangle_solve_left(c->joint, c->n, c->n, c->influence);
+        auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence);
     }
     y[i] = AUVID_C(1.0);
-    auvid_triangle_solve_left(c->joint, c->n, c->n, y);
+    auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, y);
     for (int k = i; k < c->n; ++k) {
         squares += y[k] * y[k];
     }
     if (c->delayed) {
         for (int k = i; k < c->n; ++k) {
-            c->moved[i] += y[k] * c->influence[k];
+            c->delay_step[i] += y[k] * c->influence[k];
         }
         c->widening[i] = squares;
         return;
@@ -241,11 +242,11 @@ static void invert(job_t *c, int i)
 /* All sets are through: s_j^2, and DoF j's part of the bias' right-hand side into influence. */
 static void find_bias(job_t *c, int j)
 {
-    auvid_real_t residual = c->result.residual[j];
-    bool several = c->freedom[j] > AUVID_C(1e-4);
+    auvid_real_t residual = c->result.residual_rms[j];
+    bool several = c->degrees_of_freedom[j] > AUVID_C(1e-4);
     auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
-    auvid_real_t freedom = several ? c->freedom[j] : AUVID_C(0.0);
-    c->result.noise[j] =
+    auvid_real_t freedom = several ? c->degrees_of_freedom[j] : AUVID_C(0.0);
+    c->result.effective_noise[j] =
         auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
     auvid_confidence_bias(c, j);
 }
@@ -284,7 +285,7 @@ static void work_step(job_t *c)
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
             auvid_confidence_finish_dof(c, j);
-        } else if (c->at_set < auvid_metric_sets(c->metric) && (set->driven >> j & 1)) {
+        } else if (c->at_set < auvid_metric_sets(c->metric) && (set->excited >> j & 1)) {
             auvid_confidence_take_row(c, set, j, i / n, i % n);
         }
         break;
@@ -325,7 +326,7 @@ static void end_phase(job_t *c)
 {
     if (c->phase == INVERT && c->delayed) {
         c->delayed = false; /* once more, for given delays */
-        memset(c->joint, 0, sizeof c->joint);
+        memset(c->joint_factor, 0, sizeof c->joint_factor);
         memset(c->influence, 0, sizeof c->influence);
         c->phase = ROTATE;
     } else {
@@ -385,14 +386,14 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         c->pi[i] = pi[i];
         c->widening[i] = AUVID_C(1.0);
-        c->place[i] = NOWHERE;
+        c->column_of[i] = NOWHERE;
         if (searched >> i & 1u) {
-            c->index[c->n] = (uint8_t)i;
-            c->place[i] = c->n++;
+            c->parameter_of[c->n] = (uint8_t)i;
+            c->column_of[i] = c->n++;
         }
     }
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-        bool driven = metric->set[auvid_metric_slot(metric, age)].driven != 0;
+        bool driven = metric->set[auvid_metric_slot(metric, age)].excited != 0;
         c->result.sets = (uint8_t)(c->result.sets + driven);
     }
     /* with delays taken or uncertain, first what they cost: INVERT comes back here for the plain
@@ -414,7 +415,7 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
         return;
     }
     for (int k = 0; k < job->n; ++k) {
-        int p = job->index[k];
+        int p = job->parameter_of[k];
         bool high = job->pi[p] - lower[p] > upper[p] - job->pi[p];
         auvid_real_t bound = high ? upper[p] : lower[p];
         if (auvid_abs(job->pi[p] - bound) < NEAR * (upper[p] - lower[p])) {
@@ -423,7 +424,7 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
             job->result.bound[p] = bound;
         }
     }
-    job->capped = capped;
+    job->not_converged = capped;
 }
 
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
@@ -438,10 +439,10 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
     job->metric = metric;
     while (job->phase != DONE && *budget > 0) {
         --*budget;
-        if (++job->paid < price[job->phase] + price_of_border(job)) {
+        if (++job->spent < price[job->phase] + price_of_border(job)) {
             continue;
         }
-        job->paid = 0;
+        job->spent = 0;
         work_step(job);
         move_on(job);
     }

@@ -37,19 +37,19 @@ static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *
     const auvid_metric_t *m = c->metric;
     auvid_real_t sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int n = auvid_metric_order(m, j), count = (m->driven >> j & 1) ? m->count[j] : 0;
-        auvid_real_t scale = m->weight[j] * c->result.noise[j];
+        int n = auvid_metric_order(m, j), count = (m->excited >> j & 1) ? m->count[j] : 0;
+        auvid_real_t scale = m->weight[j] * c->result.effective_noise[j];
         for (int i = 0; i < count; ++i) {
-            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, i);
+            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, i);
             const uint8_t *index = m->index + m->channel_at[j];
             auvid_real_t e = AUVID_C(0.0);
             for (int k = i; k < count; ++k) {
-                int place = c->place[index[k]];
+                int place = c->column_of[index[k]];
                 e += place == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[place];
             }
             sum += scale * scale * e * e;
             for (int k = i; k < count; ++k) {
-                int place = c->place[index[k]];
+                int place = c->column_of[index[k]];
                 if (place != NOWHERE) {
                     y[place] += scale * scale * e * r[k - i];
                 }
@@ -62,8 +62,8 @@ static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *
 /* x = P x */
 static void confidence_invert(const job_t *c, auvid_real_t *x)
 {
-    auvid_triangle_solve_left(c->joint, c->n, c->n, x);
-    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), x);
+    auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, x);
+    (void)auvid_qr_solve(c->joint_factor, c->n, c->n, AUVID_C(0.0), x);
 }
 
 /* ---- what is considered ---- */
@@ -128,7 +128,7 @@ static void confidence_consider(job_t *c, int p)
     auvid_real_t thrust = auvid_confidence_thrust_degree(vehicle, p) * c->pi[p];
     auvid_real_t dvl = auvid_confidence_dvl_degree(vehicle, p) * c->pi[p];
     for (int f = 0; f < vehicle->parameters; ++f) {
-        if (c->place[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
+        if (c->column_of[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
             auvid_real_t share = share_of(c, p, f) * c->pi[f];
             thrust += auvid_confidence_thrust_degree(vehicle, f) * share;
             dvl += auvid_confidence_dvl_degree(vehicle, f) * share;
@@ -145,27 +145,27 @@ static void confidence_consider(job_t *c, int p)
 /* Where row p of the covariance has its diagonal. */
 static auvid_real_t *diagonal(job_t *c, int p)
 {
-    return c->covariance + auvid_triangle_row(c->metric->cfg.vehicle->parameters, p);
+    return c->covariance + auvid_qr_row(c->metric->cfg.vehicle->parameters, p);
 }
 
 /* Row i, not scaled, from its diagonal and y = Q P e_i, which is used up. */
 static void write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
 {
-    int p = c->index[i];
+    int p = c->parameter_of[i];
     confidence_invert(c, y);
     y[i] = variance;
     for (int k = i; k < c->n; ++k) {
-        diagonal(c, p)[c->index[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
+        diagonal(c, p)[c->parameter_of[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
     }
 }
 
 void auvid_confidence_scale(job_t *c, int i)
 {
-    int p = c->index[i];
+    int p = c->parameter_of[i];
     auvid_real_t *row = diagonal(c, p);
     for (int k = c->n - 1; k >= i; --k) { /* the scales stand in widening since judge */
-        auvid_real_t *entry = row + (c->index[k] - p);
-        auvid_real_t most = auvid_sqrt(*row) * auvid_sqrt(*diagonal(c, c->index[k]));
+        auvid_real_t *entry = row + (c->parameter_of[k] - p);
+        auvid_real_t most = auvid_sqrt(*row) * auvid_sqrt(*diagonal(c, c->parameter_of[k]));
         *entry = c->widening[i] * c->widening[k] * auvid_clamp(*entry, -most, most);
     }
 }
@@ -176,7 +176,7 @@ void auvid_confidence_judge(job_t *c, int i)
     auvid_real_t delta = AUVID_C(0.0), largest = AUVID_C(0.0), most = AUVID_C(0.0);
     auvid_real_t sets = (auvid_real_t)c->result.sets, widening = c->widening[i];
     auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
-    int partner = i, p = c->index[i];
+    int partner = i, p = c->parameter_of[i];
     c->widening[i] = AUVID_C(0.0);          /* no covariance, unless its error is known */
     if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
         auvid_confidence_note_idle(c, p);
@@ -187,8 +187,8 @@ void auvid_confidence_judge(job_t *c, int i)
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
-        if ((c->at_bound >> c->index[k] & 1u) && correlation > most) {
-            found.beside = c->index[k];
+        if ((c->at_bound >> c->parameter_of[k] & 1u) && correlation > most) {
+            found.beside = c->parameter_of[k];
             most = correlation;
         }
         delta -= x[k] * c->influence[k];
@@ -202,9 +202,9 @@ void auvid_confidence_judge(job_t *c, int i)
         variance =
             (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
-    found.sigma = auvid_sqrt(WIDENED * variance * widening + c->moved[i] * c->moved[i]);
+    found.sigma = auvid_sqrt(WIDENED * variance * widening + c->delay_step[i] * c->delay_step[i]);
     found.bias = auvid_abs(delta);
-    found.partner = largest > CORRELATED ? c->index[partner] : NOWHERE;
+    found.partner = largest > CORRELATED ? c->parameter_of[partner] : NOWHERE;
     confidence_consider(c, p);
     auvid_confidence_conclude(c, i, &found);
     write_row(c, i, plain, y);

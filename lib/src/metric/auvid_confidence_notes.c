@@ -80,7 +80,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
         (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
     auvid_real_t scaled = m->weight[j] * noise / mass;
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
-        c->influence[k] += scaled * a[c->index[k]];
+        c->influence[k] += scaled * a[c->parameter_of[k]];
     }
 }
 
@@ -90,11 +90,11 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 {
     const auvid_metric_config_t *cfg = &c->metric->cfg;
     bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
-    bool driven = (c->metric->driven >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    bool driven = (c->metric->excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
     c->result.sigma[i] = AUVID_LARGEST;
     c->result.note[i] = !free    ? AUVID_NOTE_FIXED
                         : driven ? AUVID_NOTE_UNCERTAIN
-                                 : AUVID_NOTE_NOT_DRIVEN;
+                                 : AUVID_NOTE_NOT_EXCITED;
 }
 
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
@@ -102,7 +102,7 @@ auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int
     const auvid_metric_t *m = c->metric;
     for (int k = 0; k < m->count[j]; ++k) {
         if (m->index[m->channel_at[j] + k] == i) {
-            return auvid_triangle_norm(m->merged + m->factor_at[j], auvid_metric_order(m, j), k);
+            return auvid_qr_column_norm(m->merged + m->factor_at[j], auvid_metric_order(m, j), k);
         }
     }
     return AUVID_C(0.0);
@@ -123,7 +123,7 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        if (set->driven >> j & 1) {
+        if (set->excited >> j & 1) {
             wrench += set->tau_m2[j];
             rows += (auvid_real_t)set->rows_of[j];
         }
@@ -138,7 +138,7 @@ static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
     auvid_real_t least = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t value = small_in(c, i, j);
-        least = (c->metric->driven >> j & 1) && value < least ? value : least;
+        least = (c->metric->excited >> j & 1) && value < least ? value : least;
     }
     return least < AUVID_LARGEST ? least : AUVID_C(0.0);
 }
@@ -150,7 +150,7 @@ static bool is_explained(const auvid_metric_t *m, int j)
     auvid_real_t total = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+        total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
     }
     return m->sse[j] <= total;
 }
@@ -183,7 +183,7 @@ static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
-    auvid_real_t square = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    auvid_real_t square = auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
     for (int k = 0; k < m->count[j]; ++k) {
         auvid_real_t z = m->z[m->channel_at[j] + k];
         square += z * z;
@@ -205,7 +205,7 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
     uint32_t beyond = 0, claimed = 0;
     uint8_t culprit = NOWHERE;
     for (int k = 0; k < c->n; ++k) {
-        int p = c->index[k];
+        int p = c->parameter_of[k];
         if ((int)c->metric->cfg.vehicle->parameter[p].dof != j) {
             continue;
         }
@@ -227,7 +227,7 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
     to->implausible |= beyond;
     to->identifiable &= ~claimed;
     for (int k = 0; k < c->n; ++k) {
-        int p = c->index[k];
+        int p = c->parameter_of[k];
         if (claimed >> p & 1u) {
             to->note[p] = AUVID_NOTE_DISCREDITED;
             to->partner[p] = culprit;
@@ -241,7 +241,7 @@ static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_
                              const auvid_finding_t *found)
 {
     auvid_real_t distance = auvid_abs(c->pi[p] - c->result.bound[p]);
-    if (c->capped) {
+    if (c->not_converged) {
         return AUVID_NOTE_NOT_CONVERGED;
     }
     if ((c->at_bound >> p & 1u) && !(distance > half)) {
@@ -253,9 +253,9 @@ static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_
 
 void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found)
 {
-    int p = c->index[i];
+    int p = c->parameter_of[i];
     auvid_confidence_t *to = &c->result;
-    if (to->note[p] == AUVID_NOTE_NOT_DRIVEN) {
+    if (to->note[p] == AUVID_NOTE_NOT_EXCITED) {
         return; /* a by-product */
     }
     const auvid_metric_config_t *cfg = &c->metric->cfg;
@@ -268,7 +268,8 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
     /* where a bound holds the estimate, the delays' step would lead it back, too */
-    auvid_real_t apart = auvid_max(sigma * sigma - c->moved[i] * c->moved[i], AUVID_C(0.0));
+    auvid_real_t apart =
+        auvid_max(sigma * sigma - c->delay_step[i] * c->delay_step[i], AUVID_C(0.0));
     auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
     bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
     to->sigma[p] = known ? total : AUVID_LARGEST;

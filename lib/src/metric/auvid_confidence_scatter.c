@@ -20,19 +20,19 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
     auvid_real_t own = AUVID_C(0.0), joint = AUVID_C(0.0), weight = m->band_weight[band][j];
     auvid_metric_unpack_row(m, set, band, j, i, w);
     for (int k = i; k < n; ++k) {
-        own += w[k] * c->own[at + k];
-        joint += w[k] * (k < count ? c->pi[m->index[at + k]] : c->own[at + k]);
+        own += w[k] * c->single_dof_optimum[at + k];
+        joint += w[k] * (k < count ? c->pi[m->index[at + k]] : c->single_dof_optimum[at + k]);
     }
     for (int k = i; k < count; ++k) {
-        int place = c->place[m->index[at + k]];
+        int place = c->column_of[m->index[at + k]];
         c->score[k] += weight * own * w[k];
         if (place != NOWHERE) {
             c->influence[place] += m->weight[j] * weight * joint * w[k];
         }
     }
-    auvid_triangle_solve_left(confidence_merged(c, j), n, count, w);
+    auvid_qr_solve_transposed(confidence_merged(c, j), n, count, w);
     for (int a = 0; a < count; ++a) {
-        auvid_real_t *to = c->part + auvid_triangle_row(count, a);
+        auvid_real_t *to = c->part + auvid_qr_row(count, a);
         for (int b = a; b < count; ++b) {
             to[b - a] += weight * w[a] * w[b];
         }
@@ -44,13 +44,14 @@ void auvid_confidence_finish_dof(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     int count = m->count[j];
-    auvid_triangle_solve_left(confidence_merged(c, j), auvid_metric_order(m, j), count, c->score);
+    auvid_qr_solve_transposed(confidence_merged(c, j), auvid_metric_order(m, j), count, c->score);
     for (int a = 0; a < count; ++a) {
-        const auvid_real_t *row = c->part + auvid_triangle_row(count, a);
+        const auvid_real_t *row = c->part + auvid_qr_row(count, a);
         c->scatter[j] += c->score[a] * c->score[a];
-        c->freedom[j] += row[0]; /* sums to the rank */
+        c->degrees_of_freedom[j] += row[0]; /* sums to the rank */
         for (int b = a; b < count; ++b) {
-            c->freedom[j] -= (b == a ? AUVID_C(1.0) : AUVID_C(2.0)) * row[b - a] * row[b - a];
+            c->degrees_of_freedom[j] -=
+                (b == a ? AUVID_C(1.0) : AUVID_C(2.0)) * row[b - a] * row[b - a];
         }
     }
     memset(c->score, 0, sizeof c->score);
@@ -59,8 +60,8 @@ void auvid_confidence_finish_dof(job_t *c, int j)
 
 void auvid_confidence_finish_set(job_t *c)
 {
-    auvid_triangle_solve_left(c->joint, c->n, c->n, c->influence);
-    (void)auvid_triangle_solve(c->joint, c->n, c->n, AUVID_C(0.0), c->influence);
+    auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence);
+    (void)auvid_qr_solve(c->joint_factor, c->n, c->n, AUVID_C(0.0), c->influence);
     for (int i = 0; i < c->n; ++i) {
         c->sum[i] += c->influence[i];
         c->squares[i] += c->influence[i] * c->influence[i];

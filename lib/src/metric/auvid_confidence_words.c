@@ -13,7 +13,7 @@ const char *auvid_note_str(auvid_note_t note)
         return "";
     case AUVID_NOTE_FIXED:
         return "fixed by the configuration";
-    case AUVID_NOTE_NOT_DRIVEN:
+    case AUVID_NOTE_NOT_EXCITED:
         return "nothing moved this degree of freedom";
     case AUVID_NOTE_COMBINATION:
         return "only a combination with another parameter is known";
@@ -218,7 +218,7 @@ static void add_pair(writer_t *w, const auvid_parameter_t *one, const auvid_para
 /* Does what is to be said of parameter i say it of parameter k < i too? */
 static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, int k, int i)
 {
-    if (c == NULL || c->note[i] == AUVID_NOTE_NOT_DRIVEN) {
+    if (c == NULL || c->note[i] == AUVID_NOTE_NOT_EXCITED) {
         return vehicle->parameter[k].dof == vehicle->parameter[i].dof;
     }
     if (c->note[k] != c->note[i]) {
@@ -236,7 +236,7 @@ static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
 static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
                     int i)
 {
-    static const uint32_t told = 1u << AUVID_NOTE_NOT_DRIVEN | 1u << AUVID_NOTE_COMBINATION |
+    static const uint32_t told = 1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION |
                                  1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
                                  1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
@@ -257,13 +257,13 @@ static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_v
                          int i)
 {
     const auvid_parameter_t *parameter = &vehicle->parameter[i];
-    auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_DRIVEN : (auvid_note_t)c->note[i];
+    auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_EXCITED : (auvid_note_t)c->note[i];
     if (note == AUVID_NOTE_NOT_CONVERGED) {
         confidence_add(w, "the search has not converged; narrow the bounds, or give a good point");
         return;
     }
     add_dof(w, parameter->dof);
-    if (note == AUVID_NOTE_NOT_DRIVEN) {
+    if (note == AUVID_NOTE_NOT_EXCITED) {
         confidence_add(w,
                        "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
     } else if (note == AUVID_NOTE_COMBINATION) {
@@ -318,7 +318,8 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
         }
     }
     int dof = confidence == NULL ? 0 : least_recorded(confidence);
-    if (confidence != NULL && confidence->lost[dof] >= AUVID_CONFIDENCE_LOST && which == 0) {
+    if (confidence != NULL && confidence->lost[dof] >= AUVID_CONFIDENCE_LOST_PERCENT &&
+        which == 0) {
         add_lost(&w, dof, confidence->lost[dof]);
         return AUVID_OK;
     }

@@ -37,7 +37,7 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
     *cfg = (auvid_metric_config_t){
         .vehicle = vehicle,
         .free = vehicle == NULL ? 0 : vehicle->free,
-        .driven = AUVID_C(0.02),
+        .excitation_threshold = AUVID_C(0.02),
         .cell_us = 100000,
         .velocity_us = 200000,
         .row_cells = 5,
@@ -79,7 +79,8 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
         cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
     auvid_real_t earliest = /* one of its own must pass, rounded */
         -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
-    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) || !auvid_is_finite(cfg->driven) ||
+    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) ||
+        !auvid_is_finite(cfg->excitation_threshold) ||
         !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
         !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->delay_sigma_s)) {
         return AUVID_ERR_NOT_FINITE;
@@ -90,11 +91,10 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
             return AUVID_ERR_RANGE;
         }
     }
-    if (!(cfg->driven >= AUVID_C(0.0) && cfg->driven <= AUVID_C(1.0)) ||
+    if (!(cfg->excitation_threshold >= AUVID_C(0.0) && cfg->excitation_threshold <= AUVID_C(1.0)) ||
         !(cfg->delay_sigma_s >= AUVID_C(0.0) && cfg->delay_sigma_s <= AUVID_C(1.0)) ||
-        cfg->cell_us < 1000 ||
-        cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 || cfg->row_cells < 1 ||
-        cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
+        cfg->cell_us < 1000 || cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 ||
+        cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
         (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||
         cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 || cfg->lag[1] > AUVID_METRIC_LAGS ||
         cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
@@ -142,12 +142,12 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
                                (auvid_real_t)AUVID_METRIC_WINDOW);
     pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
     m->window_length = (uint8_t)(2 * pairs + 1);
-    memset(m->share, 0, sizeof m->share);
-    m->share[0] = AUVID_C(1.0);
+    memset(m->window_weight, 0, sizeof m->window_weight);
+    m->window_weight[0] = AUVID_C(1.0);
     for (int n = 1; n < m->window_length; ++n) {
         for (int k = n; k >= 0; --k) { /* Pascal's triangle, halved from line to line */
-            auvid_real_t left = k > 0 ? m->share[k - 1] : AUVID_C(0.0);
-            m->share[k] = AUVID_C(0.5) * (m->share[k] + left);
+            auvid_real_t left = k > 0 ? m->window_weight[k - 1] : AUVID_C(0.0);
+            m->window_weight[k] = AUVID_C(0.5) * (m->window_weight[k] + left);
         }
     }
 }
@@ -204,7 +204,7 @@ static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
             ++order;
         }
         channels += order;
-        factor += AUVID_TRIANGLE(order);
+        factor += AUVID_QR_FACTOR(order);
     }
     bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR;
     return fit ? AUVID_OK : AUVID_ERR_SIZE;
@@ -226,7 +226,7 @@ static void make_filter(auvid_metric_t *m)
     bool literal = auvid_metric_is_literal(cfg);
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
-    m->spread = literal ? AUVID_C(0.0) : spread;
+    m->interpolation_spread = literal ? AUVID_C(0.0) : spread;
     uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
     auvid_real_t *smooth = make_pass(m, m->kernel[0], half, 0);
     auvid_real_t *second = make_pass(m, m->kernel[1], other, literal);
@@ -257,7 +257,7 @@ static void lay_out(auvid_metric_t *m)
         }
         uint32_t order = m->count[j] + (uint32_t)AUVID_METRIC_DELAYS;
         channel += order;
-        factor += AUVID_TRIANGLE(order);
+        factor += AUVID_QR_FACTOR(order);
     }
     m->channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
 }
@@ -278,11 +278,11 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     make_filter(metric);
     lay_out(metric);
     memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
-    metric->lagged = metric->cfg.lagged;
+    metric->first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;
 }
 
 int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
-    return (int)auvid_metric_place(m->turns, m->cfg.sets, m->from + (uint32_t)age);
+    return (int)auvid_metric_ring_index(m->sets_stored, m->cfg.sets, m->from + (uint32_t)age);
 }

@@ -20,7 +20,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     }
     uint8_t driven = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t least = m->cfg.driven * m->cfg.tau_max[j];
+        auvid_real_t least = m->cfg.excitation_threshold * m->cfg.tau_max[j];
         bool is_driven =
             m->cfg.vehicle->columns[j] != 0 &&
             m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
@@ -32,7 +32,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
         return AUVID_PENDING;
     }
     if (kept) {
-        auvid_metric_keep(m, driven);
+        auvid_metric_store_set(m, driven);
     }
     ++m->sets_recorded;
     m->rows = 0;
@@ -61,7 +61,7 @@ auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us)
         return AUVID_ERR_NULL;
     }
     bool full = m->full;
-    m->held = m->full = m->turned = false;
+    m->held = m->full = m->ring_changed = false;
     m->from = m->least = 0;
     if (!full) {
         return AUVID_OK;

@@ -21,7 +21,7 @@ void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvi
         for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
             m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
         }
-        m->paid = 0;
+        m->spent = 0;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const uint8_t *index = m->index + m->channel_at[j];
@@ -50,11 +50,11 @@ static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
         int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
-        if (!(m->driven >> j & 1)) {
+        if (!(m->excited >> j & 1)) {
             continue;
         }
         const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_triangle_row(n, m->at_row);
+        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, m->at_row);
         int i = m->at_row, left = count - i;
         int to = *budget < (uint32_t)left ? i + (int)*budget : count;
         auvid_real_t squares = m->squares;
@@ -116,7 +116,7 @@ static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
 {
     auvid_real_t e = AUVID_C(0.0);
     for (uint32_t k = 0; k < m->window_length; ++k) {
-        e += m->share[k] * m->window[(m->window_rows + k) % m->window_length][j];
+        e += m->window_weight[k] * m->window[(m->window_rows + k) % m->window_length][j];
     }
     return e;
 }
@@ -128,8 +128,8 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
     for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
         int age = sets - 1 - m->at_set;
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        for (; set->driven != 0 && m->at_row < set->rows; ++m->at_row) {
-            if (!auvid_metric_pay_model(m, budget)) {
+        for (; set->excited != 0 && m->at_row < set->rows; ++m->at_row) {
+            if (!auvid_metric_spend_model(m, budget)) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
@@ -137,7 +137,7 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if ((set->driven >> j & 1) != 0 && m->window_of[j] == m->window_length) {
+                if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
                     auvid_real_t e = smoothed_residual(m, j);
                     squares += m->weight[j] * e * e;
                     m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
@@ -165,12 +165,12 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s)
 {
     if (metric != NULL && pi != NULL) {
-        auvid_metric_rewind(metric, PASS_MEASURE);
+        auvid_metric_restart_pass(metric, PASS_MEASURE);
         auvid_metric_take_candidate(metric, pi, delay_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t l[AUVID_METRIC_DELAYS];
             auvid_real_t delay = metric->delay_s[j] / auvid_metric_node_s(metric);
-            auvid_metric_delay_weights(delay, metric->lagged >> j & 1, l);
+            auvid_metric_delay_weights(delay, metric->first_order_lag >> j & 1, l);
             for (int d = 0; d < AUVID_METRIC_DELAYS && auvid_metric_order(metric, j) > 0; ++d) {
                 metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
             }
@@ -195,7 +195,7 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
-    bool done = auvid_metric_has_regressor(m) ? auvid_metric_visit_rows(m, budget)
+    bool done = auvid_metric_has_regressor(m) ? auvid_metric_for_each_row(m, budget)
                                               : sample_cost(m, budget) == AUVID_OK;
     if (!done) {
         return AUVID_PENDING;
@@ -221,7 +221,7 @@ uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t driven)
 
 uint32_t auvid_metric_active(const auvid_metric_t *metric)
 {
-    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->driven);
+    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->excited);
 }
 
 uint32_t auvid_metric_searched(const auvid_metric_t *metric)
@@ -250,9 +250,9 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     }
     for (int j = 0; j < AUVID_DOF_COUNT && auvid_metric_has_regressor(m); ++j) {
         int n = auvid_metric_order(m, j);
-        for (int k = 0; k < m->count[j] && n > 0 && (m->driven >> j & 1); ++k) {
+        for (int k = 0; k < m->count[j] && n > 0 && (m->excited >> j & 1); ++k) {
             for (int i = 0; i <= k; ++i) {
-                auvid_real_t r = m->merged[m->factor_at[j] + auvid_triangle_row(n, i) + k - i];
+                auvid_real_t r = m->merged[m->factor_at[j] + auvid_qr_row(n, i) + k - i];
                 square[m->index[m->channel_at[j] + k]] += m->weight[j] * r * r;
             }
         }
@@ -268,7 +268,7 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
         auvid_real_t total = AUVID_C(0.0);
         for (int age = 0; age < auvid_metric_sets(metric); ++age) {
             const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
-            total += (set->driven >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
+            total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
         }
         auvid_real_t left = metric->sse[j] / total;
         r2[j] = auvid_is_finite(left) ? AUVID_C(1.0) - left : AUVID_C(0.0);
@@ -283,8 +283,7 @@ void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t acti
         row[p] = AUVID_C(0.0);
         column[p] = (active >> p & 1u) ? n++ : -1;
     }
-    const auvid_real_t *r =
-        m->merged + m->factor_at[j] + auvid_triangle_row(auvid_metric_order(m, j), i);
+    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(auvid_metric_order(m, j), i);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
     int at = m->channel_at[j];
     row[n] = scale * m->z[at + i];
@@ -309,7 +308,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         return AUVID_ERR_MODEL;
     }
     /* one triangle for all DoF: active parameters in order, then the wrench */
-    auvid_real_t joint[AUVID_TRIANGLE(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
+    auvid_real_t joint[AUVID_QR_FACTOR(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
     auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
     int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     active &= m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
@@ -317,15 +316,15 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         place[i] = (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int i = 0; i < m->count[j] && (m->driven >> j & 1); ++i) {
+        for (int i = 0; i < m->count[j] && (m->excited >> j & 1); ++i) {
             auvid_metric_joint_row(m, j, i, active, pi, x);
-            auvid_triangle_add(joint, n + 1, 0, x);
+            auvid_qr_update(joint, n + 1, 0, x);
         }
     }
     for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) {
-        x[i] = joint[auvid_triangle_row(n + 1, i) + n - i];
+        x[i] = joint[auvid_qr_row(n + 1, i) + n - i];
     }
-    int lost = auvid_triangle_solve(joint, n + 1, n, AUVID_C(1e-6), x);
+    int lost = auvid_qr_solve(joint, n + 1, n, AUVID_C(1e-6), x);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         pi[i] = place[i] >= 0 ? x[place[i]] : pi[i];
     }

@@ -50,7 +50,7 @@ static inline int auvid_metric_sets(const auvid_metric_t *m)
 }
 
 /** Place of the set that entered a ring of `sets` `back` turns before the last one. */
-static inline uint32_t auvid_metric_place(uint32_t turns, uint32_t sets, uint32_t back)
+static inline uint32_t auvid_metric_ring_index(uint32_t turns, uint32_t sets, uint32_t back)
 {
     return (turns + 2u * sets - 1u - back) % sets;
 }
@@ -63,18 +63,18 @@ static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
 {
     uint32_t blocks = m->cfg.sets + 1u;
     uint32_t back = age < 0 ? 0u : (uint32_t)age + m->from + 1u;
-    uint32_t block = (m->turns + 2u * blocks - back) % blocks;
+    uint32_t block = (m->sets_stored + 2u * blocks - back) % blocks;
     return m->cfg.rows + block * m->cfg.set_rows;
 }
 
 /** Binary digits of a stored triangle's entries, sign apart; in double as many as it has itself. */
-enum { AUVID_METRIC_DIGITS = sizeof(auvid_share_t) == sizeof(int16_t) ? 15 : 52 };
+enum { AUVID_METRIC_DIGITS = sizeof(auvid_packed_t) == sizeof(int16_t) ? 15 : 52 };
 
 /** Keep m->factor in *set. */
 void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set);
 
 /** The set being recorded is complete: into the ring, in the place of the oldest. */
-void auvid_metric_keep(auvid_metric_t *m, uint8_t driven);
+void auvid_metric_store_set(auvid_metric_t *m, uint8_t driven);
 
 /** row[i..n-1]: row i of DoF j's triangle, of order n. */
 void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j,
@@ -137,23 +137,23 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
 enum { AUVID_METRIC_ROTATION = 4 };
 
 /** What a walk through the rows of all sets is for. */
-enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_MEMORY, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_PRIOR, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 /** Pay one of the units of a step that costs so many. @return it is paid in full: take it */
-static inline bool auvid_metric_pay(auvid_metric_t *m, uint32_t *budget, uint16_t price)
+static inline bool auvid_metric_spend(auvid_metric_t *m, uint32_t *budget, uint16_t price)
 {
     --*budget;
-    m->paid = (uint16_t)(m->paid + 1u < price ? m->paid + 1u : 0u);
-    return m->paid == 0;
+    m->spent = (uint16_t)(m->spent + 1u < price ? m->spent + 1u : 0u);
+    return m->spent == 0;
 }
 
 /** Pay for a call of the model's residual. @return it is paid in full: call it */
-static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
+static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
 {
     uint16_t work = m->cfg.vehicle->work;
     bool paid = false;
     while (!paid && *budget > 0) {
-        paid = auvid_metric_pay(m, budget, work);
+        paid = auvid_metric_spend(m, budget, work);
     }
     return paid;
 }
@@ -164,24 +164,23 @@ static inline bool auvid_metric_pay_model(auvid_metric_t *m, uint32_t *budget)
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
 
-/** Could this be known of the metric's model? Statuses of auvid_metric_remember. */
-auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric,
-                                         const auvid_memory_t *memory);
+/** Could this be known of the metric's model? Statuses of auvid_metric_set_prior. */
+auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *memory);
 
 /** Begin a walk. */
-void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass);
+void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass);
 
 /** Rotate row i of one band of a set's triangle, weighted, into DoF j's merged one. */
 void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
 
 /** After a pass: delay, z and candidate of DoF j's own least squares; adds to `constant`. */
-void auvid_metric_settle(auvid_metric_t *m, int j);
+void auvid_metric_solve_dof(auvid_metric_t *m, int j);
 
 /** Rotate all sets' rows together, passes on from the present one, one unit a row. @return done */
-bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget);
+bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 
 /** Go on with it, one unit of the budget a row. @return it is at its end */
-bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget);
+bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget);
 
 /** Checksum of what must be the same for the parameters to mean the same: names, units, and what is
  * free or fixed at what. */

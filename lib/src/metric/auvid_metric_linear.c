@@ -32,7 +32,7 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
     if (m == NULL || pi == NULL || auvid_metric_has_regressor(m)) {
         return;
     }
-    auvid_metric_rewind(m, PASS_LINEAR);
+    auvid_metric_restart_pass(m, PASS_LINEAR);
     auvid_metric_take_candidate(m, pi, delay_s);
     m->linear_delay_s = delay_s;
     m->to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
@@ -122,7 +122,7 @@ static uint8_t without_window(const auvid_metric_t *m, int age, int r)
 }
 
 /* The derivatives are complete: into the triangles, but for the DoF `without`. */
-static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
+static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
 {
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
     for (int j = 0; j < AUVID_DOF_COUNT;
@@ -156,7 +156,7 @@ static AUVID_APART void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
         }
-        auvid_triangle_add(m->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
+        auvid_qr_update(m->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
     }
 }
 
@@ -184,10 +184,10 @@ static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
             if (!metric_moves(m, v)) {
                 continue;
             }
-            if (!auvid_metric_pay_model(m, budget)) {
+            if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->share[k], v);
+            add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->window_weight[k], v);
         }
         finish_window(m, set, without_window(m, m->at_set, m->at_row));
     }
@@ -218,9 +218,9 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
         if (m->to_set < m->cfg.sets) {
             return AUVID_OK;
         }
-        auvid_metric_rewind(m, PASS_LAST);
+        auvid_metric_restart_pass(m, PASS_LAST);
     }
-    if (!auvid_metric_gather(m, budget)) {
+    if (!auvid_metric_merge_sets(m, budget)) {
         return AUVID_PENDING;
     }
     m->constant = AUVID_C(0.0); /* the cost of this path has it in it */

@@ -57,8 +57,7 @@ void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_ME
 auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_real_t *t =
-        m->merged + m->factor_at[j] + auvid_triangle_row(n, n - AUVID_METRIC_DELAYS);
+    const auvid_real_t *t = m->merged + m->factor_at[j] + auvid_qr_row(n, n - AUVID_METRIC_DELAYS);
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_metric_delay_weights(s, lag, l);
     auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
@@ -113,27 +112,27 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
     int n = auvid_metric_order(m, j);
     auvid_real_t *triangle = m->merged + m->factor_at[j];
     for (int i = 0; i < m->count[j]; ++i) {
-        auvid_real_t *r = triangle + auvid_triangle_row(n, i);
-        auvid_real_t norm = auvid_triangle_norm(triangle, n, i);
+        auvid_real_t *r = triangle + auvid_qr_row(n, i);
+        auvid_real_t norm = auvid_qr_column_norm(triangle, n, i);
         if (auvid_abs(r[0]) > ROUNDED * norm) {
             continue;
         }
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         memcpy(row + i, r, (size_t)(n - i) * sizeof *r);
         memset(r, 0, (size_t)(n - i) * sizeof *r);
-        auvid_triangle_add(triangle, n, i + 1, row);
+        auvid_qr_update(triangle, n, i + 1, row);
     }
 }
 
 /* candidate = [pi_j, -l]. */
-void auvid_metric_settle(auvid_metric_t *m, int j)
+void auvid_metric_solve_dof(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     const auvid_real_t *triangle = m->merged + m->factor_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
-    bool driven = (m->driven >> j & 1) != 0;
-    bool lag = (m->cfg.lagged >> j & 1) != 0;
+    bool driven = (m->excited >> j & 1) != 0;
+    bool lag = (m->cfg.first_order_lag >> j & 1) != 0;
     auvid_metric_clear_dependent(m, j);
     if (!auvid_metric_has_regressor(m)) {
         s = driven ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
@@ -142,14 +141,14 @@ void auvid_metric_settle(auvid_metric_t *m, int j)
         s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * auvid_metric_node_s(m);
-    m->lagged = (uint8_t)((m->lagged & ~(1u << j)) | (unsigned)lag << j);
+    m->first_order_lag = (uint8_t)((m->first_order_lag & ~(1u << j)) | (unsigned)lag << j);
     auvid_metric_delay_weights(s, lag, l);
     for (int i = 0; i < count; ++i) {
-        const auvid_real_t *r = triangle + auvid_triangle_row(n, i);
+        const auvid_real_t *r = triangle + auvid_qr_row(n, i);
         m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
         m->candidate[at + i] = m->z[at + i];
     }
-    (void)auvid_triangle_solve(triangle, n, count, AUVID_C(1e-4), m->candidate + at);
+    (void)auvid_qr_solve(triangle, n, count, AUVID_C(1e-4), m->candidate + at);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         m->candidate[at + count + d] = -l[d];
     }
@@ -167,7 +166,7 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     for (int k = i; k < n; ++k) {
         row[k] *= scale;
     }
-    auvid_triangle_add(m->merged + m->factor_at[j], n, i, row);
+    auvid_qr_update(m->merged + m->factor_at[j], n, i, row);
 }
 
 static bool rotates(const auvid_metric_t *m)
@@ -192,12 +191,12 @@ static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j
     auvid_metric_rotate(m, set, band, j, i);
 }
 
-void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
+void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 {
     m->pass = pass;
     m->to_set = (uint8_t)auvid_metric_sets(m);
     m->at_set = m->at_band = m->at_dof = 0;
-    m->paid = 0;
+    m->spent = 0;
     m->at_row = 0;
     memset(m->band_sse, 0, sizeof m->band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
@@ -208,17 +207,17 @@ void auvid_metric_rewind(auvid_metric_t *m, uint8_t pass)
 
 /* Visit rows until the budget or the sets are at an end. Each unit of the budget is one step of the
  * loop at least. @return all visited */
-bool auvid_metric_visit_rows(auvid_metric_t *m, uint32_t *budget)
+bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_set < m->to_set) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
         int j = m->at_dof;
-        bool inside = (set->driven >> j & 1) != 0 && m->at_row < auvid_metric_order(m, j);
+        bool inside = (set->excited >> j & 1) != 0 && m->at_row < auvid_metric_order(m, j);
         if (inside) {
             if (*budget == 0) {
                 return false;
             }
-            if (auvid_metric_pay(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+            if (auvid_metric_spend(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
                 visit_row(m, set, m->at_band, j, m->at_row++);
             }
             continue;
@@ -256,13 +255,13 @@ static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            if (!auvid_metric_pay(m, budget, 2 * AUVID_METRIC_ROTATION)) {
+            if (!auvid_metric_spend(m, budget, 2 * AUVID_METRIC_ROTATION)) {
                 continue; /* the work of two rows */
             }
             if (m->pass == PASS_RESIDUAL) {
                 weigh_bands(m, j);
             } else {
-                auvid_metric_settle(m, j);
+                auvid_metric_solve_dof(m, j);
             }
         }
         m->at_row = 0;
@@ -271,14 +270,14 @@ static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
     return true;
 }
 
-bool auvid_metric_gather(auvid_metric_t *m, uint32_t *budget)
+bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
-        if (m->pass == PASS_MEMORY) {
-            status = m->recall == NULL ? AUVID_OK : m->recall(m, budget);
-        } else if (auvid_metric_visit_rows(m, budget) && metric_settle_dof(m, budget)) {
-            auvid_metric_rewind(m, (uint8_t)(m->pass + 1));
+        if (m->pass == PASS_PRIOR) {
+            status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
+        } else if (auvid_metric_for_each_row(m, budget) && metric_settle_dof(m, budget)) {
+            auvid_metric_restart_pass(m, (uint8_t)(m->pass + 1));
         } else {
             status = AUVID_PENDING;
         }
@@ -292,14 +291,14 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     if (m == NULL) {
         return;
     }
-    m->driven = m->sets_merged = 0;
+    m->excited = m->sets_merged = 0;
     memset(m->dof_rows, 0, sizeof m->dof_rows);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        m->driven |= set->driven;
-        m->sets_merged = (uint8_t)(m->sets_merged + (set->driven != 0));
+        m->excited |= set->excited;
+        m->sets_merged = (uint8_t)(m->sets_merged + (set->excited != 0));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            unsigned rows = (set->driven >> j & 1) ? set->rows_of[j] : 0u;
+            unsigned rows = (set->excited >> j & 1) ? set->rows_of[j] : 0u;
             m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);
         }
     }
@@ -309,7 +308,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
                                                              (auvid_real_t)m->dof_rows[j]);
         m->band_weight[0][j] = m->band_weight[1][j] = AUVID_C(1.0);
     }
-    auvid_metric_rewind(m, auvid_metric_is_literal(&m->cfg) ? PASS_LAST : PASS_FIRST);
+    auvid_metric_restart_pass(m, auvid_metric_is_literal(&m->cfg) ? PASS_LAST : PASS_FIRST);
 }
 
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
@@ -318,9 +317,9 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
-    if (m->driven == 0) {
+    if (m->excited == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    bool done = !auvid_metric_has_regressor(m) || auvid_metric_gather(m, budget);
+    bool done = !auvid_metric_has_regressor(m) || auvid_metric_merge_sets(m, budget);
     return done ? AUVID_OK : AUVID_PENDING;
 }

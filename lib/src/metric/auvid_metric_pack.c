@@ -37,9 +37,9 @@ static int exponent_of(auvid_real_t x)
 }
 
 /* To the nearest whole number. */
-static auvid_share_t rounded(auvid_real_t share)
+static auvid_packed_t rounded(auvid_real_t share)
 {
-    return (auvid_share_t)(share + (share < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
+    return (auvid_packed_t)(share + (share < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
 /* Column k of DoF j's triangle, of order n. Rows were within bounds, so all is finite. */
@@ -74,7 +74,7 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
 /* The set of the ring that is `back` turns old: 0 is where the next one goes. */
 static auvid_set_t *metric_place(auvid_metric_t *m, uint32_t back)
 {
-    return &m->set[(m->turns + m->cfg.sets - back) % m->cfg.sets];
+    return &m->set[(m->sets_stored + m->cfg.sets - back) % m->cfg.sets];
 }
 
 /* Would the next set overwrite one that is still needed? */
@@ -105,14 +105,14 @@ static auvid_set_t *make_room(auvid_metric_t *m)
             *metric_place(m, back) = *metric_place(m, back - 1u);
         }
     } else {
-        ++m->turns;
+        ++m->sets_stored;
         m->from = (uint8_t)(m->from + m->held);
-        m->turned = m->held;
+        m->ring_changed = m->held;
     }
     return metric_place(m, 1);
 }
 
-void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
+void auvid_metric_store_set(auvid_metric_t *m, uint8_t driven)
 {
     auvid_set_t *set = make_room(m);
     if (set == NULL) {
@@ -124,7 +124,7 @@ void auvid_metric_keep(auvid_metric_t *m, uint8_t driven)
     memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
     set->lost = m->lost;
     memcpy(set->fastest, m->fastest, sizeof set->fastest);
-    set->driven = driven;
+    set->excited = driven;
     memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
     if (auvid_metric_has_regressor(m)) {
         auvid_metric_pack(m, set);
@@ -135,7 +135,7 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
                              int i, auvid_real_t *row)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_share_t *share = set->factor[band] + m->factor_at[j] + auvid_triangle_row(n, i) - i;
+    const auvid_packed_t *share = set->factor[band] + m->factor_at[j] + auvid_qr_row(n, i) - i;
     const int8_t *exponent = set->exponent + m->channel_at[j];
     for (int k = i; k < n; ++k) {
         row[k] = (auvid_real_t)share[k] * power_of_two(exponent[k]);

@@ -96,7 +96,7 @@ static auvid_real_t spread_weight(const auvid_metric_t *m, uint32_t age)
     const auvid_real_t *kernel = m->kernel[0];
     auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
     auvid_real_t after = age + 1u < m->taps ? kernel[age + 1u] : AUVID_C(0.0);
-    return m->spread * (before - AUVID_C(2.0) * kernel[age] + after);
+    return m->interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
 /* y += a x; four at a time, which halves its cost */
@@ -147,7 +147,7 @@ static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
         add_scaled(row + moments, moment, channel + moments, end - moments);
     }
     for (int j = 0; known != NULL && j < AUVID_DOF_COUNT; ++j) {
-        m->known[slot][j] += (j < AUVID_ROLL ? force : moment) * known[j];
+        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * known[j];
     }
 }
 
@@ -208,7 +208,7 @@ static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
         for (int i = 0; i < n; ++i) {
             sum[i] = AUVID_C(0.5) * row[i] + other * previous[i];
         }
-        auvid_triangle_add(m->factor[band] + m->factor_at[j], n, 0, sum);
+        auvid_qr_update(m->factor[band] + m->factor_at[j], n, 0, sum);
     }
     memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
     m->successive[j] = (uint8_t)(m->successive[j] + (m->successive[j] < AUVID_METRIC_LAGS));
@@ -221,7 +221,7 @@ static void lose_rows(auvid_metric_t *m, uint32_t rows)
 }
 
 /* Some DoF has taken a row, or none. */
-static AUVID_APART void count_row(auvid_metric_t *m, bool taken)
+static AUVID_NOINLINE void count_row(auvid_metric_t *m, bool taken)
 {
     m->rows = (uint16_t)(m->rows + taken);
     lose_rows(m, !taken);
@@ -283,7 +283,7 @@ static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         late[d] = tau[d];
     }
     metric_evaluate(m, &sample, y);
-    (void)row_channels(m, y, late, channel, m->known[slot]);
+    (void)row_channels(m, y, late, channel, m->fixed_wrench[slot]);
 }
 
 /* A row of the residual path: into the store, if there is room, unless no equation of the model can
@@ -312,7 +312,7 @@ static void store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 }
 
 /* A row is complete. */
-static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+static AUVID_NOINLINE void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (!auvid_metric_has_regressor(m)) {
         store_row(m, t_us, slot);
@@ -321,7 +321,7 @@ static AUVID_APART void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t sl
     if (auvid_metric_is_literal(&m->cfg)) {
         form_row(m, t_us, slot);
     }
-    metric_take_row(m, m->accumulator[slot], m->known[slot], without_row(m, slot));
+    metric_take_row(m, m->accumulator[slot], m->fixed_wrench[slot], without_row(m, slot));
 }
 
 /* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
@@ -335,8 +335,8 @@ static void add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t
     }
 }
 
-static AUVID_APART void add_equations(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
-                                      uint32_t slot)
+static AUVID_NOINLINE void add_equations(auvid_metric_t *m, const auvid_sample_t *sample,
+                                         uint32_t n, uint32_t slot)
 {
     auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
     const auvid_real_t *late[AUVID_METRIC_DELAYS];
@@ -363,7 +363,7 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     uint32_t slot = n / step % m->overlap;
     if (n % step == 0) {
         auvid_clear(m->accumulator[slot], AUVID_MAX_COLUMNS);
-        auvid_clear(m->known[slot], AUVID_DOF_COUNT);
+        auvid_clear(m->fixed_wrench[slot], AUVID_DOF_COUNT);
         memset(m->missing[slot], 0, sizeof m->missing[slot]);
     }
     if (auvid_metric_smooths_motion(m)) {

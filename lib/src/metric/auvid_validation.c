@@ -66,7 +66,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
     memset(v, 0, sizeof *v);
     v->vehicle = vehicle;
     v->cell_s = cell_s;
-    v->lagged = lagged;
+    v->first_order_lag = lagged;
     memcpy(v->pi, pi, vehicle->parameters * sizeof pi[0]);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool integrate = vehicle->columns[j] != 0 && (dofs == 0 || (dofs >> j & 1u));
@@ -147,7 +147,7 @@ static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_rea
 static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!(v->lagged >> j & 1u) || !(v->delay_cells[j] > AUVID_C(0.0))) {
+        if (!(v->first_order_lag >> j & 1u) || !(v->delay_cells[j] > AUVID_C(0.0))) {
             tau[j] = past_wrench(v, j, ago + v->delay_cells[j]);
             continue;
         }

@@ -22,7 +22,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->sigma_position = AUVID_C(1.0);
     config->sigma_velocity = AUVID_C(1.0);
     config->gate = AUVID_C(16.0);
-    config->agility = AUVID_C(3.0);
+    config->max_acceleration = AUVID_C(3.0);
     config->speed_limit = AUVID_C(3.0);
     config->density = AUVID_C(1025.0);
     config->gravity = AUVID_C(9.80665);
@@ -34,7 +34,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->future_us = 20000;
     config->stale_us = 1000000;
     config->gap_us = 1000000;
-    config->lockout = 10;
+    config->max_consecutive_rejections = 10;
     config->gps_start = 4;
 }
 
@@ -57,7 +57,7 @@ static const struct {
     FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
     FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
     FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    FIELD(agility, 1, AUVID_C(0.0), AUVID_C(100.0)),
+    FIELD(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
     FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
     FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
     FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
@@ -118,12 +118,12 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
     nav->stale_us = config->stale_us;
     nav->gap_us = config->gap_us;
     nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
-    nav->agility = config->agility;
+    nav->max_acceleration = config->max_acceleration;
     nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
     nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
     nav->surface_pressure = config->surface_pressure;
     nav->surface_depth = config->surface_depth;
-    nav->lockout = config->lockout;
+    nav->max_consecutive_rejections = config->max_consecutive_rejections;
     nav->gps_start = config->gps_start;
     memcpy(nav->lever, config->dvl_lever, sizeof nav->lever);
     auvid_rotation(config->dvl_euler[0], config->dvl_euler[1], config->dvl_euler[2], nav->mount);
@@ -141,9 +141,9 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     }
     state->t_us = nav->t_us;
     for (int i = 0; i < 3; ++i) {
-        state->position[i] = nav->position[i] + nav->residue[i];
+        state->position[i] = nav->position[i] + nav->position_lo[i];
         state->attitude[i] =
-            nav->attitude[i] + (auvid_real_t)nav->turns[i] * (AUVID_C(2.0) * AUVID_PI);
+            nav->attitude[i] + (auvid_real_t)nav->yaw_revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
         state->velocity[i] = nav->velocity[i];
         state->rates[i] = nav->rates[i];
     }

@@ -52,16 +52,16 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
 static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    return d->alive && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
+    return d->has_sample && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
 }
 
 /** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
  * exact while |position| >= |step|; else the loss is a rounding of step, once). */
 AUVID_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
-    auvid_real_t d = nav->residue[axis] + step;
+    auvid_real_t d = nav->position_lo[axis] + step;
     auvid_real_t sum = nav->position[axis] + d;
-    nav->residue[axis] = d - (sum - nav->position[axis]);
+    nav->position_lo[axis] = d - (sum - nav->position[axis]);
     nav->position[axis] = sum;
 }
 
@@ -123,7 +123,7 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
     nav_add(nav->pv[0], -k[0], c + 3);
     nav_add(nav->pv[1], -k[1], c + 3);
     nav_add(nav->pv[2], -k[2], c + 3);
-    nav_add(nav->residue, nu, k);
+    nav_add(nav->position_lo, nu, k);
     nav_add(nav->velocity, nu, k + 3);
     return nu * nu * inverse;
 }
@@ -132,8 +132,8 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
 static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
 {
     d->good_us = t_us;
-    d->alive = true;
-    d->refusals = 0;
+    d->has_sample = true;
+    d->consecutive_rejections = 0;
 }
 
 /** Write the innovations of *m and their variances down in the sensor's diagnostics; returns a bit

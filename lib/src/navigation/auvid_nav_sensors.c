@@ -21,7 +21,7 @@ AUVID_INLINE auvid_status_t admit(auvid_nav_t *nav, uint8_t sensor, uint64_t t_u
         }
         age_us = 0;
     }
-    if (d->axes > 0 && t_us <= d->seen_us) {
+    if (d->innovation_count > 0 && t_us <= d->seen_us) {
         return t_us < d->seen_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
     }
     m->t_us = t_us;
@@ -116,7 +116,7 @@ AUVID_INLINE bool admits(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j, au
 AUVID_INLINE void nav_settle(auvid_nav_t *nav, int i, auvid_real_t r, const auvid_real_t w[3],
                              const auvid_real_t e[3])
 {
-    nav->residue[i] += nav_dot(nav->pv[i], e);
+    nav->position_lo[i] += nav_dot(nav->pv[i], e);
     nav->pv[i][0] = r * w[0];
     nav->pv[i][1] = r * w[1];
     nav->pv[i][2] = r * w[2];
@@ -187,7 +187,7 @@ static bool take_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     const auvid_real_t c[6] = {nav->pp[2],    nav->pp[4],    nav->pp[5],
                                nav->pv[2][0], nav->pv[2][1], nav->pv[2][2]};
     auvid_real_t s = nav_variance(nav, m, c[2]);
-    auvid_real_t nu = (m->z[0] - nav->position[2]) - nav->residue[2];
+    auvid_real_t nu = (m->z[0] - nav->position[2]) - nav->position_lo[2];
     if (!admits(nav, d, 0, nu, s)) {
         return false;
     }
@@ -201,7 +201,7 @@ AUVID_INLINE auvid_status_t nav_take(auvid_nav_t *nav, auvid_nav_measurement_t *
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     if (taken) {
-        d->axes = m->n;
+        d->innovation_count = m->n;
         d->seen_us = m->t_us;
         nav_note_good(d, m->t_us);
     } else {
@@ -211,7 +211,7 @@ AUVID_INLINE auvid_status_t nav_take(auvid_nav_t *nav, auvid_nav_measurement_t *
         }
         auvid_nav_enter(nav, m);
     }
-    nav->touched_us = nav->t_us;
+    nav->last_update_us = nav->t_us;
     return AUVID_OK;
 }
 
@@ -235,8 +235,8 @@ static uint8_t measured_axes(const auvid_nav_t *nav, unsigned valid)
     return (uint8_t)measured;
 }
 
-static void tie_knot(auvid_nav_knot_t *knot, uint64_t t_us, const auvid_real_t velocity[3],
-                     uint8_t measured)
+static void store_sample(auvid_nav_velocity_sample_t *knot, uint64_t t_us,
+                         const auvid_real_t velocity[3], uint8_t measured)
 {
     knot->measured = measured;
     knot->t_us = t_us;
@@ -274,7 +274,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us
         return status;
     }
     if (water && !m.directed) {
-        tie_knot(&nav->water, m.t_us, m.z, AUVID_DVL_ALL);
+        store_sample(&nav->water, m.t_us, m.z, AUVID_DVL_ALL);
     }
     if (apart) {
         return AUVID_UNUSED;
@@ -283,7 +283,7 @@ static auvid_status_t update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us
     raise_flag(nav, AUVID_NAV_VELOCITY_KNOWN | (water ? AUVID_NAV_WATER_AIDED : 0u));
     if (!water) {
         uint8_t measured = measured_axes(nav, valid);
-        tie_knot(&nav->ground, m.t_us, nav->velocity, measured);
+        store_sample(&nav->ground, m.t_us, nav->velocity, measured);
         if ((measured & 3u) == 3u) {
             nav->horizontal_us = m.t_us;
             nav->horizontal = true;
@@ -406,7 +406,7 @@ static auvid_status_t update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_re
     if (status != AUVID_OK) {
         return status;
     }
-    if (nav->position[2] + nav->residue[2] > nav->surface_depth) {
+    if (nav->position[2] + nav->position_lo[2] > nav->surface_depth) {
         return AUVID_UNUSED;
     }
     m.is_velocity = false;

@@ -45,7 +45,7 @@ AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auv
 }
 
 /* Eq. 5 and the covariance that goes with it, as above. */
-static AUVID_APART void nav_predict(auvid_nav_t *nav, auvid_real_t t)
+static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
     const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
@@ -85,7 +85,7 @@ void auvid_nav_release(auvid_nav_t *nav)
         auvid_status_t status = auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i],
                                                  nav->held_valid[i]);
         if (status < 0 || status == AUVID_GATED) {
-            nav->held_refused = (uint8_t)(nav->held_refused | bit);
+            nav->held_rejected = (uint8_t)(nav->held_rejected | bit);
         }
     }
 }
@@ -120,14 +120,14 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     memcpy(nav->rates, rates, sizeof nav->rates);
     auvid_nav_keep_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
-    nav->held_refused = 0;
+    nav->held_rejected = 0;
     if (!running) {
         nav->ready = NAV_RUNNING;
-        nav->touched_us = t_us;
+        nav->last_update_us = t_us;
         return AUVID_OK;
     }
-    count_turns(&nav->turns[0], phi, attitude[0]);
-    count_turns(&nav->turns[2], psi, attitude[2]);
+    count_turns(&nav->yaw_revolutions[0], phi, attitude[0]);
+    count_turns(&nav->yaw_revolutions[2], psi, attitude[2]);
     nav_predict(nav, auvid_seconds(0, dt_us));
     if (nav->holding != 0) {
         auvid_nav_release(nav);

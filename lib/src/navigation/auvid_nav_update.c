@@ -66,7 +66,7 @@ static auvid_real_t position_of(const auvid_nav_t *nav, int i, auvid_real_t age,
 static auvid_real_t position_innovation(const auvid_nav_t *nav, int i, auvid_real_t age,
                                         auvid_real_t z)
 {
-    auvid_real_t nu = (z - nav->position[i]) - nav->residue[i];
+    auvid_real_t nu = (z - nav->position[i]) - nav->position_lo[i];
     return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->rotation[i], nav->velocity) : nu;
 }
 
@@ -128,7 +128,7 @@ static auvid_real_t late_velocity(const auvid_nav_t *nav, const auvid_nav_measur
     const auvid_real_t *h = direction(m, j);
     auvid_real_t hph = along(nav, h, c);
     auvid_real_t variance = noise_since(nav, m->age, h, noise);
-    if (m->t_us >= nav->touched_us && hph > variance) {
+    if (m->t_us >= nav->last_update_us && hph > variance) {
         for (int k = 0; k < 3; ++k) {
             exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
             exact[3 + k] = c[3 + k] - noise[k];
@@ -202,20 +202,20 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
         auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
         outside |= nav_note(d, j, nu, nav_variance(nav, m, hph), nav->gate);
     }
-    d->axes = m->n;
+    d->innovation_count = m->n;
     d->seen_us = m->t_us;
     return (uint8_t)outside;
 }
 
 /* Of the scalars outside the gate, those that no manoeuvre since the last good sample explains. */
-static uint8_t beyond_agility(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+static uint8_t beyond_max_acceleration(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    uint64_t us = d->alive ? m->t_us - d->good_us : 0; /* samples of a sensor come in order */
+    uint64_t us = d->has_sample ? m->t_us - d->good_us : 0; /* samples of a sensor come in order */
     auvid_real_t dt = AUVID_C(1e-6) * (auvid_real_t)(uint32_t)(us < 10000000u ? us : 10000000u);
     uint8_t outside = m->outside;
     for (int j = 0; j < scalars(m); ++j) {
-        auvid_real_t reach = auvid_sqrt(nav->gate * d->variance[j]) + nav->agility * dt;
+        auvid_real_t reach = auvid_sqrt(nav->gate * d->variance[j]) + nav->max_acceleration * dt;
         if (auvid_abs(d->innovation[j]) <= reach) {
             outside = (uint8_t)(outside & ~(1u << j));
         }
@@ -228,11 +228,12 @@ auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m)
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     m->outside = auvid_nav_look(nav, m);
     if (m->outside != 0 && m->is_velocity) {
-        m->outside = beyond_agility(nav, m);
+        m->outside = beyond_max_acceleration(nav, m);
     }
     if (m->outside != 0) {
-        nav_count(&d->refusals);
-        if (nav->lockout == 0 || d->refusals < nav->lockout) {
+        nav_count(&d->consecutive_rejections);
+        if (nav->max_consecutive_rejections == 0 ||
+            d->consecutive_rejections < nav->max_consecutive_rejections) {
             return AUVID_GATED;
         }
         nav_count(&d->resets);
@@ -296,5 +297,5 @@ void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real
         nav->pv[axis][k] = AUVID_C(0.0);
     }
     nav->pp[nav_packed[axis][axis]] = variance;
-    nav->touched_us = nav->t_us;
+    nav->last_update_us = nav->t_us;
 }

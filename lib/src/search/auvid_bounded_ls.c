@@ -27,7 +27,7 @@ void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 
 void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
 {
-    auvid_triangle_add(ls->triangle, ls->n + 1, 0, row);
+    auvid_qr_update(ls->triangle, ls->n + 1, 0, row);
 }
 
 /* The columns' order: free ones first. Free at the start is what is not at a bound. */
@@ -48,7 +48,7 @@ static void sort(auvid_bounded_ls_t *ls)
 static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
-    const auvid_real_t *r = ls->triangle + auvid_triangle_row(ls->n + 1, i);
+    const auvid_real_t *r = ls->triangle + auvid_qr_row(ls->n + 1, i);
     int n = ls->n;
     row[n] = r[n - i];
     for (int k = 0; k < n; ++k) {
@@ -56,7 +56,7 @@ static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
         row[k] = column < i ? AUVID_C(0.0) : r[column - i];
         row[n] -= row[k] * ls->x[column];
     }
-    auvid_triangle_add(ls->work, n + 1, 0, row);
+    auvid_qr_update(ls->work, n + 1, 0, row);
 }
 
 /* The bound of the column in place k on the side of d. */
@@ -70,7 +70,7 @@ static auvid_real_t bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
 static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
 {
     int f = ls->fixed_from, stop = f;
-    int lost = auvid_triangle_solve(ls->work, ls->n + 1, f, RESOLVED, d);
+    int lost = auvid_qr_solve(ls->work, ls->n + 1, f, RESOLVED, d);
     auvid_real_t part = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
     for (int k = 0; k < f; ++k) {
         auvid_real_t room = bound(ls, k, d[k]) - ls->x[ls->order[k]];
@@ -96,11 +96,11 @@ static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t 
         int i = ls->order[k];
         auvid_real_t slope = AUVID_C(0.0), square = AUVID_C(0.0);
         for (int row = ls->fixed_from; row <= k; ++row) {
-            auvid_real_t r = ls->work[auvid_triangle_row(ls->n + 1, row) + k - row];
+            auvid_real_t r = ls->work[auvid_qr_row(ls->n + 1, row) + k - row];
             slope += r * c[row];
             square += r * r;
         }
-        auvid_real_t pivot = RELEASED * auvid_triangle_norm(ls->work, ls->n + 1, k);
+        auvid_real_t pivot = RELEASED * auvid_qr_column_norm(ls->work, ls->n + 1, k);
         bool room = auvid_abs(bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
         if (room && square > pivot * pivot && slope * slope > least * square) {
             least = slope * slope / square;
@@ -124,12 +124,12 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
     auvid_real_t c[AUVID_MAX_PARAMETERS + 1], gain = AUVID_C(0.0);
     ls->cost = AUVID_C(0.0);
     for (int i = 0; i <= n; ++i) {
-        c[i] = ls->work[auvid_triangle_row(n + 1, i) + n - i];
+        c[i] = ls->work[auvid_qr_row(n + 1, i) + n - i];
         ls->cost += c[i] * c[i];
         gain = i < ls->fixed_from ? ls->cost : gain;
     }
     if (ls->changes == 0) {
-        auvid_real_t z = auvid_triangle_norm(ls->triangle, n + 1, n);
+        auvid_real_t z = auvid_qr_column_norm(ls->triangle, n + 1, n);
         ls->start = ls->cost;
         ls->zero = z * z;
     }
@@ -140,5 +140,5 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
     } else if (!release(ls, c, least)) {
         return AUVID_OK;
     }
-    return ++ls->changes < 4 * (n + 1) ? AUVID_PENDING : AUVID_CAPPED;
+    return ++ls->changes < 4 * (n + 1) ? AUVID_PENDING : AUVID_EVALUATION_LIMIT;
 }

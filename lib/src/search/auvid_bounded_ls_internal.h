@@ -31,7 +31,8 @@ void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row);
  * ls->free: x_i is neither at a bound nor unresolved.
  * @param constant cost beside this, >= 0: changes that gain less than 1e-7 of the whole, or
  * rounding only, are not made
- * @return AUVID_OK (the optimum); AUVID_PENDING; AUVID_CAPPED (too many changes: a good point). */
+ * @return AUVID_OK (the optimum); AUVID_PENDING; AUVID_EVALUATION_LIMIT (too many changes: a good
+ * point). */
 auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t constant);
 
 #endif

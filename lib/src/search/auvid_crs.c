@@ -190,7 +190,7 @@ static void complete(auvid_crs_t *crs)
         }
     }
     crs->initial_spread = auvid_max(high - low, SPREAD_MIN);
-    if (!crs->again) {
+    if (!crs->reevaluating) {
         crs->last_spread =
             auvid_max(crs->config.epsilon, crs->config.reduction * crs->initial_spread);
         crs->last_spread = auvid_max(crs->last_spread, SPREAD_MIN);
@@ -303,11 +303,11 @@ static auvid_status_t make_trial(auvid_crs_t *crs)
     ++crs->attempts;
     if (!reflect(crs)) {
         ++crs->rejections;
-        if (crs->rejections > crs->most_rejections) {
-            crs->most_rejections = crs->rejections;
+        if (crs->rejections > crs->max_rejections_seen) {
+            crs->max_rejections_seen = crs->rejections;
         }
         crs->state = next_state(crs);
-        return crs->state == CRS_SEARCH ? AUVID_PENDING : AUVID_CAPPED;
+        return crs->state == CRS_SEARCH ? AUVID_PENDING : AUVID_EVALUATION_LIMIT;
     }
     crs->rejections = 0;
     return AUVID_OK;
@@ -334,7 +334,7 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
             return AUVID_FINISHED;
         }
         if (crs->state == CRS_CAPPED) {
-            return AUVID_CAPPED;
+            return AUVID_EVALUATION_LIMIT;
         }
         if (crs->state == CRS_SEARCH) {
             auvid_status_t status = make_trial(crs);
@@ -369,7 +369,7 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
         uint16_t k = fill_index(crs);
         crs->cost[k] = cost;
         crs->best = crs->filled == 0 || cost < crs->cost[crs->best] ? k : crs->best;
-        crs->extra_evaluations += crs->again ? 1u : 0u;
+        crs->extra_evaluations += crs->reevaluating ? 1u : 0u;
         if (++crs->filled == crs->config.population) {
             complete(crs);
         }
@@ -394,7 +394,7 @@ auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs)
         return AUVID_ERR_STATE;
     }
     /* Before S was complete there is nothing to do twice: start over, not as an extra. */
-    crs->again = crs->again || crs->state > CRS_FILL;
+    crs->reevaluating = crs->reevaluating || crs->state > CRS_FILL;
     crs->asked = false;
     crs->rejections = 0;
     crs->first = crs->evaluations > 0 ? crs->best : 0;

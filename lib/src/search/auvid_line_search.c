@@ -57,8 +57,7 @@ static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
                                              {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
     const auvid_real_t given[3] = {c->alpha0, c->sigma, c->epsilon};
     for (size_t i = 0; i < 3; ++i) {
-        step[i] =
-            auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[line_search_is_literal(c)][i];
+        step[i] = auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[line_search_is_paper(c)][i];
     }
 }
 
@@ -69,7 +68,7 @@ static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
     }
-    if (AUVID_REGRESSOR_ONLY && c->literal) {
+    if (AUVID_REGRESSOR_ONLY && c->paper) {
         return AUVID_ERR_MODEL;
     }
     if (!auvid_all_finite(reals, 5) || !auvid_all_finite(c->lower, c->n) ||
@@ -136,7 +135,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
-    if (line_search_is_pattern(ls) || line_search_is_literal(&ls->config)) {
+    if (line_search_is_pattern(ls) || line_search_is_paper(&ls->config)) {
         return;
     }
     if (line_search_parameter(ls) == ls->built) {
@@ -150,7 +149,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
 /* (3-6) At the end of a sweep, and before the first. */
 static void begin_sweep(auvid_line_search_t *ls)
 {
-    const bool first = !line_search_is_literal(&ls->config) &&
+    const bool first = !line_search_is_paper(&ls->config) &&
                        ls->restarts_left == ls->config.restarts && ls->state == LINE_SEARCH;
     auvid_real_t longest = AUVID_C(0.0), last = ls->config.epsilon;
     for (size_t i = 0; i < 2u * ls->config.n; ++i) {
@@ -174,7 +173,7 @@ static void begin_sweep(auvid_line_search_t *ls)
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
     }
-    ls->plain = ls->built == ls->config.n && !line_search_is_literal(&ls->config);
+    ls->plain = ls->built == ls->config.n && !line_search_is_paper(&ls->config);
     ls->state = LINE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
@@ -186,7 +185,7 @@ static void begin_sweep(auvid_line_search_t *ls)
 static void next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
-    const bool fast = !line_search_is_literal(&ls->config);
+    const bool fast = !line_search_is_paper(&ls->config);
     uint8_t next = (uint8_t)(ls->direction + 1u);
     auvid_real_t t_far = AUVID_C(0.0);
     if (fast && !line_search_is_pattern(ls)) {
@@ -302,7 +301,7 @@ static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
         ls->alpha[ls->direction] *= ls->config.sigma;
     }
-    if (!line_search_is_literal(&ls->config) && aim(ls)) {
+    if (!line_search_is_paper(&ls->config) && aim(ls)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
@@ -326,7 +325,7 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         }
         if (ls->state == LINE_CAPPED || ls->evaluations >= ls->config.max_evaluations) {
             ls->state = LINE_CAPPED;
-            return AUVID_CAPPED;
+            return AUVID_EVALUATION_LIMIT;
         }
         ++ls->attempts;
         if (ls->state == LINE_EVALUATE) {
@@ -375,7 +374,7 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
     ls->asked = false;
     set_steps(ls, RESTART_STEP * ls->config.alpha0);
     ls->plain = false;
-    if (!line_search_is_literal(&ls->config)) {
+    if (!line_search_is_paper(&ls->config)) {
         ls->restarts_left = ls->config.restarts;
     }
     ls->state = LINE_EVALUATE;

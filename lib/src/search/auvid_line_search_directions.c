@@ -56,7 +56,7 @@ static bool place_probe(auvid_line_search_t *ls)
 static bool place_along(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
-    const size_t i = line_search_parameter(ls), first = line_search_is_literal(c) ? i : 0;
+    const size_t i = line_search_parameter(ls), first = line_search_is_paper(c) ? i : 0;
     const auvid_real_t sign = line_search_sign(ls);
     auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
     size_t bound = AUVID_MAX_PARAMETERS;
@@ -75,7 +75,7 @@ static bool place_along(auvid_line_search_t *ls)
         ls->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
         moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
     }
-    ls->t = line_search_is_literal(c) ? (ls->trial[i] - ls->base[i]) / d : t;
+    ls->t = line_search_is_paper(c) ? (ls->trial[i] - ls->base[i]) / d : t;
     return moved;
 }
 

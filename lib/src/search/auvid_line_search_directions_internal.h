@@ -19,9 +19,9 @@ enum { MOVE_POLL = 0, MOVE_EXPAND, MOVE_PARABOLA, MOVE_AXIS, MOVE_PROBE };
 /** Where the row of d_i stands in shear. */
 #define AUVID_SHEAR(i) ((i) * ((i) - 1u) / 2u)
 
-static inline bool line_search_is_literal(const auvid_line_search_config_t *c)
+static inline bool line_search_is_paper(const auvid_line_search_config_t *c)
 {
-    return !AUVID_REGRESSOR_ONLY && c->literal;
+    return !AUVID_REGRESSOR_ONLY && c->paper;
 }
 
 static inline bool line_search_is_pattern(const auvid_line_search_t *ls)
@@ -33,13 +33,13 @@ static inline bool line_search_is_pattern(const auvid_line_search_t *ls)
 static inline size_t line_search_parameter(const auvid_line_search_t *ls)
 {
     const size_t n = ls->config.n, d = ls->direction;
-    return !line_search_is_literal(&ls->config) ? d / 2u : (d < n ? d : d - n);
+    return !line_search_is_paper(&ls->config) ? d / 2u : (d < n ? d : d - n);
 }
 
 static inline auvid_real_t line_search_sign(const auvid_line_search_t *ls)
 {
-    const bool minus = line_search_is_literal(&ls->config) ? ls->direction >= ls->config.n
-                                                           : ls->direction % 2u != 0;
+    const bool minus =
+        line_search_is_paper(&ls->config) ? ls->direction >= ls->config.n : ls->direction % 2u != 0;
     return minus ? AUVID_C(-1.0) : AUVID_C(1.0);
 }
 

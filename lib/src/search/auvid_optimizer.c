@@ -54,7 +54,7 @@ auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimiz
     optimizer->local = *local;
     optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
     status = auvid_crs_init(&optimizer->crs, &config->crs);
-    if (!local->literal && !(config->crs.omega > AUVID_C(0.0))) {
+    if (!local->paper && !(config->crs.omega > AUVID_C(0.0))) {
         optimizer->crs.config.omega = OMEGA;
         optimizer->crs.config.reduction = auvid_max(config->crs.reduction, REDUCTION);
     }
@@ -69,7 +69,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
 static auvid_status_t ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
 {
     auvid_status_t status = auvid_line_search_ask(&optimizer->line_search, theta);
-    if (status == AUVID_FINISHED || status == AUVID_CAPPED) {
+    if (status == AUVID_FINISHED || status == AUVID_EVALUATION_LIMIT) {
         optimizer->phase = AUVID_OPTIMIZER_DONE;
     }
     return status;
@@ -84,7 +84,7 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
         return ask_local(optimizer, theta);
     }
     auvid_status_t status = auvid_crs_ask(&optimizer->crs, theta);
-    if (status != AUVID_FINISHED && status != AUVID_CAPPED) {
+    if (status != AUVID_FINISHED && status != AUVID_EVALUATION_LIMIT) {
         return status;
     }
     /* S is complete in either case, so there is a best point, and it is in the box. */

@@ -10,20 +10,20 @@
 
 enum { MOST = 20, ROWS = 200 };
 
-static auvid_real_t triangle[AUVID_TRIANGLE(MOST) + 1];
+static auvid_real_t triangle[AUVID_QR_FACTOR(MOST) + 1];
 static double rows[ROWS][MOST];
 static uint32_t seed;
 
 void setUp(void)
 {
     memset(triangle, 0, sizeof triangle);
-    triangle[AUVID_TRIANGLE(MOST)] = AUVID_C(12345.0);
+    triangle[AUVID_QR_FACTOR(MOST)] = AUVID_C(12345.0);
     seed = 1;
 }
 
 void tearDown(void)
 {
-    TEST_ASSERT_EQUAL_DOUBLE(12345.0, (double)triangle[AUVID_TRIANGLE(MOST)]);
+    TEST_ASSERT_EQUAL_DOUBLE(12345.0, (double)triangle[AUVID_QR_FACTOR(MOST)]);
 }
 
 static double draw(void)
@@ -38,12 +38,12 @@ static void add(int n, int first, const double *row)
     for (int i = 0; i < n; ++i) {
         copy[i] = i < first ? (auvid_real_t)NAN : (auvid_real_t)row[i]; /* may not be read */
     }
-    auvid_triangle_add(triangle, n, first, copy);
+    auvid_qr_update(triangle, n, first, copy);
 }
 
 static double at(int n, int i, int j)
 {
-    return j < i ? 0 : (double)triangle[auvid_triangle_row(n, i) + j - i];
+    return j < i ? 0 : (double)triangle[auvid_qr_row(n, i) + j - i];
 }
 
 /* |R'R - A'A|_ij <= c eps |a_i| |a_j|; ROWS rotations of 6 roundings each add like sqrt(ROWS). */
@@ -71,10 +71,10 @@ static void test_rows_of_a_triangle_follow_each_other_without_holes(void)
     for (int n = 1; n <= MOST; ++n) {
         int next = 0;
         for (int i = 0; i < n; ++i) {
-            TEST_ASSERT_EQUAL_INT(next, auvid_triangle_row(n, i));
+            TEST_ASSERT_EQUAL_INT(next, auvid_qr_row(n, i));
             next += n - i;
         }
-        TEST_ASSERT_EQUAL_INT(next, AUVID_TRIANGLE(n));
+        TEST_ASSERT_EQUAL_INT(next, AUVID_QR_FACTOR(n));
     }
 }
 
@@ -118,7 +118,7 @@ static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only
         }
         add(n, 0, rows[k]);
     }
-    auvid_real_t before[AUVID_TRIANGLE(5)];
+    auvid_real_t before[AUVID_QR_FACTOR(5)];
     memcpy(before, triangle, sizeof before);
     memset(rows[10], 0, sizeof rows[10]);
     add(n, 0, rows[10]);
@@ -127,13 +127,13 @@ static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only
         rows[10][i] = sizeof(auvid_real_t) == sizeof(float) ? 1e-30 : 1e-200;
     }
     add(n, 0, rows[10]);
-    for (int i = 0; i < AUVID_TRIANGLE(5); ++i) {
+    for (int i = 0; i < AUVID_QR_FACTOR(5); ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(2 * (double)AUVID_EPSILON * fabs((double)before[i]),
                                   (double)before[i], (double)triangle[i]);
     }
     memset(triangle, 0, sizeof before);
     add(n, 0, rows[10]);
-    for (int i = 0; i < AUVID_TRIANGLE(5); ++i) {
+    for (int i = 0; i < AUVID_QR_FACTOR(5); ++i) {
         TEST_ASSERT_TRUE(auvid_is_finite(triangle[i]));
     }
 }
@@ -142,9 +142,9 @@ static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only
 static int solve(int n, int m, auvid_real_t tiny, auvid_real_t *x)
 {
     for (int i = 0; i < m; ++i) {
-        x[i] = triangle[auvid_triangle_row(n, i) + m - i];
+        x[i] = triangle[auvid_qr_row(n, i) + m - i];
     }
-    return auvid_triangle_solve(triangle, n, m, tiny, x);
+    return auvid_qr_solve(triangle, n, m, tiny, x);
 }
 
 static void test_solution_of_exact_equations_is_found(void)

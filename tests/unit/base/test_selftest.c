@@ -107,7 +107,7 @@ static void test_it_accepts_again_once_the_mode_is_restored(void)
 
 static void test_each_status_has_its_own_sentence(void)
 {
-    for (int i = AUVID_ERR_CHECKSUM; i <= AUVID_CAPPED; ++i) {
+    for (int i = AUVID_ERR_CHECKSUM; i <= AUVID_EVALUATION_LIMIT; ++i) {
         const char *text = auvid_status_str((auvid_status_t)i);
         TEST_ASSERT_TRUE(text[0] != '\0' && text != auvid_status_str((auvid_status_t)1000));
         for (int j = AUVID_ERR_CHECKSUM; j < i; ++j) {

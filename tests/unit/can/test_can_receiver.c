@@ -98,21 +98,21 @@ static void test_steps_of_one_to_three_are_good_and_others_are_not(void)
         setUp();
         TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
         auvid_can_state_t expected = step == 0  ? AUVID_CAN_REPEATED
-                                     : step > 3 ? AUVID_CAN_JUMPED
+                                     : step > 3 ? AUVID_CAN_COUNTER_JUMP
                                                 : AUVID_CAN_GOOD;
         TEST_ASSERT_EQUAL(expected, depth((uint8_t)((9 + step) % 16)));
         TEST_ASSERT_EQUAL(expected, auvid_can_receiver_state(&receiver, now));
         TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? step - 1 : 0, receiver.lost);
         TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? 2 : 1, receiver.good);
         TEST_ASSERT_EQUAL_UINT32(step == 0, receiver.repeated);
-        TEST_ASSERT_EQUAL_UINT32(step > 3, receiver.jumped);
+        TEST_ASSERT_EQUAL_UINT32(step > 3, receiver.counter_jumps);
     }
 }
 
 static void test_after_a_jump_the_next_in_order_is_good(void)
 {
     depth(0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_JUMPED, depth(8));
+    TEST_ASSERT_EQUAL(AUVID_CAN_COUNTER_JUMP, depth(8));
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
 }
 
@@ -149,7 +149,7 @@ static void test_silence_is_a_time_out_and_counted_once(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, last + 300000));
     TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 300001));
     TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 900000));
-    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
 static void test_repeated_and_bad_frames_do_not_keep_a_message_alive(void)
@@ -158,9 +158,9 @@ static void test_repeated_and_bad_frames_do_not_keep_a_message_alive(void)
     for (int i = 0; i < 20; ++i) {
         depth(0);
     }
-    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
     TEST_ASSERT_EQUAL_UINT32(1, receiver.good);
-    TEST_ASSERT_FALSE(receiver.alive);
+    TEST_ASSERT_FALSE(receiver.is_fresh);
 }
 
 static void test_after_a_time_out_any_counter_is_a_new_start(void)
@@ -168,7 +168,7 @@ static void test_after_a_time_out_any_counter_is_a_new_start(void)
     depth(0);
     now += 1000000;
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(0));
-    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.repeated);
 }
 
@@ -187,7 +187,7 @@ static void test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_ther
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 1));
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 299999));
     TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, now - 300000));
-    TEST_ASSERT_EQUAL_UINT32(1, receiver.timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
 static void test_the_count_outlasts_a_stamp_that_is_a_little_behind(void)
@@ -244,7 +244,7 @@ static void test_driving_goes_on_after_a_time_out_however_often_it_is_asked(void
     now += TICK / 2;
     drive(AUVID_C(0.25));
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
-    TEST_ASSERT_EQUAL_UINT32(1, command.half[0].timed_out);
+    TEST_ASSERT_EQUAL_UINT32(1, command.half[0].timeouts);
 }
 
 static void test_a_start_that_is_too_old_counts_for_nothing(void)
@@ -343,7 +343,7 @@ static void test_frames_that_come_while_the_thrust_is_worked_out_are_of_now(void
         TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
     }
     TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first only starts the count */
-    TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timed_out + command.half[0].ahead);
+    TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timeouts + command.half[0].ahead);
 }
 
 /* Commands that are stamped so much ahead of the clock. */
@@ -378,7 +378,7 @@ static void test_stamps_further_ahead_are_refused_and_the_last_good_command_stay
         TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
         TEST_ASSERT_EQUAL_UINT32(good, command.half[0].good);
         TEST_ASSERT_EQUAL_UINT32(1, command.half[0].ahead);
-        TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timed_out);
+        TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timeouts);
         now += TIMEOUT;
         TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.5)));
         now += 1;
@@ -470,7 +470,7 @@ static void test_one_to_eight_thrusters_need_a_half_for_each_four(void)
     for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, thrusters, NULL));
         auvid_can_frame_t frame = half_frame(1, 1);
-        TEST_ASSERT_EQUAL(thrusters <= 4 ? AUVID_CAN_FOREIGN : AUVID_CAN_JUMPED,
+        TEST_ASSERT_EQUAL(thrusters <= 4 ? AUVID_CAN_FOREIGN : AUVID_CAN_COUNTER_JUMP,
                           auvid_can_command_take(&command, &frame));
     }
 }

@@ -8,13 +8,13 @@
 
 #include "auvid/node.h"
 #include "chain.h"
-#include "craft.h"
+#include "vehicle_sim.h"
 #include "unity.h"
 
 enum { SETS = 2, LOG = 60000, SET_TICKS = 1500 };
 
 static auvid_node_t node, other;
-static craft_t craft;
+static vehicle_sim_t craft;
 static chain_t chain;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
@@ -38,13 +38,13 @@ static struct {
 static void prepare(uint64_t seed)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    craft_config_t vehicle;
+    vehicle_sim_config_t vehicle;
     memset(&run, 0, sizeof run);
     run.random = 88172645463325252u;
     taken_count = 0;
-    craft_defaults(&vehicle);
+    vehicle_sim_defaults(&vehicle);
     vehicle.sim.seed = seed;
-    TEST_ASSERT_TRUE(craft_init(&craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&craft, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, SETS, seed);
@@ -92,7 +92,7 @@ static void deliver(const auvid_can_frame_t *frame, int count)
         if (m.kind == AUVID_CAN_THRUSTER_COMMAND_B) {
             run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_b.thrust[0]));
         }
-        craft_take(&craft, &frame[i]);
+        vehicle_sim_take(&craft, &frame[i]);
     }
 }
 
@@ -137,7 +137,7 @@ static void set_clock(auvid_can_frame_t *frame)
 static void tick(void)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = craft_tick(&craft, frame);
+    int count = vehicle_sim_tick(&craft, frame);
     ++run.ticks;
     for (int i = 0; i < count; ++i) {
         set_clock(&frame[i]);
@@ -477,7 +477,7 @@ static void test_a_lost_tick_is_counted(void)
     auvid_can_frame_t frame[CRAFT_FRAMES];
     begin(false);
     go(100);
-    (void)craft_tick(&craft, frame);
+    (void)vehicle_sim_tick(&craft, frame);
     go(10);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.ticks_missed);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
@@ -517,7 +517,7 @@ static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
     bool has = false;
     begin(false);
     for (int k = 0; k < 100; ++k) {
-        int count = craft_tick(&craft, frame);
+        int count = vehicle_sim_tick(&craft, frame);
         for (int i = 0; i < count; ++i) {
             auvid_can_message_t m;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
@@ -571,10 +571,10 @@ SAME(AUVID_CAN_GUARD_SETTLING, AUVID_GUARD_SETTLING);
 SAME(AUVID_CAN_GUARD_DONE, AUVID_GUARD_DONE);
 SAME(AUVID_CAN_GUARD_ABORTED, AUVID_GUARD_ABORTED);
 SAME(AUVID_CAN_WORK_IDLE, AUVID_WORK_IDLE);
-SAME(AUVID_CAN_WORK_FORESEE, AUVID_WORK_FORESEE);
+SAME(AUVID_CAN_WORK_PREPARE, AUVID_WORK_PREPARE);
 SAME(AUVID_CAN_WORK_PREDICT, AUVID_WORK_PREDICT);
 SAME(AUVID_CAN_WORK_COMPARE, AUVID_WORK_COMPARE);
-SAME(AUVID_CAN_WORK_JUDGE, AUVID_WORK_JUDGE);
+SAME(AUVID_CAN_WORK_CHANGE_TEST, AUVID_WORK_CHANGE_TEST);
 SAME(AUVID_CAN_WORK_MERGE, AUVID_WORK_MERGE);
 SAME(AUVID_CAN_WORK_ASK, AUVID_WORK_ASK);
 SAME(AUVID_CAN_WORK_COST, AUVID_WORK_COST);
@@ -605,7 +605,7 @@ SAME(AUVID_CAN_CAUSE_FOREIGN_COMMAND, AUVID_GUARD_FOREIGN_COMMAND);
 SAME(AUVID_CAN_CAUSE_NONE, AUVID_GUARD_NO_CAUSE);
 SAME(AUVID_CAN_NOTE_NONE, AUVID_NOTE_NONE);
 SAME(AUVID_CAN_NOTE_FIXED, AUVID_NOTE_FIXED);
-SAME(AUVID_CAN_NOTE_NOT_DRIVEN, AUVID_NOTE_NOT_DRIVEN);
+SAME(AUVID_CAN_NOTE_NOT_EXCITED, AUVID_NOTE_NOT_EXCITED);
 SAME(AUVID_CAN_NOTE_COMBINATION, AUVID_NOTE_COMBINATION);
 SAME(AUVID_CAN_NOTE_SMALL, AUVID_NOTE_SMALL);
 SAME(AUVID_CAN_NOTE_NOISE, AUVID_NOTE_NOISE);

@@ -5,13 +5,13 @@
 #include <string.h>
 
 #include "auvid/node.h"
-#include "craft.h"
+#include "vehicle_sim.h"
 #include "unity.h"
 
 enum { NAVIGATED = 100 };
 
 static auvid_node_t node, copy;
-static craft_t craft;
+static vehicle_sim_t craft;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
 static auvid_can_sender_t sender;
@@ -21,10 +21,10 @@ static int count;
 void setUp(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    craft_config_t vehicle;
-    craft_defaults(&vehicle);
+    vehicle_sim_config_t vehicle;
+    vehicle_sim_defaults(&vehicle);
     vehicle.no_arm = true;
-    TEST_ASSERT_TRUE(craft_init(&craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&craft, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
@@ -73,13 +73,13 @@ static void step_at(uint32_t sequence)
 static void tick_without(uint32_t kinds)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
-    int frames = craft_tick(&craft, frame);
+    int frames = vehicle_sim_tick(&craft, frame);
     for (int i = 0; i < frames; ++i) {
         if ((kinds >> auvid_can_kind(NULL, frame[i].id) & 1u) == 0 &&
             auvid_node_take(&node, &frame[i]) == AUVID_TICK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
             for (int k = 0; k < count; ++k) {
-                craft_take(&craft, &sent[k]);
+                vehicle_sim_take(&craft, &sent[k]);
             }
         }
     }
@@ -863,8 +863,8 @@ static void test_each_flag_of_an_estimate_is_its_own_bit(void)
         begin();
         node.index = (uint8_t)i;
         e->identified = bit == 0 ? only : ~only;
-        e->driven = (uint8_t)(bit == 1 ? dof : ~dof);
-        e->capped = bit == 2;
+        e->excited = (uint8_t)(bit == 1 ? dof : ~dof);
+        e->not_converged = bit == 2;
         e->confidence.identifiable = bit == 3 ? only : ~only;
         e->confidence.implausible = bit == 4 ? only : ~only;
         e->accepted = bit == 5;
@@ -882,7 +882,7 @@ static void know_drag(void)
     int n = auvid_girona500.parameters;
     begin();
     e->number = 130;
-    e->driven = 0x27;
+    e->excited = 0x27;
     for (int i = 0, diagonal = 0; i < n; diagonal += n - i, ++i) {
         e->pi[i] = (auvid_real_t)(-10 - 7 * i);
         e->covariance[diagonal] = e->confidence.sigma[i] = 1;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "auvid/node.h"
-#include "craft.h"
+#include "vehicle_sim.h"
 #include "unity.h"
 
 enum { NAVIGATED = 100, EXCITED = 150 };
@@ -15,7 +15,7 @@ enum { NAVIGATED = 100, EXCITED = 150 };
 /* A node with its vehicle, and what the node has commanded in the last tick. */
 typedef struct {
     auvid_node_t node;
-    craft_t craft;
+    vehicle_sim_t craft;
     auvid_can_frame_t sent[AUVID_NODE_COMMANDS];
     int count;
     double largest; /* thrust */
@@ -30,11 +30,11 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     static auvid_identifier_config_t identifier;
     auvid_node_config_t config;
-    craft_config_t vehicle;
+    vehicle_sim_config_t vehicle;
     memset(p, 0, sizeof *p);
-    craft_defaults(&vehicle);
+    vehicle_sim_defaults(&vehicle);
     vehicle.no_arm = true;
-    TEST_ASSERT_TRUE(craft_init(&p->craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&p->craft, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, seed);
@@ -53,14 +53,14 @@ static void deliver(pair_t *p)
         for (int k = 0; k < 4; ++k) { /* b is laid out alike */
             p->largest = fmax(p->largest, fabs((double)m.as.thruster_command_a.thrust[k]));
         }
-        craft_take(&p->craft, &p->sent[i]);
+        vehicle_sim_take(&p->craft, &p->sent[i]);
     }
 }
 
 static void tick(pair_t *p)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = craft_tick(&p->craft, frame);
+    int count = vehicle_sim_tick(&p->craft, frame);
     for (int i = 0; i < count; ++i) {
         if (auvid_node_take(&p->node, &frame[i]) == AUVID_TICK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&p->node, NULL, p->sent, &p->count));
@@ -519,7 +519,7 @@ static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(vo
 static auvid_status_t own_tick(pair_t *p, uint64_t t_us)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = craft_tick(&p->craft, frame);
+    int count = vehicle_sim_tick(&p->craft, frame);
     for (int i = 0; i < count - 1; ++i) {
         (void)auvid_node_take(&p->node, &frame[i]);
     }
@@ -536,7 +536,7 @@ static void excite_by_own_clock(uint64_t *t_us)
         }
         TEST_ASSERT_EQUAL(AUVID_OK, own_tick(&now, *t_us));
         for (int i = 1; i < now.count; ++i) {
-            craft_take(&now.craft, &now.sent[i]);
+            vehicle_sim_take(&now.craft, &now.sent[i]);
         }
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));

@@ -29,7 +29,7 @@ static struct {
     bool arm;
     double altitude_m, depth_m;
 } run;
-static uint8_t saved[2][AUVID_CHECKPOINT_MOST(0)];
+static uint8_t saved[2][AUVID_CHECKPOINT_MAX(0)];
 
 void setUp(void)
 {

@@ -179,13 +179,14 @@ static void test_within_the_leash_the_wrench_is_as_without(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 10, 4, 3));
     begin();
     free = e;
-    memset(free.config.leash, 0, sizeof free.config.leash);
+    memset(free.config.excursion_limit, 0, sizeof free.config.excursion_limit);
     for (uint64_t t_us = 0; t_us < 40 * S; t_us += S / 50) {
         auvid_real_t expected[6];
         const auvid_real_t far[6] = {1000, 1000, 1000, 1000, 1000, 1000};
-        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&free, far)); /* no leash */
+        TEST_ASSERT_EQUAL_INT(AUVID_OK,
+                              auvid_excitation_set_displacement(&free, far)); /* no leash */
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_step(&free, t_us, expected));
-        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, inside));
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, inside));
         at(t_us);
         TEST_ASSERT_EQUAL_MEMORY(expected, wrench, sizeof wrench);
     }
@@ -203,7 +204,7 @@ static void test_random_steps_beyond_the_leash_lead_back(void)
                                       auvid_excitation_plan(&cfg, girona500, 60, 1, seed));
                 cfg.segment[0].amplitude *= (auvid_real_t)sign;
                 begin();
-                TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+                TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
                 for (uint64_t t_us = S; t_us < 59 * S; t_us += S / 10) {
                     at(t_us);
                     TEST_ASSERT_TRUE((double)wrench[0] * side < -29);
@@ -220,9 +221,9 @@ static void test_a_leash_of_half_a_metre_leads_back_on_both_sides(void)
         const auvid_real_t d[6] = {(auvid_real_t)side * AUVID_C(0.7)};
         setUp();
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 60, 1, 1));
-        cfg.leash[AUVID_SURGE] = AUVID_C(0.5);
+        cfg.excursion_limit[AUVID_SURGE] = AUVID_C(0.5);
         begin();
-        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
         for (uint64_t t_us = S; t_us < 59 * S; t_us += S / 10) {
             at(t_us);
             TEST_ASSERT_TRUE((double)wrench[0] * side < -29);
@@ -240,9 +241,9 @@ static void play_sine(double displacement, double *least, double *most)
     cfg.segment[0].amplitude = 20;
     cfg.segment[0].frequency_hz = AUVID_C(0.1);
     cfg.segment[0].duration_s = 20;
-    cfg.leash[AUVID_SURGE] = 5;
+    cfg.excursion_limit[AUVID_SURGE] = 5;
     begin();
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
     *least = INFINITY;
     *most = -INFINITY;
     for (uint64_t t_us = 0; t_us < 20 * S; t_us += S / 10) {
@@ -289,7 +290,7 @@ static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
                                        (auvid_real_t)(6.2831 * times[far])};
             TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_start(&e, 0));
             for (uint64_t t_us = 0; t_us < 60 * S; t_us += S / 20) {
-                TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+                TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
                 at(t_us);
                 for (int j = 0; j < 6; ++j) {
                     TEST_ASSERT_TRUE(fabs((double)wrench[j]) <= (double)peak[j]);
@@ -306,16 +307,16 @@ static void test_a_leash_or_displacement_that_cannot_be_is_refused(void)
 {
     auvid_real_t bad[6] = {1, 2, 3, 4, 5, (auvid_real_t)NAN};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 30, 2, 1));
-    cfg.leash[4] = -1;
+    cfg.excursion_limit[4] = -1;
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_excitation_init(&e, &cfg));
-    cfg.leash[4] = (auvid_real_t)INFINITY;
+    cfg.excursion_limit[4] = (auvid_real_t)INFINITY;
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_excitation_init(&e, &cfg));
-    cfg.leash[4] = 0;
+    cfg.excursion_limit[4] = 0;
     begin();
     auvid_excitation_t before = e;
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_excitation_steer(&e, bad));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_excitation_steer(&e, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_excitation_steer(NULL, home));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_excitation_set_displacement(&e, bad));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_excitation_set_displacement(&e, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_excitation_set_displacement(NULL, home));
     TEST_ASSERT_EQUAL_MEMORY(&before, &e, sizeof e);
 }
 
@@ -329,7 +330,7 @@ static double farthest(uint64_t seed, bool leash, double current, double disturb
     setUp();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 30, 8, seed));
     if (!leash) {
-        memset(cfg.leash, 0, sizeof cfg.leash);
+        memset(cfg.excursion_limit, 0, sizeof cfg.excursion_limit);
     }
     begin();
     sim_defaults(&world);
@@ -348,7 +349,7 @@ static double farthest(uint64_t seed, bool leash, double current, double disturb
             d[j] = (auvid_real_t)(r[0][j] * moved[0] + r[1][j] * moved[1] + r[2][j] * moved[2]);
         }
         d[AUVID_YAW] = (auvid_real_t)t->euler[2];
-        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_steer(&e, d));
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
         at(t->t_us);
         for (int j = 0; j < 6; ++j) {
             f[j] = (double)wrench[j];

@@ -684,14 +684,14 @@ static void test_a_step_without_input(void)
 
 static void test_the_operator_falls_silent(void)
 {
-    cfg.alive_us = 500000;
+    cfg.heartbeat_timeout_us = 500000;
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
         go((auvid_guard_state_t)state);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_heartbeat(&g, now));
         for (uint64_t end = now + 500000u; now < end;) {
             TEST_ASSERT_EQUAL(state == AUVID_GUARD_EXCITING, step_well());
         }
-        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_alive(&g, START - 1));
+        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_heartbeat(&g, START - 1));
         TEST_ASSERT_FALSE(step_well());
         check_latched(AUVID_GUARD_LINK, 0.52, 0.5);
     }
@@ -699,7 +699,7 @@ static void test_the_operator_falls_silent(void)
 
 static void test_only_a_silence_of_zero_switches_the_dead_mans_switch_off(void)
 {
-    cfg.alive_us = 1;
+    cfg.heartbeat_timeout_us = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
     TEST_ASSERT_FALSE(step_well());
@@ -709,22 +709,23 @@ static void test_only_a_silence_of_zero_switches_the_dead_mans_switch_off(void)
 static void test_a_sign_of_life_of_the_same_time_is_none_too_early(void)
 {
     go(AUVID_GUARD_EXCITING);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
-    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_alive(&g, now - 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_heartbeat(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_heartbeat(&g, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_heartbeat(&g, now - 1));
 }
 
 static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
 {
-    cfg.alive_us = 500000;
+    cfg.heartbeat_timeout_us = 500000;
     go(AUVID_GUARD_EXCITING);
     for (int k = 1; k < 1000; ++k) {
         if (k % 20 == 0) {
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_heartbeat(&g, now));
         }
         TEST_ASSERT_TRUE(step_well());
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_alive(&g, now + 100000000u)); /* not for ever after */
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_guard_heartbeat(&g, now + 100000000u)); /* not for ever after */
     TEST_ASSERT_FALSE(step_well());
     TEST_ASSERT_EQUAL(AUVID_GUARD_LINK, g.trip.cause);
 }
@@ -791,11 +792,11 @@ static void test_calm_counts_from_the_first_step_after_the_end(void)
 /* Speeds of 0.25 m/s, rates of 0.5 rad/s, in one axis at a time and in two together. */
 static void test_calm_is_not_faster_than_its_limits_in_all_axes_together(void)
 {
-    cfg.calm_speed = AUVID_C(0.25);
-    cfg.calm_rate = AUVID_C(0.5);
+    cfg.rest_speed = AUVID_C(0.25);
+    cfg.rest_rate = AUVID_C(0.5);
     for (int axis = 0; axis < 6; ++axis) {
         auvid_real_t *motion = axis < 3 ? in.velocity_ground : in.rates;
-        auvid_real_t limit = axis < 3 ? cfg.calm_speed : cfg.calm_rate;
+        auvid_real_t limit = axis < 3 ? cfg.rest_speed : cfg.rest_rate;
         const auvid_real_t one[] = {limit, -limit, limit * AUVID_C(1.001), limit * AUVID_C(0.8)};
         const auvid_real_t two[] = {0, 0, 0, limit * AUVID_C(0.8)};
         for (int i = 0; i < 4; ++i) {
@@ -902,10 +903,10 @@ static void test_the_defaults_are_those_that_the_header_names(void)
                                   .applied_stale_us = 1000000,
                                   .saturation_us = 1000000,
                                   .max_tick_us = 250000,
-                                  .calm_speed = AUVID_C(0.1),
-                                  .calm_rate = AUVID_C(0.1),
-                                  .calm_us = 2000000,
-                                  .settle_us = 30000000};
+                                  .rest_speed = AUVID_C(0.1),
+                                  .rest_rate = AUVID_C(0.1),
+                                  .rest_dwell_us = 2000000,
+                                  .settle_timeout_us = 30000000};
     memset(&cfg, 0xFF, sizeof cfg);
     auvid_guard_defaults(&cfg);
     TEST_ASSERT_EQUAL_MEMORY(&named, &cfg, offsetof(auvid_guard_config_t, off));
@@ -929,8 +930,8 @@ static void test_limits_that_are_negative_or_not_finite_are_refused(void)
 {
     auvid_real_t *const limits[] = {&cfg.depth_min_m,  &cfg.depth_max_m,    &cfg.altitude_min_m,
                                     &cfg.roll_max_rad, &cfg.pitch_max_rad,  &cfg.speed_max,
-                                    &cfg.yaw_rate_max, &cfg.distance_max_m, &cfg.calm_speed,
-                                    &cfg.calm_rate};
+                                    &cfg.yaw_rate_max, &cfg.distance_max_m, &cfg.rest_speed,
+                                    &cfg.rest_rate};
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
         auvid_real_t good = *limits[i];
         *limits[i] = -good;
@@ -983,7 +984,7 @@ static void test_null_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_abort(NULL, now));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_abort_for(NULL, now, AUVID_GUARD_LINK));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_disarm(NULL));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_alive(NULL, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_guard_heartbeat(NULL, now));
     TEST_ASSERT_FALSE(auvid_guard_step(NULL, now, &in));
 }
 

@@ -6,7 +6,7 @@
 
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "binomial.h"
 #include "chain.h"
 #include "unity.h"
@@ -98,7 +98,7 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.given_up);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.abandoned);
     /* at once: with the fade and two ticks */
     const double fade_s = (double)chain.id.excitation.config.fade_s;
     TEST_ASSERT_TRUE(seen.rest_s > 0.0 && seen.rest_s <= seen.done_s + fade_s + 0.04);
@@ -124,16 +124,16 @@ static void test_a_run_may_be_begun_again(void)
 static void test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set(void)
 {
     enum { DIVES = 10 };
-    uint8_t record[AUVID_WARM_BYTES];
+    uint8_t record[AUVID_PRIOR_BYTES];
     double cold_s = 0, warm_s = 0;
     for (uint64_t dive = 1; dive <= DIVES; ++dive) {
         begin();
         run(300);
         cold_s += seen.end_s;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
         make_world(100 + dive, 1.0);
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
         run(300);
         warm_s += seen.end_s;
@@ -154,7 +154,7 @@ static void test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known(
     chain.waiting = true;
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.given_up);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.abandoned);
     TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
 }
 
@@ -165,7 +165,7 @@ static void test_what_does_not_move_is_given_up_in_time(void)
     begin();
     run(450);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.given_up & SWAY_ONES);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.abandoned & SWAY_ONES);
     TEST_ASSERT_TRUE(seen.end_s < 250.0);
 }
 
@@ -181,7 +181,7 @@ static void test_weak_thrusters_take_turns_and_everything_is_known(void)
     uint8_t together = 0, ever = 0;
     while (1e-6 * (double)chain.t_us < 450 && chain.out.guard != AUVID_GUARD_DONE) {
         chain_tick(&chain);
-        uint8_t driving = chain.id.adaptive.driving;
+        uint8_t driving = chain.id.adaptive.playing;
         ever |= driving;
         together |= (driving & 0x21) == 0x21;
     }
@@ -189,13 +189,13 @@ static void test_weak_thrusters_take_turns_and_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(0, together);
     TEST_ASSERT_EQUAL_HEX32(0x27, ever);
     TEST_ASSERT_FALSE(seen.over);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.given_up);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.abandoned);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
 }
 
 static void test_it_ends_at_its_longest(void)
 {
-    cfg.most_s = 40;
+    cfg.max_s = 40;
     begin();
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
@@ -222,7 +222,7 @@ static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
 static void test_a_limit_of_the_guard_ends_it(void)
 {
     config.id.guard.distance_max_m = 3;
-    cfg.leash[AUVID_SURGE] = cfg.leash[AUVID_SWAY] = 0; /* never led back */
+    cfg.excursion_limit[AUVID_SURGE] = cfg.excursion_limit[AUVID_SWAY] = 0; /* never led back */
     begin();
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
@@ -262,15 +262,15 @@ static void test_what_makes_no_sense_is_refused(void)
     check_refused(AUVID_ERR_RANGE);
     cfg.amplitude[0] = -1;
     check_refused(AUVID_ERR_RANGE);
-    cfg.leash[5] = -1;
+    cfg.excursion_limit[5] = -1;
     check_refused(AUVID_ERR_RANGE);
-    cfg.most_s = 29;
+    cfg.max_s = 29;
     check_refused(AUVID_ERR_RANGE);
-    cfg.most_s = 3601;
+    cfg.max_s = 3601;
     check_refused(AUVID_ERR_RANGE);
     cfg.amplitude[2] = (auvid_real_t)NAN;
     check_refused(AUVID_ERR_NOT_FINITE);
-    cfg.leash[2] = (auvid_real_t)INFINITY;
+    cfg.excursion_limit[2] = (auvid_real_t)INFINITY;
     check_refused(AUVID_ERR_NOT_FINITE);
     cfg.amplitude[0] = 400;
     check_refused(AUVID_ERR_LIMIT);
@@ -286,7 +286,7 @@ static void test_calls_out_of_order_are_refused(void)
 }
 
 static chain_t other;
-static uint8_t bytes[AUVID_CHECKPOINT_MOST(0)];
+static uint8_t bytes[AUVID_CHECKPOINT_MAX(0)];
 
 /* @return bytes of a checkpoint of chain. */
 static uint32_t save(void)
@@ -391,7 +391,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     if (way == ADAPTIVE) {
-        cfg.most_s = MOST_S;
+        cfg.max_s = MOST_S;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
@@ -411,7 +411,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     if (way == ADAPTIVE) {
         o->end_s = 1e-6 * (double)chain.t_us;
         o->end_square = chain_mean_square(&chain);
-        gave_up += chain.id.adaptive.given_up != 0;
+        gave_up += chain.id.adaptive.abandoned != 0;
         over = over || seen.over || seen.outside;
         false_alarms += seen.changed;
     }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "auvid/checkpoint.h"
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "search/auvid_line_search_directions_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
@@ -15,7 +15,7 @@ enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SE
 
 static auvid_identifier_config_t config;
 static auvid_identifier_t id, other;
-static uint8_t saved[AUVID_CHECKPOINT_MOST(ROWS)], again[AUVID_CHECKPOINT_MOST(ROWS)];
+static uint8_t saved[AUVID_CHECKPOINT_MAX(ROWS)], again[AUVID_CHECKPOINT_MAX(ROWS)];
 static uint32_t bytes;
 
 void setUp(void)
@@ -109,7 +109,7 @@ static void test_the_bytes_do_not_depend_on_the_chunks(void)
         TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, chunk[i]));
         TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
     }
-    TEST_ASSERT_TRUE(bytes <= AUVID_CHECKPOINT_MOST(0));
+    TEST_ASSERT_TRUE(bytes <= AUVID_CHECKPOINT_MAX(0));
     uint32_t check = 0;
     memcpy(&check, saved + bytes - 4, 4);
     printf("%u bytes, checksum %08lx\n", (unsigned)bytes, (unsigned long)check);
@@ -178,19 +178,20 @@ static void test_nothing_is_left_of_what_was_aboard_before(void)
 
 static void test_what_was_known_before_the_dive_goes_with_it(void)
 {
-    static uint8_t record[AUVID_WARM_BYTES];
+    static uint8_t record[AUVID_PRIOR_BYTES];
     move_from_to(&id, 1, 240);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&id, record));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&id, record, sizeof record));
     bytes = save(&id, saved, sizeof saved);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
-    TEST_ASSERT_TRUE(other.metric.recall == id.metric.recall && id.metric.recall != NULL);
+    TEST_ASSERT_TRUE(other.metric.apply_prior == id.metric.apply_prior &&
+                     id.metric.apply_prior != NULL);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and back to none */
     bytes = save(&id, saved, sizeof saved);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
-    TEST_ASSERT_TRUE(other.metric.recall == NULL);
+    TEST_ASSERT_TRUE(other.metric.apply_prior == NULL);
 }
 
 static void test_what_is_attached_stays(void)
@@ -407,7 +408,7 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(metric.channel_at[2] = 500);
     IMPOSSIBLE(metric.index[0] = 200);
     IMPOSSIBLE(metric.set[3].exponent[0] = 100);
-    IMPOSSIBLE(metric.set[3].driven = 1); /* and not a row */
+    IMPOSSIBLE(metric.set[3].excited = 1); /* and not a row */
     IMPOSSIBLE(metric.factor[0][0] = AUVID_C(1e30));
     IMPOSSIBLE(nav.gps_count = 200);
     IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
@@ -426,11 +427,11 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(metric.from = 1);             /* and the ring is not held */
     IMPOSSIBLE(metric.least = 1);
     IMPOSSIBLE(metric.full = true);
-    IMPOSSIBLE(metric.turned = true);
+    IMPOSSIBLE(metric.ring_changed = true);
     IMPOSSIBLE(metric.held = true); /* and there is no work */
     IMPOSSIBLE(metric.waiting = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(metric.sets_merged = AUVID_MAX_SETS + 1);
-    IMPOSSIBLE(unjudged = 1);
+    IMPOSSIBLE(untested = 1);
     IMPOSSIBLE(active = 1u << 31);
     IMPOSSIBLE(searching = true);
     IMPOSSIBLE(estimate.speed[0][0] = -1);
@@ -458,9 +459,9 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
     good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
-    good.trusted.confidence.note[0] = AUVID_NOTE_COMBINATION;
+    good.accepted_estimate.confidence.note[0] = AUVID_NOTE_COMBINATION;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
-    IMPOSSIBLE(trusted.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(accepted_estimate.confidence.partner[0] = vehicle.parameters);
     good.estimate.confidence.note[0] = AUVID_NOTE_DISCREDITED;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
     check_good();
@@ -537,9 +538,9 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
 static void test_sets_that_do_not_go_with_the_work_are_refused(void)
 {
     move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
-    TEST_ASSERT_EQUAL(1, good.unjudged);
-    IMPOSSIBLE(unjudged = 0);
-    IMPOSSIBLE(unjudged = 2);
+    TEST_ASSERT_EQUAL(1, good.untested);
+    IMPOSSIBLE(untested = 0);
+    IMPOSSIBLE(untested = 2);
     IMPOSSIBLE(metric.from = 1);
     IMPOSSIBLE(metric.full = true); /* of a model with regressor */
     IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);

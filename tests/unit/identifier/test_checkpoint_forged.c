@@ -10,7 +10,7 @@
 
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "identifier/auvid_checkpoint_layout_internal.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
@@ -22,7 +22,7 @@ enum {
     SETS = 9,
     SET_ROWS = 20,
     STORE = (SETS + 1) * SET_ROWS,
-    MOST = AUVID_CHECKPOINT_MOST(STORE),
+    MOST = AUVID_CHECKPOINT_MAX(STORE),
     PHASES = AUVID_WORK_CONFIDENCE + 1,
     KINDS = 4 * PHASES, /* of moments: phases of work, with a set that waits, a sample held */
     TAKEN = 2 * KINDS,  /* checkpoints of a world: two of each */
@@ -123,7 +123,7 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
 static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
-    bool waits = m->held && (m->full || m->waiting > 0 || id->unjudged > 1);
+    bool waits = m->held && (m->full || m->waiting > 0 || id->untested > 1);
     return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
 }
 
@@ -140,7 +140,7 @@ static void run(world_t world, double seconds)
         sigma[i] = AUVID_C(1e6);
     }
     if (world == SEQUENCE) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, guess, sigma));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, guess, sigma));
     }
     for (int tick = 1; tick < (int)(50 * seconds); ++tick) {
         chain.config.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
@@ -271,13 +271,13 @@ static void forge(const moment_t *m)
 static void check_published(const chain_t *c)
 {
     const auvid_estimate_t *e = &c->id.estimate;
-    const auvid_judgement_t *to = &c->id.judgement;
+    const auvid_change_test_t *to = &c->id.change_test;
     auvid_nav_state_t state;
     memset(&state, 0, sizeof state);
     (void)auvid_nav_state(&c->id.nav, &state);
     bool finite = FINITE(e->pi) && auvid_is_finite(e->cost) && FINITE(e->delay_s) &&
                   FINITE(e->r2_force) && FINITE(e->confidence.sigma) &&
-                  FINITE(e->confidence.noise) && FINITE(e->confidence.residual);
+                  FINITE(e->confidence.effective_noise) && FINITE(e->confidence.residual_rms);
     TEST_ASSERT_TRUE_MESSAGE(finite, what);
     finite = FINITE(to->variance_ratio) && FINITE(to->change) && FINITE(to->r2_velocity) &&
              auvid_is_finite(c->id.guard.trip.value) && auvid_is_finite(c->id.guard.trip.limit);

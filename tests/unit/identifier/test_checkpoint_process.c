@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "auvid/checkpoint.h"
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
 #include "chain.h"
@@ -23,7 +23,7 @@ enum {
     TICKS = 5000,
     PHASES = AUVID_WORK_CONFIDENCE + 1,
     STORE = (SETS + 1) * SET_ROWS,
-    MOST = AUVID_CHECKPOINT_MOST(STORE)
+    MOST = AUVID_CHECKPOINT_MAX(STORE)
 };
 
 /* What an identifier is given in a tick, and what it answers. */
@@ -56,7 +56,7 @@ static auvid_vehicle_t vehicle;
 static auvid_identifier_t id;
 static uint8_t saved[MOST];
 static auvid_rng_t rng;
-static uint8_t known[AUVID_WARM_BYTES]; /* before the run */
+static uint8_t known[AUVID_PRIOR_BYTES]; /* before the run */
 
 void setUp(void)
 {
@@ -109,7 +109,7 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
 {
     uint32_t h = 2166136261u;
     const auvid_estimate_t *e = &of->estimate;
-    const auvid_judgement_t *judgement = &of->judgement;
+    const auvid_change_test_t *judgement = &of->change_test;
     HASH(out->events);
     HASH(out->excitation);
     HASH(out->thruster_N);
@@ -120,23 +120,23 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
     HASH(e->t_us);
     HASH(e->sets);
     HASH(e->identified);
-    HASH(e->driven);
+    HASH(e->excited);
     HASH(e->pi);
     HASH(e->cost);
     HASH(e->delay_s);
-    HASH(e->lagged);
+    HASH(e->first_order_lag);
     HASH(e->r2_force);
     HASH(e->evaluations_crs);
     HASH(e->evaluations_line);
-    HASH(e->capped);
+    HASH(e->not_converged);
     HASH(e->accepted);
     HASH(e->confidence.sigma);
     HASH(e->confidence.identifiable);
     HASH(e->confidence.implausible);
     HASH(e->confidence.note);
     HASH(e->confidence.partner);
-    HASH(e->confidence.noise);
-    HASH(e->confidence.residual);
+    HASH(e->confidence.effective_noise);
+    HASH(e->confidence.residual_rms);
     HASH(judgement->set);
     HASH(judgement->changed);
     HASH(judgement->variance_ratio);
@@ -174,7 +174,7 @@ static void begin(auvid_identifier_t *to)
     memset(store, 0, sizeof store);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(to, &config.id));
     if (!run.residual) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(to, known, sizeof known));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(to, known, sizeof known));
     }
 }
 
@@ -182,7 +182,7 @@ static void record(bool residual)
 {
     chain_defaults(&config, 3, 2, 1.0); /* the dive before */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, known));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, known));
     configure(residual);
     config.sim.seed = 2;
     memset(&run, 0, sizeof run);
@@ -205,7 +205,7 @@ static void record(bool residual)
         tick->late = m->held && (m->full || m->waiting > 0);
     }
     TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= SETS - 1 && chain.id.estimate.number > 4);
-    TEST_ASSERT_TRUE(residual || chain.id.metric.memory.known != 0);
+    TEST_ASSERT_TRUE(residual || chain.id.metric.prior.known != 0);
     run.last_bytes = save(&chain.id, run.last);
 }
 

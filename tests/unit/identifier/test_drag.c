@@ -29,7 +29,7 @@ void setUp(void)
     memset(&estimate, 0, sizeof estimate);
     memset(&drag, 0, sizeof drag);
     estimate.number = 1;
-    estimate.driven = 1u << AUVID_SURGE;
+    estimate.excited = 1u << AUVID_SURGE;
     estimate.identified = 1u << LINEAR | 1u << QUADRATIC;
     estimate.speed[AUVID_SURGE][FORWARD] = 1;
     estimate.speed[AUVID_SURGE][BACKWARD] = AUVID_C(0.5);
@@ -40,7 +40,7 @@ void setUp(void)
     estimate.covariance[entry(LINEAR, QUADRATIC)] = AUVID_C(-0.95) * 10 * 20;
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         estimate.confidence.sigma[i] = AUVID_LARGEST;
-        estimate.confidence.note[i] = AUVID_NOTE_NOT_DRIVEN;
+        estimate.confidence.note[i] = AUVID_NOTE_NOT_EXCITED;
     }
     estimate.confidence.sigma[LINEAR] = 10;
     estimate.confidence.sigma[QUADRATIC] = 20;
@@ -210,14 +210,14 @@ static void test_an_implausible_parameter_of_its_equation_discredits_the_force(v
 
 static void test_a_search_that_has_not_converged_identifies_no_force(void)
 {
-    estimate.capped = true;
+    estimate.not_converged = true;
     ask(0.6);
     TEST_ASSERT_FALSE(drag.identifiable);
 }
 
 static void test_the_force_of_a_dof_that_was_not_driven_is_not_identifiable(void)
 {
-    estimate.driven = (uint8_t)~estimate.driven;
+    estimate.excited = (uint8_t)~estimate.excited;
     ask(0.6);
     TEST_ASSERT_FALSE(drag.identifiable);
 }
@@ -329,7 +329,7 @@ static void test_a_speed_of_which_no_row_is_taken_was_not_seen(void)
 
 static double fastest_of(const auvid_set_t *set, int j, int backward)
 {
-    return (set->driven >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
+    return (set->excited >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
 }
 
 /* Yaw is not driven. */

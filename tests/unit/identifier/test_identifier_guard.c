@@ -398,7 +398,7 @@ static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
 
 static void test_the_operator_falls_silent(void)
 {
-    config.id.guard.alive_us = 15000000;
+    config.id.guard.heartbeat_timeout_us = 15000000;
     begin();
     (void)check_aborts(AUVID_GUARD_LINK, 10);
 }
@@ -630,7 +630,8 @@ static void test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current(vo
         config.sim.current[1] = 0.2236;
         config.id.guard.distance_max_m = 20;
         if (!leash) {
-            memset(config.id.excitation.leash, 0, sizeof config.id.excitation.leash);
+            memset(config.id.excitation.excursion_limit, 0,
+                   sizeof config.id.excitation.excursion_limit);
         }
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
         chain_run(&chain, 239.0);

@@ -423,7 +423,7 @@ static void test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others(void)
     TEST_ASSERT_EQUAL_UINT32(late.dvl - 1, nav->diagnostics[AUVID_NAV_DVL_BOTTOM].accepted);
     TEST_ASSERT_EQUAL_UINT32(late.dvl - 1, nav->ground.sequence); /* the last is held */
     TEST_ASSERT_EQUAL_UINT(0, nav->diagnostics[AUVID_NAV_DVL_BOTTOM].unused);
-    TEST_ASSERT_EQUAL_UINT32(nav->ground.sequence, chain.id.knot);
+    TEST_ASSERT_EQUAL_UINT32(nav->ground.sequence, chain.id.last_sample);
 }
 
 /* A step with an IMU sample of this time, and a DVL sample of another if that is not 0. */

@@ -51,7 +51,7 @@ static void check_idle_set(void)
     do {
         chain_tick(&chain);
     } while (!(chain.out.events & AUVID_EVENT_SET));
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_NOT_DRIVEN, chain.out.events);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_NOT_EXCITED, chain.out.events);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 1000));
     TEST_ASSERT_EQUAL_UINT32(number, chain.id.estimate.number);
     chain_tick(&chain);

@@ -150,7 +150,7 @@ static void test_rows_and_trial_points_are_what_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(rows_of_girona500() * (done.crs + done.line_search) + done.attempts +
                                  1, /* to learn that the search has ended */
                              units);
-    TEST_ASSERT_EQUAL_UINT32(1, chain.id.work_most);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.max_work);
 }
 
 static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
@@ -252,7 +252,7 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
             record(2);
             finish(200, units_of_13(52));
             check_optimum();
-            TEST_ASSERT_FALSE(chain.id.estimate.capped);
+            TEST_ASSERT_FALSE(chain.id.estimate.not_converged);
         }
     }
 }
@@ -303,13 +303,13 @@ static void test_the_search_is_the_one_configured(void)
     chain_defaults(&config, 1, 1, 0.0);
     config.id.search.population = 20;
     config.id.search.omega = 500;
-    config.id.search.literal_search = true;
+    config.id.search.paper = true;
     config.id.search.scale_by_bounds = true;
     record(1);
     ask_first();
     TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.config.population);
     TEST_ASSERT_TRUE(chain.id.optimizer.crs.config.omega == 500);
-    TEST_ASSERT_TRUE(chain.id.optimizer.local.literal);
+    TEST_ASSERT_TRUE(chain.id.optimizer.local.paper);
     TEST_ASSERT_TRUE(chain.id.optimizer.local.scale[0] == 0); /* half the width of the box */
 }
 
@@ -329,10 +329,10 @@ static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output
     watch_t *w = c->config.context;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
-    if (out->events & AUVID_EVENT_JUDGED) {
-        TEST_ASSERT_TRUE(id->judgement.set > w->judged);
-        TEST_ASSERT_TRUE(id->judgement.set == w->judged + 1 || w->judged < 2 || w->told > 0);
-        w->judged = id->judgement.set;
+    if (out->events & AUVID_EVENT_VALIDATED) {
+        TEST_ASSERT_TRUE(id->change_test.set > w->judged);
+        TEST_ASSERT_TRUE(id->change_test.set == w->judged + 1 || w->judged < 2 || w->told > 0);
+        w->judged = id->change_test.set;
     }
     if (id->searches > w->begun) {
         w->begun = id->searches;
@@ -562,8 +562,8 @@ static void test_a_users_model_keeps_to_the_budget_and_ends(void)
         TEST_ASSERT_EQUAL_MEMORY(&once, &chain.id.estimate, sizeof once);
     }
     TEST_ASSERT_EQUAL_HEX32(7, once.identified);
-    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, once.driven);
-    TEST_ASSERT_FALSE(once.capped);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, once.excited);
+    TEST_ASSERT_FALSE(once.not_converged);
     TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U], (double)once.pi[USER_M]);
     TEST_ASSERT_TRUE(once.r2_force[AUVID_SURGE] > AUVID_C(0.98));
     TEST_ASSERT_TRUE((double)once.cost == cost_of(once.pi));
@@ -580,7 +580,7 @@ static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *
     w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (id->searches > w->begun) {
         w->begun = id->searches;
-        w->newest = id->metric.turns % (USER_SETS + 1) * USER_ROWS;
+        w->newest = id->metric.sets_stored % (USER_SETS + 1) * USER_ROWS;
         memcpy(began_rows, store, sizeof store);
     }
     if (out->events & AUVID_EVENT_ESTIMATE) {
@@ -614,7 +614,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
                               kept + chain.id.metric.rows_dropped);
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
     TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
-    TEST_ASSERT_FALSE(chain.id.estimate.capped);
+    TEST_ASSERT_FALSE(chain.id.estimate.not_converged);
     TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U],
                               (double)chain.id.estimate.pi[USER_M]);
 }
@@ -627,7 +627,7 @@ static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
     finish(7, units_at_most(4, 16, USER_SETS * USER_ROWS));
     user_vehicle.residual = user_residual;
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
-    TEST_ASSERT_TRUE(chain.id.estimate.capped);
+    TEST_ASSERT_TRUE(chain.id.estimate.not_converged);
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)chain.id.estimate.r2_force[AUVID_SURGE]); /* no NaN */
 }
 

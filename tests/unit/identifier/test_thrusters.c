@@ -595,7 +595,7 @@ static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16
     finish_work(&ideal, UINT32_MAX);
     TEST_ASSERT_TRUE(id.estimate.sets == SETS || id.metric.rows_dropped > 0);
     TEST_ASSERT_EQUAL_HEX32(FREE | 15u << HULL, id.estimate.identified);
-    TEST_ASSERT_FALSE(id.estimate.capped);
+    TEST_ASSERT_FALSE(id.estimate.not_converged);
 }
 
 static double error_of(int i)
@@ -761,7 +761,7 @@ static uint32_t search_on(auvid_identifier_t *on)
 
 static void restart(bool with_log)
 {
-    static uint8_t saved[AUVID_CHECKPOINT_MOST((SETS + 1) * 60)];
+    static uint8_t saved[AUVID_CHECKPOINT_MAX((SETS + 1) * 60)];
     static int16_t log_saved[sizeof commands / sizeof commands[0]];
     auvid_checkpoint_t cursor;
     uint32_t bytes = sizeof saved;

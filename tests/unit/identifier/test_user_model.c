@@ -34,7 +34,7 @@ static void test_dead_band_and_gains_are_identified_within_5_percent_over_20_see
     for (uint64_t seed = 1; seed <= campaign_runs(20); ++seed) {
         identify(seed, SETS, 2000, 0.0, 0.0);
         TEST_ASSERT_EQUAL_HEX32((1u << PARAMETERS) - 1, id.estimate.identified);
-        TEST_ASSERT_FALSE(id.estimate.capped);
+        TEST_ASSERT_FALSE(id.estimate.not_converged);
         TEST_ASSERT_TRUE(worst_error() < 0.05);
     }
 }
@@ -56,7 +56,7 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
     memcpy(pi, id.estimate.pi, sizeof pi);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets_recorded);
-    TEST_ASSERT_TRUE(id.work_most > 1350);
+    TEST_ASSERT_TRUE(id.max_work > 1350);
     identify(1, SETS, 700, 0.0, 0.0);
     for (int i = 0; i < PARAMETERS; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(truth[i]), (double)pi[i], (double)id.estimate.pi[i]);

@@ -242,7 +242,7 @@ static void test_an_estimated_delay_widens_the_masses(void)
         if (known) { /* as it was found */
             memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
                    sizeof config.id.metric.delay_s);
-            config.id.metric.lagged = chain.id.estimate.lagged;
+            config.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
             config.id.metric.estimate_delay = false;
         }
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 4));
@@ -270,8 +270,8 @@ static void test_good_data_make_everything_identifiable(void)
         TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->noise[j] > AUVID_C(0.0));
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->residual[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->effective_noise[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->residual_rms[j] > AUVID_C(0.0));
     }
 }
 
@@ -294,7 +294,7 @@ static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
         bool surge = auvid_girona500.parameter[i].dof == AUVID_SURGE;
         bool heave = auvid_girona500.parameter[i].dof == AUVID_HEAVE;
         TEST_ASSERT_TRUE(surge || !is_identifiable(i));
-        TEST_ASSERT_TRUE(surge || heave || verdict->note[i] == AUVID_NOTE_NOT_DRIVEN);
+        TEST_ASSERT_TRUE(surge || heave || verdict->note[i] == AUVID_NOTE_NOT_EXCITED);
         TEST_ASSERT_TRUE(surge == (verdict->sigma[i] < AUVID_LARGEST));
     }
 }
@@ -623,7 +623,7 @@ static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = AUVID_NOTE_UNCERTAIN;
     notes.lost[AUVID_SURGE] = 5;
-    notes.lost[AUVID_HEAVE] = AUVID_CONFIDENCE_LOST - 1;
+    notes.lost[AUVID_HEAVE] = AUVID_CONFIDENCE_LOST_PERCENT - 1;
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
@@ -641,7 +641,7 @@ static void test_a_pair_is_told_once_and_a_dof_once(void)
     notes.partner[AUVID_G500_X_U] = AUVID_G500_X_UU;
     notes.partner[AUVID_G500_X_UU] = AUVID_G500_X_U;
     notes.note[AUVID_G500_M_V] = notes.note[AUVID_G500_Y_V] = notes.note[AUVID_G500_Y_VV] =
-        AUVID_NOTE_NOT_DRIVEN;
+        AUVID_NOTE_NOT_EXCITED;
     notes.note[AUVID_G500_M_W] = notes.note[AUVID_G500_W_B] = AUVID_NOTE_COMBINATION;
     notes.partner[AUVID_G500_M_W] = AUVID_G500_W_B;
     notes.partner[AUVID_G500_W_B] = AUVID_G500_M_W;

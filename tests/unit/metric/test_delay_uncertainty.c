@@ -217,10 +217,10 @@ static void test_late_stamps_are_found_as_a_negative_delay(void)
         TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)verdict->sigma[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (metric.driven >> j & 1) != 0;
+        bool driven = (metric.excited >> j & 1) != 0;
         TEST_ASSERT_DOUBLE_WITHIN(0.02, driven ? -0.1 : 0, (double)metric.delay_s[j]);
     }
-    TEST_ASSERT_EQUAL_HEX8(0, metric.lagged);
+    TEST_ASSERT_EQUAL_HEX8(0, metric.first_order_lag);
 }
 
 static void test_late_stamps_beyond_two_cells_give_no_earlier_delay(void)

@@ -81,8 +81,8 @@ static void assess(const auvid_real_t *pi)
 static void judge(void)
 {
     uint32_t budget = UINT32_MAX;
-    auvid_metric_judge_begin(&metric);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_judge(&metric, &budget));
+    auvid_metric_change_begin(&metric);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_change(&metric, &budget));
 }
 
 /* In the literal reading both paths have the same rows. Those of a regressor are taken in pairs, so
@@ -156,7 +156,7 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double rms = windows[j] > 0 ? sqrt((double)metric.sse[j] / windows[j]) : 0;
         TEST_ASSERT_EQUAL(auvid_girona500.columns[j] != 0, rms > 0.1);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)verdict->residual[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)verdict->residual_rms[j]);
     }
 }
 
@@ -214,7 +214,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
         assess(truth);
         all = k == 0 ? *verdict : all;
         TEST_ASSERT_EQUAL_MEMORY(all.sigma, verdict->sigma, sizeof all.sigma);
-        TEST_ASSERT_EQUAL_MEMORY(all.residual, verdict->residual, sizeof all.residual);
+        TEST_ASSERT_EQUAL_MEMORY(all.residual_rms, verdict->residual_rms, sizeof all.residual_rms);
     }
 }
 
@@ -421,7 +421,7 @@ static double judge_steep(void)
     judge();
     TEST_ASSERT_TRUE(isfinite((double)metric.change[0][AUVID_SURGE]));
     assess(pi);
-    TEST_ASSERT_TRUE(isfinite((double)verdict->residual[AUVID_SURGE]));
+    TEST_ASSERT_TRUE(isfinite((double)verdict->residual_rms[AUVID_SURGE]));
     return t;
 }
 
@@ -433,7 +433,7 @@ static void test_windows_with_derivatives_beyond_1e15_are_left_out(void)
         steepness = steeper[k];
         (void)judge_steep();
         TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
-        TEST_ASSERT_EQUAL_DOUBLE(0, (double)verdict->residual[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_DOUBLE(0, (double)verdict->residual_rms[AUVID_SURGE]);
     }
     steepness = AUVID_C(0.9e15);
     (void)judge_steep();
@@ -444,13 +444,13 @@ static void test_windows_in_which_the_model_fails_are_left_out(void)
 {
     steepness = 1;
     memset(fails_us, 0, sizeof fails_us);
-    double t = judge_steep(), whole = (double)verdict->residual[AUVID_SURGE];
+    double t = judge_steep(), whole = (double)verdict->residual_rms[AUVID_SURGE];
     TEST_ASSERT_TRUE(whole > 1);
     fails_us[0] = (uint64_t)(1e6 * (t - 3)) + 1000000000u;
     fails_us[1] = UINT64_MAX;
     (void)judge_steep();
     TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
-    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)verdict->residual[AUVID_SURGE]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)verdict->residual_rms[AUVID_SURGE]);
     fails_us[0] = 0;
     (void)judge_steep();
     TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);

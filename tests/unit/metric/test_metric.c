@@ -28,7 +28,7 @@ static void test_least_squares_give_the_parameters_of_noise_free_cells_back(void
     TEST_ASSERT_EQUAL(2, feed(&metric, &w, 0, cells_of(&cfg, 120)));
     assert_least_squares_find_truth(AUVID_G500_FREE);
     TEST_ASSERT_EQUAL_HEX8(
-        1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.driven);
+        1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.excited);
     for (int j = 0; j < 6; ++j) {
         TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0, (double)metric.delay_s[j]);
     }
@@ -261,14 +261,14 @@ static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
 {
     cfg.set_rows = 1;
     cfg.sets = AUVID_MAX_SETS;
-    cfg.driven = 0;
+    cfg.excitation_threshold = 0;
     cfg.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R;
     memcpy(cfg.fixed, truth, sizeof cfg.fixed);
     start();
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 12));
     for (int s = 0; s < AUVID_MAX_SETS; ++s) { /* a single row has no variance: not driven */
-        TEST_ASSERT_EQUAL_HEX8(0, metric.set[s].driven);
+        TEST_ASSERT_EQUAL_HEX8(0, metric.set[s].excited);
     }
     uint32_t budget = UINT32_MAX;
     auvid_metric_merge_begin(&metric);

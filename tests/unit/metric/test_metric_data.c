@@ -79,7 +79,7 @@ static void test_dof_that_is_not_driven_is_left_out(void)
     }
     uint32_t sway = 1u << AUVID_G500_M_V | 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SURGE | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.driven);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SURGE | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.excited);
     TEST_ASSERT_EQUAL_UINT16(0, metric.dof_rows[AUVID_SWAY]);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~sway, auvid_metric_active(&metric));
     memcpy(pi, truth, sizeof pi);
@@ -94,7 +94,7 @@ static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
 {
     for (int above = 0; above < 2; ++above) {
         setUp();
-        cfg.driven = AUVID_C(0.1);
+        cfg.excitation_threshold = AUVID_C(0.1);
         cfg.tau_max[AUVID_YAW] = 30;
         start();
         for (int k = 0; k < cells_of(&cfg, 60); ++k) {
@@ -105,7 +105,7 @@ static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_all(&metric);
-        TEST_ASSERT_EQUAL(above, metric.driven >> AUVID_YAW & 1);
+        TEST_ASSERT_EQUAL(above, metric.excited >> AUVID_YAW & 1);
     }
 }
 
@@ -169,7 +169,7 @@ static void test_what_fixed_parameters_explain_does_not_drive_a_dof(void)
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
     }
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_HEX8(0, metric.driven & 1u << AUVID_SWAY);
+    TEST_ASSERT_EQUAL_HEX8(0, metric.excited & 1u << AUVID_SWAY);
 }
 
 static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
@@ -296,7 +296,7 @@ static void find_delay(double shift_s, double lag_s)
     for (int j = 0; j < 6; ++j) {
         if (auvid_girona500.columns[j] != 0) {
             TEST_ASSERT_DOUBLE_WITHIN(5e-3, shift_s + lag_s, (double)metric.delay_s[j]);
-            TEST_ASSERT_EQUAL(lag_s > 0, metric.lagged >> j & 1);
+            TEST_ASSERT_EQUAL(lag_s > 0, metric.first_order_lag >> j & 1);
         } else {
             TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.delay_s[j]);
         }

@@ -35,8 +35,8 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
 {
     REFUSED(AUVID_ERR_RANGE, cfg.tau_max[4] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.tau_max[0] = -1);
-    REFUSED(AUVID_ERR_RANGE, cfg.driven = AUVID_C(-0.01));
-    REFUSED(AUVID_ERR_RANGE, cfg.driven = AUVID_C(1.01));
+    REFUSED(AUVID_ERR_RANGE, cfg.excitation_threshold = AUVID_C(-0.01));
+    REFUSED(AUVID_ERR_RANGE, cfg.excitation_threshold = AUVID_C(1.01));
     REFUSED(AUVID_ERR_RANGE, cfg.cell_us = 999);
     REFUSED(AUVID_ERR_RANGE, cfg.cell_us = 1000001);
     REFUSED(AUVID_ERR_RANGE, cfg.row_cells = 0);
@@ -62,7 +62,7 @@ static void test_init_refuses_numbers_that_are_not_finite_and_changes_nothing(vo
 {
     REFUSED(AUVID_ERR_NOT_FINITE, cfg.fixed[3] = (auvid_real_t)NAN);
     REFUSED(AUVID_ERR_NOT_FINITE, cfg.tau_max[3] = (auvid_real_t)INFINITY);
-    REFUSED(AUVID_ERR_NOT_FINITE, cfg.driven = (auvid_real_t)NAN);
+    REFUSED(AUVID_ERR_NOT_FINITE, cfg.excitation_threshold = (auvid_real_t)NAN);
     REFUSED(AUVID_ERR_NOT_FINITE, cfg.delay_s[5] = (auvid_real_t)NAN);
 }
 

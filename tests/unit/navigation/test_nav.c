@@ -221,7 +221,7 @@ static void test_later_depth_pulls_z_by_the_gain(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.05, (double)d->innovation[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * p, p + r, (double)d->variance[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.05 * 0.05 / (p + r), (double)d->nis);
-    TEST_ASSERT_EQUAL_UINT(1, d->axes);
+    TEST_ASSERT_EQUAL_UINT(1, d->innovation_count);
 }
 
 static void test_pressure_becomes_depth_by_density_and_surface_pressure(void)
@@ -333,7 +333,7 @@ static void test_gate_of_zero_lets_everything_in(void)
 /* A filter that is wrong and sure of it must find out. */
 static void test_filter_locked_out_starts_again_after_the_stated_refusals(void)
 {
-    cfg.lockout = 5;
+    cfg.max_consecutive_rejections = 5;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0, 0, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 2));
@@ -345,12 +345,12 @@ static void test_filter_locked_out_starts_again_after_the_stated_refusals(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 9, (double)state.position[2]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-8, 0.015 * 0.015, variance(2));
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DEPTH].resets);
-    TEST_ASSERT_EQUAL_UINT(0, nav.diagnostics[AUVID_NAV_DEPTH].refusals);
+    TEST_ASSERT_EQUAL_UINT(0, nav.diagnostics[AUVID_NAV_DEPTH].consecutive_rejections);
 }
 
 static void test_refusals_that_are_not_in_a_row_do_not_lock_out(void)
 {
-    cfg.lockout = 3;
+    cfg.max_consecutive_rejections = 3;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0, 0, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 2));
@@ -365,7 +365,7 @@ static void test_refusals_that_are_not_in_a_row_do_not_lock_out(void)
 
 static void test_lockout_of_zero_never_gives_in(void)
 {
-    cfg.lockout = 0;
+    cfg.max_consecutive_rejections = 0;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0, 0, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 2));

@@ -128,7 +128,7 @@ static void test_part_of_the_axes_moves_only_what_it_measures(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X | AUVID_DVL_Z, 1, NAN, 0.2));
     assert_velocity(1, 0, 0.2);
-    TEST_ASSERT_EQUAL_UINT(2, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].axes);
+    TEST_ASSERT_EQUAL_UINT(2, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].innovation_count);
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 
@@ -244,7 +244,7 @@ static void test_sample_with_one_axis_outside_the_gate_is_refused_whole(void)
     auvid_nav_t before = nav;
     TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(1.02, 0.95, 0));
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
-    TEST_ASSERT_EQUAL_UINT(3, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].axes);
+    TEST_ASSERT_EQUAL_UINT(3, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].innovation_count);
     assert_unmoved(&before);
 }
 
@@ -260,7 +260,7 @@ static void test_what_a_manoeuvre_explains_is_no_outlier(void)
 
 static void test_without_agility_the_gate_alone_decides(void)
 {
-    cfg.agility = 0;
+    cfg.max_acceleration = 0;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     tick(200000);
@@ -269,7 +269,7 @@ static void test_without_agility_the_gate_alone_decides(void)
 
 static void test_locked_out_velocity_starts_again_and_keeps_the_other_axes(void)
 {
-    cfg.lockout = 3;
+    cfg.max_consecutive_rejections = 3;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0.1, 0));
     for (int k = 1; k <= 3; ++k) {
@@ -290,7 +290,7 @@ static void test_ground_knot_is_the_velocity_just_after_a_bottom_lock(void)
     TEST_ASSERT_EQUAL_UINT32(2, nav.ground.sequence);
     TEST_ASSERT_EQUAL_UINT64(now, nav.ground.t_us);
     TEST_ASSERT_TRUE(memcmp(nav.ground.velocity, nav.velocity, sizeof nav.velocity) == 0);
-    auvid_nav_knot_t before = nav.ground;
+    auvid_nav_velocity_sample_t before = nav.ground;
     tick(200000);
     TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(-1, 0, 0));
     TEST_ASSERT_TRUE(memcmp(&before, &nav.ground, sizeof before) == 0);

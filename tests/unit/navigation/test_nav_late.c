@@ -80,7 +80,8 @@ static const auvid_nav_diagnostics_t *of(int sensor)
 static double spin(uint32_t age_us)
 {
     const double v[3] = {0, 2 * yaw_rate(1e-6 * (double)(now - age_us)), 0};
-    nav.diagnostics[AUVID_NAV_DVL_BOTTOM].axes = 0; /* samples may come in any order here */
+    nav.diagnostics[AUVID_NAV_DVL_BOTTOM].innovation_count =
+        0; /* samples may come in any order here */
     memset(nav.velocity, 0, sizeof nav.velocity);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, now - age_us, v));
     return (double)of(AUVID_NAV_DVL_BOTTOM)->innovation[1];
@@ -189,7 +190,7 @@ static void test_a_sample_ahead_waits_for_the_imu_and_enters_as_a_late_one(void)
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, taken, v));
     TEST_ASSERT_EQUAL_UINT32(0, of(AUVID_NAV_DVL_BOTTOM)->accepted);
     run(0.08);
-    TEST_ASSERT_FALSE(of(AUVID_NAV_DVL_BOTTOM)->alive); /* for the guard there is none yet */
+    TEST_ASSERT_FALSE(of(AUVID_NAV_DVL_BOTTOM)->has_sample); /* for the guard there is none yet */
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     auvid_nav_t other = nav;
     tick(TICK_US);
@@ -219,8 +220,8 @@ static void test_every_sensor_may_wait_at_once(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.water.sequence);
     TEST_ASSERT_EQUAL_UINT32(1, of(AUVID_NAV_DEPTH)->accepted);
     TEST_ASSERT_EQUAL_UINT32(1, of(AUVID_NAV_GPS)->accepted);
-    TEST_ASSERT_EQUAL_UINT(0, nav.held_refused);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.25, (double)(nav.position[2] + nav.residue[2]));
+    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.25, (double)(nav.position[2] + nav.position_lo[2]));
 }
 
 /* Samples every 40 ms and an IMU 100 ms late: would the newest take the place of the one held, the
@@ -264,10 +265,10 @@ static void test_no_sample_waits_longer_than_its_largest_age(void)
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, now + 500000, v));
     tick(1000001); /* the IMU comes back when the sample is too old */
     TEST_ASSERT_EQUAL_UINT(2, of(AUVID_NAV_DVL_BOTTOM)->stale);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_refused);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_rejected);
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     tick(TICK_US);
-    TEST_ASSERT_EQUAL_UINT(0, nav.held_refused); /* told once */
+    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected); /* told once */
 }
 
 static void test_without_a_largest_age_no_sample_waits(void)
@@ -287,7 +288,7 @@ static void test_a_sample_held_meets_the_gate_when_it_is_used(void)
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, now + 50000, v));
     run(0.06);
     TEST_ASSERT_EQUAL_UINT(1, of(AUVID_NAV_DVL_BOTTOM)->gated);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_refused);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_rejected);
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 

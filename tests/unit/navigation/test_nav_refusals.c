@@ -188,7 +188,7 @@ static void test_sample_ahead_counts_as_of_the_last_tick(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now + 15000, real(0.21)));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&other, now, real(0.21)));
     TEST_ASSERT_TRUE(memcmp(nav.pp, other.pp, sizeof nav.pp) == 0);
-    TEST_ASSERT_TRUE(memcmp(nav.residue, other.residue, sizeof nav.residue) == 0);
+    TEST_ASSERT_TRUE(memcmp(nav.position_lo, other.position_lo, sizeof nav.position_lo) == 0);
 }
 
 /* Sinking at 0.5 m/s, a depth 0.4 s old is no reason to move. */
@@ -198,7 +198,7 @@ static void test_late_depth_is_compared_with_the_depth_of_its_time(void)
     nav.velocity[2] = real(0.5);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_dvl(&nav, &s));
     uint64_t taken = now;
-    double depth = (double)nav.position[2] + (double)nav.residue[2];
+    double depth = (double)nav.position[2] + (double)nav.position_lo[2];
     for (int k = 0; k < 20; ++k) {
         tick(20000);
     }

@@ -188,7 +188,7 @@ static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
     init();
     TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.35) && ls.config.sigma == AUVID_C(0.09) &&
                      ls.config.epsilon == AUVID_C(3e-6) && ls.config.scale[0] == 8);
-    config.literal = true;
+    config.paper = true;
     init();
     TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.05) && ls.config.sigma == AUVID_C(0.5) &&
                      ls.config.epsilon == AUVID_C(3e-5));
@@ -258,7 +258,7 @@ static void test_literal_asks_for_the_very_points_of_algorithm_2(void)
     const cost_t costs[] = {coupled, absolute, dead_band};
     for (size_t c = 0; c < 3; ++c) {
         box(4, AUVID_C(1024.0));
-        config.literal = true;
+        config.paper = true;
         config.restarts = 0;
         config.alpha0 = AUVID_C(0.5);
         config.gamma = AUVID_C(0.25);
@@ -282,7 +282,7 @@ static void test_it_finds_the_optimum_of_coupled_quadratics(void)
 {
     const double optimum[4] = {1.0, 0.5, 0.75, 0.625};
     for (int literal = 0; literal < 2; ++literal) {
-        config.literal = literal != 0;
+        config.paper = literal != 0;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
         near(optimum, 1e-3);
@@ -296,7 +296,7 @@ static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
     near(optimum, 1e-4);
     uint32_t accelerated = ls.evaluations;
-    config.literal = true;
+    config.paper = true;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
     near(optimum, 1e-2);
@@ -338,7 +338,7 @@ static void test_it_finds_the_optimum_of_costs_with_kinks(void)
 {
     const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
     for (int literal = 0; literal < 2; ++literal) {
-        config.literal = literal != 0;
+        config.paper = literal != 0;
         config.start[0] = -6;
         config.start[3] = 7;
         init();
@@ -367,7 +367,7 @@ static void test_it_follows_a_curved_valley(void)
 static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
-        config.literal = literal != 0;
+        config.paper = literal != 0;
         config.start[1] = AUVID_C(0.1);
         config.start[2] = config.lower[2];
         init();
@@ -438,17 +438,17 @@ static void test_evaluations_are_capped(void)
 {
     config.max_evaluations = 17;
     init();
-    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, run(coupled));
+    TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, run(coupled));
     TEST_ASSERT_EQUAL_UINT32(17, ls.evaluations);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_reevaluate(&ls));
-    TEST_ASSERT_EQUAL_INT(AUVID_CAPPED, auvid_line_search_ask(&ls, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, auvid_line_search_ask(&ls, theta));
 }
 
 static void test_each_restart_takes_the_steps_down_once_more(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         uint32_t evaluations[4];
-        config.literal = literal != 0;
+        config.paper = literal != 0;
         for (uint8_t restarts = 0; restarts < 4; ++restarts) {
             config.restarts = restarts;
             init();

@@ -203,7 +203,7 @@ static void test_the_global_phase_is_a_short_one_unless_told_otherwise(void)
     init();
     TEST_ASSERT_TRUE(optimizer.crs.config.omega == 7 && optimizer.crs.config.reduction == 0);
     config.crs.omega = 0;
-    config.line_search.literal = true;
+    config.line_search.paper = true;
     init();
     TEST_ASSERT_TRUE(optimizer.crs.config.omega == 5 && optimizer.crs.config.reduction == 0);
 }
@@ -293,7 +293,7 @@ static void test_it_finds_smooth_and_kinked_optima_in_all_sizes(void)
             for (int literal = 0; literal < 2; ++literal) {
                 box(sizes[s], 10);
                 config.crs.seed = seed;
-                config.line_search.literal = literal != 0;
+                config.line_search.paper = literal != 0;
                 init();
                 TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
                 for (int i = 0; i < n; ++i) {

@@ -39,7 +39,7 @@ static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, k
     p->evaluations = 0;
     auvid_optimizer_defaults(&config, LS_N);
     config.crs.seed = seed + 1u;
-    config.line_search.literal = literal;
+    config.line_search.paper = literal;
     config.line_search.epsilon = literal ? AUVID_C(1e-5) : config.line_search.epsilon;
     for (int i = 0; i < LS_N; ++i) {
         double off = 0.3 * sin(1.0 + 7.0 * (double)seed + 3.0 * i);
@@ -66,7 +66,7 @@ static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, k
             TEST_ASSERT_TRUE(best <= last);
             last = best;
             if (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
-                TEST_ASSERT_TRUE(optimizer.crs.most_rejections < 50u * 4u * LS_N);
+                TEST_ASSERT_TRUE(optimizer.crs.max_rejections_seen < 50u * 4u * LS_N);
             }
         } else if (status != AUVID_PENDING) {
             TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, status);

@@ -65,7 +65,8 @@ def one(world):
         line |= {"error": (estimate.pi / truth - 1).tolist(),
                  "sigma": [s if k else None for s, k in
                            zip((estimate.sigma / np.abs(truth)).tolist(), known)],
-                 "identifiable": estimate.identifiable.tolist(), "capped": bool(estimate.capped),
+                 "identifiable": estimate.identifiable.tolist(),
+                 "not_converged": bool(estimate.not_converged),
                  "evaluations": list(estimate.evaluations)}
         return line
 
@@ -163,7 +164,7 @@ def tally(lines, goal):
     sigma = np.array([line["sigma"] for line in lines], float)
     count, squares = len(lines), resampled(error ** 2)
     known = np.isfinite(sigma)
-    failed = [line["capped"] or np.max(np.abs(line["error"][:4])) > 0.1 for line in lines]
+    failed = [line["not_converged"] or np.max(np.abs(line["error"][:4])) > 0.1 for line in lines]
     evaluations = [sum(line["evaluations"]) for line in lines]
     found = {
         "runs": count, "goal_percent": goal,

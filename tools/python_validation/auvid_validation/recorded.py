@@ -76,7 +76,7 @@ def fit(train, test, arguments):
     """What `auvid fit --json` says; with nothing to identify that is bad input."""
     more = ["--validate", test] if test else []
     found = json.loads(auvid("fit", train, "--json", *more, *arguments))
-    if found["status"] == "not_driven":
+    if found["status"] == "not_excited":
         raise Complaint(f"{train}: nothing to identify: the log is too short, or no degree of "
                         "freedom was moved by an input that varies")
     velocity = Log(train).velocity

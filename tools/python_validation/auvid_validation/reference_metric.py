@@ -140,7 +140,7 @@ def make(lib, rng, literal=False):
         assert lib.auvid_metric_add(metric, cell) >= 0
     lib.auvid_metric_merge_begin(metric)
     finish(lib.auvid_metric_merge, metric)
-    assert metric.sets_recorded == SETS and metric.driven == 0b100111
+    assert metric.sets_recorded == SETS and metric.excited == 0b100111
     return metric, Pipeline(lib, config, cells)
 
 

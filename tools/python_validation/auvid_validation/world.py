@@ -55,7 +55,7 @@ class Estimate:
     sigma: np.ndarray
     identifiable: np.ndarray
     evaluations: tuple  # global phase, local phase
-    capped: bool
+    not_converged: bool
 
     @classmethod
     def of(cls, estimate):
@@ -63,7 +63,7 @@ class Estimate:
         bits = estimate.confidence.identifiable
         return cls(estimate.sets, values(estimate.pi)[:N].astype(float), sigma,
                    np.array([bits >> i & 1 for i in range(N)], bool),
-                   (estimate.evaluations_crs, estimate.evaluations_line), estimate.capped)
+                   (estimate.evaluations_crs, estimate.evaluations_line), estimate.not_converged)
 
 
 def truth_of(config):

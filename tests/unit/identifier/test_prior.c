@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
@@ -14,7 +14,7 @@ enum { N = 13, SETS = 8, LATER = 4 };
 
 static chain_config_t config;
 static chain_t chain;
-static uint8_t record[AUVID_WARM_BYTES];
+static uint8_t record[AUVID_PRIOR_BYTES];
 
 void setUp(void)
 {
@@ -30,7 +30,7 @@ static void dive(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     memset(record, 0xFF, sizeof record);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
     TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
     TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
 }
@@ -39,7 +39,7 @@ static void check_refused(auvid_status_t status, const uint8_t *bytes, uint32_t 
 {
     static auvid_identifier_t before;
     before = chain.id;
-    TEST_ASSERT_EQUAL(status, auvid_warm_start(&chain.id, bytes, size));
+    TEST_ASSERT_EQUAL(status, auvid_prior_load(&chain.id, bytes, size));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
@@ -49,14 +49,15 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     static auvid_estimate_t known;
     known = chain.id.estimate;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(known.identified, chain.id.estimate.identified);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_confidence_t *c = &known.confidence;
-        double ratio = c->residual[j] > 0 ? (double)(c->noise[j] / c->residual[j]) : 0;
-        double colour = (double)chain.id.metric.memory.colour[j];
+        double ratio =
+            c->residual_rms[j] > 0 ? (double)(c->effective_noise[j] / c->residual_rms[j]) : 0;
+        double colour = (double)chain.id.metric.prior.variance_inflation[j];
         TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
     }
     for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
@@ -78,19 +79,19 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
     static auvid_real_t plain[N], dvl[N];
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
-    memcpy(plain, chain.id.metric.memory.sigma, sizeof plain);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
+    memcpy(plain, chain.id.metric.prior.sigma, sizeof plain);
     config.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
     config.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
     dive();
     memcpy(dvl, chain.id.estimate.confidence.dvl_error, sizeof dvl);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     const auvid_confidence_t *c = &chain.id.estimate.confidence;
     TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
-        double told = (double)chain.id.metric.memory.sigma[i];
+        double told = (double)chain.id.metric.prior.sigma[i];
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
@@ -98,7 +99,7 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
                                   (double)c->sigma[i]);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, auvid_girona500_paper, plain));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, auvid_girona500_paper, plain));
     for (int i = 0; i < N; ++i) {
         TEST_ASSERT_TRUE(c->sigma[i] == plain[i] && c->thrust_error[i] == 0);
     }
@@ -107,9 +108,9 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
 /* Save the dive and begin the next with the record. */
 static void next_dive(const auvid_identifier_t *dived)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(dived, record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(dived, record));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
 }
 
 /* What was not identified, or has no error or noise to go with it, is as unknown as before. */
@@ -130,17 +131,17 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         auvid_confidence_t *c = &e->confidence;
         e->identified &= way == 0 ? ~left[0] : UINT32_MAX;
         c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
-        c->noise[AUVID_SURGE] = way == 3 ? 0 : c->noise[AUVID_SURGE];
-        c->residual[AUVID_SURGE] = way == 4 ? 0 : c->residual[AUVID_SURGE];
-        c->residual[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
-        e->covariance[LEFT] *= way == 6 ? 0 : 1;       /* the variance of the first parameter */
+        c->effective_noise[AUVID_SURGE] = way == 3 ? 0 : c->effective_noise[AUVID_SURGE];
+        c->residual_rms[AUVID_SURGE] = way == 4 ? 0 : c->residual_rms[AUVID_SURGE];
+        c->residual_rms[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        e->covariance[LEFT] *= way == 6 ? 0 : 1;           /* the variance of the first parameter */
         next_dive(&spoilt);
         TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
                                 chain.id.estimate.identified);
         for (int i = 0; i < N; ++i) {
             bool unknown = (left[way] >> i & 1u) != 0;
             TEST_ASSERT_EQUAL(unknown, chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
-            TEST_ASSERT_EQUAL(unknown, chain.id.metric.memory.sigma[i] == 0);
+            TEST_ASSERT_EQUAL(unknown, chain.id.metric.prior.sigma[i] == 0);
         }
     }
 }
@@ -152,7 +153,7 @@ static double remembered(const auvid_identifier_t *dived, double sigma)
     ended = *dived;
     ended.estimate.covariance[0] = (auvid_real_t)(sigma * sigma);
     next_dive(&ended);
-    return (double)chain.id.metric.memory.sigma[0];
+    return (double)chain.id.metric.prior.sigma[0];
 }
 
 /* It has the upper halves of single precision: 1 and 1 + 1/128 are kept, what is above 1 is rounded
@@ -174,9 +175,10 @@ static void test_a_record_counts_as_driven_what_it_holds(void)
     static auvid_identifier_t dived;
     dive();
     dived = chain.id;
-    dived.estimate.confidence.noise[AUVID_HEAVE] = 0;
+    dived.estimate.confidence.effective_noise[AUVID_HEAVE] = 0;
     next_dive(&dived);
-    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven & ~(1u << AUVID_HEAVE), chain.id.estimate.driven);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.excited & ~(1u << AUVID_HEAVE),
+                           chain.id.estimate.excited);
 }
 
 /* The velocity is simulated with the record's parameters through the first set. */
@@ -186,33 +188,33 @@ static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
     dive();
     dived = chain.id;
     next_dive(&dived);
-    while (chain.id.judgement.set == 0) {
+    while (chain.id.change_test.set == 0) {
         chain_tick(&chain);
     }
-    TEST_ASSERT_EQUAL_UINT32(1, chain.id.judgement.set);
-    TEST_ASSERT_EQUAL_HEX8(dived.estimate.driven, chain.id.judgement.simulated);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.change_test.set);
+    TEST_ASSERT_EQUAL_HEX8(dived.estimate.excited, chain.id.change_test.simulated);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_TRUE((dived.estimate.driven >> j & 1) == 0 ||
-                         chain.id.judgement.r2_velocity[j] > AUVID_C(0.5));
+        TEST_ASSERT_TRUE((dived.estimate.excited >> j & 1) == 0 ||
+                         chain.id.change_test.r2_velocity[j] > AUVID_C(0.5));
     }
 }
 
 static void test_saved_again_it_says_the_same(void)
 {
-    uint8_t again[AUVID_WARM_BYTES];
+    uint8_t again[AUVID_PRIOR_BYTES];
     dive();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, again));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, again));
     TEST_ASSERT_EQUAL_MEMORY(record, again, sizeof again);
 }
 
 /* A dive without a set leaves nothing better than the record that it began with. */
 static void test_what_was_only_remembered_is_not_saved_again(void)
 {
-    uint8_t again[AUVID_WARM_BYTES] = {0}, zeros[AUVID_WARM_BYTES] = {0};
+    uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_warm_save(&chain.id, again));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, again));
     TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
 }
 
@@ -220,11 +222,11 @@ static void test_every_damaged_byte_is_noticed(void)
 {
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    for (int k = 0; k < AUVID_WARM_BYTES; ++k) {
+    for (int k = 0; k < AUVID_PRIOR_BYTES; ++k) {
         for (int change = 1; change < 256; ++change) {
             record[k] = (uint8_t)(record[k] ^ change);
             TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM,
-                              auvid_warm_start(&chain.id, record, sizeof record));
+                              auvid_prior_load(&chain.id, record, sizeof record));
             record[k] = (uint8_t)(record[k] ^ change);
         }
     }
@@ -263,17 +265,17 @@ static void test_calls_out_of_order_are_refused(void)
 {
     memset(&chain.id, 0, sizeof chain.id);
     check_refused(AUVID_ERR_STATE, record, sizeof record);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_prior_save(&chain.id, record));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_warm_save(&chain.id, record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, record));
     dive();
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* it knows better by now */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_SIZE, record, sizeof record - 1);
     check_refused(AUVID_ERR_NULL, NULL, sizeof record);
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_start(NULL, record, sizeof record));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(NULL, record));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_save(&chain.id, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_load(NULL, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_save(NULL, record));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_save(&chain.id, NULL));
     config.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
@@ -335,22 +337,22 @@ static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_
         check_forged(AUVID_ERR_NOT_FINITE, COLOUR, nan);
         check_forged(AUVID_ERR_RANGE, COLOUR, 0);
         check_forged(AUVID_ERR_RANGE, COLOUR, 0xbf800000u);
-        check_forged(AUVID_ERR_RANGE, KNOWN, 0x80001fffu);            /* no such parameter */
-        check_forged(AUVID_ERR_RANGE, KNOWN, 1u << AUVID_G500_X_0);   /* a fixed one */
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+        check_forged(AUVID_ERR_RANGE, KNOWN, 0x80001fffu);          /* no such parameter */
+        check_forged(AUVID_ERR_RANGE, KNOWN, 1u << AUVID_G500_X_0); /* a fixed one */
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     }
 }
 
 static bool publishes_finite_numbers(const auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &id->estimate;
-    const auvid_judgement_t *to = &id->judgement;
+    const auvid_change_test_t *to = &id->change_test;
     return auvid_all_finite(e->pi, N) && auvid_is_finite(e->cost) &&
            auvid_all_finite(e->delay_s, AUVID_DOF_COUNT) &&
            auvid_all_finite(e->r2_force, AUVID_DOF_COUNT) &&
            auvid_all_finite(e->confidence.sigma, N) &&
-           auvid_all_finite(e->confidence.noise, AUVID_DOF_COUNT) &&
-           auvid_all_finite(e->confidence.residual, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.effective_noise, AUVID_DOF_COUNT) &&
+           auvid_all_finite(e->confidence.residual_rms, AUVID_DOF_COUNT) &&
            auvid_all_finite(to->variance_ratio, AUVID_DOF_COUNT) &&
            auvid_all_finite(to->change, AUVID_DOF_COUNT) &&
            auvid_all_finite(to->r2_velocity, AUVID_DOF_COUNT);
@@ -373,7 +375,7 @@ static void forge(auvid_rng_t *rng)
 static void test_a_forged_record_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
-    static uint8_t genuine[AUVID_WARM_BYTES];
+    static uint8_t genuine[AUVID_PRIOR_BYTES];
     uint32_t taken = 0, driven = 0;
     auvid_rng_t rng;
     auvid_rng_seed(&rng, 1);
@@ -386,7 +388,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         }
         memcpy(record, genuine, sizeof record);
         forge(&rng);
-        if (auvid_warm_start(&chain.id, record, sizeof record) != AUVID_OK) {
+        if (auvid_prior_load(&chain.id, record, sizeof record) != AUVID_OK) {
             TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
             continue;
         }
@@ -394,7 +396,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
             ++driven;
             TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
             while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
                 chain_tick(&chain);
                 TEST_ASSERT_TRUE(chain.id.work_last <= AUVID_DEFAULT_BUDGET);
@@ -421,7 +423,7 @@ static void check_unknown(auvid_status_t status, const auvid_real_t *pi, const a
 {
     static auvid_identifier_t before;
     before = chain.id;
-    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
@@ -430,7 +432,7 @@ static void test_known_parameters_are_the_first_estimate(void)
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     tank(pi, sigma);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
@@ -450,7 +452,7 @@ static void test_parameters_known_without_sense_are_refused(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_warm_known(NULL, pi, sigma));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_set(NULL, pi, sigma));
     check_unknown(AUVID_ERR_NULL, NULL, sigma);
     check_unknown(AUVID_ERR_NULL, pi, NULL);
     tank(pi, sigma);
@@ -474,7 +476,7 @@ static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
     config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
     config.id.metric.fixed[AUVID_G500_M_R] = 80;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
 }
 
@@ -485,7 +487,7 @@ static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t 
     pi[3] = value;
     sigma[3] = error;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(status, auvid_warm_known(&chain.id, pi, sigma));
+    TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
 }
 
 static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
@@ -504,21 +506,21 @@ static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
 
 static void test_memory_that_makes_no_sense_is_refused(void)
 {
-    auvid_memory_t memory = {.known = 1};
+    auvid_prior_t memory = {.known = 1};
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     auvid_metric_t *metric = &chain.id.metric;
-    memory.sigma[0] = memory.colour[AUVID_SURGE] = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_remember(metric, &memory));
+    memory.sigma[0] = memory.variance_inflation[AUVID_SURGE] = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &memory));
     memory.sigma[0] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_remember(metric, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
     memory.sigma[0] = 1;
-    memory.colour[AUVID_SURGE] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_remember(metric, &memory));
-    memory.colour[AUVID_SURGE] = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_remember(metric, &memory));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_remember(NULL, &memory));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_remember(metric, NULL));
-    TEST_ASSERT_EQUAL_HEX32(1, metric->memory.known);
+    memory.variance_inflation[AUVID_SURGE] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
+    memory.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(metric, NULL));
+    TEST_ASSERT_EQUAL_HEX32(1, metric->prior.known);
 }
 
 /* ---- what it is worth ---- */
@@ -545,9 +547,9 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
     tank(pi, sigma);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     if (start == RECORD) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_start(&chain.id, record, sizeof record));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     } else if (start == TANK) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_known(&chain.id, pi, sigma));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
     while (chain.id.metric.sets_recorded < LATER || chain.work == AUVID_PENDING) {
@@ -559,7 +561,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
         all = all || e->confidence.identifiable == (1u << N) - 1u;
         worth->seconds += all ? 0.0 : 0.02;
     }
-    worth->kept += chain.id.metric.memory.known != 0;
+    worth->kept += chain.id.metric.prior.known != 0;
 }
 
 /* @return how many dives */
@@ -572,7 +574,7 @@ static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *w
         if (start == RECORD) {
             chain_defaults(&config, seed, SETS, 1.0);
             TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_warm_save(&chain.id, record));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
         }
         dive_again(seed, COLD, heavier, cold);
         dive_again(seed, start, heavier, warm);

@@ -22,8 +22,8 @@ typedef struct {
     double square[LYING_SET + 4]; /* mean square error of the estimate, after its search */
     bool accepted[LYING_SET + 4];
     int off[LYING_SET + 4]; /* parameters called identifiable, but more than 20 % off */
-} story_t;
-static story_t story;
+} event_log_t;
+static event_log_t story;
 
 void setUp(void)
 {
@@ -100,12 +100,14 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         id->estimate.pi[AUVID_G500_M_U] *= AUVID_C(1.3);
     }
     if (out->events & AUVID_EVENT_RESTORED) {
-        TEST_ASSERT_EQUAL_UINT32(6, id->judgement.set);
-        TEST_ASSERT_EQUAL_UINT32(4, id->trusted.sets);
+        TEST_ASSERT_EQUAL_UINT32(6, id->change_test.set);
+        TEST_ASSERT_EQUAL_UINT32(4, id->accepted_estimate.sets);
         TEST_ASSERT_EQUAL_UINT32(6, id->estimate.number); /* the spoilt one was number 5 */
-        TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->estimate.pi, sizeof id->trusted.pi);
+        TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->estimate.pi,
+                                 sizeof id->accepted_estimate.pi);
         /* and velocity is simulated with it from now on */
-        TEST_ASSERT_EQUAL_MEMORY(id->trusted.pi, id->prediction.pi, 13 * sizeof id->trusted.pi[0]);
+        TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->prediction.pi,
+                                 13 * sizeof id->accepted_estimate.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
         TEST_ASSERT_EQUAL_UINT64(c->t_us - SIM_TICK_US, id->estimate.t_us);
     }
@@ -123,9 +125,9 @@ static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_b
     TEST_ASSERT_TRUE(story.events[6] & AUVID_EVENT_RESTORED);
     TEST_ASSERT_EQUAL_UINT32(7, chain.id.estimate.number);
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.1);
-    TEST_ASSERT_EQUAL_UINT32(6, chain.id.judgement.set);
+    TEST_ASSERT_EQUAL_UINT32(6, chain.id.change_test.set);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) { /* by an estimate of four sets: no verdict */
-        TEST_ASSERT_TRUE(chain.id.judgement.change[j] == AUVID_C(0.0));
+        TEST_ASSERT_TRUE(chain.id.change_test.change[j] == AUVID_C(0.0));
     }
 }
 
@@ -143,11 +145,11 @@ static void watch_restored(chain_t *c, auvid_status_t status, const auvid_output
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_RESTORED) {
         ++w->restored;
-        w->lacking += (w->driven & ~e->driven) != 0;
+        w->lacking += (w->driven & ~e->excited) != 0;
         w->worse += chain_mean_square(c) > w->square;
     }
     if (e->number > 0) {
-        w->driven = e->driven;
+        w->driven = e->excited;
         w->square = chain_mean_square(c);
     }
 }
@@ -171,8 +173,8 @@ static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watc
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             some[j] = (dofs >> j & 1u) != 0 ? amplitude[j] : 0;
         }
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.driver, some, CHAIN_SET_S, 1,
-                                                          100 * seed + k));
+        TEST_ASSERT_EQUAL(
+            AUVID_OK, auvid_excitation_plan(&config.driver, some, CHAIN_SET_S, 1, 100 * seed + k));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &config.driver));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
         chain_run(&chain, CHAIN_SET_S);
@@ -198,16 +200,16 @@ static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
     chain_defaults(&config, 41, 3, 0.0);
     config.budget = 2000;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 3));
-    const auvid_judgement_t *to = &chain.id.judgement;
+    const auvid_change_test_t *to = &chain.id.change_test;
     TEST_ASSERT_EQUAL_UINT32(3, to->set);
     TEST_ASSERT_EQUAL_UINT32(2, to->estimate);
-    TEST_ASSERT_EQUAL_UINT32(2, chain.id.trusted.number);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.accepted_estimate.number);
     TEST_ASSERT_FALSE(chain.id.estimate.accepted); /* number 3 has not foretold anything yet */
-    TEST_ASSERT_EQUAL_HEX8(0x27, to->driven);
+    TEST_ASSERT_EQUAL_HEX8(0x27, to->excited);
     TEST_ASSERT_EQUAL_HEX8(0, to->changed);
     TEST_ASSERT_EQUAL_HEX8(0x27, to->simulated);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (to->driven >> j & 1) {
+        if (to->excited >> j & 1) {
             TEST_ASSERT_TRUE(to->variance_ratio[j] > AUVID_C(0.3));
             TEST_ASSERT_TRUE(to->variance_ratio[j] < AUVID_C(3.0));
             TEST_ASSERT_TRUE(to->r2_velocity[j] > AUVID_C(0.9));
@@ -231,14 +233,14 @@ static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_outpu
     TEST_ASSERT_TRUE(id->estimate.number <= number + 2);
     TEST_ASSERT_TRUE(id->estimate.number == number ||
                      (out->events & (AUVID_EVENT_ESTIMATE | AUVID_EVENT_RESTORED)));
-    if (out->events & AUVID_EVENT_JUDGED) {
-        TEST_ASSERT_TRUE(id->judgement.set > judged);
-        TEST_ASSERT_TRUE(id->judgement.set <= id->metric.sets_recorded);
-        TEST_ASSERT_TRUE(id->judgement.estimate <= id->estimate.number);
-        judged = id->judgement.set;
+    if (out->events & AUVID_EVENT_VALIDATED) {
+        TEST_ASSERT_TRUE(id->change_test.set > judged);
+        TEST_ASSERT_TRUE(id->change_test.set <= id->metric.sets_recorded);
+        TEST_ASSERT_TRUE(id->change_test.estimate <= id->estimate.number);
+        judged = id->change_test.set;
     }
     TEST_ASSERT_FALSE(out->events & AUVID_EVENT_CHANGED);
-    TEST_ASSERT_TRUE(id->trusted.number <= id->estimate.number);
+    TEST_ASSERT_TRUE(id->accepted_estimate.number <= id->estimate.number);
     number = id->estimate.number;
 }
 
@@ -277,15 +279,15 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
 {
     static const uint32_t budget[] = {1, 7, 200};
     static auvid_estimate_t estimate;
-    static auvid_judgement_t judgement;
+    static auvid_change_test_t judgement;
     work_through(100000);
     estimate = chain.id.estimate;
-    judgement = chain.id.judgement;
+    judgement = chain.id.change_test;
     TEST_ASSERT_EQUAL_UINT32(7, judgement.set);
     TEST_ASSERT_TRUE(estimate.confidence.identifiable != 0);
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
         const auvid_estimate_t *e = &chain.id.estimate;
-        const auvid_judgement_t *to = &chain.id.judgement;
+        const auvid_change_test_t *to = &chain.id.change_test;
         work_through(budget[k]);
         TEST_ASSERT_EQUAL_MEMORY(estimate.pi, e->pi, sizeof e->pi);
         TEST_ASSERT_EQUAL_MEMORY(&estimate.confidence, &e->confidence, sizeof e->confidence);
@@ -314,16 +316,16 @@ static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_ch
         }
         TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            bool compared = set >= 3 && (chain.id.judgement.driven >> j & 1) != 0;
-            most = chain.id.judgement.change[j] > most ? chain.id.judgement.change[j] : most;
+            bool compared = set >= 3 && (chain.id.change_test.excited >> j & 1) != 0;
+            most = chain.id.change_test.change[j] > most ? chain.id.change_test.change[j] : most;
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
             int together = j == AUVID_YAW ? 1 : 0; /* it knows m_u and m_v by their difference */
-            TEST_ASSERT_TRUE(!compared || chain.id.metric.change_rank[j] + together ==
-                                              chain.id.metric.count[j]);
+            TEST_ASSERT_TRUE(!compared ||
+                             chain.id.metric.change_rank[j] + together == chain.id.metric.count[j]);
         }
         TEST_ASSERT_EQUAL(set == 6, most > 0);
-        TEST_ASSERT_EQUAL_HEX8(0, chain.id.judgement.changed);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.changed);
     }
 }
 

@@ -1,4 +1,4 @@
-#include "complain.h"
+#include "report_error.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ static void print_line(const char *kind, const char *format, va_list arguments)
     fprintf(stderr, "auvid: %s%s\n", kind, line);
 }
 
-void complain_line(const char *format, ...)
+void report_error_line(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -24,7 +24,7 @@ void complain_line(const char *format, ...)
     va_end(arguments);
 }
 
-void complain_warning(const char *format, ...)
+void report_warning(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);

@@ -5,7 +5,7 @@
  *
  * An estimate becomes the trusted one when the next set confirms it; one that foretells that set
  * worse than the trusted one does is taken back. Whether the vehicle has changed is decided by
- * Chow's F of all DoF (auvid_metric_judge) with the noise that counts (confidence.h), so that
+ * Chow's F of all DoF (auvid_metric_change) with the noise that counts (confidence.h), so that
  * neither a strong disturbance nor a set with other motion raises an alarm.
  */
 #include <string.h>
@@ -45,8 +45,8 @@ void auvid_identifier_simulate(auvid_identifier_t *id)
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
     memset(&id->prediction, 0, sizeof id->prediction);
     if (e->number > 0) { /* a model without acceleration, or such masses: no simulation */
-        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->driven,
-                                    e->delay_s, e->lagged, cell_s);
+        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->excited,
+                                    e->delay_s, e->first_order_lag, cell_s);
     }
 }
 
@@ -58,7 +58,7 @@ static uint64_t set_us(const auvid_metric_config_t *cfg)
 
 void auvid_identifier_begin_sets(auvid_identifier_t *id)
 {
-    auvid_judgement_t *to = &id->judgement;
+    auvid_change_test_t *to = &id->change_test;
     auvid_metric_t *m = &id->metric;
     bool simulated = id->prediction.vehicle != NULL && m->waiting == 1 &&
                      auvid_validation_r2(&id->prediction, to->r2_velocity) == AUVID_OK;
@@ -68,11 +68,11 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
         id->listener->set(id->listening, m);
     }
     id->sets = m->sets_recorded;
-    id->unjudged = id->estimate.number == 0 ? 0u : m->waiting;
+    id->untested = id->estimate.number == 0 ? 0u : m->waiting;
     bool limited = identifier_residual_path(id) && id->listener != NULL;
     auvid_metric_hold(m, limited ? id->applied.t_us + set_us(&m->cfg) : UINT64_MAX);
-    m->from = (uint8_t)(id->unjudged > 0 ? id->unjudged - 1u : 0u);
-    auvid_identifier_begin_judge(id);
+    m->from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
+    auvid_identifier_begin_change_test(id);
 }
 
 void auvid_identifier_rest(auvid_identifier_t *id)
@@ -91,36 +91,36 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id)
         return;
     }
     auvid_metric_merge_begin(&id->metric);
-    id->paid = 0;
+    id->spent = 0;
     id->phase = AUVID_WORK_MERGE;
 }
 
 /* metric.from: the set to be judged is the newest that counts. */
-void auvid_identifier_begin_judge(auvid_identifier_t *id)
+void auvid_identifier_begin_change_test(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
     const auvid_estimate_t *e = &id->estimate;
-    while (id->unjudged > 0 && auvid_metric_sets(m) == 0) { /* overwritten before it was judged */
-        --id->unjudged;
-        m->from = (uint8_t)(id->unjudged > 0 ? m->from - 1u : m->from);
+    while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before it was judged */
+        --id->untested;
+        m->from = (uint8_t)(id->untested > 0 ? m->from - 1u : m->from);
     }
-    m->least = id->unjudged > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
-    if (id->unjudged == 0) {
+    m->least = id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
+    if (id->untested == 0) {
         auvid_identifier_begin_merge(id);
         return;
     }
-    if (id->suspect) {
+    if (id->straddles_change) {
         (void)auvid_metric_drop(m, 1);
     }
     auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(id, e), 1);
-    id->phase = AUVID_WORK_FORESEE;
+    id->phase = AUVID_WORK_PREPARE;
 }
 
 /* A set has been judged: on to the next newer one. */
 static void next_set(auvid_identifier_t *id)
 {
-    id->metric.from = (uint8_t)(--id->unjudged > 0 ? id->metric.from - 1u : id->metric.from);
-    auvid_identifier_begin_judge(id);
+    id->metric.from = (uint8_t)(--id->untested > 0 ? id->metric.from - 1u : id->metric.from);
+    auvid_identifier_begin_change_test(id);
 }
 
 static void identifier_predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
@@ -133,7 +133,7 @@ static void identifier_predict(auvid_identifier_t *id, const auvid_estimate_t *e
 static auvid_real_t predicted_cost(const auvid_identifier_t *id)
 {
     auvid_real_t cost = AUVID_C(0.0);
-    uint8_t both = id->estimate.driven & id->trusted.driven;
+    uint8_t both = id->estimate.excited & id->accepted_estimate.excited;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t scale = id->metric.cfg.tau_max[j];
         cost += (both >> j & 1) ? id->metric.predicted[j] / (scale * scale) : AUVID_C(0.0);
@@ -144,15 +144,15 @@ static auvid_real_t predicted_cost(const auvid_identifier_t *id)
 /* The new set as the last estimate foretold it. */
 static void note_prediction(auvid_identifier_t *id)
 {
-    auvid_judgement_t *to = &id->judgement;
+    auvid_change_test_t *to = &id->change_test;
     const auvid_metric_t *m = &id->metric;
     const auvid_set_t *set = auvid_metric_newest(m);
     to->set = set->number;
     to->estimate = id->estimate.number;
-    to->driven = set->driven & id->estimate.driven;
+    to->excited = set->excited & id->estimate.excited;
     to->changed = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t residual = id->estimate.confidence.residual[j];
+        auvid_real_t residual = id->estimate.confidence.residual_rms[j];
         auvid_real_t rows = (auvid_real_t)set->rows_of[j];
         auvid_real_t ratio = m->predicted[j] / (rows * residual * residual);
         to->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
@@ -166,19 +166,19 @@ static void note_prediction(auvid_identifier_t *id)
 static void identifier_compare(auvid_identifier_t *id)
 {
     bool worse = id->predicted > MARGIN * predicted_cost(id);
-    if (worse && id->estimate.driven != id->trusted.driven) {
+    if (worse && id->estimate.excited != id->accepted_estimate.excited) {
         return;
     }
     if (worse) {
         uint32_t number = id->estimate.number;
-        id->estimate = id->trusted;
+        id->estimate = id->accepted_estimate;
         id->estimate.number = number + 1;
         id->estimate.t_us = id->t_us;
         id->events |= AUVID_EVENT_RESTORED;
         auvid_identifier_simulate(id);
     } else {
         id->estimate.accepted = true;
-        id->trusted = id->estimate;
+        id->accepted_estimate = id->estimate;
     }
 }
 
@@ -191,11 +191,11 @@ static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
     auvid_real_t most = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t noise = id->estimate.confidence.noise[j];
+        auvid_real_t noise = id->estimate.confidence.effective_noise[j];
         auvid_real_t f =
             m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise);
-        bool known = enough && auvid_metric_driven_sets(m, j, newest) + newest >= ENOUGH &&
-                     (id->judgement.driven >> j & 1) && auvid_is_finite(f);
+        bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
+                     (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
         share[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
         most = auvid_max(most, share[j]);
@@ -207,7 +207,7 @@ static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
 /* All is known about the new set: has the vehicle changed? */
 static void conclude(auvid_identifier_t *id)
 {
-    auvid_judgement_t *to = &id->judgement;
+    auvid_change_test_t *to = &id->change_test;
     auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
     auvid_real_t by_one = weigh(id, 1, one), by_two = weigh(id, 2, two);
     const auvid_real_t *share = by_one > by_two ? one : two;
@@ -218,27 +218,27 @@ static void conclude(auvid_identifier_t *id)
     }
     to->change[most] = auvid_max(by_one, by_two);
     to->changed = (uint8_t)((to->change[most] > AUVID_C(1.0)) << most);
-    id->suspect = false;
-    id->events |= AUVID_EVENT_JUDGED;
+    id->straddles_change = false;
+    id->events |= AUVID_EVENT_VALIDATED;
     if (to->changed != 0) {
         /* It may have happened in the middle of a set: the newest, if that alone gave the alarm,
          * else the one before. */
         for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
             (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
-        id->suspect = by_one > AUVID_C(1.0);
-        id->anew = true;
+        id->straddles_change = by_one > AUVID_C(1.0);
+        id->cold_start = true;
         id->searching = false;
         id->events |= AUVID_EVENT_CHANGED;
     }
 }
 
-auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget)
+auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_metric_t *m = &id->metric;
     auvid_status_t status = AUVID_OK;
     switch (id->phase) {
-    case AUVID_WORK_FORESEE:
+    case AUVID_WORK_PREPARE:
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
             identifier_predict(id, &id->estimate, AUVID_WORK_PREDICT);
@@ -248,19 +248,19 @@ auvid_status_t auvid_identifier_judge(auvid_identifier_t *id, uint32_t *budget)
         status = auvid_metric_measure(m, budget);
         if (status == AUVID_OK) {
             note_prediction(id);
-            identifier_predict(id, &id->trusted, AUVID_WORK_COMPARE);
+            identifier_predict(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
         }
         break;
     case AUVID_WORK_COMPARE:
-        status = id->trusted.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
+        status = id->accepted_estimate.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
         if (status == AUVID_OK) {
             identifier_compare(id);
-            auvid_metric_judge_begin(m);
-            id->phase = AUVID_WORK_JUDGE;
+            auvid_metric_change_begin(m);
+            id->phase = AUVID_WORK_CHANGE_TEST;
         }
         break;
     default:
-        status = auvid_metric_judge(m, budget);
+        status = auvid_metric_change(m, budget);
         if (status == AUVID_OK) {
             conclude(id);
             next_set(id);

@@ -4,7 +4,7 @@
  * With s_j^2 the noise that counts in DoF j's rows, pi_i = p_i +- sigma_i is one more row of its
  * equation, s_j / sigma_i (pi_i - p_i) = 0. What rows of a DoF leave unexplained rises by T when
  * these come in: T / s_j^2 is a chi-square of as many degrees of freedom as there are rows, if they
- * are of the same vehicle (Chow 1960; auvid_metric_judge.c).
+ * are of the same vehicle (Chow 1960; auvid_metric_change.c).
  */
 #include "auvid/metric.h"
 
@@ -28,7 +28,7 @@ static uint32_t columns_known(const auvid_metric_t *m, int j)
     for (int k = 0; k < m->count[j]; ++k) {
         int i = m->index[m->channel_at[j] + k];
         bool own = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(own && (m->memory.known >> i & 1u)) << k;
+        known |= (uint32_t)(own && (m->prior.known >> i & 1u)) << k;
     }
     return known;
 }
@@ -37,23 +37,23 @@ static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
-    row[k] = noise / m->memory.sigma[i];
+    row[k] = noise / m->prior.sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        row[m->count[j] + d] = row[k] * m->memory.pi[i];
+        row[m->count[j] + d] = row[k] * m->prior.pi[i];
     }
     if (auvid_all_within(row + k, (size_t)(n - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
     }
-    auvid_triangle_add(m->merged + m->factor_at[j], n, k, row);
+    auvid_qr_update(m->merged + m->factor_at[j], n, k, row);
 }
 
 /* @return are these sets and the memory of the same vehicle? */
 static bool recall_dof(auvid_metric_t *m, int j)
 {
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
-    bool lag = (m->lagged >> j & 1) != 0;
+    bool lag = (m->first_order_lag >> j & 1) != 0;
     auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
-    auvid_real_t square = m->memory.colour[j] * before / rows, freedom = AUVID_C(0.0);
+    auvid_real_t square = m->prior.variance_inflation[j] * before / rows, freedom = AUVID_C(0.0);
     uint32_t known = columns_known(m, j);
     for (int k = 0; k < m->count[j]; ++k) {
         if (known >> k & 1u) {
@@ -63,7 +63,7 @@ static bool recall_dof(auvid_metric_t *m, int j)
     }
     auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
     m->constant -= m->weight[j] * before;
-    auvid_metric_settle(m, j);
+    auvid_metric_solve_dof(m, j);
     return more <= METRIC_LIMIT * freedom * square;
 }
 
@@ -72,7 +72,7 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
         int j = m->at_dof;
-        if ((m->driven >> j & 1) == 0) {
+        if ((m->excited >> j & 1) == 0) {
             continue;
         }
         uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->count[j] + 2));
@@ -80,11 +80,11 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-        } while (!auvid_metric_pay(m, budget, price));
+        } while (!auvid_metric_spend(m, budget, price));
         if (!recall_dof(m, j)) {
-            m->memory.known = 0;
-            m->recall = NULL;
-            auvid_metric_rewind(m, PASS_LAST);
+            m->prior.known = 0;
+            m->apply_prior = NULL;
+            auvid_metric_restart_pass(m, PASS_LAST);
             return AUVID_EMPTY;
         }
     }
@@ -96,17 +96,17 @@ static bool is_error(auvid_real_t x)
     return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
 }
 
-auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric, const auvid_memory_t *memory)
+auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *memory)
 {
     if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
         !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
-        !auvid_all_finite(memory->colour, AUVID_DOF_COUNT)) {
+        !auvid_all_finite(memory->variance_inflation, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         int j = (int)metric->cfg.vehicle->parameter[i].dof;
         if ((memory->known >> i & 1u) &&
-            !(is_error(memory->sigma[i]) && is_error(memory->colour[j]))) {
+            !(is_error(memory->sigma[i]) && is_error(memory->variance_inflation[j]))) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -115,19 +115,19 @@ auvid_status_t auvid_metric_check_memory(const auvid_metric_t *metric, const auv
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-auvid_status_t auvid_metric_remember(auvid_metric_t *metric, const auvid_memory_t *memory)
+auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *memory)
 {
     if (metric == NULL || memory == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_metric_check_memory(metric, memory);
+    auvid_status_t status = auvid_metric_check_prior(metric, memory);
     if (status < 0) {
         return status;
     }
     if (!auvid_metric_has_regressor(metric)) {
         return AUVID_ERR_MODEL;
     }
-    metric->memory = *memory;
-    metric->recall = memory->known == 0 ? NULL : recall;
+    metric->prior = *memory;
+    metric->apply_prior = memory->known == 0 ? NULL : recall;
     return AUVID_OK;
 }

@@ -1,5 +1,5 @@
 /**
- * @file complain.h
+ * @file report_error.h
  * Errors of the program: one line on stderr.
  */
 #ifndef PROGRAM_COMPLAIN_H
@@ -9,12 +9,12 @@
 #define EXIT_REFUSED 2
 
 /** Print "auvid: <message>" as exactly one line, whatever the arguments hold. */
-void complain_line(const char *format, ...);
+void report_error_line(const char *format, ...);
 
 /** Print "auvid: warning: <message>" likewise: the program goes on. */
-void complain_warning(const char *format, ...);
+void report_warning(const char *format, ...);
 
-/** As complain_line; its value is EXIT_REFUSED: return complain(...); */
-#define complain(...) (complain_line(__VA_ARGS__), EXIT_REFUSED)
+/** As report_error_line; its value is EXIT_REFUSED: return report_error(...); */
+#define report_error(...) (report_error_line(__VA_ARGS__), EXIT_REFUSED)
 
 #endif

@@ -1,5 +1,5 @@
 /**
- * @file warm.h
+ * @file prior.h
  * What is known of the vehicle, in 236 bytes: saved at the end of a dive, the next one starts with
  * it.
  *
@@ -16,8 +16,8 @@
  * model. Memory: the record, the caller's. The bytes are the same on every machine: little-endian,
  * IEEE 754, single precision in double too.
  */
-#ifndef AUVID_WARM_H
-#define AUVID_WARM_H
+#ifndef AUVID_PRIOR_H
+#define AUVID_PRIOR_H
 
 #include "auvid/identifier.h"
 
@@ -26,30 +26,30 @@ extern "C" {
 #endif
 
 /** Bytes of a record. */
-enum { AUVID_WARM_BYTES = 236 };
+enum { AUVID_PRIOR_BYTES = 236 };
 
-#define auvid_warm_save AUVID_SIZED(auvid_warm_save)
+#define auvid_prior_save AUVID_SIZED(auvid_prior_save)
 /**
  * Write the last estimate.
- * @param record [AUVID_WARM_BYTES] written when AUVID_OK
+ * @param record [AUVID_PRIOR_BYTES] written when AUVID_OK
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (there is
  * no estimate yet, or only that of the record which was begun with: keep that record).
  */
-auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record);
+auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record);
 
-#define auvid_warm_start AUVID_SIZED(auvid_warm_start)
+#define auvid_prior_load AUVID_SIZED(auvid_prior_load)
 /**
  * Begin with a record instead of nothing: after init, before the first set is complete.
  * @param record [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
- * AUVID_ERR_SIZE (not AUVID_WARM_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
+ * AUVID_ERR_SIZE (not AUVID_PRIOR_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
  * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
  * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (its checksum is right, and yet a value in it is not finite
- * or not one that auvid_metric_remember takes). Refused ones change nothing.
+ * or not one that auvid_metric_set_prior takes). Refused ones change nothing.
  */
-auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
+auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
 
-#define auvid_warm_known AUVID_SIZED(auvid_warm_known)
+#define auvid_prior_set AUVID_SIZED(auvid_prior_set)
 /**
  * Begin with parameters known from elsewhere (a towing tank, a calculation, a sister vehicle), as
  * with a record: after init, before the first set is complete. What is known wrongly is dropped
@@ -60,8 +60,8 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (as above); AUVID_ERR_NOT_FINITE;
  * AUVID_ERR_RANGE (a value or a sigma out of its range). Refused ones change nothing.
  */
-auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
-                                const auvid_real_t *sigma);
+auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
+                               const auvid_real_t *sigma);
 
 #ifdef __cplusplus
 }

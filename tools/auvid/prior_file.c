@@ -5,36 +5,36 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "auvid/warm.h"
-#include "complain.h"
-#include "warm_file.h"
+#include "auvid/prior.h"
+#include "report_error.h"
+#include "prior_file.h"
 
-bool warm_file_read(auvid_identifier_t *id, const char *path)
+bool prior_file_read(auvid_identifier_t *id, const char *path)
 {
-    uint8_t record[AUVID_WARM_BYTES + 1]; /* a byte more than there should be */
+    uint8_t record[AUVID_PRIOR_BYTES + 1]; /* a byte more than there should be */
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
-        complain_line("%s: %s: starts cold", path, strerror(errno));
+        report_error_line("%s: %s: starts cold", path, strerror(errno));
         return false;
     }
     size_t bytes = fread(record, 1, sizeof record, file);
     (void)fclose(file);
-    auvid_status_t status = auvid_warm_start(id, record, (uint32_t)bytes);
+    auvid_status_t status = auvid_prior_load(id, record, (uint32_t)bytes);
     if (status < 0) {
         const char *why = status == AUVID_ERR_MODEL  ? "the record of another model"
                           : status == AUVID_ERR_SIZE ? "no warm record"
                                                      : "a damaged record";
-        complain_line("%s is %s: starts cold", path, why);
+        report_error_line("%s is %s: starts cold", path, why);
     }
     return status >= 0;
 }
 
-bool warm_file_write(const auvid_identifier_t *id, const char *path)
+bool prior_file_write(const auvid_identifier_t *id, const char *path)
 {
-    uint8_t record[AUVID_WARM_BYTES];
+    uint8_t record[AUVID_PRIOR_BYTES];
     char draft[4096];
-    if (auvid_warm_save(id, record) < 0) {
-        complain_line("%s is not written: nothing is identified", path);
+    if (auvid_prior_save(id, record) < 0) {
+        report_error_line("%s is not written: nothing is identified", path);
         return false;
     }
     (void)snprintf(draft, sizeof draft, "%s.new", path);
@@ -42,7 +42,7 @@ bool warm_file_write(const auvid_identifier_t *id, const char *path)
     bool written = file != NULL && fwrite(record, 1, sizeof record, file) == sizeof record;
     written = file != NULL && fclose(file) == 0 && written;
     if (!written || rename(draft, path) != 0) {
-        complain_line("cannot write %s: %s", path, strerror(errno));
+        report_error_line("cannot write %s: %s", path, strerror(errno));
         return false;
     }
     return true;

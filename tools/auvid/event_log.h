@@ -1,5 +1,5 @@
 /**
- * @file story.h
+ * @file event_log.h
  * What happened in a scenario, and when (simulated time): lines on stdout, or kept for JSON.
  */
 #ifndef PROGRAM_STORY_H
@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 /** Most lines, and the longest one. */
-enum { STORY_LINES = 120, STORY_LENGTH = 120 };
+enum { EVENT_LOG_LINES = 120, EVENT_LOG_LENGTH = 120 };
 
 typedef struct {
     const char *name; /**< of the scenario */
@@ -16,12 +16,12 @@ typedef struct {
     int lines;
     struct {
         double t_s;
-        char text[STORY_LENGTH];
-    } line[STORY_LINES];
-} story_t;
+        char text[EVENT_LOG_LENGTH];
+    } line[EVENT_LOG_LINES];
+} event_log_t;
 
-/** Tell a line. The text must not hold quotes or backslashes. Lines beyond STORY_LINES are not
+/** Tell a line. The text must not hold quotes or backslashes. Lines beyond EVENT_LOG_LINES are not
  * kept. */
-void story_tell(story_t *story, double t_s, const char *format, ...);
+void event_log_add(event_log_t *story, double t_s, const char *format, ...);
 
 #endif

@@ -4,14 +4,14 @@
  *     byte 0  "avw1"
  *          4  checksum of the model: names, and what is free or fixed at what
  *          8  parameters whose standard error is known, bit i
- *         12  colour of the DoF [6], see auvid_memory_t, single precision
+ *         12  colour of the DoF [6], see auvid_prior_t, single precision
  *         36  parameters [32], single precision
  *        164  standard errors with thrust and DVL scale as told [32], upper halves of single
  *             precision, not rounded down
  *        228  0
  *        232  CRC-32 of all before
  */
-#include "auvid/warm.h"
+#include "auvid/prior.h"
 
 #include <string.h>
 
@@ -27,7 +27,7 @@
 #define AGED AUVID_C(1.4142136)
 
 /* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
-#define COMMON_COLOUR AUVID_C(2.0)
+#define COMMON_VARIANCE_INFLATION AUVID_C(2.0)
 
 /* Standard errors of known parameters are below it. */
 #define MOST_SIGMA AUVID_C(1e30)
@@ -56,12 +56,13 @@ static uint32_t checksum_of_record(const uint8_t *record)
 /* 0: the DoF is not known. */
 static auvid_real_t colour(const auvid_confidence_t *confidence, int j)
 {
-    bool known = confidence->residual[j] > AUVID_C(0.0);
-    auvid_real_t ratio = known ? confidence->noise[j] / confidence->residual[j] : AUVID_C(0.0);
+    bool known = confidence->residual_rms[j] > AUVID_C(0.0);
+    auvid_real_t ratio =
+        known ? confidence->effective_noise[j] / confidence->residual_rms[j] : AUVID_C(0.0);
     return ratio * ratio;
 }
 
-auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
+auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record)
 {
     if (id == NULL || record == NULL) {
         return AUVID_ERR_NULL;
@@ -75,7 +76,7 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
         return AUVID_ERR_NO_DATA;
     }
     uint32_t known = 0;
-    memset(record, 0, AUVID_WARM_BYTES);
+    memset(record, 0, AUVID_PRIOR_BYTES);
     auvid_put_word(record, RECORD_MAGIC);
     auvid_put_word(record + RECORD_MODEL, auvid_checksum_of_model(&id->metric.cfg));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -99,12 +100,12 @@ auvid_status_t auvid_warm_save(const auvid_identifier_t *id, uint8_t *record)
     return AUVID_OK;
 }
 
-static void read_memory(const uint8_t *record, int parameters, auvid_memory_t *memory)
+static void read_memory(const uint8_t *record, int parameters, auvid_prior_t *memory)
 {
     memset(memory, 0, sizeof *memory);
     memory->known = auvid_get_word(record + RECORD_KNOWN);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory->colour[j] = real_of(auvid_get_word(record + RECORD_COLOUR + 4 * j));
+        memory->variance_inflation[j] = real_of(auvid_get_word(record + RECORD_COLOUR + 4 * j));
     }
     for (int i = 0; i < parameters; ++i) {
         uint32_t upper = record[RECORD_SIGMA + 2 * i] | (uint32_t)record[RECORD_SIGMA + 2 * i + 1]
@@ -129,7 +130,7 @@ static void add_considered(auvid_identifier_t *id, int i)
 }
 
 /* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
-static void warm_publish(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+static void warm_publish(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
 {
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
@@ -140,7 +141,7 @@ static void warm_publish(auvid_identifier_t *id, const auvid_memory_t *memory, b
     memcpy(e->pi, memory->pi, sizeof e->pi);
     for (int i = 0; i < vehicle->parameters; ++i) {
         bool known = (memory->known >> i & 1u) != 0;
-        e->driven = (uint8_t)(e->driven | (unsigned)known << vehicle->parameter[i].dof);
+        e->excited = (uint8_t)(e->excited | (unsigned)known << vehicle->parameter[i].dof);
         e->confidence.sigma[i] = AUVID_LARGEST;
         if (known && memory->sigma[i] <= AUVID_LARGEST_SIGMA) {
             int diagonal = i * parameters - i * (i - 1) / 2;
@@ -162,9 +163,9 @@ static bool warm_is_fresh(const auvid_identifier_t *id)
 }
 
 /* told: known with the thrust as told, not in SI. */
-static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_memory_t *memory, bool told)
+static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
 {
-    auvid_status_t status = auvid_metric_remember(&id->metric, memory);
+    auvid_status_t status = auvid_metric_set_prior(&id->metric, memory);
     if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
         warm_publish(id, memory, told);
         status = AUVID_OK;
@@ -172,7 +173,7 @@ static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_memory_t *m
     return status;
 }
 
-auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes)
+auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes)
 {
     if (id == NULL || record == NULL) {
         return AUVID_ERR_NULL;
@@ -180,7 +181,7 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     if (!warm_is_fresh(id)) {
         return AUVID_ERR_STATE;
     }
-    if (bytes != AUVID_WARM_BYTES) {
+    if (bytes != AUVID_PRIOR_BYTES) {
         return AUVID_ERR_SIZE;
     }
     if (auvid_get_word(record) != RECORD_MAGIC ||
@@ -190,13 +191,13 @@ auvid_status_t auvid_warm_start(auvid_identifier_t *id, const uint8_t *record, u
     if (auvid_get_word(record + RECORD_MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
         return AUVID_ERR_MODEL;
     }
-    auvid_memory_t memory;
+    auvid_prior_t memory;
     read_memory(record, identifier_vehicle(id)->parameters, &memory);
     return warm_begin(id, &memory, true);
 }
 
-auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
-                                const auvid_real_t *sigma)
+auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
+                               const auvid_real_t *sigma)
 {
     if (id == NULL || pi == NULL || sigma == NULL) {
         return AUVID_ERR_NULL;
@@ -204,7 +205,7 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
     if (!warm_is_fresh(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_memory_t memory;
+    auvid_prior_t memory;
     memset(&memory, 0, sizeof memory);
     memory.known = auvid_metric_free_of(&id->metric, UINT8_MAX);
     memcpy(memory.pi, id->metric.cfg.fixed, sizeof memory.pi);
@@ -212,7 +213,7 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         if ((memory.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_remember looks at the rest */
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior looks at the rest */
             return AUVID_ERR_NOT_FINITE;
         }
         if (!(sigma[i] < MOST_SIGMA)) {
@@ -220,7 +221,8 @@ auvid_status_t auvid_warm_known(auvid_identifier_t *id, const auvid_real_t *pi,
         }
         memory.pi[i] = pi[i];
         memory.sigma[i] = sigma[i];
-        memory.colour[identifier_vehicle(id)->parameter[i].dof] = COMMON_COLOUR;
+        memory.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
+            COMMON_VARIANCE_INFLATION;
     }
     return warm_begin(id, &memory, false);
 }

@@ -1,5 +1,5 @@
 /**
- * @file craft.h
+ * @file vehicle_sim.h
  * The simulated vehicle as the bus sees it: sensor frames, thruster feedback and the tick frame
  * out, thruster commands in.
  *
@@ -9,8 +9,8 @@
  * back from it. The operator's part: an arm frame once the node has navigated for a second, again
  * every second until the guard has left DISARMED.
  */
-#ifndef CRAFT_H
-#define CRAFT_H
+#ifndef VEHICLE_SIM_H
+#define VEHICLE_SIM_H
 
 #include "auvid/allocation.h"
 #include "auvid/can_receiver.h"
@@ -29,9 +29,9 @@ enum { CRAFT_PARAMETERS = SIM_FOSSEN_PARAMETERS };
 typedef struct {
     sim_config_t sim;
     const auvid_allocation_config_t *allocation; /**< default auvid_allocation_girona500 */
-    bool no_arm;    /**< nobody arms the node */
+    bool no_arm;                                 /**< nobody arms the node */
     bool arm_again; /**< after an abort the operator disarms, and arms a second later */
-} craft_config_t;
+} vehicle_sim_config_t;
 
 typedef struct {
     sim_t sim;
@@ -39,48 +39,48 @@ typedef struct {
     auvid_can_sender_t sender;
     auvid_can_command_t command; /**< receivers of the commands; public to read */
     double hover_N[SIM_THRUSTERS];
-    double force_N[SIM_THRUSTERS];   /**< what acted in the last tick */
-    uint32_t sequence;               /**< of the last tick frame */
-    uint32_t done;                   /**< sequence of the last tick_done */
-    uint32_t ticks_navigated;        /* since the node told its position first */
-    uint32_t frames;                 /**< frames of the node that were taken */
-    uint32_t sets, searches;         /**< which the node has told of */
-    uint8_t guard, work;             /**< likewise */
-    uint64_t cut_us;                 /**< the last time commands ended: from the last good one until
+    double force_N[SIM_THRUSTERS]; /**< what acted in the last tick */
+    uint32_t sequence;             /**< of the last tick frame */
+    uint32_t done;                 /**< sequence of the last tick_done */
+    uint32_t ticks_navigated;      /* since the node told its position first */
+    uint32_t frames;               /**< frames of the node that were taken */
+    uint32_t sets, searches;       /**< which the node has told of */
+    uint8_t guard, work;           /**< likewise */
+    uint64_t cut_us;               /**< the last time commands ended: from the last good one until
                                           thrust was zero */
-    uint32_t cuts;                   /**< times that commands ended */
+    uint32_t cuts;                 /**< times that commands ended */
     double estimate[CRAFT_PARAMETERS]; /**< told by the node last */
     double sigma[CRAFT_PARAMETERS];    /**< likewise; infinite: not known */
-    uint32_t estimated;              /**< bit i: it has told parameter i */
-    bool no_arm, arm_again;          /* of the configuration */
-    bool navigates, armed;           /* the guard has left DISARMED */
-    bool commanded;                  /**< commanded thrust acted in the last tick */
-    bool order_arm, order_abort;     /**< written by the operator: goes out with the next tick */
-} craft_t;
+    uint32_t estimated;                /**< bit i: it has told parameter i */
+    bool no_arm, arm_again;            /* of the configuration */
+    bool navigates, armed;             /* the guard has left DISARMED */
+    bool commanded;                    /**< commanded thrust acted in the last tick */
+    bool order_arm, order_abort;       /**< written by the operator: goes out with the next tick */
+} vehicle_sim_t;
 
 /** The defaults of the simulator. */
-void craft_defaults(craft_config_t *config);
+void vehicle_sim_defaults(vehicle_sim_config_t *config);
 
 /** Start at time 0. False when the simulator refuses its configuration. */
-bool craft_init(craft_t *craft, const craft_config_t *config);
+bool vehicle_sim_init(vehicle_sim_t *craft, const vehicle_sim_config_t *config);
 
 /** Take a frame off the bus; its time of arrival is the last tick's. */
-void craft_take(craft_t *craft, const auvid_can_frame_t *frame);
+void vehicle_sim_take(vehicle_sim_t *craft, const auvid_can_frame_t *frame);
 
 /** The true values of the model's parameters as the vehicle is now; beyond the last: 0. */
-void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS]);
+void vehicle_sim_truth(const vehicle_sim_t *craft, double truth[CRAFT_PARAMETERS]);
 
 /** Root mean square relative error of the estimates told, but of those whose truth is 0 [%];
  * negative: not all are there. */
-double craft_rms_percent(const craft_t *craft);
+double vehicle_sim_rms_percent(const vehicle_sim_t *craft);
 
 /** Thrust that the node's commands ask for now. @param force_N [SIM_THRUSTERS] written.
  * @return whether there are good commands */
-bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS]);
+bool vehicle_sim_commanded(vehicle_sim_t *craft, double force_N[SIM_THRUSTERS]);
 
 /** Simulate a tick of 20 ms. @param frame [CRAFT_FRAMES] written: to be sent in this order.
  * @return how many */
-int craft_tick(craft_t *craft, auvid_can_frame_t *frame);
+int vehicle_sim_tick(vehicle_sim_t *craft, auvid_can_frame_t *frame);
 
 #ifdef __cplusplus
 }

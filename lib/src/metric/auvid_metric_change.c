@@ -14,10 +14,10 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-void auvid_metric_judge_begin(auvid_metric_t *metric)
+void auvid_metric_change_begin(auvid_metric_t *metric)
 {
     if (metric != NULL) {
-        auvid_metric_rewind(metric, PASS_LAST);
+        auvid_metric_restart_pass(metric, PASS_LAST);
         memset(metric->change, 0, sizeof metric->change);
         memset(metric->change_rank, 0, sizeof metric->change_rank);
     }
@@ -29,7 +29,7 @@ static void note_set(auvid_metric_t *m, int j, int place)
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
     auvid_metric_clear_dependent(m, j);
-    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->lagged >> j & 1) != 0);
+    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
     if (place == sets - 3) {
         m->change[1][j] -= u;
     } else if (place == sets - 2) {
@@ -38,10 +38,10 @@ static void note_set(auvid_metric_t *m, int j, int place)
         m->change[0][j] += u;
         m->change[1][j] += u;
         for (int i = 0; i < m->count[j]; ++i) {
-            bool usable = !auvid_is_zero(m->merged[m->factor_at[j] + auvid_triangle_row(n, i)]);
+            bool usable = !auvid_is_zero(m->merged[m->factor_at[j] + auvid_qr_row(n, i)]);
             m->change_rank[j] = (uint8_t)(m->change_rank[j] + usable);
         }
-        memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_TRIANGLE(n) * sizeof u);
+        memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_QR_FACTOR(n) * sizeof u);
     } else if (place == sets) {
         m->change[0][j] -= u;
     } else if (place == sets + 1) {
@@ -55,7 +55,7 @@ static bool metric_judge_row(auvid_metric_t *m, int j, int place)
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = place < sets ? sets - 1 - place : place - sets;
     const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-    if ((set->driven >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
+    if ((set->excited >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
         return true;
     }
     auvid_metric_rotate(m, set, m->at_row / n, j, m->at_row % n);
@@ -63,7 +63,7 @@ static bool metric_judge_row(auvid_metric_t *m, int j, int place)
     return false;
 }
 
-auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
+auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
 {
     if (metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
@@ -77,7 +77,7 @@ auvid_status_t auvid_metric_judge(auvid_metric_t *metric, uint32_t *budget)
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-            if (auvid_metric_pay(m, budget, AUVID_METRIC_ROTATION) &&
+            if (auvid_metric_spend(m, budget, AUVID_METRIC_ROTATION) &&
                 metric_judge_row(m, j, m->at_set)) {
                 note_set(m, j, m->at_set++);
                 m->at_row = 0;
@@ -92,11 +92,11 @@ const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
     return &metric->set[auvid_metric_slot(metric, 0)];
 }
 
-int auvid_metric_driven_sets(const auvid_metric_t *metric, int j, int newest)
+int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest)
 {
     int sets = 0;
     for (int age = newest; age < auvid_metric_sets(metric); ++age) {
-        sets += metric->set[auvid_metric_slot(metric, age)].driven >> j & 1;
+        sets += metric->set[auvid_metric_slot(metric, age)].excited >> j & 1;
     }
     return sets;
 }

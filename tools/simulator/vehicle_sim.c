@@ -1,4 +1,4 @@
-#include "craft.h"
+#include "vehicle_sim.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,19 +10,19 @@
 
 /* Frames of one tick under way. */
 typedef struct {
-    craft_t *craft;
+    vehicle_sim_t *craft;
     auvid_can_frame_t *frame;
     int count;
 } sending_t;
 
-void craft_defaults(craft_config_t *config)
+void vehicle_sim_defaults(vehicle_sim_config_t *config)
 {
     memset(config, 0, sizeof *config);
     sim_defaults(&config->sim);
     config->allocation = &auvid_allocation_girona500;
 }
 
-void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS])
+void vehicle_sim_truth(const vehicle_sim_t *craft, double truth[CRAFT_PARAMETERS])
 {
     const sim_config_t *c = &craft->sim.config;
     memset(truth, 0, CRAFT_PARAMETERS * sizeof truth[0]);
@@ -33,7 +33,7 @@ void craft_truth(const craft_t *craft, double truth[CRAFT_PARAMETERS])
     }
 }
 
-static bool init_hover(craft_t *craft, const auvid_allocation_config_t *config)
+static bool init_hover(vehicle_sim_t *craft, const auvid_allocation_config_t *config)
 {
     const sim_config_t *c = &craft->sim.config;
     auvid_allocation_t allocation;
@@ -52,7 +52,7 @@ static bool init_hover(craft_t *craft, const auvid_allocation_config_t *config)
     return true;
 }
 
-bool craft_init(craft_t *craft, const craft_config_t *config)
+bool vehicle_sim_init(vehicle_sim_t *craft, const vehicle_sim_config_t *config)
 {
     memset(craft, 0, sizeof *craft);
     craft->no_arm = config->no_arm;
@@ -62,7 +62,7 @@ bool craft_init(craft_t *craft, const craft_config_t *config)
            auvid_can_command_init(&craft->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
 }
 
-static void hear(craft_t *craft, const auvid_can_message_t *m)
+static void hear(vehicle_sim_t *craft, const auvid_can_message_t *m)
 {
     if (m->kind == AUVID_CAN_TICK_DONE) {
         craft->done = m->as.tick_done.sequence;
@@ -85,7 +85,7 @@ static void hear(craft_t *craft, const auvid_can_message_t *m)
     }
 }
 
-void craft_take(craft_t *craft, const auvid_can_frame_t *frame)
+void vehicle_sim_take(vehicle_sim_t *craft, const auvid_can_frame_t *frame)
 {
     auvid_can_frame_t now = *frame;
     auvid_can_message_t message;
@@ -98,11 +98,11 @@ void craft_take(craft_t *craft, const auvid_can_frame_t *frame)
     }
 }
 
-double craft_rms_percent(const craft_t *craft)
+double vehicle_sim_rms_percent(const vehicle_sim_t *craft)
 {
     double truth[CRAFT_PARAMETERS], sum = 0.0;
     int count = 0;
-    craft_truth(craft, truth);
+    vehicle_sim_truth(craft, truth);
     for (int i = 0; i < CRAFT_PARAMETERS; ++i) {
         if (fabs(truth[i]) <= 0.0) {
             continue;
@@ -118,7 +118,7 @@ double craft_rms_percent(const craft_t *craft)
 }
 
 /* What a thruster does at most in a force's direction. */
-static double most_N(const craft_t *craft, double force)
+static double most_N(const vehicle_sim_t *craft, double force)
 {
     const sim_config_t *c = &craft->sim.config;
     return force < 0.0 && c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
@@ -139,7 +139,7 @@ static void copy(auvid_real_t *to, const double *from, int n)
     }
 }
 
-static uint32_t age_ms(const craft_t *craft, const sim_measurement_t *sample)
+static uint32_t age_ms(const vehicle_sim_t *craft, const sim_measurement_t *sample)
 {
     uint64_t age = (craft->seen.t_us - sample->t_us + 500u) / 1000u;
     return age < AUVID_CAN_AGE_UNKNOWN ? (uint32_t)age : AUVID_CAN_AGE_UNKNOWN;
@@ -222,7 +222,7 @@ static void send_feedback(sending_t *s)
 
 static void send_orders(sending_t *s)
 {
-    craft_t *craft = s->craft;
+    vehicle_sim_t *craft = s->craft;
     craft->ticks_navigated += craft->navigates;
     bool due = craft->ticks_navigated > 0 && craft->ticks_navigated % SECOND == 0;
     bool aborted = craft->arm_again && craft->guard == AUVID_GUARD_ABORTED;
@@ -241,7 +241,7 @@ static void send_orders(sending_t *s)
     craft->order_arm = craft->order_abort = false;
 }
 
-bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS])
+bool vehicle_sim_commanded(vehicle_sim_t *craft, double force_N[SIM_THRUSTERS])
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
     auvid_status_t status = auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
@@ -252,11 +252,11 @@ bool craft_commanded(craft_t *craft, double force_N[SIM_THRUSTERS])
     return status == AUVID_OK;
 }
 
-static void drive(craft_t *craft)
+static void drive(vehicle_sim_t *craft)
 {
     double asked[SIM_THRUSTERS];
     bool before = craft->commanded;
-    craft->commanded = craft_commanded(craft, asked);
+    craft->commanded = vehicle_sim_commanded(craft, asked);
     if (before && !craft->commanded) {
         ++craft->cuts;
         craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
@@ -266,7 +266,7 @@ static void drive(craft_t *craft)
     }
 }
 
-int craft_tick(craft_t *craft, auvid_can_frame_t *frame)
+int vehicle_sim_tick(vehicle_sim_t *craft, auvid_can_frame_t *frame)
 {
     sending_t s = {craft, frame, 0};
     auvid_can_message_t tick = {.kind = AUVID_CAN_TICK};
