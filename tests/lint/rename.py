@@ -131,7 +131,8 @@ def declare(members):
 
 INC = (
     "-Ilib/include -Ilib/src -Itools/simulator -Itools/auvid -Iport/linux_socketcan "
-    "-Itests/support -Itests/port -Iport/cortex_m -Itests/fuzz -Itests/golden -isystem third_party/unity/src "
+    "-Itests/support -Itests/port -Iport/cortex_m -Itests/fuzz -Itests/golden "
+    "-isystem third_party/unity/src "
     "-DUNITY_INCLUDE_DOUBLE= -w -fsyntax-only -ferror-limit=0 -fno-caret-diagnostics "
     "-fno-color-diagnostics"
 ).split()
