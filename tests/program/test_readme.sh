@@ -5,7 +5,7 @@
 . "$(dirname "$0")/common.sh"
 
 blocks() {
-    awk -v six="$1" '/^## / { here = /^## Six degrees/ }
+    awk -v six="$1" '/^## / { here = /^## Six degrees/ ? 1 : /^## Tasks/ ? 2 : 0 }
         /^```c$/ { on = here == six; next } /^```$/ { on = 0 } on' "$ROOT/README.md" \
         "$ROOT/lib/README.md"
 }
