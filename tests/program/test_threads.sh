@@ -67,7 +67,8 @@ static void control(sim_t *sim, const sim_config_t *world)
         auvid_output_t out;
         if (k % 150 == 0) {
             for (int j = 0; j < 6; ++j) {
-                wrench[j] = j == 3 || j == 4 ? 0 : (k / 150 >> j & 1 ? 60 : -60) / (j == 5 ? 2. : 1.);
+                double amplitude = j == 3 || j == 4 ? 0 : j == 5 ? 30 : 60;
+                wrench[j] = k / 150 >> j & 1 ? amplitude : -amplitude;
             }
             wrench[2] -= world->parameter[SIM_WB];
         }
