@@ -59,7 +59,7 @@ static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
 }
 
 /* How many groups; 0: there are holes among their numbers, or too many. */
-static int groups_of(const auvid_thrusters_config_t *cfg)
+static int thrusters_count_groups(const auvid_thrusters_config_t *cfg)
 {
     uint32_t there = 0;
     for (int i = 0; i < cfg->thrusters; ++i) {
@@ -73,7 +73,7 @@ static int groups_of(const auvid_thrusters_config_t *cfg)
 }
 
 /* The DoF of the hull on which a group acts: bit j. */
-static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
+static uint32_t thrusters_dofs_of_group(const auvid_thrusters_config_t *cfg, int group)
 {
     uint32_t dofs = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -86,7 +86,7 @@ static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
 }
 
 /* The four parameters of a group. */
-static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
+static void thrusters_name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
 {
     static const char *const name[AUVID_THRUSTERS_GROUPS][AUVID_THRUSTERS_PER_GROUP] = {
         {"forward", "backward", "dead_band", "lag"},
@@ -131,7 +131,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     if (cfg->hull == &thrusters->vehicle) {
         return AUVID_ERR_MODEL;
     }
-    int groups = groups_of(cfg), hull = cfg->hull->parameters;
+    int groups = thrusters_count_groups(cfg), hull = cfg->hull->parameters;
     int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
     if (groups == 0) {
         return AUVID_ERR_RANGE;
@@ -140,7 +140,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
         return AUVID_ERR_PARAMETERS;
     }
     for (int g = 0; g < groups; ++g) {
-        if (acts_on(cfg, g) == 0) {
+        if (thrusters_dofs_of_group(cfg, g) == 0) {
             return AUVID_ERR_MODEL;
         }
     }
@@ -162,8 +162,8 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
     for (int g = 0; g < groups; ++g) {
         int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
-        uint32_t dofs = acts_on(cfg, g);
-        name_group(th->parameter + first, g, dofs);
+        uint32_t dofs = thrusters_dofs_of_group(cfg, g);
+        thrusters_name_group(th->parameter + first, g, dofs);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
         }
@@ -172,7 +172,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
 }
 
 /* Which of a group's parameters it is; AUVID_THRUSTERS_PER_GROUP: the hull's. */
-static int kind_of(const auvid_thrusters_t *th, int i)
+static int thrusters_parameter_kind(const auvid_thrusters_t *th, int i)
 {
     int own = i - th->cfg.hull->parameters;
     return own < 0 ? AUVID_THRUSTERS_PER_GROUP : own % AUVID_THRUSTERS_PER_GROUP;
@@ -180,12 +180,12 @@ static int kind_of(const auvid_thrusters_t *th, int i)
 
 /* Is the scale of the force known in every DoF on which thrusters act? By a parameter that is
  * given, or by a free one that another DoF has, whose scale is known. */
-static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_config_t *metric)
+static bool thrusters_scale_is_known(const auvid_thrusters_t *th, const auvid_metric_config_t *metric)
 {
     uint32_t known = 0, acted = 0, sized = 0; /* parameters known, DoF; parameters of a force */
     int n = th->vehicle.parameters;
     for (int i = 0; i < n; ++i) {
-        int kind = kind_of(th, i);
+        int kind = thrusters_parameter_kind(th, i);
         bool force = kind != AUVID_THRUSTERS_DEAD_BAND && kind != AUVID_THRUSTERS_LAG;
         bool given = metric->free != 0 && (metric->free >> i & 1u) == 0;
         sized |= (uint32_t)(force && (!given || auvid_abs(metric->fixed[i]) > AUVID_C(0.0))) << i;
@@ -193,7 +193,7 @@ static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_confi
     }
     known &= sized;
     for (int g = 0; g * AUVID_THRUSTERS_PER_GROUP < n - th->cfg.hull->parameters; ++g) {
-        acted |= acts_on(&th->cfg, g);
+        acted |= thrusters_dofs_of_group(&th->cfg, g);
     }
     for (int round = 0; round < AUVID_DOF_COUNT; ++round) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -208,25 +208,25 @@ static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_confi
 }
 
 /* Slots from the first that a set needs to the newest command, when the next set is complete. */
-static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
+static uint64_t thrusters_needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
                           const auvid_metric_config_t *metric, uint32_t sets)
 {
     return (uint64_t)sets * metric->set_rows * grid->row_us +
            (uint64_t)grid->lead * th->cfg.period_us + grid->spread_us + BEHIND_US;
 }
 
-static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
+static void thrusters_listen(void *context, uint64_t t_us, const auvid_real_t *command)
 {
     auvid_thrusters_command(context, t_us, command);
 }
 
 /* Sets that the log will have lost before the next is complete, because idle sets or gaps took
  * its place; or lost already, in a restart. */
-static void forget(void *context, auvid_metric_t *metric)
+static void thrusters_drop_lost_sets(void *context, auvid_metric_t *metric)
 {
     const auvid_thrusters_t *th = context;
     uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
-    uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
+    uint64_t next_us = end_us + thrusters_needed_us(th, &th->grid, &metric->cfg, 1);
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
@@ -240,14 +240,14 @@ static void forget(void *context, auvid_metric_t *metric)
 }
 
 /* The lag is followed from so long before a row's middle on. */
-static uint64_t lead_us(void *context)
+static uint64_t thrusters_lead_us(void *context)
 {
     const auvid_thrusters_t *th = context;
     return (uint64_t)th->grid.lead * th->cfg.period_us + th->grid.row_us + th->grid.spread_us +
            th->cfg.delay_us;
 }
 
-static const auvid_listener_t listener = {.command = listen, .set = forget, .lead_us = lead_us};
+static const auvid_listener_t thrusters_listener = {.command = thrusters_listen, .set = thrusters_drop_lost_sets, .lead_us = thrusters_lead_us};
 
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg)
@@ -259,7 +259,7 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     if (th->cfg.hull == NULL) {
         return AUVID_ERR_STATE;
     }
-    if (cfg->vehicle != &th->vehicle || !scale_is_known(th, &cfg->metric)) {
+    if (cfg->vehicle != &th->vehicle || !thrusters_scale_is_known(th, &cfg->metric)) {
         return AUVID_ERR_MODEL;
     }
     const auvid_thrusters_config_t *own = &th->cfg;
@@ -276,7 +276,7 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
         .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
         .lead = lead,
         .bridged = gap_us / period + lead};
-    if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
+    if ((uint64_t)own->slots * period < thrusters_needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }
     /* no overflow: the log, of 4e9 us at most, is longer than a row */
@@ -295,13 +295,13 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
         cfg->search.upper[i] = most[k % AUVID_THRUSTERS_PER_GROUP];
     }
     cfg->metric.estimate_delay = false;
-    cfg->listener = &listener;
+    cfg->listener = &thrusters_listener;
     cfg->listener_context = th;
     return AUVID_OK;
 }
 
 /* The slot under way is complete. */
-static void keep_slot(auvid_thrusters_t *th)
+static void thrusters_store_slot(auvid_thrusters_t *th)
 {
     auvid_real_t scale = AUVID_C(32767.0) / (th->cfg.command_max * (auvid_real_t)th->cfg.period_us);
     for (int i = 0; i < th->cfg.thrusters; ++i) {
@@ -318,7 +318,7 @@ static void keep_slot(auvid_thrusters_t *th)
 
 /* The log leaves out `long_us` from here on. Where too many pauses are in it, the oldest goes, and
  * with it the slots before it. */
-static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
+static void thrusters_skip(auvid_thrusters_t *th, uint64_t long_us)
 {
     auvid_thrusters_state_t *state = &th->state;
     const uint8_t most = sizeof state->pause / sizeof state->pause[0];
@@ -335,7 +335,7 @@ static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
 }
 
 /* After a silence rows begin later than it: what is not bridged is left out. */
-static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
+static void thrusters_bridge_gap(auvid_thrusters_t *th, uint64_t t_us)
 {
     auvid_thrusters_state_t *state = &th->state;
     const uint32_t period = th->cfg.period_us;
@@ -344,7 +344,7 @@ static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
         state->started = true;
         state->end_us = t_us;
     } else if (behind_us > bridged_us + period) {
-        leave_out(th, (behind_us - bridged_us) / period * period);
+        thrusters_skip(th, (behind_us - bridged_us) / period * period);
     } else {
         return;
     }
@@ -353,7 +353,7 @@ static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
 }
 
 /* What has been held until now goes into the slots. */
-static void fill(auvid_thrusters_t *th, uint64_t t_us)
+static void thrusters_fill_slots(auvid_thrusters_t *th, uint64_t t_us)
 {
     auvid_thrusters_state_t *state = &th->state;
     while (state->held_us < t_us) {
@@ -365,7 +365,7 @@ static void fill(auvid_thrusters_t *th, uint64_t t_us)
         }
         state->held_us = to;
         if (to == slot_ends) {
-            keep_slot(th);
+            thrusters_store_slot(th);
         }
     }
 }
@@ -377,8 +377,8 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
     if (th == NULL || th->grid.row_us == 0 || (th->state.started && t_us <= th->state.held_us)) {
         return;
     }
-    pass_silence(th, t_us);
-    fill(th, t_us);
+    thrusters_bridge_gap(th, t_us);
+    thrusters_fill_slots(th, t_us);
     auvid_real_t most = th->cfg.command_max;
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);

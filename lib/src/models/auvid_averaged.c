@@ -13,7 +13,7 @@
 
 #include "../base/auvid_math_internal.h"
 
-static void regressor(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
+static void averaged_regressor(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
 {
     const auvid_averaged_t *a = context;
     const auvid_vehicle_t *vehicle = a->other;
@@ -66,7 +66,7 @@ auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *v
     a->spread_s[1] = auvid_sqrt(variance);
     a->vehicle = *vehicle;
     a->vehicle.residual = NULL;
-    a->vehicle.regressor = regressor;
+    a->vehicle.regressor = averaged_regressor;
     a->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : averaged_acceleration;
     a->vehicle.context = a;
     return AUVID_OK;

@@ -13,7 +13,7 @@
 #include "../base/auvid_math_internal.h"
 
 /* c in body axes, and its derivative there. */
-static void in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real_t body[3],
+static void current_in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real_t body[3],
                     auvid_real_t rate[3])
 {
     auvid_real_t r[3][3];
@@ -27,14 +27,14 @@ static void in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real
     rate[2] = omega[1] * body[0] - omega[0] * body[1];
 }
 
-/* *water: the sample with motion through the water. rate: see in_body */
-static void through_water(const auvid_current_t *current, const auvid_sample_t *sample,
+/* *water: the sample with motion through the water. rate: see current_in_body */
+static void current_through_water(const auvid_current_t *current, const auvid_sample_t *sample,
                           const auvid_real_t *pi, auvid_sample_t *water, auvid_real_t rate[3])
 {
     auvid_real_t c[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)}, body[3];
     int n = current->hull->parameters;
     memcpy(c, pi + n, (size_t)(current->vehicle.parameters - n) * sizeof *c);
-    in_body(sample, c, body, rate);
+    current_in_body(sample, c, body, rate);
     *water = *sample;
     for (int i = 0; i < 3; ++i) {
         water->nu[i] -= body[i];
@@ -48,7 +48,7 @@ static void current_residual(const void *context, const auvid_sample_t *sample,
     const auvid_current_t *current = context;
     auvid_sample_t water;
     auvid_real_t rate[3];
-    through_water(current, sample, pi, &water, rate);
+    current_through_water(current, sample, pi, &water, rate);
     auvid_vehicle_residual(current->hull, &water, pi, residual);
 }
 
@@ -59,7 +59,7 @@ static bool current_acceleration(const void *context, const auvid_sample_t *samp
     const auvid_vehicle_t *vehicle = current->hull;
     auvid_sample_t water;
     auvid_real_t rate[3];
-    through_water(current, sample, pi, &water, rate);
+    current_through_water(current, sample, pi, &water, rate);
     bool possible = vehicle->acceleration(vehicle->context, &water, pi, nu_dot);
     for (int i = 0; i < 3; ++i) {
         nu_dot[i] += vehicle->columns[i] != 0 ? rate[i] : AUVID_C(0.0);

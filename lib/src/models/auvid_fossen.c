@@ -71,7 +71,7 @@ static const auvid_parameter_t fossen_parameter[AUVID_FOSSEN_COUNT] = {
 #define ON_DIAGONAL(dof) (AUVID_FOSSEN_M_U + (dof))
 
 /* g(eta). */
-static void restoring(const auvid_sample_t *s, auvid_regressor_t *y)
+static void fossen_restoring(const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_real_t s_phi, c_phi, s_theta, c_theta;
     auvid_sincos(s->phi, &s_phi, &c_phi);
@@ -90,7 +90,7 @@ static void restoring(const auvid_sample_t *s, auvid_regressor_t *y)
 
 #if AUVID_MAX_PARAMETERS >= 26
 /* What M couples, and the part of C(nu) nu that belongs to it. */
-static void couplings(const auvid_sample_t *s, auvid_regressor_t *y)
+static void fossen_couplings(const auvid_sample_t *s, auvid_regressor_t *y)
 {
     const auvid_real_t *nu = s->nu, *nu_dot = s->nu_dot;
     auvid_real_t u = nu[AUVID_SURGE], v = nu[AUVID_SWAY], w = nu[AUVID_HEAVE];
@@ -151,9 +151,9 @@ static void fossen_regressor(const void *context, const auvid_sample_t *s, auvid
         moment[ON_DIAGONAL(3 + after)] = nu[3 + next] * nu[3 + after];
         moment[ON_DIAGONAL(3 + next)] = -nu[3 + after] * nu[3 + next];
     }
-    restoring(s, y);
+    fossen_restoring(s, y);
 #if AUVID_MAX_PARAMETERS >= 26
-    couplings(s, y);
+    fossen_couplings(s, y);
 #endif
 }
 
@@ -166,7 +166,7 @@ typedef struct {
 
 /* Cholesky's L D L' of one block, the ends first, solved in place; zero couplings couple nothing,
  * not even what is not finite. */
-static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real_t *nu_dot)
+static void fossen_solve_block(const block_t *block, const auvid_real_t *pi, auvid_real_t *nu_dot)
 {
     auvid_real_t pivot = pi[ON_DIAGONAL(block->middle)], rest = nu_dot[block->middle];
     auvid_real_t least = AUVID_EPSILON * auvid_max(pivot, AUVID_C(0.0)), c[2];
@@ -193,7 +193,7 @@ static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real
 #else
 #define COUPLING(name) AUVID_FOSSEN_COUNT
 #endif
-static const block_t block[2] = {
+static const block_t fossen_block[2] = {
     {AUVID_PITCH, {AUVID_SURGE, AUVID_HEAVE}, {COUPLING(M_UQ), COUPLING(M_WQ)}},
     {AUVID_SWAY, {AUVID_ROLL, AUVID_YAW}, {COUPLING(M_VP), COUPLING(M_VR)}}};
 
@@ -213,8 +213,8 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
             nu_dot[j] -= y.row[j][i] * pi[i];
         }
     }
-    solve_block(&block[0], pi, nu_dot);
-    solve_block(&block[1], pi, nu_dot);
+    fossen_solve_block(&fossen_block[0], pi, nu_dot);
+    fossen_solve_block(&fossen_block[1], pi, nu_dot);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         any = any || auvid_is_finite(nu_dot[j]);

@@ -21,7 +21,7 @@
 #include "auvid_thrusters_wrench_internal.h"
 
 /* e^-x for x >= 0. Taylor's seventh term is below 1e-10 for x <= 1/8; halved and squared before. */
-static auvid_real_t decay(auvid_real_t x)
+static auvid_real_t thrusters_exponential(auvid_real_t x)
 {
     int halvings = 0;
     if (!(x < AUVID_C(80.0))) {
@@ -50,7 +50,7 @@ typedef struct {
     auvid_real_t mean;  /* (1 - e^-a) / a */
 } group_t;
 
-static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, group_t *group)
+static void thrusters_candidate_group(const auvid_thrusters_t *th, const auvid_real_t *pi, group_t *group)
 {
     auvid_real_t step = th->cfg.command_max / AUVID_C(32767.0);
     auvid_real_t lag =
@@ -61,11 +61,11 @@ static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, grou
     auvid_real_t dead_band = auvid_max(pi[AUVID_THRUSTERS_DEAD_BAND] / step, AUVID_C(0.0));
     group->dead_band = auvid_min(dead_band, AUVID_C(32768.0));
     group->whole_band = (int32_t)group->dead_band;
-    group->decay = decay(AUVID_C(1.0) / lag);
+    group->decay = thrusters_exponential(AUVID_C(1.0) / lag);
     group->mean = (AUVID_C(1.0) - group->decay) * lag;
 }
 
-AUVID_INLINE auvid_real_t force(const group_t *group, int32_t c)
+AUVID_INLINE auvid_real_t thrusters_static_force(const group_t *group, int32_t c)
 {
     if (c > group->whole_band) {
         return group->gain[0] * ((auvid_real_t)c - group->dead_band);
@@ -77,7 +77,7 @@ AUVID_INLINE auvid_real_t force(const group_t *group, int32_t c)
 }
 
 /* P, s > 0. */
-static auvid_real_t ramp(auvid_real_t t, auvid_real_t s)
+static auvid_real_t thrusters_ramp(auvid_real_t t, auvid_real_t s)
 {
     auvid_real_t in = t + AUVID_C(0.5) * s;
     return !(in > AUVID_C(0.0)) ? AUVID_C(0.0) : (in < s ? AUVID_C(0.5) * in * in / s : t);
@@ -90,9 +90,9 @@ typedef struct {
     uint32_t window;   /* slots of the window */
     uint32_t last;     /* of them before the newest slot there is */
     auvid_real_t from; /* where its first slot begins, from the row's beginning [slots] */
-} place_t;
+} row_slots_t;
 
-static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
+static bool thrusters_find_row(const auvid_thrusters_t *th, uint64_t t_us, row_slots_t *place)
 {
     uint32_t period = th->cfg.period_us, length = th->grid.row_us + th->grid.spread_us;
     uint64_t begin_us = auvid_thrusters_in_log(th, t_us - length / 2u - th->cfg.delay_us);
@@ -117,7 +117,7 @@ static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
 }
 
 /* A slot later, with wrap. */
-AUVID_INLINE const int16_t *next_slot(const auvid_thrusters_t *th, const int16_t *slot)
+AUVID_INLINE const int16_t *thrusters_next_slot(const auvid_thrusters_t *th, const int16_t *slot)
 {
     slot += th->cfg.thrusters;
     return slot < th->cfg.log + th->cfg.slots * th->cfg.thrusters
@@ -126,20 +126,20 @@ AUVID_INLINE const int16_t *next_slot(const auvid_thrusters_t *th, const int16_t
 }
 
 /* A thruster's force at the window's beginning, from a steady one at `slot` on. */
-static auvid_real_t lead_in(const auvid_thrusters_t *th, const group_t *of, const int16_t *slot,
+static auvid_real_t thrusters_lead_in(const auvid_thrusters_t *th, const group_t *of, const int16_t *slot,
                             uint32_t slots)
 {
     const group_t group = *of;
-    auvid_real_t x = force(&group, *slot);
-    for (; slots > 0; --slots, slot = next_slot(th, slot)) {
-        auvid_real_t g = force(&group, *slot);
+    auvid_real_t x = thrusters_static_force(&group, *slot);
+    for (; slots > 0; --slots, slot = thrusters_next_slot(th, slot)) {
+        auvid_real_t g = thrusters_static_force(&group, *slot);
         x = g + (x - g) * group.decay;
     }
     return x;
 }
 
 /* The mean of each thruster over the window, with the weights of forces and of moments. */
-static void run(const auvid_thrusters_t *th, const group_t *groups, const place_t *place,
+static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *groups, const row_slots_t *place,
                 auvid_real_t sum[2][AUVID_MAX_COMMANDS])
 {
     const auvid_real_t per_us = AUVID_C(1.0) / (auvid_real_t)th->cfg.period_us;
@@ -151,19 +151,19 @@ static void run(const auvid_thrusters_t *th, const group_t *groups, const place_
     int n = th->cfg.thrusters;
     const int16_t *slot = th->cfg.log + place->at * (uint32_t)n;
     for (int i = 0; i < n; ++i) {
-        x[i] = lead_in(th, &groups[th->cfg.group[i]], slot + i, place->lead);
+        x[i] = thrusters_lead_in(th, &groups[th->cfg.group[i]], slot + i, place->lead);
     }
     slot += place->lead * (uint32_t)n;
     slot -= place->at + place->lead < th->cfg.slots ? 0u : th->cfg.slots * (uint32_t)n;
     for (uint32_t k = 0; k < place->window; ++k) {
         t += AUVID_C(1.0);
-        auvid_real_t forces = ramp(t, spread) - ramp(t - row, spread);
+        auvid_real_t forces = thrusters_ramp(t, spread) - thrusters_ramp(t - row, spread);
         auvid_real_t moments = auvid_clamp(t, AUVID_C(0.0), row);
         auvid_real_t of_force = (forces - before[0]) * per_row;
         auvid_real_t of_moment = (moments - before[1]) * per_row;
         for (int i = 0; i < n; ++i) {
             const group_t *group = &groups[th->cfg.group[i]];
-            auvid_real_t g = force(group, slot[i]), off = x[i] - g, mean = g + off * group->mean;
+            auvid_real_t g = thrusters_static_force(group, slot[i]), off = x[i] - g, mean = g + off * group->mean;
             sum[0][i] += of_force * mean;
             sum[1][i] += of_moment * mean;
             x[i] = g + off * group->decay;
@@ -171,7 +171,7 @@ static void run(const auvid_thrusters_t *th, const group_t *groups, const place_
         before[0] = forces;
         before[1] = moments;
         if (k < place->last) { /* what is not there yet is as the newest */
-            slot = next_slot(th, slot);
+            slot = thrusters_next_slot(th, slot);
         }
     }
 }
@@ -185,17 +185,17 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     const auvid_thrusters_t *th = thrusters;
     group_t groups[AUVID_THRUSTERS_GROUPS];
     auvid_real_t sum[2][AUVID_MAX_COMMANDS] = {{AUVID_C(0.0)}};
-    place_t place;
+    row_slots_t place;
     memset(wrench, 0, AUVID_DOF_COUNT * sizeof *wrench);
-    if (th->grid.row_us == 0 || !find_row(th, t_us, &place)) {
+    if (th->grid.row_us == 0 || !thrusters_find_row(th, t_us, &place)) {
         return AUVID_ERR_NO_DATA;
     }
     const auvid_real_t *own = pi + th->cfg.hull->parameters;
     for (int i = th->cfg.hull->parameters, g = 0; i < th->vehicle.parameters;
          i += AUVID_THRUSTERS_PER_GROUP, ++g, own += AUVID_THRUSTERS_PER_GROUP) {
-        take_group(th, own, &groups[g]);
+        thrusters_candidate_group(th, own, &groups[g]);
     }
-    run(th, groups, &place, sum);
+    thrusters_mean_forces(th, groups, &place, sum);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < th->cfg.thrusters; ++i) {
             wrench[j] += th->cfg.matrix[j][i] * sum[j < AUVID_ROLL ? 0 : 1][i];

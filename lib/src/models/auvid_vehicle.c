@@ -154,7 +154,7 @@ const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT] = {
     [AUVID_G500_N_RR] = AUVID_C(-60.9373),
 };
 
-static void g500_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void vehicle_g500_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
 {
     const g500_form_t *form = context;
     auvid_real_t s_phi, c_phi, s_theta, c_theta;
@@ -204,7 +204,7 @@ static void g500_regressor(const void *context, const auvid_sample_t *s, auvid_r
 
 /* The equations solved for nu_dot: each has its own mass times its own acceleration, so what is
  * left of tau after all other terms is divided by that mass. */
-static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
+static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t *sample,
                               const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     static const struct {
@@ -216,7 +216,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                     {AUVID_YAW, AUVID_G500_M_R}};
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    g500_regressor(context, sample, &y);
+    vehicle_g500_regressor(context, sample, &y);
     for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
         const auvid_real_t *row = y.row[equation[k].dof];
         auvid_real_t rest = sample->tau[equation[k].dof], mass = pi[equation[k].mass];
@@ -259,7 +259,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                                     G500_BIT(W_B) | G500_BIT(Z_W) | G500_BIT(Z_WW) | BIAS(Z_0),    \
                     [AUVID_YAW] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_R) | G500_BIT(N_R) |  \
                                   G500_BIT(N_RR) | BIAS(N_0)},                                     \
-        .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
+        .free = AUVID_G500_FREE, .regressor = vehicle_g500_regressor, .acceleration = vehicle_g500_acceleration,   \
         .context = &(form_), reads_                                                                \
     }
 
