@@ -1,6 +1,7 @@
 /*
- * How long a result takes for how many units of work a tick: ticks of 20 ms from the end of a set's
- * recording until nothing is left to do, the simulated Girona500 under a disturbance of 1 N.
+ * Measures the time to a result for different budgets [units of work per tick]. It counts ticks of
+ * 20 ms from the end of a set's recording until the work is complete, with the simulated Girona500
+ * under a disturbance of 1 N.
  *
  *     budget_bench [seeds]             default 10
  */
