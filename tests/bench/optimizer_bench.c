@@ -156,7 +156,7 @@ int main(int argc, char **argv)
         }
         printf(" %9u %9.2f%%\n", (unsigned)rejections, 100.0 * worst);
     }
-    printf("* most consecutive rejections of any run. m 4n = 52, 10n = 130.\n");
+    printf("* largest number of consecutive rejections in a run. m 4n = 52, 10n = 130.\n");
     free(x);
     return 0;
 }

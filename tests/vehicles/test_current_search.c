@@ -122,7 +122,7 @@ static void residual(int k, const double *p, double e[DOFS])
  * sequence of consecutive rows. Returns J. */
 static double cost(const double *p, double *terms)
 {
-    static const double share[7] = {1, 6, 15, 20, 15, 6, 1}, scale[DOFS] = {100, 100, 100, 40};
+    static const double binomial[7] = {1, 6, 15, 20, 15, 6, 1}, scale[DOFS] = {100, 100, 100, 40};
     static double e[ROWS][DOFS];
     double sum = 0.0;
     int run = 0;
@@ -133,7 +133,7 @@ static double cost(const double *p, double *terms)
         for (int j = 0; j < DOFS; ++j) {
             double smooth = 0.0;
             for (int i = 0; i < 7 && run >= 7; ++i) {
-                smooth += share[i] / 64.0 * e[k - i][j];
+                smooth += binomial[i] / 64.0 * e[k - i][j];
             }
             terms[DOFS * k + j] = smooth / (scale[j] * sqrt((double)rows));
             sum += terms[DOFS * k + j] * terms[DOFS * k + j];

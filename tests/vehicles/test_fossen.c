@@ -185,10 +185,10 @@ static void test_any_subset_may_be_free(void)
  * over `motions` with roll and pitch up to `tilt`. */
 static double min_independent_part(uint32_t free, auvid_real_t tilt)
 {
-    static auvid_real_t triangle[AUVID_QR_FACTOR(N)];
-    double least = 1.0;
+    static auvid_real_t factor[AUVID_QR_FACTOR(N)];
+    double smallest = 1.0;
     int n = bits(free);
-    memset(triangle, 0, sizeof triangle);
+    memset(factor, 0, sizeof factor);
     for (int trial = 0; trial < 500; ++trial) {
         auvid_sample_t s = random_motion();
         s.phi = draw(tilt);
@@ -202,14 +202,14 @@ static double min_independent_part(uint32_t free, auvid_real_t tilt)
                     row[k++] = y.row[j][i];
                 }
             }
-            auvid_qr_update(triangle, n, 0, row);
+            auvid_qr_update(factor, n, 0, row);
         }
     }
     for (int i = 0; i < n; ++i) {
-        auvid_real_t pivot = triangle[auvid_qr_row(n, i)];
-        least = fmin(least, fabs((double)(pivot / auvid_qr_column_norm(triangle, n, i))));
+        auvid_real_t pivot = factor[auvid_qr_row(n, i)];
+        smallest = fmin(smallest, fabs((double)(pivot / auvid_qr_column_norm(factor, n, i))));
     }
-    return least;
+    return smallest;
 }
 
 static void test_motion_determines_the_parameters_that_are_free_by_default(void)

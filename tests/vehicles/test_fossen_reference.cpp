@@ -1,7 +1,7 @@
 // Compares the 6-DoF model with the textbook in double. The 6 x 6 matrices follow from mass,
-// inertia, added mass, weight, buoyancy and their centres. C(nu) follows from cross products of M nu
-// (Fossen 2011, Eq. 3.46), and restoring moments follow from the two forces. Only parameters_of()
-// uses the parameters' sums.
+// inertia, added mass, weight, buoyancy and their centres. C(nu) follows from cross products of
+// M nu (Fossen 2011, Eq. 3.46), and restoring moments follow from the two forces. Only
+// parameters_of() uses the parameters' sums.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 

@@ -71,8 +71,8 @@ static void scale_girona500(int v, double k)
     sim_rng_seed(&rng, 77, (uint64_t)v);
     cfg.allocation = auvid_allocation_girona500;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double own = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
-        world.parameter[i] *= own * pow(k, power[i]);
+        double factor = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
+        world.parameter[i] *= factor * pow(k, power[i]);
         truth[i] = world.parameter[i];
     }
     if (v == SMALL) { /* an open frame */

@@ -120,8 +120,8 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
         double value = (double)e->pi[i];
         TEST_ASSERT_EQUAL_FLOAT(value, world.craft.estimate[i]); /* as received in frames */
         if (e->confidence.identifiable >> i & 1u) {
-            double most = i <= AUVID_FOSSEN_M_R ? 0.02 : 0.08;
-            TEST_ASSERT_DOUBLE_WITHIN(most * fabs(truth[i]), truth[i], value);
+            double max_error = i <= AUVID_FOSSEN_M_R ? 0.02 : 0.08;
+            TEST_ASSERT_DOUBLE_WITHIN(max_error * fabs(truth[i]), truth[i], value);
             ++sure;
         }
     }

@@ -43,7 +43,7 @@ static void test_hull_and_thrusters_are_identified_together(void)
         TEST_ASSERT_FALSE(id.estimate.not_converged);
         for (int i = 0; i < PARAMETERS; ++i) {
             double error = FREE >> i & 1u ? error_of(i) : 0.0;
-            TEST_ASSERT_TRUE(i < FIRST_OF_GROUP || fabs(error) < 0.05);
+            TEST_ASSERT_TRUE(i < OWN || fabs(error) < 0.05);
             squares += error * error / 16.0;
         }
         TEST_ASSERT_TRUE(sqrt(squares) < 0.025);
@@ -68,7 +68,7 @@ static void test_thrusters_can_wrap_a_hull_in_a_current(void)
     config.slots = SLOTS;
     config.period_us = PERIOD_US;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
-    TEST_ASSERT_EQUAL_UINT8(FIRST_OF_GROUP + 2 + 4, thrusters.vehicle.parameters);
+    TEST_ASSERT_EQUAL_UINT8(OWN + 2 + 4, thrusters.vehicle.parameters);
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.metric.rows = store;
     cfg.metric.free &= ~(1u << AUVID_G500_M_U);
@@ -79,9 +79,9 @@ static void test_thrusters_can_wrap_a_hull_in_a_current(void)
         auvid_thrusters_command(&thrusters, t_us, ahead);
     }
     for (int i = 0; i < PARAMETERS; ++i) {
-        pi[i < FIRST_OF_GROUP ? i : i + 2] = (auvid_real_t)truth[i];
+        pi[i < OWN ? i : i + 2] = (auvid_real_t)truth[i];
     }
-    pi[FIRST_OF_GROUP] = (auvid_real_t)0.3;
+    pi[OWN] = (auvid_real_t)0.3;
     memset(&sample, 0, sizeof sample);
     sample.t_us = 15000000;
     sample.nu[AUVID_SURGE] = (auvid_real_t)0.5;

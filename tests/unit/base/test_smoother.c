@@ -252,12 +252,12 @@ static void test_streaming_gives_what_the_coefficients_give(void)
 
 static void test_two_smoothers_do_not_interact(void)
 {
-    auvid_real_t alone[POINTS];
+    auvid_real_t single[POINTS];
     auvid_real_t beside[POINTS];
     auvid_real_t other_y[POINTS];
     auvid_smoother_t other;
     auvid_smoother_init(&smoother, &config);
-    size_t n = run(&smoother, 0, 50, alone);
+    size_t n = run(&smoother, 0, 50, single);
     auvid_smoother_reset(&smoother);
     config.half_width = 1;
     config.order = 1;
@@ -268,7 +268,7 @@ static void test_two_smoothers_do_not_interact(void)
         run(&other, 1000 - i, 1, other_y);
     }
     TEST_ASSERT_EQUAL_UINT32(n, m);
-    TEST_ASSERT_TRUE(memcmp(alone, beside, n * sizeof alone[0]) == 0);
+    TEST_ASSERT_TRUE(memcmp(single, beside, n * sizeof single[0]) == 0);
 }
 
 static void test_reset_discards_the_record(void)
