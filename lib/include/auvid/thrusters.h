@@ -173,7 +173,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * for &thrusters->vehicle, and after setting metric (rows, sets, free, fixed) and recorder.
  *
  * It sets cfg->listener, the search bounds of the thrusters' parameters, and metric.estimate_delay
- * (off, because a lag is not separable from a delay). You may narrow the bounds afterwards.
+ * (off, because a lag is not separable from a delay). You may change the bounds afterwards.
  * @param cfg in and out; unchanged if refused
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_MODEL (cfg is for
  * another vehicle, or no known parameter sets the scale of the force in some DoF); AUVID_ERR_RANGE

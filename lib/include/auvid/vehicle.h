@@ -3,9 +3,9 @@
  * Vehicle models: tau = Y(eta, nu, nu_dot, pi) (Eq. 2), as a table of functions.
  *
  * A model is one constant struct: the names of its parameters, the parameters of each equation, and
- * up to three functions. This header has the Girona500 model of the paper (Eq. 12-15). For any
- * other vehicle, the user writes a struct and a function. The struct begins with `.built_for =
- * AUVID_BUILD`.
+ * up to three functions. The struct begins with `.built_for = AUVID_BUILD`. This header has the
+ * Girona500 model of the paper (Eq. 12-15). For any other vehicle, the user writes a struct and a
+ * function.
  *
  * - `residual` is sufficient for any model, linear in its parameters or not, differentiable or not.
  * - `regressor` is for models that are linear in their parameters. It makes a cost evaluation about
@@ -31,7 +31,7 @@ extern "C" {
 typedef enum {
     AUVID_PARAMETER_OTHER = 0,      /**< unspecified */
     AUVID_PARAMETER_MASS,           /**< rigid body and added mass [kg]: above the dry mass */
-    AUVID_PARAMETER_INERTIA,        /**< rigid body and added inertia: positive */
+    AUVID_PARAMETER_INERTIA,        /**< rigid body and added inertia [kg m2]: positive */
     AUVID_PARAMETER_LINEAR_DRAG,    /**< negative if it dissipates */
     AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative if it dissipates */
     AUVID_PARAMETER_FORCE           /**< constant force or moment, W-B: identifiable if its standard
@@ -82,7 +82,7 @@ typedef struct {
 
     /** Writes nu_dot[] of the modelled DoF from the sample's phi, theta, nu, tau and command.
      * nu_dot[] is zero-initialised. It is not finite in a DoF without solution for pi (a mass not
-     * > 0). Returns false if no DoF has a solution. NULL if the model has no simulation. */
+     * > 0). Returns false if no DoF has a solution. NULL if not provided. */
     bool (*acceleration)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                          auvid_real_t nu_dot[AUVID_DOF_COUNT]);
 
@@ -110,17 +110,17 @@ typedef struct {
  * velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 
-/** Returns the DoF whose equations read a velocity that is not measured: bit j for DoF j.
- * @param missing bit i: nu[i] is not measured
- * The arguments are not checked. Cost: O(1). */
+/** Returns the DoF whose equations read a velocity that is not measured: bit j for DoF j. The
+ * arguments are not checked. Cost: O(1).
+ * @param missing bit i: nu[i] is not measured */
 uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing);
 
 #define auvid_vehicle_residual AUVID_SIZED1(auvid_vehicle_residual, AUVID_MAX_COMMANDS)
-/** Computes predicted minus applied wrench (Eq. 2, Eq. 11) with the regressor or the residual.
+/** Computes predicted minus applied wrench (Eq. 2, Eq. 11) with the regressor or the residual. For
+ * inner loops: the arguments are not checked. Cost: one call of the model.
  * @param sample motion and applied wrench
  * @param pi [n] parameters
- * @param residual out, [6] N, Nm; 0 in DoF that are not modelled
- * The arguments are not checked, because this is for inner loops. Cost: one call of the model. */
+ * @param residual out, [6] N, Nm; 0 in DoF that are not modelled */
 void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t *sample,
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT]);
 
