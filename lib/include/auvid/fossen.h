@@ -24,13 +24,13 @@
  * AUVID_MAX_FACTOR must be at least AUVID_FOSSEN_FACTOR, and AUVID_MAX_COLUMNS at least
  * AUVID_FOSSEN_COLUMNS. An unused model is not linked.
  *
- * With p = q = 0, no couplings in M and the weight below the buoyancy, the equations of surge,
- * sway, heave and yaw are those of Girona500 (vehicle.h).
+ * With p = q = 0, no couplings in M, and the centre of gravity vertically below the centre of
+ * buoyancy, the equations of surge, sway, heave and yaw are those of Girona500 (vehicle.h).
  *
  * The regressor costs 400 instructions of a Cortex-M4F (Girona500's 210), 470 with the couplings,
  * and 64 bytes of stack. The code of the model takes 1.6 KiB. The acceleration is not finite in a
- * degree of freedom without positive mass. Neither is it in two degrees of freedom if their
- * coupling makes M not positive definite.
+ * degree of freedom without positive mass. Nor is it finite in two degrees of freedom
+ * whose coupling makes M not positive definite.
  *
  * Signs are the paper's (types.h): a drag that dissipates is negative. Much of the literature
  * prints the same numbers as positive.
