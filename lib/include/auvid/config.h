@@ -75,8 +75,9 @@
 #endif
 
 /** Columns of all equations together: the sum of c + 3 over the degrees of freedom (three columns
- * are for the wrench). Girona500 with biases needs 39. A model without regressor needs 33 plus three for
- * each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with AUVID_REGRESSOR_ONLY. */
+ * are for the wrench). Girona500 with biases needs 39. A model without regressor needs 33 plus
+ * three for each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with
+ * AUVID_REGRESSOR_ONLY. */
 #ifndef AUVID_MAX_COLUMNS
 #if AUVID_REGRESSOR_ONLY
 #define AUVID_MAX_COLUMNS 39

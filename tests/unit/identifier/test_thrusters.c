@@ -384,7 +384,7 @@ static int16_t short_log[MANY * SHORT_SLOTS];
 static uint32_t rows_worked;
 
 static void counting_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                     auvid_real_t *e)
+                              auvid_real_t *e)
 {
     (void)context;
     ++rows_worked;
