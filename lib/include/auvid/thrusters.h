@@ -42,9 +42,10 @@
  * - Of a row of 0.5 s for one candidate: 6.6k for one thruster, 18k for five; half of that with
  *   slots of 40 ms. Most of it follows the lag from three times `lag_max_s` before the row.
  * - Work: auvid_identifier_work accounts for the full cost (vehicle.work) and computes a row in one
- *   piece. If a row costs more than the budget of a tick, auvid adds up the budgets of several
- *   ticks, and the last tick exceeds its own. With eight thrusters, a lag up to 2 s and slots of 1
- *   ms, a row is 4500 units at once, a million instructions; with slots of 20 ms it is 230 units.
+ *   piece. If a row costs more than a tick's budget, auvid adds up the budgets of several ticks.
+ *   The last of them then takes longer than its budget. With eight thrusters, a lag up to 2 s and
+ *   slots of 1 ms, a row is 4500 units at once, a million instructions; with slots of 20 ms it is
+ *   230 units.
  * - Of a search: about 340 evaluations for the six parameters of one axis, 1150 for a Girona500 and
  *   its thrusters. At AUVID_DEFAULT_BUDGET a search takes much longer than a set.
  *

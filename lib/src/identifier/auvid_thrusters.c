@@ -224,8 +224,8 @@ static void thrusters_listen(void *context, uint64_t t_us, const auvid_real_t *c
     auvid_thrusters_command(context, t_us, command);
 }
 
-/* Drops the sets that the log will lose before the next set is complete, because idle sets or gaps
- * filled it, and the sets lost in a restart. */
+/* Drops the sets that the log lost in a restart, and those that it will lose before the next set is
+ * complete, because idle sets or gaps filled it. */
 static void thrusters_drop_lost_sets(void *context, auvid_metric_t *metric)
 {
     const auvid_thrusters_t *th = context;
