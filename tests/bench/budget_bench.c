@@ -1,6 +1,7 @@
 /*
- * How long a result takes for how many units of work a tick: ticks of 20 ms from the end of a set's
- * recording until nothing is left to do, the simulated Girona500 under a disturbance of 1 N.
+ * Measures the time to a result for different budgets [units of work per tick]. It counts ticks of
+ * 20 ms from the end of a set's recording until the work is complete, with the simulated Girona500
+ * under a disturbance of 1 N.
  *
  *     budget_bench [seeds]             default 10
  */
@@ -9,7 +10,7 @@
 
 #include "chain.h"
 
-enum { MOST = 10000000 };
+enum { MAX_CALLS = 10000000 };
 
 static const uint32_t budgets[] = {1, 2, 5, 10, 20, 50, 100, AUVID_DEFAULT_BUDGET, 500, 1000};
 enum { BUDGETS = sizeof budgets / sizeof budgets[0] };
@@ -20,7 +21,7 @@ int main(int argc, char **argv)
 {
     uint64_t seeds = argc > 1 ? strtoul(argv[1], NULL, 10) : 10;
     static const uint32_t sets[] = {1, 8};
-    double mean[2][BUDGETS] = {{0}}, most[2][BUDGETS] = {{0}};
+    double mean[2][BUDGETS] = {{0}}, longest[2][BUDGETS] = {{0}};
     for (int k = 0; k < 2; ++k) {
         for (uint64_t seed = 1; seed <= seeds; ++seed) {
             chain_config_t config;
@@ -31,18 +32,18 @@ int main(int argc, char **argv)
             }
             for (int b = 0; b < BUDGETS; ++b) {
                 chain = recorded;
-                double s = 0.02 * chain_finish(&chain, budgets[b], MOST);
+                double s = 0.02 * chain_finish(&chain, budgets[b], MAX_CALLS);
                 mean[k][b] += s / (double)seeds;
-                most[k][b] = s > most[k][b] ? s : most[k][b];
+                longest[k][b] = s > longest[k][b] ? s : longest[k][b];
             }
         }
     }
-    printf("%u seeds; time to a result [s], mean / most\n%14s %20s %20s\n", (unsigned)seeds,
+    printf("%u seeds; time to a result [s], mean / longest\n%14s %20s %20s\n", (unsigned)seeds,
            "units a tick", "one set", "eight sets");
     for (int b = 0; b < BUDGETS; ++b) {
         printf("%14u", (unsigned)budgets[b]);
         for (int k = 0; k < 2; ++k) {
-            printf(" %10.1f / %7.1f", mean[k][b], most[k][b]);
+            printf(" %10.1f / %7.1f", mean[k][b], longest[k][b]);
         }
         printf("\n");
     }

@@ -1,10 +1,11 @@
 /*
- * How many evaluations an identification takes, and whether it always gets there.
+ * Measures the number of evaluations of an identification and its success rate.
  *
- *     optimizer_bench [seeds]          default 200; every seed is another recorded problem
+ *     optimizer_bench [seeds]          default 200; each seed is another recorded problem
  *
  * Success: excess cost <= 1e-3 of the residual, and every parameter within 1 % of the least-squares
- * optimum computed in double. The interval of a share of 100 % of N seeds is [1 - 3/N, 1] at 95 %.
+ * optimum computed in double. If all N seeds succeed, the 95 % interval of the rate is [1 - 3/N,
+ * 1].
  */
 #include <math.h>
 #include <stdio.h>
@@ -18,9 +19,9 @@ typedef struct {
     const char *name;
     uint16_t population;
     auvid_real_t omega;
-    bool column; /* scale by the inverse norms of the columns, else by the box */
+    bool column; /* scale by the inverse norms of the columns, else by the bounds */
     bool literal;
-    int point; /* 0 none, 1 within 30 % of the optimum, -1 a corner of the box */
+    int point; /* 0 none, 1 within 30 % of the optimum, -1 a corner of the bounds */
 } row_t;
 
 static const row_t rows[] = {
@@ -46,7 +47,7 @@ static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_pr
     c->crs.population = row->population;
     c->crs.omega = row->omega;
     c->crs.seed = seed + 1u;
-    if (row->omega > 0) { /* this one converges by itself: let it */
+    if (row->omega > 0) { /* this one converges by its own criterion */
         c->crs.epsilon = AUVID_C(1e-6);
         c->crs.max_evaluations = 150u * row->population;
     }
@@ -63,7 +64,7 @@ static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_pr
 
 static auvid_optimizer_t optimizer;
 
-/* @return most consecutive rejections */
+/* Returns the largest number of consecutive rejections. */
 static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
 {
     auvid_optimizer_config_t config;
@@ -155,7 +156,7 @@ int main(int argc, char **argv)
         }
         printf(" %9u %9.2f%%\n", (unsigned)rejections, 100.0 * worst);
     }
-    printf("* most consecutive rejections of any run. m 4n = 52, 10n = 130.\n");
+    printf("* largest number of consecutive rejections in a run. m 4n = 52, 10n = 130.\n");
     free(x);
     return 0;
 }

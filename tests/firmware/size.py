@@ -32,14 +32,14 @@ MODULES = {path.stem for path in HEADERS}
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's memory, the thrusters' log, and the driver's interrupt.
 POINTERS = {
-    r"vehicle->(regressor|residual)\(": r":g500_(?!acceleration)",
-    r"vehicle->acceleration\(": r":g500_acceleration",
+    r"vehicle->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
+    r"vehicle->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"id->adapt\(": r"auvid_adaptive\.c:adapt$",
     r"m->apply_prior\(": r"auvid_metric_prior\.c:recall$",
-    r"listener->command\(": r"auvid_thrusters\.c:listen$",
-    r"listener->set\(": r"auvid_thrusters\.c:forget$",
-    r"listener->lead_us\(": r"auvid_thrusters\.c:lead_us$",
+    r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
+    r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
+    r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }
 START = r"machine_\w+\.c:start$"

@@ -1,5 +1,5 @@
-// The smoother against least squares by QR in long double: orders, widths, derivatives and
-// positions in the window, coefficients one by one, and whole records.
+// Compares the smoother with least squares by QR in long double: orders, widths, derivatives and
+// positions in the window, single coefficients and whole records.
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -60,7 +60,7 @@ class Fit
     Matrix pseudo_inverse;
 };
 
-// Calls f(fit, half_width, order, derivative) for what the smoother accepts.
+// Calls f(fit, half_width, order, derivative) for all values that the smoother accepts.
 template <typename F> static void for_all(int least_order, F f)
 {
     for (int h : {1, 2, 3, 4, 5, 6, 7, 8, 10, 13, 17, 22, 25, 31, 37, 43, 49, 50, 100, 127}) {
@@ -88,7 +88,7 @@ static void test_each_coefficient_is_within_three_epsilon_of_itself()
                                   auvid_smoother_coefficients(uint8_t(h), uint8_t(p), uint8_t(d),
                                                               dt, int16_t(s), c.data()));
             Vector expected = fit.coefficients(s, d, Long(dt));
-            Long noise = 1e-17L * expected.cwiseAbs().maxCoeff(); // of the reference itself
+            Long noise = 1e-17L * expected.cwiseAbs().maxCoeff(); // rounding of the reference
             for (int k = 0; k < 2 * h + 1; ++k) {
                 Long error = std::fabs(Long(c[k]) - expected(k));
                 TEST_ASSERT_TRUE(error <= 3 * eps * std::fabs(expected(k)) + noise);
@@ -124,7 +124,7 @@ static void test_outputs_are_within_four_epsilon_edges_included()
         const int n = 3 * h + 20;
         std::vector<auvid_real_t> x(n), y;
         Long largest = 0;
-        for (int i = 0; i < n; ++i) { // half of the records: an offset that adds up
+        for (int i = 0; i < n; ++i) { // half of the records have a large offset
             state = state * 1664525u + 1013904223u;
             x[i] = auvid_real_t(state >> 8) / AUVID_C(8388608.0) -
                    (p % 2 == 0 ? AUVID_C(0.0) : AUVID_C(1.0));

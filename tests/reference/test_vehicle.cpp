@@ -1,6 +1,6 @@
-// Girona500's forward dynamics and kinematics against Fossen's matrices in double:
-// M nu' + C(nu) nu + D(nu) nu + g = tau, with M diagonal and C(nu) made of it by cross products
-// (Fossen 2011, 3.3), restricted to the four degrees of freedom that are modelled.
+// Compares Girona500's forward dynamics and kinematics with Fossen's matrices in double:
+// M nu' + C(nu) nu + D(nu) nu + g = tau. M is diagonal and C(nu) follows from it by cross products
+// (Fossen 2011, 3.3). Only the four modelled degrees of freedom are compared.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
@@ -20,7 +20,7 @@ static const int dofs[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
 
 static uint32_t seed = 1;
 
-// Uniform in +-size, rounded to what the library sees.
+// Uniform in +-size, rounded to auvid_real_t.
 static double draw(double size)
 {
     seed = seed * 1664525u + 1013904223u;
@@ -43,8 +43,8 @@ static Eigen::Matrix3d cross(const Eigen::Vector3d &a)
     return s;
 }
 
-// C = [0, -S(M11 v); -S(M11 v), -S(M22 omega)]; what roll and pitch inertia
-// do falls outside the model.
+// C = [0, -S(M11 v); -S(M11 v), -S(M22 omega)]. The model does not contain the effects of roll and
+// pitch inertia.
 static Matrix6 coriolis(const Vector6 &mass, const Vector6 &nu)
 {
     Eigen::Vector3d linear = mass.head<3>().cwiseProduct(nu.head<3>());
@@ -100,10 +100,10 @@ static State random_state()
     return s;
 }
 
-// Everything but M nu' and tau, and the sum of the terms' absolute values.
+// All terms except M nu' and tau, and the sum of the terms' absolute values.
 static Vector6 forces(const State &s, const Matrix6 &c, Vector6 *size)
 {
-    // restoring force of a vehicle that is W - B too heavy, as g(eta) on the left-hand side
+    // restoring force for the weight W - B, as g(eta) on the left-hand side
     Eigen::Matrix3d r = (Eigen::AngleAxisd(s.theta, Eigen::Vector3d::UnitY()) *
                          Eigen::AngleAxisd(s.phi, Eigen::Vector3d::UnitX()))
                             .toRotationMatrix();
@@ -168,7 +168,7 @@ static void test_decoupled_girona500_is_the_matrix_equation_without_c()
     compare(auvid_girona500_decoupled, false, false);
 }
 
-// nu' C(nu) nu = 0: the coupling terms do no work, with Fossen's w p (the printed w q does).
+// nu' C(nu) nu = 0: the coupling terms do no work with Fossen's w p; with the printed w q they do.
 static void test_coupling_does_no_work()
 {
     for (int trial = 0; trial < 500; ++trial) {
@@ -197,8 +197,8 @@ static Eigen::Matrix3d rotation(double phi, double theta, double psi)
         .toRotationMatrix();
 }
 
-// R' = R S(omega): with the Euler rates that the library gives, the derivative of R along them must
-// be that. dR/dangle by central differences.
+// The derivative of R along the library's Euler rates must be R S(omega). dR/dangle is computed by
+// central differences.
 static void test_euler_rates_turn_the_rotation_as_the_body_rates_do()
 {
     for (int trial = 0; trial < 2000; ++trial) {
@@ -224,7 +224,7 @@ static void test_euler_rates_turn_the_rotation_as_the_body_rates_do()
                       (rotation(up[0], up[1], up[2]) - rotation(down[0], down[1], down[2]));
         }
         Eigen::Matrix3d exact = r * cross(Eigen::Vector3d(nu[3], nu[4], nu[5]));
-        double steep = 1 / std::cos(angle[1]); // rates reach 4 of it
+        double steep = 1 / std::cos(angle[1]); // the rates reach 4 times this
         double allowed = 40 * eps * steep * steep + 1e-9 * steep;
         TEST_ASSERT_TRUE((turned - exact).cwiseAbs().maxCoeff() < allowed);
     }

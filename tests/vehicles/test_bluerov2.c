@@ -1,16 +1,16 @@
 /*
- * All of BlueROV2 Heavy at once: six degrees of freedom excited for twelve minutes under an
- * unmodelled force, through navigation, recorder, metric and search. Is what is called identifiable
- * right?
+ * BlueROV2 Heavy in six degrees of freedom, excited for twelve minutes under an unmodelled force,
+ * through navigation, recorder, metric and search. The parameters reported as identifiable must be
+ * correct.
  *
- * Right is an error of at most 5 % of the truth, or one that makes 1 % of the degree of freedom's
- * rms wrench (that over the rms of what the parameter multiplies), whichever is more. Three of the
- * 20 parameters are truly zero, the linear drags of sway, roll and yaw: nobody is to call these
- * identifiable, and their rms error must be as small. Not one may be wrong in any run; the long
- * form (AUVID_TEST_LONG) has 200.
+ * A parameter is correct if its error is at most 5 % of the truth, or if the error's force is at
+ * most 1 % of the rms wrench of its degree of freedom. (That force is the error times the rms of
+ * the parameter's column.) Three of the 20 parameters are truly zero: the linear drags of sway,
+ * roll and yaw. They must not be identifiable, and their rms errors have the same limit. No flag
+ * may be wrong in any run. The long form (AUVID_TEST_LONG) has 200 runs.
  *
- * The vehicle holds roll and pitch by itself, 8 Nm/rad against 1.3 Nm/rad of its own, so that some
- * newton-metres do not turn it over; what its thrusters do for it is in the wrench applied.
+ * The thrusters stabilise roll and pitch with 8 Nm/rad, in addition to the hull's 1.3 Nm/rad, so
+ * that small moments do not capsize the vehicle. The applied wrench contains this feedback.
  */
 #include <math.h>
 #include <stdio.h>
@@ -42,8 +42,8 @@ void tearDown(void)
 {
 }
 
-/* Roll and pitch swing in 2-3 s: their steps and sines are quicker than the plan's, and their
- * rows pass a shorter filter. */
+/* Roll and pitch oscillate with 2-3 s. So their steps and sines are faster than the plan's, and
+ * their rows have a shorter filter. */
 static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {40, 40, 35, 5, 6, 6};
@@ -53,7 +53,7 @@ static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
     world.disturbance_Nm = 0.08;
     sim_fossen_parameters(&world.fossen, truth);
     auvid_identifier_defaults(&cfg, vehicle);
-    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* this world is as told */
+    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* thrust, DVL and delay are exact */
     cfg.allocation = auvid_allocation_bluerov2_heavy;
     cfg.search.seed = seed;
     cfg.metric.set_rows = 2 * SET_S;
@@ -76,8 +76,8 @@ static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
     }
 }
 
-/* Keep account of the truth: wrench, what each parameter multiplies in its own equation, tilt. */
-static void look(const double *wrench)
+/* Records the true wrench, the column of each parameter in its own equation, and the tilt. */
+static void record_truth(const double *wrench)
 {
     auvid_sample_t s;
     auvid_regressor_t y;
@@ -98,8 +98,8 @@ static void look(const double *wrench)
     tilt = fmax(tilt, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
 }
 
-/* One tick: the wrench of the tick gone by, feedback of the thrusters, is applied from its
- * beginning. @return the forces of the next */
+/* Simulates one tick. The identifier receives the wrench of the previous tick, from the thrusters'
+ * feedback, with the time at which it began. Writes the forces of the next tick. */
 static void tick(const auvid_allocation_result_t *hover, double force[SIM_THRUSTERS])
 {
     sim_output_t seen;
@@ -107,7 +107,7 @@ static void tick(const auvid_allocation_result_t *hover, double force[SIM_THRUST
     auvid_output_t out;
     auvid_real_t wrench[AUVID_DOF_COUNT];
     sim_step(&sim, force, NULL, &seen);
-    look(seen.wrench);
+    record_truth(seen.wrench);
     chain_sense(&seen, 0, &in);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         wrench[j] = (auvid_real_t)seen.wrench[j];
@@ -157,14 +157,14 @@ static double allowed_error(int i)
     return fmax(0.05 * fabs(truth[i]), 0.01 * sqrt(wrench_2[j] / column_2[i]));
 }
 
-/* ---- what is called identifiable is right ---- */
+/* ---- correctness of the flags ---- */
 
 typedef struct {
-    double squares, allowed, worst; /* worst: of error over what is allowed */
+    double squares, allowed, worst; /* worst: largest error / allowed error */
     int identifiable, wrong, small;
 } score_t;
 
-static void note(score_t *score, int i)
+static void add_run(score_t *score, int i)
 {
     bool identifiable = (id.estimate.confidence.identifiable >> i & 1u) != 0;
     double allowed = allowed_error(i), error = fabs(error_of(i));
@@ -185,7 +185,7 @@ static void print(const score_t *score, int i, int runs)
            runs, score->small);
 }
 
-static void test_what_is_called_identifiable_is_right(void)
+static void test_identifiable_parameters_are_correct(void)
 {
     int runs = getenv("AUVID_TEST_LONG") != NULL ? 200 : 6, identifiable = 0, wrong = 0;
     score_t score[N];
@@ -196,7 +196,7 @@ static void test_what_is_called_identifiable_is_right(void)
         TEST_ASSERT_TRUE(tilt < 1.2);
         for (int i = 0; i < N; ++i) {
             if (AUVID_FOSSEN_FREE >> i & 1u) {
-                note(&score[i], i);
+                add_run(&score[i], i);
             }
         }
     }
@@ -213,10 +213,11 @@ static void test_what_is_called_identifiable_is_right(void)
     TEST_ASSERT_EQUAL_INT(0, wrong);
 }
 
-/* ---- the model of averages ---- */
+/* ---- the averaged model ---- */
 
-/* Same seeds, same motion: the difference is the model's alone. X_u is too large by 0.3 without. */
-static void test_averages_take_away_the_bias_of_linear_drag(void)
+/* Seeds and motion are the same: only the model differs. Without averages X_u is too large by 0.3.
+ * */
+static void test_averaging_removes_the_bias_of_linear_drag(void)
 {
     enum { RUNS = 2 };
     double plain = 0, averaged = 0;
@@ -234,7 +235,7 @@ static void test_averages_take_away_the_bias_of_linear_drag(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_what_is_called_identifiable_is_right);
-    RUN_TEST(test_averages_take_away_the_bias_of_linear_drag);
+    RUN_TEST(test_identifiable_parameters_are_correct);
+    RUN_TEST(test_averaging_removes_the_bias_of_linear_drag);
     return UNITY_END();
 }

@@ -1,11 +1,11 @@
 /*
- * Six degrees of freedom from 40 s of a log, in which roll and pitch hardly move: the search often
- * ends far from the optimum, now and then by its own criterion. Is each such result said not to
- * have converged, and no other?
+ * Six degrees of freedom from 40 s of a log with very small roll and pitch. The search often ends
+ * far from the optimum, sometimes by its own criterion. Each such result, and no other, must be
+ * reported as not converged.
  *
- * What proves a result far from the optimum is a point within the bounds of lower cost, found by
- * descent along one parameter at a time, in double. What proves that one is at the optimum is that
- * no seed finds a lower cost by more than a thousandth.
+ * A result is far from the optimum if coordinate descent in double finds a lower cost within the
+ * bounds. A result is at the optimum if no seed finds a cost that is lower by more than a
+ * thousandth.
  */
 #include <math.h>
 #include <stdio.h>
@@ -19,23 +19,23 @@
 #include "simulator.h"
 #include "unity.h"
 
-enum { N = AUVID_FOSSEN_COUNT, SECONDS = 40, TICKS_PER_S = 1000000 / SIM_TICK_US, MOST_SEEDS = 30 };
+enum { N = AUVID_FOSSEN_COUNT, SECONDS = 40, TICKS_PER_S = 1000000 / SIM_TICK_US, MAX_SEEDS = 30 };
 
-/* A sine, or a square wave, of the wrench in each DoF. */
+/* The wrench of a DoF: a sine or a square wave. */
 typedef struct {
     double amplitude, omega, phase, mean;
     bool square;
 } wave_t;
 
-/* A vehicle, what moves it, and the noise of its log. Inputs of the log are in `unit` newtons, and
- * parameters are looked for within +-bound. */
+/* A vehicle, its excitation, and the noise of its log. Inputs of the log are in `unit` newtons. The
+ * search bounds of all parameters are +-bound. */
 typedef struct {
     double centre_m, disturbance_N, disturbance_Nm, noise, bound;
     double unit[AUVID_DOF_COUNT];
     wave_t wave[AUVID_DOF_COUNT];
 } world_t;
 
-/* A hundredth of a newton-metre in roll; inputs are commands. */
+/* A hundredth of a newton-metre in roll; the inputs are commands. */
 static const world_t faint = {-0.0260,
                               0.128,
                               0.0106,
@@ -61,7 +61,7 @@ static const world_t weak = {-0.05,
                               {0.2, 1.7, 0.4, 0, false},
                               {3, 0.6, 2, 0, true}}};
 
-/* The same log where a command of one is 10 kN, and bounds that are no help. */
+/* The same log with 10 kN for a command of 1, and bounds so wide that they do not help. */
 static world_t unbounded(void)
 {
     world_t world = weak;
@@ -94,7 +94,7 @@ static double wrench_at(const world_t *world, int j, double t)
 static void configure(const world_t *world, uint64_t seed)
 {
     auvid_identifier_defaults(&cfg, &auvid_fossen);
-    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* the world is as told */
+    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* thrust, DVL and delay are exact */
     cfg.search.seed = seed;
     cfg.metric.set_rows = 20;
     cfg.metric.velocity_us = 100000;
@@ -109,7 +109,7 @@ static void configure(const world_t *world, uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }
 
-/* A row of the log every 0.1 s. */
+/* Records a row of the log every 0.1 s. */
 static void record(const world_t *world)
 {
     sim_config_t vehicle;
@@ -157,7 +157,8 @@ static void identify(const world_t *world, uint64_t seed)
 
 /* ---- the cost in double ---- */
 
-/* Row `channel` of the metric's cost, sum of row^2. @return there is one */
+/* Gets row i of DoF j of the metric's cost, the sum of squares of z - row x. Returns false if there
+ * is none. */
 static bool row_of(int j, int i, double row[N], double *z)
 {
     const auvid_metric_t *m = &id.metric;
@@ -189,7 +190,7 @@ static double cost_of(const double x[N])
     return sum;
 }
 
-/* Lower the cost along each parameter in turn, within the bounds. */
+/* Minimises the cost along each parameter in turn, within the bounds. */
 static void descend(double x[N], int sweeps)
 {
     static double a[N][N], b[N];
@@ -225,13 +226,13 @@ static void descend(double x[N], int sweeps)
 static const bool in_double = sizeof(auvid_real_t) == sizeof(double);
 
 typedef struct {
-    double cost, least; /* with what no parameters explain; after a descent */
-    bool by_itself;     /* the line search ended by its own criterion */
-    bool capped;
+    double cost, min_cost; /* with the constant part; after a descent */
+    bool by_criterion;     /* the line search ended by its own criterion */
+    bool not_converged;
     int flags;
 } result_t;
 
-static result_t result[MOST_SEEDS];
+static result_t result[MAX_SEEDS];
 
 static int run(const world_t *world, int seeds)
 {
@@ -244,10 +245,10 @@ static int run(const world_t *world, int seeds)
         }
         to->cost = cost_of(x) + (double)id.metric.constant;
         descend(x, 1000);
-        to->least = cost_of(x) + (double)id.metric.constant;
-        to->by_itself = id.estimate.evaluations_line <
-                        1000u * (unsigned)__builtin_popcount(id.estimate.identified);
-        to->capped = id.estimate.not_converged;
+        to->min_cost = cost_of(x) + (double)id.metric.constant;
+        to->by_criterion = id.estimate.evaluations_line <
+                           1000u * (unsigned)__builtin_popcount(id.estimate.identified);
+        to->not_converged = id.estimate.not_converged;
         to->flags = __builtin_popcount(id.estimate.confidence.identifiable);
     }
     return seeds;
@@ -255,48 +256,48 @@ static int run(const world_t *world, int seeds)
 
 static int seeds_to_run(void)
 {
-    return getenv("AUVID_TEST_LONG") != NULL ? MOST_SEEDS : 8;
+    return getenv("AUVID_TEST_LONG") != NULL ? MAX_SEEDS : 8;
 }
 
-/* @return how many of the results far from the optimum are there by the search's own criterion */
-static int assert_far_results_are_named(int seeds, const char *name)
+/* Returns the number of results far from the optimum whose search ended by its own criterion. */
+static int assert_far_results_are_reported(int seeds, const char *name)
 {
-    int far = 0, by_itself = 0;
+    int far = 0, by_criterion = 0;
     for (int k = 0; k < seeds; ++k) {
         const result_t *r = &result[k];
-        if (r->cost > 1.001 * r->least) {
+        if (r->cost > 1.001 * r->min_cost) {
             ++far;
-            by_itself += r->by_itself;
-            TEST_ASSERT_TRUE(r->capped);
+            by_criterion += r->by_criterion;
+            TEST_ASSERT_TRUE(r->not_converged);
             TEST_ASSERT_EQUAL_INT(0, r->flags);
         }
     }
     printf("%s: %d seeds, %d far from the optimum, %d of them by the search's own criterion\n",
-           name, seeds, far, by_itself);
+           name, seeds, far, by_criterion);
     TEST_ASSERT_TRUE(far > 0 || in_double);
-    return by_itself;
+    return by_criterion;
 }
 
 static void test_a_result_far_from_the_optimum_has_not_converged_and_has_no_flags(void)
 {
     const world_t world = unbounded();
-    (void)assert_far_results_are_named(run(&faint, seeds_to_run()), "faint roll");
-    (void)assert_far_results_are_named(run(&weak, seeds_to_run()), "weak roll and pitch");
-    int by_itself = assert_far_results_are_named(run(&world, seeds_to_run()), "wide bounds");
-    TEST_ASSERT_TRUE(by_itself > 0 || in_double); /* else this test would show nothing */
+    (void)assert_far_results_are_reported(run(&faint, seeds_to_run()), "faint roll");
+    (void)assert_far_results_are_reported(run(&weak, seeds_to_run()), "weak roll and pitch");
+    int by_criterion = assert_far_results_are_reported(run(&world, seeds_to_run()), "wide bounds");
+    TEST_ASSERT_TRUE(by_criterion > 0 || in_double); /* else this test would prove nothing */
 }
 
 static void test_a_result_at_the_optimum_has_converged(void)
 {
     int seeds = run(&weak, seeds_to_run()), at = 0;
-    double least = HUGE_VAL;
+    double min_cost = HUGE_VAL;
     for (int k = 0; k < seeds; ++k) {
-        least = fmin(least, result[k].least);
+        min_cost = fmin(min_cost, result[k].min_cost);
     }
     for (int k = 0; k < seeds; ++k) {
-        if (result[k].cost <= 1.0005 * least && result[k].by_itself) {
+        if (result[k].cost <= 1.0005 * min_cost && result[k].by_criterion) {
             ++at;
-            TEST_ASSERT_FALSE(result[k].capped);
+            TEST_ASSERT_FALSE(result[k].not_converged);
             TEST_ASSERT_TRUE(result[k].flags > 0);
         }
     }

@@ -1,10 +1,10 @@
-/* A hull in a current: the model, and what is identified with it in the world of `auvid demo`:
- * Girona500, DVL on the bottom, all four degrees of freedom excited for 8 sets of 30 s. Two nodes
- * hear the same frames: one has the hull's model (node 0, the regressor path), one the same in a
- * current (node 1).
+/* A hull in a current: the model, and its identification in the simulation of `auvid demo`. That is
+ * Girona500 with bottom lock, all four degrees of freedom excited for 8 sets of 30 s. Two nodes
+ * receive the same frames. Node 0 has the hull's model (regressor path), node 1 the same hull in a
+ * current.
  *
- * Long form (AUVID_TEST_LONG): 100 seeds each at 0, 1 and 3 N, a current of 0.3 m/s in a direction
- * of its own for each seed, and the same worlds without it. */
+ * Long form (AUVID_TEST_LONG): 100 seeds each at 0, 1 and 3 N, with a current of 0.3 m/s, in
+ * another direction for each seed, and without current. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ enum { SEEDS = 1, SEEDS_LONG = 2 };
 #else
 enum { SEEDS = 3, SEEDS_LONG = 100 };
 #endif
-enum { BUDGET = 1000 }; /* with less a search outlasts a set, and rows are dropped */
+enum { BUDGET = 1000 }; /* with less a search takes longer than a set, and rows are dropped */
 enum { N = 13, NORTH = AUVID_G500_COUNT, EAST, SETS = 8, SET_ROWS = 60, RESAMPLES = 2000 };
 #define CURRENT_M_S 0.3
 
@@ -34,9 +34,9 @@ static const auvid_estimate_t *estimate;
 
 void setUp(void)
 {
-    static const options_t as_told; /* no uncertainty of thrust and DVL */
+    static const options_t no_options; /* no uncertainty of thrust and DVL */
     memset(&config, 0, sizeof config);
-    config.options = &as_told;
+    config.options = &no_options;
     config.seed = 1;
     config.disturbance_N = 1.0;
     config.sets = SETS;
@@ -49,29 +49,30 @@ void tearDown(void)
 
 /* ---- the model ---- */
 
-static double any(sim_rng_t *rng, double most)
+static double draw(sim_rng_t *rng, double limit)
 {
-    return most * (2.0 * sim_rng_uniform(rng) - 1.0);
+    return limit * (2.0 * sim_rng_uniform(rng) - 1.0);
 }
 
-/* A sample in motion, and parameters with a current. */
-static void invent(sim_rng_t *rng, auvid_sample_t *sample, auvid_real_t pi[AUVID_MAX_PARAMETERS])
+/* Draws a sample in motion, and parameters with a current. */
+static void draw_sample(sim_rng_t *rng, auvid_sample_t *sample,
+                        auvid_real_t pi[AUVID_MAX_PARAMETERS])
 {
     memset(sample, 0, sizeof *sample);
-    sample->phi = (auvid_real_t)any(rng, 0.5);
-    sample->theta = (auvid_real_t)any(rng, 0.5);
-    sample->psi = (auvid_real_t)any(rng, 6.0);
+    sample->phi = (auvid_real_t)draw(rng, 0.5);
+    sample->theta = (auvid_real_t)draw(rng, 0.5);
+    sample->psi = (auvid_real_t)draw(rng, 6.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        sample->nu[j] = (auvid_real_t)any(rng, 0.8);
-        sample->nu_dot[j] = (auvid_real_t)any(rng, 0.5);
-        sample->tau[j] = (auvid_real_t)any(rng, 100.0);
+        sample->nu[j] = (auvid_real_t)draw(rng, 0.8);
+        sample->nu_dot[j] = (auvid_real_t)draw(rng, 0.5);
+        sample->tau[j] = (auvid_real_t)draw(rng, 100.0);
     }
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        pi[i] = i < AUVID_G500_COUNT ? auvid_girona500_paper[i] : (auvid_real_t)any(rng, 0.5);
+        pi[i] = i < AUVID_G500_COUNT ? auvid_girona500_paper[i] : (auvid_real_t)draw(rng, 0.5);
     }
 }
 
-/* c in body axes `h` seconds later, the attitude turned on with the sample's rates. */
+/* c in body axes `h` seconds later, when the sample's rates have changed the attitude. */
 static void turned(const auvid_sample_t *s, const auvid_real_t *c, double h, double body[3])
 {
     double euler[3] = {(double)s->phi, (double)s->theta, (double)s->psi}, r[3][3];
@@ -88,7 +89,7 @@ static void turned(const auvid_sample_t *s, const auvid_real_t *c, double h, dou
     }
 }
 
-static void test_the_residual_is_the_hulls_at_motion_through_the_water(void)
+static void test_the_residual_is_the_hulls_for_motion_through_the_water(void)
 {
     const double h = 1e-4;
     sim_rng_t rng;
@@ -98,7 +99,7 @@ static void test_the_residual_is_the_hulls_at_motion_through_the_water(void)
         auvid_real_t pi[AUVID_MAX_PARAMETERS], expected[AUVID_DOF_COUNT], e[AUVID_DOF_COUNT];
         auvid_sample_t sample, water;
         double now[3], before[3], after[3];
-        invent(&rng, &sample, pi);
+        draw_sample(&rng, &sample, pi);
         turned(&sample, pi + NORTH, 0, now);
         turned(&sample, pi + NORTH, -h, before);
         turned(&sample, pi + NORTH, h, after);
@@ -123,7 +124,7 @@ static void test_the_acceleration_leaves_no_residual(void)
     for (int trial = 0; trial < 200; ++trial) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS], nu_dot[AUVID_DOF_COUNT] = {0}, e[AUVID_DOF_COUNT];
         auvid_sample_t sample;
-        invent(&rng, &sample, pi);
+        draw_sample(&rng, &sample, pi);
         const auvid_vehicle_t *vehicle = &current.vehicle;
         TEST_ASSERT_TRUE(vehicle->acceleration(vehicle->context, &sample, pi, nu_dot));
         memcpy(sample.nu_dot, nu_dot, sizeof nu_dot);
@@ -134,14 +135,14 @@ static void test_the_acceleration_leaves_no_residual(void)
     }
 }
 
-static void test_still_water_is_the_hull_itself(void)
+static void test_in_still_water_the_model_equals_the_hull(void)
 {
     sim_rng_t rng;
     sim_rng_seed(&rng, 3, 0);
     for (int trial = 0; trial < 50; ++trial) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS], expected[AUVID_DOF_COUNT], e[AUVID_DOF_COUNT];
         auvid_sample_t sample;
-        invent(&rng, &sample, pi);
+        draw_sample(&rng, &sample, pi);
         pi[NORTH] = pi[EAST] = 0;
         auvid_vehicle_residual(&auvid_girona500, &sample, pi, expected);
         auvid_vehicle_residual(&current.vehicle, &sample, pi, e);
@@ -149,7 +150,7 @@ static void test_still_water_is_the_hull_itself(void)
     }
 }
 
-static void test_the_current_comes_after_the_hulls_parameters(void)
+static void test_the_components_of_the_current_follow_the_hulls_parameters(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, true));
     const auvid_vehicle_t *vehicle = &current.vehicle;
@@ -171,7 +172,7 @@ static void check_refused(auvid_status_t status, const auvid_vehicle_t *hull, bo
     TEST_ASSERT_EQUAL_MEMORY(&before, &current, sizeof before);
 }
 
-static void test_a_hull_that_does_not_fit_is_refused(void)
+static void test_an_unsuitable_hull_is_refused(void)
 {
     static const auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /* of surge */
     auvid_vehicle_t hull = auvid_girona500;
@@ -192,10 +193,10 @@ static void test_a_hull_that_does_not_fit_is_refused(void)
     hull.columns[AUVID_SURGE] = 7;
     check_refused(AUVID_ERR_MODEL, &hull, true); /* no heave */
     hull.regressor = NULL;
-    check_refused(AUVID_ERR_MODEL, &hull, false); /* no model at all */
+    check_refused(AUVID_ERR_MODEL, &hull, false); /* no DoF is modelled */
 }
 
-static void test_the_search_is_bounded_by_the_current_and_by_the_signs_of_the_hull(void)
+static void test_the_bounds_limit_the_current_and_the_signs_of_the_hulls_parameters(void)
 {
     auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -226,7 +227,7 @@ static void set_current(double m_s)
     config.current[1] = m_s * sin(direction);
 }
 
-/* config's world, and what its second node is configured like. */
+/* Starts config's world and makes the configuration of its second node. */
 static void begin(void)
 {
     TEST_ASSERT_TRUE(world_begin(&world, &config));
@@ -238,7 +239,8 @@ static void begin(void)
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
 }
 
-/* Until all sets are recorded and searched; node 0's filter is longer, so its sets end later. */
+/* Runs until all sets are recorded and searched. Node 0's filter is longer, so its sets end later.
+ * */
 static void finish(void)
 {
     TEST_ASSERT_TRUE(world_listen(&world, &cfg));
@@ -273,8 +275,8 @@ static double current_error(void)
                  (double)estimate->pi[EAST] - config.current[1]);
 }
 
-/* Squared errors of each seed: of the hull's model, and of that in a current (the second), in still
- * water and in a current; of the current itself [m2/s2]. */
+/* Squared errors of each seed, in still water [0] and in a current [1]: of the hull's model, of the
+ * model with current, and of the current itself [m2/s2]. */
 typedef struct {
     int n;
     double hull[2][SEEDS_LONG], both[2][SEEDS_LONG], current[2][SEEDS_LONG];
@@ -311,8 +313,9 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* A ratio of rms errors and its 95 % interval, by bootstrap over the seeds. @return the interval's
- * end that a claim must hold for: in the long form the upper one; the short form only refutes */
+/* Prints a ratio of rms errors and its 95 % interval, by bootstrap over the seeds. Returns the
+ * upper end of the interval in the long form. The short form can only refute, so it returns the
+ * lower end. */
 static double ratio(const char *what, const double *over, const double *under, int n)
 {
     static double sample[RESAMPLES];
@@ -334,7 +337,7 @@ static double ratio(const char *what, const double *over, const double *under, i
     return campaign_is_long() && n >= 50 ? high : low;
 }
 
-static void test_in_a_current_the_error_is_within_1_5_times_that_without(void)
+static void test_a_current_increases_the_error_by_less_than_1_5_times(void)
 {
     static campaign_t all;
     static const double disturbance[] = {1.0, 0.0, 3.0};
@@ -357,7 +360,7 @@ static void test_in_a_current_the_error_is_within_1_5_times_that_without(void)
     }
 }
 
-static void test_in_a_current_all_is_identifiable(void)
+static void test_in_a_current_all_parameters_are_identifiable(void)
 {
     set_current(CURRENT_M_S);
     begin();
@@ -370,8 +373,9 @@ static void test_in_a_current_all_is_identifiable(void)
     }
 }
 
-/* The search takes longer than a set, so that sets 4 to 6 are judged by an estimate of the first:
- * its noise is too uncertain for a verdict (here it would be wrong). */
+/* The search takes longer than a set, so only an estimate of the first set is available to test
+ * sets 4 to 6. Its noise is too uncertain for a change test, which would give a false alarm here.
+ * */
 static void test_an_estimate_of_few_sets_raises_no_alarm(void)
 {
     config.seed = 18;
@@ -380,8 +384,8 @@ static void test_an_estimate_of_few_sets_raises_no_alarm(void)
     TEST_ASSERT_TRUE(sqrt(square_error(1)) < 0.05);
 }
 
-/* Linear drag alone and biases free: X_u (u - c) - X_0. Only turning tells c from X_0. */
-static void identify_without_kink(bool turns)
+/* Only linear drag, and free biases: X_u (u - c) - X_0. Only turns separate c from X_0. */
+static void identify_linear_drag(bool turns)
 {
     const uint32_t quadratic = 1u << AUVID_G500_X_UU | 1u << AUVID_G500_Y_VV;
     set_current(CURRENT_M_S);
@@ -397,21 +401,21 @@ static void identify_without_kink(bool turns)
     finish();
 }
 
-static void test_a_vehicle_that_never_turns_cannot_tell_a_current_from_a_constant_force(void)
+static void test_without_turns_a_current_and_a_constant_force_are_not_separable(void)
 {
-    identify_without_kink(false);
-    const auvid_confidence_t *sure = &estimate->confidence;
-    TEST_ASSERT_EQUAL_HEX32(0, sure->identifiable >> AUVID_G500_COUNT);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, sure->note[NORTH]);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, sure->note[EAST]);
-    TEST_ASSERT_EQUAL(AUVID_G500_X_0, sure->partner[NORTH]);
-    TEST_ASSERT_EQUAL(AUVID_G500_Y_0, sure->partner[EAST]);
-    TEST_ASSERT_TRUE(sure->identifiable >> AUVID_G500_M_U & 1u);
+    identify_linear_drag(false);
+    const auvid_confidence_t *confidence = &estimate->confidence;
+    TEST_ASSERT_EQUAL_HEX32(0, confidence->identifiable >> AUVID_G500_COUNT);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, confidence->note[NORTH]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, confidence->note[EAST]);
+    TEST_ASSERT_EQUAL(AUVID_G500_X_0, confidence->partner[NORTH]);
+    TEST_ASSERT_EQUAL(AUVID_G500_Y_0, confidence->partner[EAST]);
+    TEST_ASSERT_TRUE(confidence->identifiable >> AUVID_G500_M_U & 1u);
 }
 
-static void test_one_that_turns_tells_it(void)
+static void test_with_turns_the_current_is_identifiable(void)
 {
-    identify_without_kink(true);
+    identify_linear_drag(true);
     TEST_ASSERT_EQUAL_HEX32(3, estimate->confidence.identifiable >> AUVID_G500_COUNT);
     TEST_ASSERT_TRUE(current_error() < 0.005);
 }
@@ -419,16 +423,16 @@ static void test_one_that_turns_tells_it(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_residual_is_the_hulls_at_motion_through_the_water);
+    RUN_TEST(test_the_residual_is_the_hulls_for_motion_through_the_water);
     RUN_TEST(test_the_acceleration_leaves_no_residual);
-    RUN_TEST(test_still_water_is_the_hull_itself);
-    RUN_TEST(test_the_current_comes_after_the_hulls_parameters);
-    RUN_TEST(test_a_hull_that_does_not_fit_is_refused);
-    RUN_TEST(test_the_search_is_bounded_by_the_current_and_by_the_signs_of_the_hull);
-    RUN_TEST(test_in_a_current_the_error_is_within_1_5_times_that_without);
-    RUN_TEST(test_in_a_current_all_is_identifiable);
+    RUN_TEST(test_in_still_water_the_model_equals_the_hull);
+    RUN_TEST(test_the_components_of_the_current_follow_the_hulls_parameters);
+    RUN_TEST(test_an_unsuitable_hull_is_refused);
+    RUN_TEST(test_the_bounds_limit_the_current_and_the_signs_of_the_hulls_parameters);
+    RUN_TEST(test_a_current_increases_the_error_by_less_than_1_5_times);
+    RUN_TEST(test_in_a_current_all_parameters_are_identifiable);
     RUN_TEST(test_an_estimate_of_few_sets_raises_no_alarm);
-    RUN_TEST(test_a_vehicle_that_never_turns_cannot_tell_a_current_from_a_constant_force);
-    RUN_TEST(test_one_that_turns_tells_it);
+    RUN_TEST(test_without_turns_a_current_and_a_constant_force_are_not_separable);
+    RUN_TEST(test_with_turns_the_current_is_identifiable);
     return UNITY_END();
 }

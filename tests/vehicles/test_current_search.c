@@ -1,6 +1,7 @@
-/* Does the search find the optimum of a hull in a current? 15 parameters and the delay, not linear.
- * The oracle: the same cost over the stored rows (metric.h), computed again in double from Eq.
- * 12-15 in moving water, and Levenberg-Marquardt from many starts, with the delay as found. */
+/* Tests that the search finds the optimum of a hull in a current: 15 parameters and the delay, not
+ * linear. The oracle computes the same cost over the stored rows (metric.h) in double, from Eq.
+ * 12-15 in moving water. It minimises it by Levenberg-Marquardt from many starts, at the delay
+ * found. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +15,7 @@
 #include "world.h"
 
 enum { SETS = 8, SET_ROWS = 60, HULL = 13, N = HULL + 2, NORTH = AUVID_G500_COUNT, DOFS = 4 };
-enum { BUDGET = 1000 }; /* with less a search outlasts a set, and rows are dropped */
+enum { BUDGET = 1000 }; /* with less a search takes longer than a set, and rows are dropped */
 enum { ROWS = SETS * SET_ROWS, TERMS = DOFS * ROWS, STARTS = 8 };
 
 static auvid_row_t store[(SETS + 1) * SET_ROWS];
@@ -22,7 +23,7 @@ static auvid_current_t current;
 static world_t world;
 static const auvid_identifier_t *id;
 
-/* What the oracle is made of. */
+/* The oracle's data. */
 static double motion[ROWS][3 + 6 + 6]; /* attitude, nu, nu_dot */
 static double tau[ROWS][DOFS];
 static uint64_t t_us[ROWS];
@@ -62,7 +63,8 @@ static void identify(uint64_t seed, const double c[2])
     TEST_ASSERT_FALSE(id->estimate.not_converged);
 }
 
-/* The stored rows, oldest first, their wrench at the delay: the parabola through the three. */
+/* Copies the stored rows, oldest first, with their wrench at the delay (a parabola through three).
+ * */
 static void take_rows(void)
 {
     static const int dof[DOFS] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
@@ -90,7 +92,7 @@ static void take_rows(void)
     }
 }
 
-/* Eq. 12-15 with velocity and acceleration through the water, less the wrench. */
+/* Eq. 12-15 with velocity and acceleration through the water, minus the wrench. */
 static void residual(int k, const double *p, double e[DOFS])
 {
     const double *angle = motion[k], *nu = motion[k] + 3, *nu_dot = motion[k] + 9;
@@ -116,11 +118,11 @@ static void residual(int k, const double *p, double e[DOFS])
     }
 }
 
-/* The cost's terms: residuals smoothed by binomial weights over 7 rows, as far as rows follow each
- * other. @return J */
+/* Computes the cost's terms: residuals smoothed by binomial weights over 7 rows, within each
+ * sequence of consecutive rows. Returns J. */
 static double cost(const double *p, double *terms)
 {
-    static const double share[7] = {1, 6, 15, 20, 15, 6, 1}, scale[DOFS] = {100, 100, 100, 40};
+    static const double binomial[7] = {1, 6, 15, 20, 15, 6, 1}, scale[DOFS] = {100, 100, 100, 40};
     static double e[ROWS][DOFS];
     double sum = 0.0;
     int run = 0;
@@ -131,7 +133,7 @@ static double cost(const double *p, double *terms)
         for (int j = 0; j < DOFS; ++j) {
             double smooth = 0.0;
             for (int i = 0; i < 7 && run >= 7; ++i) {
-                smooth += share[i] / 64.0 * e[k - i][j];
+                smooth += binomial[i] / 64.0 * e[k - i][j];
             }
             terms[DOFS * k + j] = smooth / (scale[j] * sqrt((double)rows));
             sum += terms[DOFS * k + j] * terms[DOFS * k + j];
@@ -140,7 +142,7 @@ static double cost(const double *p, double *terms)
     return sum;
 }
 
-/* a x = b, a symmetric positive, destroyed; x in b (Cholesky). */
+/* Solves a x = b by Cholesky, a symmetric positive. Overwrites a; b is x on return. */
 static void solve(double a[N][N], double b[N])
 {
     for (int i = 0; i < N; ++i) {
@@ -166,7 +168,7 @@ static void solve(double a[N][N], double b[N])
     }
 }
 
-/* Levenberg-Marquardt from p, inside the bounds of the signs. @return J */
+/* Minimises from p by Levenberg-Marquardt, within the bounds of the signs. Returns J. */
 static double optimise(double *p)
 {
     double damping = 1e-3, best = cost(p, term);
@@ -215,7 +217,7 @@ static double optimise(double *p)
     return best;
 }
 
-/* The best of many starts: masses 0.3 to 2 times the truth, drags likewise, c up to 1 m/s. */
+/* Returns the best of many starts: masses and drags 0.3 to 2 times the truth, c up to 1 m/s. */
 static double oracle(uint64_t seed, double *best_p, int *reached)
 {
     double best = INFINITY, all[STARTS];
@@ -241,7 +243,7 @@ static double oracle(uint64_t seed, double *best_p, int *reached)
     return best;
 }
 
-static void test_the_search_finds_what_levenberg_marquardt_finds_from_the_best_of_many_starts(void)
+static void test_the_search_finds_the_optimum_of_levenberg_marquardt_from_many_starts(void)
 {
     int seeds = campaign_is_long() ? 20 : 2;
     for (uint64_t seed = 1; seed <= (uint64_t)seeds; ++seed) {
@@ -269,6 +271,6 @@ static void test_the_search_finds_what_levenberg_marquardt_finds_from_the_best_o
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_search_finds_what_levenberg_marquardt_finds_from_the_best_of_many_starts);
+    RUN_TEST(test_the_search_finds_the_optimum_of_levenberg_marquardt_from_many_starts);
     return UNITY_END();
 }

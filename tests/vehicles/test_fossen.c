@@ -1,6 +1,6 @@
 /*
- * The 6-DoF model's contract: names, masks, sizes, which subsets can be free and which are
- * resolvable, where there is no acceleration. Against the textbook: test_fossen_reference.cpp.
+ * The contract of the 6-DoF model: names, masks, sizes, free and identifiable subsets, and singular
+ * accelerations. test_fossen_reference.cpp compares it with the textbook.
  */
 #include <math.h>
 #include <stdio.h>
@@ -68,8 +68,8 @@ static void test_the_model_is_valid(void)
     TEST_ASSERT_EQUAL_UINT8(32, auvid_fossen.parameters);
 }
 
-/* Nobody is to take a sum for one of its parts. */
-static void test_names_say_which_sums_are_meant(void)
+/* A name must not suggest that a sum is one of its terms. */
+static void test_names_show_the_terms_of_the_sums(void)
 {
     static const char *const sums[] = {"m-X_udot",  "m-Y_vdot",  "m-Z_wdot", "Ix-K_pdot",
                                        "Iy-M_qdot", "Iz-N_rdot", "W-B",      "xgW-xbB",
@@ -86,8 +86,8 @@ static void test_names_say_which_sums_are_meant(void)
     }
 }
 
-/* Unit of a term of DoF j's equation: parameter times what it multiplies. */
-static void test_units_and_kinds_go_with_the_degree_of_freedom(void)
+/* The unit of a parameter follows from its column and the DoF of its equation. */
+static void test_units_and_kinds_match_the_degree_of_freedom(void)
 {
     static const char *const unit[2][4] = {{"kg", "N s/m", "N s2/m2", "N"},
                                            {"kg m2", "Nm s", "Nm s2", "Nm"}};
@@ -107,7 +107,7 @@ static void test_units_and_kinds_go_with_the_degree_of_freedom(void)
     }
 }
 
-static void test_what_an_equation_does_not_read_may_be_anything(void)
+static void test_an_equation_does_not_depend_on_velocities_that_it_does_not_read(void)
 {
     for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
         auvid_sample_t s = random_motion();
@@ -125,7 +125,7 @@ static void test_what_an_equation_does_not_read_may_be_anything(void)
     }
 }
 
-static void test_masks_name_exactly_the_columns_that_motion_fills(void)
+static void test_masks_contain_exactly_the_columns_that_are_not_zero(void)
 {
     uint32_t filled[AUVID_DOF_COUNT] = {0};
     for (int trial = 0; trial < 20; ++trial) {
@@ -181,14 +181,14 @@ static void test_any_subset_may_be_free(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
 }
 
-/* Smallest part of a free column that lies outside the span of those before it, over `motions` of
- * which roll and pitch angles are up to `tilt`. */
-static double least_independent(uint32_t free, auvid_real_t tilt)
+/* Returns the smallest relative part of a free column outside the span of the columns before it,
+ * over `motions` with roll and pitch up to `tilt`. */
+static double min_independent_part(uint32_t free, auvid_real_t tilt)
 {
-    static auvid_real_t triangle[AUVID_QR_FACTOR(N)];
-    double least = 1.0;
+    static auvid_real_t factor[AUVID_QR_FACTOR(N)];
+    double smallest = 1.0;
     int n = bits(free);
-    memset(triangle, 0, sizeof triangle);
+    memset(factor, 0, sizeof factor);
     for (int trial = 0; trial < 500; ++trial) {
         auvid_sample_t s = random_motion();
         s.phi = draw(tilt);
@@ -202,39 +202,39 @@ static double least_independent(uint32_t free, auvid_real_t tilt)
                     row[k++] = y.row[j][i];
                 }
             }
-            auvid_qr_update(triangle, n, 0, row);
+            auvid_qr_update(factor, n, 0, row);
         }
     }
     for (int i = 0; i < n; ++i) {
-        auvid_real_t pivot = triangle[auvid_qr_row(n, i)];
-        least = fmin(least, fabs((double)(pivot / auvid_qr_column_norm(triangle, n, i))));
+        auvid_real_t pivot = factor[auvid_qr_row(n, i)];
+        smallest = fmin(smallest, fabs((double)(pivot / auvid_qr_column_norm(factor, n, i))));
     }
-    return least;
+    return smallest;
 }
 
-static void test_motion_resolves_the_parameters_that_are_free_by_default(void)
+static void test_motion_determines_the_parameters_that_are_free_by_default(void)
 {
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE, AUVID_C(0.1)) > 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE, AUVID_C(0.1)) > 0.1);
 }
 
-static void test_motion_resolves_the_couplings_too(void)
+static void test_motion_determines_the_couplings(void)
 {
     uint32_t couplings = 0xFu << AUVID_FOSSEN_M_UQ, centres = 3u << AUVID_FOSSEN_X_G;
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | couplings | centres, AUVID_C(0.1)) >
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | couplings | centres, AUVID_C(0.1)) >
                      0.1);
 }
 
-/* As the header says: cos(theta) cos(phi) is 1 to 0.5 % of tilts up to 0.1 rad. */
-static void test_constants_and_what_weight_does_are_hardly_told_apart(void)
+/* As the header states: for tilts up to 0.1 rad, cos(theta) cos(phi) is 1 within 0.5 %. */
+static void test_constant_forces_and_weight_are_almost_indistinguishable(void)
 {
     uint32_t z_0 = 1u << AUVID_FOSSEN_Z_0, n_0 = 1u << AUVID_FOSSEN_N_0;
     uint32_t k_0 = 1u << AUVID_FOSSEN_K_0, y_g = 1u << AUVID_FOSSEN_Y_G;
     uint32_t m_0 = 1u << AUVID_FOSSEN_M_0, x_g = 1u << AUVID_FOSSEN_X_G;
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | n_0, AUVID_C(0.1)) > 0.1);
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | k_0 | m_0, AUVID_C(0.1)) > 0.1);
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | z_0, AUVID_C(0.1)) < 0.1);
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | k_0 | y_g, AUVID_C(0.1)) < 0.1);
-    TEST_ASSERT_TRUE(least_independent(AUVID_FOSSEN_FREE | m_0 | x_g, AUVID_C(0.1)) < 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | n_0, AUVID_C(0.1)) > 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | k_0 | m_0, AUVID_C(0.1)) > 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | z_0, AUVID_C(0.1)) < 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | k_0 | y_g, AUVID_C(0.1)) < 0.1);
+    TEST_ASSERT_TRUE(min_independent_part(AUVID_FOSSEN_FREE | m_0 | x_g, AUVID_C(0.1)) < 0.1);
 }
 
 /* ---- forward dynamics ---- */
@@ -251,7 +251,7 @@ static uint32_t finite_dofs(bool *any)
     return finite;
 }
 
-static void test_no_mass_no_acceleration_in_that_degree_of_freedom_alone(void)
+static void test_without_mass_only_that_degree_of_freedom_has_no_acceleration(void)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         static const auvid_real_t none[3] = {AUVID_C(0.0), AUVID_C(-1.0), AUVID_C(-1e-30)};
@@ -265,7 +265,7 @@ static void test_no_mass_no_acceleration_in_that_degree_of_freedom_alone(void)
     }
 }
 
-static void test_without_any_mass_it_says_so(void)
+static void test_without_any_mass_acceleration_returns_false(void)
 {
     bool any = true;
     memset(pi, 0, sizeof pi);
@@ -274,7 +274,7 @@ static void test_without_any_mass_it_says_so(void)
 }
 
 /* m_u m_q = m_uq^2: M is singular with all its masses positive. */
-static void test_where_M_is_not_positive_what_it_couples_has_no_acceleration(void)
+static void test_if_M_is_not_positive_the_coupled_dofs_have_no_acceleration(void)
 {
     static const int coupling[4] = {AUVID_FOSSEN_M_UQ, AUVID_FOSSEN_M_VP, AUVID_FOSSEN_M_VR,
                                     AUVID_FOSSEN_M_WQ};
@@ -318,18 +318,18 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_model_is_valid);
-    RUN_TEST(test_names_say_which_sums_are_meant);
-    RUN_TEST(test_units_and_kinds_go_with_the_degree_of_freedom);
-    RUN_TEST(test_what_an_equation_does_not_read_may_be_anything);
-    RUN_TEST(test_masks_name_exactly_the_columns_that_motion_fills);
+    RUN_TEST(test_names_show_the_terms_of_the_sums);
+    RUN_TEST(test_units_and_kinds_match_the_degree_of_freedom);
+    RUN_TEST(test_an_equation_does_not_depend_on_velocities_that_it_does_not_read);
+    RUN_TEST(test_masks_contain_exactly_the_columns_that_are_not_zero);
     RUN_TEST(test_the_sizes_in_the_header_are_those_of_the_free_parameters);
     RUN_TEST(test_any_subset_may_be_free);
-    RUN_TEST(test_motion_resolves_the_parameters_that_are_free_by_default);
-    RUN_TEST(test_motion_resolves_the_couplings_too);
-    RUN_TEST(test_constants_and_what_weight_does_are_hardly_told_apart);
-    RUN_TEST(test_no_mass_no_acceleration_in_that_degree_of_freedom_alone);
-    RUN_TEST(test_without_any_mass_it_says_so);
-    RUN_TEST(test_where_M_is_not_positive_what_it_couples_has_no_acceleration);
+    RUN_TEST(test_motion_determines_the_parameters_that_are_free_by_default);
+    RUN_TEST(test_motion_determines_the_couplings);
+    RUN_TEST(test_constant_forces_and_weight_are_almost_indistinguishable);
+    RUN_TEST(test_without_mass_only_that_degree_of_freedom_has_no_acceleration);
+    RUN_TEST(test_without_any_mass_acceleration_returns_false);
+    RUN_TEST(test_if_M_is_not_positive_the_coupled_dofs_have_no_acceleration);
     RUN_TEST(test_bluerov2_has_the_published_numbers);
     return UNITY_END();
 }

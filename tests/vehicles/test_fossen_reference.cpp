@@ -1,7 +1,7 @@
-// The 6-DoF model against the textbook in double: 6 x 6 matrices from mass, inertia, added mass,
-// weight, buoyancy and their centres; C(nu) by cross products of M nu (Fossen 2011, Eq. 3.46);
-// restoring forces as moments of two forces. Nothing here knows of the parameters' sums but
-// parameters_of().
+// Compares the 6-DoF model with the textbook in double. The 6 x 6 matrices follow from mass,
+// inertia, added mass, weight, buoyancy and their centres. C(nu) follows from cross products of
+// M nu (Fossen 2011, Eq. 3.46), and restoring moments follow from the two forces. Only
+// parameters_of() uses the parameters' sums.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
@@ -21,7 +21,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 static const double eps = double(AUVID_EPSILON);
-// Of the sum of the terms' absolute values: some ten products and sums, each with half an eps.
+// Relative to the sum of the terms' absolute values: ten products and sums, each with half an eps.
 static const double bound = 4 * eps; // 4.8e-7 in float32
 
 static uint32_t seed;
@@ -35,7 +35,7 @@ void tearDown()
 {
 }
 
-// Uniform in +-size, rounded to what the library sees.
+// Uniform in +-size, rounded to auvid_real_t.
 static double draw(double size)
 {
     seed = seed * 1664525u + 1013904223u;
@@ -49,10 +49,10 @@ static Matrix3 cross(const Vector3 &a)
     return s;
 }
 
-// A vehicle in the textbook's numbers.
+// A vehicle with the textbook's coefficients.
 struct Textbook {
     double m, W, B;
-    Vector3 inertia, r_G, r_B; // r_G without y: symmetric to port and starboard
+    Vector3 inertia, r_G, r_B; // r_G has no y: port-starboard symmetry
     Vector6 added;             // -X_udot, -Y_vdot, ...: positive
     double X_qdot, Y_pdot, Y_rdot, Z_qdot;
     Vector6 linear, quadratic; // X_u, X_uu, ...: negative
@@ -177,7 +177,7 @@ static Vector6 vector_of(const auvid_real_t *x)
     return v;
 }
 
-// All but M nu' and tau, and the sum of the terms' absolute values.
+// All terms except M nu' and tau, and the sum of the terms' absolute values.
 static Vector6 forces(const Textbook &t, const auvid_sample_t &s, Vector6 *size)
 {
     Vector6 nu = vector_of(s.nu), magnitude = nu.cwiseAbs();
@@ -225,7 +225,7 @@ static void test_forward_dynamics_are_the_textbooks()
         TEST_ASSERT_TRUE(m.llt().info() == Eigen::Success);
         Vector6 size, rest = forces(t, s, &size);
         Vector6 exact = inverse * (vector_of(s.tau) - rest);
-        // what an error in each force, and in each entry of M, makes of the acceleration
+        // effect of an error in each force, and in each entry of M, on the acceleration
         Vector6 allowed = inverse.cwiseAbs() * (size + m.cwiseAbs() * exact.cwiseAbs());
         TEST_ASSERT_TRUE(auvid_fossen.acceleration(auvid_fossen.context, &s, pi, nu_dot));
         Vector6 error = (vector_of(nu_dot) - exact).cwiseAbs();
@@ -237,7 +237,7 @@ static void test_forward_dynamics_are_the_textbooks()
     TEST_ASSERT_TRUE(worst <= bound);
 }
 
-// nu' M nu' - the power of inertia - is that of all other forces: C(nu) nu has none.
+// The power of inertia, nu' M nu_dot, equals the power of all other forces: C(nu) nu has none.
 static void test_coriolis_forces_do_no_work()
 {
     for (int trial = 0; trial < 2000; ++trial) {
@@ -265,7 +265,7 @@ static void test_coriolis_forces_do_no_work()
 struct Motion {
     Vector3 position, angles;
     Vector6 nu;
-    double work; // done by thrust and drag
+    double work; // of thrust and drag
 };
 
 static Motion rate_of(const Motion &x, const Textbook &t, const auvid_real_t *pi,
@@ -305,8 +305,8 @@ static double energy_of(const Motion &x, const Textbook &t)
     return 0.5 * x.nu.dot(inertia_of(t) * x.nu) + lift;
 }
 
-// Ten seconds of free motion and thrust: kinetic energy and that of weight and buoyancy change by
-// the work of thrust and drag alone.
+// Ten seconds of motion with thrust: only the work of thrust and drag changes the sum of kinetic
+// energy and potential energy of weight and buoyancy.
 static void test_energy_changes_by_the_work_of_thrust_and_drag()
 {
     for (int trial = 0; trial < 5; ++trial) {
@@ -342,8 +342,8 @@ static void test_energy_changes_by_the_work_of_thrust_and_drag()
     }
 }
 
-// Where it neither rolls nor pitches, and M has no couplings, surge, sway, heave and yaw are those
-// of Girona500's equations.
+// Without roll and pitch rates and without couplings in M, the equations of surge, sway, heave and
+// yaw are Girona500's.
 static void test_girona500_is_the_special_case_without_roll_and_pitch()
 {
     for (int trial = 0; trial < 2000; ++trial) {

@@ -1,21 +1,22 @@
 /*
- * Propellers whose speed lags behind the command, and thrust with wrong time stamps: is what is
- * flagged right, and are the flags kept?
+ * Propellers whose speed lags behind the command, and thrust with wrong timestamps. The
+ * identifiable flags must be correct, and most flags must remain.
  *
- * The thrust of a propeller is k n |n|. When its speed n follows the command with a first-order lag
- * (0.05-0.3 s), the thrust follows neither by a shift nor by a first-order lag. A stamp is late if
- * the identifier is given a later time than that at which the thrust acted: the delay from thrust
- * to motion is negative then. Stamps are from 0.1 s early to 0.2 s late.
+ * The thrust of a propeller is k n |n|. Its speed n follows the command with a first-order lag
+ * (0.05-0.3 s). Then neither a delay nor a first-order lag describes the thrust. A timestamp is
+ * late if it is later than the time at which the thrust acted. Then the delay from thrust to motion
+ * is negative. Timestamps are 0.1 s early to 0.2 s late.
  *
- * Five vehicles: Girona500; vehicles of about 20, 60 and 1500 kg, whose parameters are drawn within
- * +-25 % of Girona500's, scaled (the smallest has twice the drag and a quarter of the yaw inertia,
- * which then can hardly be told from a delay); and BlueROV2 Heavy in six degrees of freedom, its
- * centre of buoyancy 5 cm up. All degrees of freedom are excited, 8 sets of 30 s (BlueROV2:
- * 90 s); the disturbance is 1 % of the amplitude (BlueROV2: 0.2 N, 0.08 Nm).
+ * There are five vehicles: Girona500; vehicles of about 20, 60 and 1500 kg; and BlueROV2 Heavy in
+ * six degrees of freedom, with the centre of buoyancy 5 cm up. The parameters of the second to
+ * fourth are drawn within +-25 % of Girona500's, scaled. The smallest has twice the drag and a
+ * quarter of the yaw inertia, which is then hardly separable from a delay. All degrees of freedom
+ * are excited, 8 sets of 30 s (BlueROV2: 90 s). The disturbance is 1 % of the amplitude (BlueROV2:
+ * 0.2 N, 0.08 Nm).
  *
- * Wrong is a flag of a parameter more than 20 % off, where the error's force at the largest motion
- * of the run is above 2 % of the amplitude; for W-B the force alone decides. Kept is the share of
- * the flags that the same run has without lag and with right stamps.
+ * A flag is wrong if its parameter is more than 20 % off, and the error's force at the largest
+ * motion of the run is above 2 % of the amplitude. For W-B only the force decides. "Kept" is the
+ * fraction of the flags that the same run has without lag and with correct timestamps.
  *
  * Short form: one run of each vehicle and kind. Long form (AUVID_TEST_LONG): 400 runs of each kind.
  */
@@ -34,10 +35,10 @@ enum { GIRONA500, SMALL, MIDDLE, LARGE, BLUEROV2, VEHICLES };
 
 static const char *const name_of[VEHICLES] = {"Girona500", "20 kg", "60 kg", "1500 kg", "BlueROV2"};
 
-/* Of a run. */
+/* The fault of a run. */
 typedef struct {
-    double lag_s; /* of the propellers' speed */
-    int late;     /* ticks by which stamps are late; negative: early */
+    double lag_s; /* lag of the propellers' speed */
+    int late;     /* delay of timestamps [ticks]; negative: early */
 } fault_t;
 
 static sim_t sim;
@@ -58,7 +59,7 @@ void tearDown(void)
 
 /* ---- vehicles ---- */
 
-/* A vehicle of k times Girona500's mass, of the same density. */
+/* Makes a vehicle with k times Girona500's mass and the same density. */
 static void scale_girona500(int v, double k)
 {
     static const double power[SIM_PARAMETERS] = {1,       1,       1,       5. / 3., 2. / 3.,
@@ -70,8 +71,8 @@ static void scale_girona500(int v, double k)
     sim_rng_seed(&rng, 77, (uint64_t)v);
     cfg.allocation = auvid_allocation_girona500;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double own = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
-        world.parameter[i] *= own * pow(k, power[i]);
+        double factor = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
+        world.parameter[i] *= factor * pow(k, power[i]);
         truth[i] = world.parameter[i];
     }
     if (v == SMALL) { /* an open frame */
@@ -97,7 +98,7 @@ static void scale_girona500(int v, double k)
     }
 }
 
-/* Its centre of buoyancy is 5 cm up, so that it need not be held upright by thrusters that lag. See
+/* The centre of buoyancy is 5 cm up, so the lagging thrusters need not keep it upright. See
  * test_bluerov2.c for the shorter filter and the sequences. */
 static void make_bluerov2(void)
 {
@@ -111,7 +112,7 @@ static void make_bluerov2(void)
     cfg.guard.yaw_rate_max = AUVID_C(3.0);
 }
 
-static void quicken_tilt(void)
+static void shorten_tilt_periods(void)
 {
     for (int i = 0; i < cfg.excitation.segments; ++i) {
         auvid_segment_t *segment = &cfg.excitation.segment[i];
@@ -155,14 +156,14 @@ static void make_vehicle(int v, uint64_t seed, const auvid_uncertainty_t *uncert
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&cfg.excitation, amplitude, set_s, SETS, seed));
     if (v == BLUEROV2) {
-        quicken_tilt();
+        shorten_tilt_periods();
     }
 }
 
 /* ---- thrust ---- */
 
-/* The thrusters' mean force over the next tick, having been told `force`. */
-static void propel(const fault_t *fault, const double *force, double *acting)
+/* Computes the thrusters' mean force over the next tick for the command `force`. */
+static void apply_lag(const fault_t *fault, const double *force, double *acting)
 {
     double left = fault->lag_s > 0 ? exp(-1e-6 * SIM_TICK_US / fault->lag_s) : 0;
     for (int i = 0; i < world.thrusters; ++i) {
@@ -179,9 +180,9 @@ static void propel(const fault_t *fault, const double *force, double *acting)
 
 /* ---- a run ---- */
 
-static double past[PAST][SIM_THRUSTERS]; /* thrust told, by tick */
+static double past[PAST][SIM_THRUSTERS]; /* commanded thrust of each tick */
 
-static void watch_motion(void)
+static void record_motion(void)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         largest[0][j] = fmax(largest[0][j], fabs(sim.truth.nu[j]));
@@ -206,8 +207,8 @@ static void begin(int v, auvid_allocation_result_t *hover)
     }
 }
 
-/* The thrust of `late` ticks ago is what the identifier is told of. */
-static void tell(uint64_t t_us, const double *force)
+/* Passes the thrust of `late` ticks ago to the identifier. */
+static void pass_thrust(uint64_t t_us, const double *force)
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -233,9 +234,9 @@ static void identify(int v, uint64_t seed, const fault_t *fault,
         sim_output_t seen;
         auvid_input_t in;
         auvid_output_t out;
-        propel(fault, past[(k + PAST - early) % PAST], acting);
+        apply_lag(fault, past[(k + PAST - early) % PAST], acting);
         sim_step(&sim, acting, NULL, &seen);
-        watch_motion();
+        record_motion();
         chain_sense(&seen, 0, &in);
         if (id.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
@@ -246,7 +247,7 @@ static void identify(int v, uint64_t seed, const fault_t *fault,
         for (int i = 0; i < world.thrusters; ++i) {
             next[i] = (double)(out.thruster_N[i] + hover.force_N[i]);
         }
-        tell(in.t_us, past[(k + 1 + PAST - held) % PAST]);
+        pass_thrust(in.t_us, past[(k + 1 + PAST - held) % PAST]);
     }
     finish_work(&id, 100000);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
@@ -275,12 +276,12 @@ static bool is_wrong(int i)
 
 /* ---- campaign ---- */
 
-enum { FLAGS, KEPT, WRONG, BEFORE, COUNTS }; /* BEFORE: of the run without a fault */
+enum { FLAGS, KEPT, WRONG, BEFORE, COUNTS }; /* BEFORE: in the run without fault */
 
 typedef struct {
     int runs;
     int sum[COUNTS];
-    int of[400][COUNTS]; /* by run */
+    int of[400][COUNTS]; /* of each run */
 } tally_t;
 
 static tally_t tally[VEHICLES + 1]; /* last: all */
@@ -299,7 +300,7 @@ static void count(tally_t *to, const int *counts)
     ++to->runs;
 }
 
-/* The same run as it should be, and with the fault. */
+/* Runs the same seed without and with the fault. */
 static void compare(int v, uint64_t seed, const fault_t *fault,
                     const auvid_uncertainty_t *uncertainty)
 {
@@ -324,7 +325,7 @@ static void compare(int v, uint64_t seed, const fault_t *fault,
     count(&tally[VEHICLES], counts);
 }
 
-static double share(const tally_t *t, const int *run, int over, int under)
+static double ratio(const tally_t *t, const int *run, int over, int under)
 {
     double sum[2] = {0, 0};
     for (int k = 0; k < t->runs; ++k) {
@@ -340,8 +341,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* "3.1 % (2.7 .. 3.6)": 95 %, by bootstrap over runs. */
-static void print_share(const char *title, const tally_t *t, int over, int under)
+/* Prints a ratio like "3.1 % (2.7 .. 3.6)", with its 95 % interval by bootstrap over runs. */
+static void print_ratio(const char *title, const tally_t *t, int over, int under)
 {
     enum { DRAWS = 1000 };
     static double drawn[DRAWS];
@@ -352,22 +353,22 @@ static void print_share(const char *title, const tally_t *t, int over, int under
         for (int k = 0; k < t->runs; ++k) {
             run[k] = (int)(sim_rng_uniform(&rng) * t->runs);
         }
-        drawn[d] = share(t, run, over, under);
+        drawn[d] = ratio(t, run, over, under);
     }
     qsort(drawn, DRAWS, sizeof drawn[0], ascending);
-    printf("%s %.2f %% (%.2f .. %.2f)", title, share(t, NULL, over, under), drawn[DRAWS / 40],
+    printf("%s %.2f %% (%.2f .. %.2f)", title, ratio(t, NULL, over, under), drawn[DRAWS / 40],
            drawn[DRAWS - DRAWS / 40]);
 }
 
 static void print_tally(const char *name, const tally_t *t)
 {
     printf("%-10s %3d runs: ", name, t->runs);
-    print_share("wrong", t, WRONG, FLAGS);
-    print_share(" of the flags;", t, KEPT, BEFORE);
+    print_ratio("wrong", t, WRONG, FLAGS);
+    print_ratio(" of the flags;", t, KEPT, BEFORE);
     printf(" of %d kept\n", t->sum[BEFORE]);
 }
 
-/* Lag and stamps of a run. */
+/* Kind of fault: lag, timestamps or both. */
 typedef enum { LAG, STAMPS, BOTH } kind_t;
 
 static fault_t draw(uint64_t seed, kind_t kind)
@@ -401,21 +402,21 @@ static void campaign(const char *title, kind_t kind, uint64_t first)
         print_tally(name_of[v], &tally[v]);
     }
     print_tally("all", &tally[VEHICLES]);
-    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, WRONG, FLAGS) <= 1);
-    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
+    TEST_ASSERT_TRUE(ratio(&tally[VEHICLES], NULL, WRONG, FLAGS) <= 1);
+    TEST_ASSERT_TRUE(ratio(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
 }
 
-static void test_a_lag_of_the_propellers_speed_makes_no_flag_wrong(void)
+static void test_with_a_lag_of_the_propellers_speed_flags_are_correct(void)
 {
     campaign("propellers lag", LAG, 810001);
 }
 
-static void test_wrong_stamps_make_no_flag_wrong(void)
+static void test_with_wrong_timestamps_flags_are_correct(void)
 {
     campaign("wrong stamps", STAMPS, 820001);
 }
 
-static void test_a_lag_and_wrong_stamps_make_no_flag_wrong(void)
+static void test_with_a_lag_and_wrong_timestamps_flags_are_correct(void)
 {
     campaign("propellers lag and stamps are wrong", BOTH, 830001);
 }
@@ -431,7 +432,7 @@ static void test_without_the_delays_uncertainty_flags_are_wrong(void)
     TEST_ASSERT_TRUE(tally[GIRONA500].sum[WRONG] > 0);
 }
 
-static void test_the_longest_lag_with_the_latest_stamps_makes_no_flag_wrong(void)
+static void test_with_the_longest_lag_and_the_latest_timestamps_flags_are_correct(void)
 {
     const auvid_uncertainty_t usual = {0, 0, AUVID_C(0.1)};
     const fault_t worst = {0.3, 10};
@@ -441,16 +442,16 @@ static void test_the_longest_lag_with_the_latest_stamps_makes_no_flag_wrong(void
     }
     print_tally("0.3 s, 0.2 s late", &tally[VEHICLES]);
     TEST_ASSERT_EQUAL_INT(0, tally[VEHICLES].sum[WRONG]);
-    TEST_ASSERT_TRUE(share(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
+    TEST_ASSERT_TRUE(ratio(&tally[VEHICLES], NULL, KEPT, BEFORE) >= 60);
 }
 
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_without_the_delays_uncertainty_flags_are_wrong);
-    RUN_TEST(test_a_lag_of_the_propellers_speed_makes_no_flag_wrong);
-    RUN_TEST(test_wrong_stamps_make_no_flag_wrong);
-    RUN_TEST(test_a_lag_and_wrong_stamps_make_no_flag_wrong);
-    RUN_TEST(test_the_longest_lag_with_the_latest_stamps_makes_no_flag_wrong);
+    RUN_TEST(test_with_a_lag_of_the_propellers_speed_flags_are_correct);
+    RUN_TEST(test_with_wrong_timestamps_flags_are_correct);
+    RUN_TEST(test_with_a_lag_and_wrong_timestamps_flags_are_correct);
+    RUN_TEST(test_with_the_longest_lag_and_the_latest_timestamps_flags_are_correct);
     return UNITY_END();
 }

@@ -1,5 +1,5 @@
-/* The program's vehicles: simulator, model and thrusters are of the same vehicle, and what is
- * simulated is identified. */
+/* The program's vehicles: simulator, model and thrusters belong to the same vehicle, and the
+ * identification finds the simulated parameters. */
 #include <math.h>
 #include <string.h>
 
@@ -30,8 +30,8 @@ static void test_vehicles_and_models_have_names(void)
     TEST_ASSERT_NULL(vehicle_model(""));
 }
 
-/* A row of one cell needs no averages. */
-static void test_the_papers_reading_has_the_plain_rows(void)
+/* A row of one cell needs no averaging. */
+static void test_literal_smoothing_has_rows_without_averaging(void)
 {
     const world_config_t plain = {.vehicle = rov, .seed = 1, .sets = 1};
     const world_config_t literal = {.vehicle = rov, .seed = 1, .sets = 1, .literal = true};
@@ -78,7 +78,7 @@ static void test_simulator_and_allocation_have_the_same_thrusters(void)
     }
 }
 
-/* Nobody excites it, but it starts tilted: hover and hold bring it upright and keep it there. */
+/* Without excitation, from a tilted start, the hover and attitude feedback makes it upright. */
 static void test_the_bluerov2_hovers_upright(void)
 {
     const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 1, .no_arm = true};
@@ -95,8 +95,8 @@ static void test_the_bluerov2_hovers_upright(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0, t->nu[2]);
 }
 
-/* Over the bus, in six degrees of freedom, without a disturbance: what is flagged identifiable is
- * within 8 %, masses and inertias within 2 %: all but the true zeros. */
+/* Over the bus, in six degrees of freedom, without disturbance. All parameters except the true
+ * zeros are identifiable. They are within 8 %, masses and inertias within 2 %. */
 static void test_the_bluerov2_is_identified_over_the_bus(void)
 {
     const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 8};
@@ -118,10 +118,10 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
     TEST_ASSERT_TRUE(most_rad > 0.3 && most_rad < (double)rov->tilt_max_rad);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double value = (double)e->pi[i];
-        TEST_ASSERT_EQUAL_FLOAT(value, world.craft.estimate[i]); /* as it was told in frames */
+        TEST_ASSERT_EQUAL_FLOAT(value, world.craft.estimate[i]); /* as received in frames */
         if (e->confidence.identifiable >> i & 1u) {
-            double most = i <= AUVID_FOSSEN_M_R ? 0.02 : 0.08;
-            TEST_ASSERT_DOUBLE_WITHIN(most * fabs(truth[i]), truth[i], value);
+            double max_error = i <= AUVID_FOSSEN_M_R ? 0.02 : 0.08;
+            TEST_ASSERT_DOUBLE_WITHIN(max_error * fabs(truth[i]), truth[i], value);
             ++sure;
         }
     }
@@ -134,7 +134,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_vehicles_and_models_have_names);
-    RUN_TEST(test_the_papers_reading_has_the_plain_rows);
+    RUN_TEST(test_literal_smoothing_has_rows_without_averaging);
     RUN_TEST(test_the_simulated_bluerov2_has_the_librarys_parameters);
     RUN_TEST(test_simulator_and_allocation_have_the_same_thrusters);
     RUN_TEST(test_the_bluerov2_hovers_upright);

@@ -1,10 +1,11 @@
 /*
- * The guide's two configurations whose search outlasts a set, driven without pause at the default
- * budget: two thrusters at the stern with four sets, and a Girona500 in a current. Every search
- * that is begun ends in an estimate, and there is one in every other time of a search at least.
+ * The guide's two configurations whose search takes longer than a set, with continuous excitation
+ * at the default budget. They are two thrusters at the stern with four sets, and a Girona500 in a
+ * current. Each search ends with an estimate, and there is at least one estimate in twice the time
+ * of the longest search.
  *
- * Long form (AUVID_TEST_LONG): 2 h with thrusters, 1 h in the current; short form: until the first
- * estimate of the current, 3 minutes.
+ * Long form (AUVID_TEST_LONG): 2 h with thrusters, 1 h in the current. Short form: 4 minutes in the
+ * current.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +18,7 @@
 #include "unity.h"
 
 enum { SETS = 4, SLOTS = AUVID_THRUSTERS_SLOTS(SETS, 30000000u, 20000u), ROWS = 60 };
-enum { THRUSTERS = 2, OWN = AUVID_G500_COUNT };
+enum { THRUSTERS = 2, FIRST_OF_GROUP = AUVID_G500_COUNT };
 
 static int16_t commands[THRUSTERS * SLOTS];
 static auvid_row_t rows[(AUVID_MAX_SETS + 1) * ROWS];
@@ -26,12 +27,12 @@ static auvid_current_t current;
 static auvid_identifier_config_t cfg;
 static auvid_identifier_t id;
 static sim_config_t world;
-static const double of_thrusters[] = {80, 60, 0.1, 0.2};
+static const double thruster_pi[] = {80, 60, 0.1, 0.2};
 
-/* What has been told. */
+/* Outputs so far. */
 static struct {
     uint32_t estimates, begun;
-    double begun_s, longest_s; /* when the last search began; the longest time of one */
+    double begun_s, longest_s; /* begin of the last search; longest search time */
     bool dropped;
 } seen;
 
@@ -44,7 +45,7 @@ void tearDown(void)
 {
 }
 
-static void look(const auvid_output_t *out)
+static void record_outputs(const auvid_output_t *out)
 {
     double t_s = 1e-6 * (double)id.t_us;
     seen.dropped = seen.dropped || (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
@@ -52,7 +53,7 @@ static void look(const auvid_output_t *out)
         ++seen.begun;
         seen.begun_s = t_s;
         TEST_ASSERT_EQUAL_UINT32(seen.begun, id.searches);
-        TEST_ASSERT_EQUAL_UINT32(seen.estimates + 1, seen.begun); /* the one before has ended */
+        TEST_ASSERT_EQUAL_UINT32(seen.estimates + 1, seen.begun); /* the previous one has ended */
     }
     if (out->events & AUVID_EVENT_ESTIMATE) {
         ++seen.estimates;
@@ -66,8 +67,9 @@ static void look(const auvid_output_t *out)
     }
 }
 
-/* Half an hour of steps and sines. */
-static void begin_drive(const auvid_real_t *amplitude, uint64_t t_us, auvid_excitation_t *driver)
+/* Starts half an hour of steps and sines. */
+static void begin_excitation(const auvid_real_t *amplitude, uint64_t t_us,
+                             auvid_excitation_t *driver)
 {
     auvid_excitation_config_t plan;
     auvid_excitation_defaults(&plan);
@@ -76,8 +78,8 @@ static void begin_drive(const auvid_real_t *amplitude, uint64_t t_us, auvid_exci
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(driver, t_us));
 }
 
-/* Drive for so long, or until so many estimates. */
-static void drive(double seconds, uint32_t estimates, const auvid_real_t *amplitude)
+/* Excites the vehicle for `seconds`, or until `estimates` estimates. */
+static void run(double seconds, uint32_t estimates, const auvid_real_t *amplitude)
 {
     static auvid_excitation_t driver;
     static sim_t sim;
@@ -85,7 +87,7 @@ static void drive(double seconds, uint32_t estimates, const auvid_real_t *amplit
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0}, command[AUVID_MAX_COMMANDS] = {0};
     sim_output_t sensed;
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
-    begin_drive(amplitude, 0, &driver);
+    begin_excitation(amplitude, 0, &driver);
     for (int tick = 0; tick < 50 * seconds && seen.estimates < estimates; ++tick) {
         auvid_input_t in;
         auvid_output_t out;
@@ -93,13 +95,13 @@ static void drive(double seconds, uint32_t estimates, const auvid_real_t *amplit
         for (int j = 0; j < 6; ++j) {
             force[j] = (double)wrench[j];
         }
-        if (id.listener != NULL) { /* commands make the thrust, and with a lag */
+        if (id.listener != NULL) { /* the thrust follows the commands with a lag */
             for (int i = 0; i < THRUSTERS; ++i) {
-                double c = (double)command[i], d = of_thrusters[AUVID_THRUSTERS_DEAD_BAND];
-                double g = c > d    ? of_thrusters[AUVID_THRUSTERS_FORWARD] * (c - d)
-                           : c < -d ? of_thrusters[AUVID_THRUSTERS_BACKWARD] * (c + d)
+                double c = (double)command[i], d = thruster_pi[AUVID_THRUSTERS_DEAD_BAND];
+                double g = c > d    ? thruster_pi[AUVID_THRUSTERS_FORWARD] * (c - d)
+                           : c < -d ? thruster_pi[AUVID_THRUSTERS_BACKWARD] * (c + d)
                                     : 0.0;
-                x[i] = g + (x[i] - g) * exp(-0.02 / of_thrusters[AUVID_THRUSTERS_LAG]);
+                x[i] = g + (x[i] - g) * exp(-0.02 / thruster_pi[AUVID_THRUSTERS_LAG]);
             }
             force[AUVID_SURGE] = x[0] + x[1];
             force[AUVID_YAW] = 0.4 * (x[0] - x[1]);
@@ -110,12 +112,12 @@ static void drive(double seconds, uint32_t estimates, const auvid_real_t *amplit
         memcpy(in.applied.wrench, wrench, sizeof wrench);
         memcpy(in.applied.command, command, sizeof command);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
-        look(&out);
+        record_outputs(&out);
         (void)auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET);
         TEST_ASSERT_TRUE(id.work_last <= AUVID_DEFAULT_BUDGET);
         uint64_t next_us = (uint64_t)(tick + 1) * SIM_TICK_US;
         if (auvid_excitation_step(&driver, next_us, wrench) != AUVID_OK) {
-            begin_drive(amplitude, next_us, &driver);
+            begin_excitation(amplitude, next_us, &driver);
         }
         wrench[AUVID_HEAVE] -=
             (auvid_real_t)(world.parameter[SIM_WB] + 30.0 * (sim.truth.position[2] - 50.0));
@@ -126,10 +128,10 @@ static void drive(double seconds, uint32_t estimates, const auvid_real_t *amplit
 
 static void check(double seconds)
 {
-    uint32_t least = (uint32_t)(seconds / (2 * seen.longest_s));
+    uint32_t min_estimates = (uint32_t)(seconds / (2 * seen.longest_s));
     printf("  %u estimates in %.0f s, the longest search took %.0f s; %u rows were dropped\n",
            (unsigned)seen.estimates, seconds, seen.longest_s, (unsigned)id.metric.rows_dropped);
-    TEST_ASSERT_TRUE(seen.estimates >= 1 && seen.estimates >= least);
+    TEST_ASSERT_TRUE(seen.estimates >= 1 && seen.estimates >= min_estimates);
     TEST_ASSERT_TRUE(seen.begun <= seen.estimates + 1);
     TEST_ASSERT_EQUAL(seen.dropped, id.metric.rows_dropped > 0);
     while (auvid_identifier_work(&id, 1000000) == AUVID_PENDING) {
@@ -138,7 +140,7 @@ static void check(double seconds)
     TEST_ASSERT_TRUE(id.phase == AUVID_WORK_IDLE);
 }
 
-static void test_thrusters_driven_without_pause_yield_estimates(void)
+static void test_thrusters_with_continuous_excitation_give_estimates(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 20};
     double seconds = 7200;
@@ -156,15 +158,15 @@ static void test_thrusters_driven_without_pause_yield_estimates(void)
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.metric.rows = rows;
     cfg.metric.sets = SETS;
-    cfg.metric.free = (AUVID_G500_FREE | 15u << OWN) & ~(1u << AUVID_G500_M_U);
+    cfg.metric.free = (AUVID_G500_FREE | 15u << FIRST_OF_GROUP) & ~(1u << AUVID_G500_M_U);
     cfg.metric.fixed[AUVID_G500_M_U] = (auvid_real_t)world.parameter[SIM_M_U];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    drive(seconds, UINT32_MAX, amplitude);
+    run(seconds, UINT32_MAX, amplitude);
     check(seconds);
 }
 
-static void test_a_current_driven_without_pause_yields_estimates(void)
+static void test_a_current_with_continuous_excitation_gives_estimates(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     double seconds = campaign_is_long() ? 3600 : 240;
@@ -177,16 +179,16 @@ static void test_a_current_driven_without_pause_yields_estimates(void)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    drive(seconds, UINT32_MAX, amplitude);
+    run(seconds, UINT32_MAX, amplitude);
     check(seconds);
 }
 
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_current_driven_without_pause_yields_estimates);
+    RUN_TEST(test_a_current_with_continuous_excitation_gives_estimates);
     if (campaign_is_long()) {
-        RUN_TEST(test_thrusters_driven_without_pause_yield_estimates);
+        RUN_TEST(test_thrusters_with_continuous_excitation_give_estimates);
     }
     return UNITY_END();
 }

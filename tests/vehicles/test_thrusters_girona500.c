@@ -1,6 +1,6 @@
 /*
- * A whole Girona500 with five thrusters that have a dead band, a gain in each direction and a lag,
- * alike for all: hull and thrusters identified together, the mass in surge known.
+ * A complete Girona500 with five equal thrusters: dead band, a gain in each direction, lag. Hull
+ * and thrusters are identified together; the mass in surge is known.
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ void tearDown(void)
 {
 }
 
-/* Relative error of parameter i, printed in a campaign. */
+/* Returns the relative error of parameter i; prints it in a campaign. */
 static double error_of(int i)
 {
     double error = (double)id.estimate.pi[i] / truth[i] - 1.0;
@@ -32,7 +32,7 @@ static double error_of(int i)
     return error;
 }
 
-/* An rms error of 2.5 % over the 16 parameters, 5 % of the thrusters' own. */
+/* The rms error over the 16 parameters is below 2.5 %, each error of the thrusters' below 5 %. */
 static void test_hull_and_thrusters_are_identified_together(void)
 {
     for (uint64_t seed = 1; seed <= (campaign_is_long() ? 10 : 1); ++seed) {
@@ -50,8 +50,8 @@ static void test_hull_and_thrusters_are_identified_together(void)
     }
 }
 
-/* Two wrappers: the thrusters' wrench on the hull, in water that moves. */
-static void test_thrusters_may_be_around_a_hull_in_a_current(void)
+/* Two nested models: thrusters around a hull in a current. */
+static void test_thrusters_can_wrap_a_hull_in_a_current(void)
 {
     static auvid_current_t current;
     auvid_thrusters_config_t config;
@@ -87,7 +87,7 @@ static void test_thrusters_may_be_around_a_hull_in_a_current(void)
     sample.nu[AUVID_SURGE] = (auvid_real_t)0.5;
     sample.psi = (auvid_real_t)0.4;
     auvid_vehicle_residual(&thrusters.vehicle, &sample, pi, e);
-    sample.tau[AUVID_SURGE] = (auvid_real_t)(80.0 * (1.0 - 0.1)); /* steady */
+    sample.tau[AUVID_SURGE] = (auvid_real_t)(80.0 * (1.0 - 0.1)); /* steady state */
     auvid_vehicle_residual(&current.vehicle, &sample, pi, expected);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         TEST_ASSERT_DOUBLE_WITHIN(0.01, (double)expected[j], (double)e[j]);
@@ -98,6 +98,6 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_hull_and_thrusters_are_identified_together);
-    RUN_TEST(test_thrusters_may_be_around_a_hull_in_a_current);
+    RUN_TEST(test_thrusters_can_wrap_a_hull_in_a_current);
     return UNITY_END();
 }

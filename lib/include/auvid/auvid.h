@@ -1,7 +1,7 @@
 /**
  * @file auvid.h
- * All of auvid. Firmware that only identifies needs identifier.h alone; each module can also be
- * used by itself through its own header.
+ * Includes every header of auvid. Firmware that only identifies needs identifier.h. Each module
+ * can also be used separately through its own header.
  */
 #ifndef AUVID_AUVID_H
 #define AUVID_AUVID_H

@@ -1,44 +1,46 @@
 /**
  * @file current.h
- * A constant current, estimated together with the parameters of a hull.
+ * Estimates a constant current together with the parameters of a hull.
  *
- * With bottom lock the DVL measures velocity over ground; what acts on the hull depends on velocity
- * through the water. This model puts a hull's model (of vehicle.h, or one's own) into water that
- * moves with c = (c_north, c_east, c_down), constant in the world:
+ * With bottom lock the DVL measures velocity over ground, but the forces on the hull depend on
+ * velocity through the water. This model wraps a hull's model (vehicle.h, or your own). The water
+ * moves with c = (c_north, c_east, c_down), constant in the world frame:
  *
  *     nu_r = nu - R(eta)' c,    nu_r' = nu' + omega x R(eta)' c        (Fossen 2011, 8.3)
  *
- * and adds the components of c [m/s] to the hull's parameters. It is not linear in them, so it
- * takes the metric's residual path, which needs memory for its rows (metric.h: `rows`): 152 bytes
- * each with AUVID_MAX_COMMANDS 1, 240 with 8; the nine sets of 60 that are usual, 80 or 127 KiB.
+ * The components of c [m/s] are additional parameters. The model is not linear in them, so it uses
+ * the metric's residual path, which needs memory for its rows (metric.h: `rows`). A row takes 152
+ * bytes with AUVID_MAX_COMMANDS 1 and 240 with 8. The usual nine sets of 60 rows take 80 or 127
+ * KiB.
  *
- * What tells a current from a constant force (a biased thruster, a cable): in the vehicle's axes
- * the current turns when the vehicle does; and quadratic drag has its kink where velocity through
- * the water is zero. With neither nothing does: a constant force that is free gets the note "only a
- * combination with c_north" then. One that is not free is taken for what it is fixed at, zero as a
- * rule. Surge must be driven, or sway where surge is not modelled: else c is not searched.
+ * Two effects separate a current from a constant force (a biased thruster, a cable). In body axes,
+ * the current turns when the vehicle turns. And quadratic drag |u|u has its kink where velocity
+ * through the water is zero. Without both, current and force are not separable: a free constant
+ * force then gets the note "only a combination with c_north". A fixed one has its fixed value,
+ * usually zero. Surge must be excited, or sway if surge is not modelled; otherwise c is not
+ * searched.
  *
  * The search: Girona500's 13 parameters, c_north, c_east and the delay take about 1700 evaluations
- * for the first set and 700 for a further one. Each costs as many units of work as there are rows
- * (vehicle.work is the hull's), of 2.3k instructions of a Cortex-M4F each, not of 250. At
- * AUVID_DEFAULT_BUDGET a result over eight sets takes 50 to 70 s, longer than a set: one set waits
- * meanwhile, and rows that come after it are dropped (identifier.h). With a budget of 600 (12 s)
- * none are. Whether the vehicle has changed is judged only where a result is
- * of five sets or more. The delay is one shift, common to all degrees of freedom.
+ * for the first set and 700 for each further one. An evaluation costs one unit of work for each row
+ * (vehicle.work is the hull's). Such a unit takes 2.3k instructions of a Cortex-M4F instead of 250.
+ * At AUVID_DEFAULT_BUDGET a result over eight sets takes 50 to 70 s, longer than a set. Meanwhile
+ * one complete set waits, and further rows are dropped (identifier.h). With a budget of 600 it
+ * takes 12 s and no row is dropped. The change test runs only if a result uses five sets or more.
+ * The delay is one shift, common to all degrees of freedom.
  *
- * A vehicle that is quicker than a row: means over a row of 0.5 s are not its motion. BlueROV2 in
- * 0.3 m/s is 7 % off (rms) with the usual rows, X_u by 3.1 N s/m, and c is 2 % too small, well
- * beyond their standard errors. Give it rows of two cells (metric.row_cells) and, as hull,
- * averages over these (auvid_averaged_init with 200000 as cell): 2.1 % (13 of 14 seeds; one search
- * ended `capped`, 49 % off) against 1.0 % in still water by regressor, and c half a percent too
- * small.
+ * Vehicles with fast dynamics: the mean over a row of 0.5 s does not represent their motion.
+ * BlueROV2 in 0.3 m/s, usual rows: the rms error is 7 %, X_u is off by 3.1 N s/m, and c is 2 % too
+ * small. These errors are far larger than the standard errors. Use rows of two cells
+ * (metric.row_cells) and, as hull, the averaged model of such rows (auvid_averaged_init with 200000
+ * as cell). Then the rms error is 2.1 % (13 of 14 seeds; one search did not converge, 49 % off),
+ * and c is half a percent too small. In still water with the regressor the rms error is 1.0 %.
  *
- * A vertical current that is not a parameter spoils heave: with 0.05 m/s Girona500's error is 12 %
- * instead of 2 %, and with `down` 2 % again. One that turns by 0.05 m/s in five minutes makes 3.7 %
- * of 2.0 %.
+ * A vertical current that is not a parameter biases heave. At 0.05 m/s Girona500's error is 12 %
+ * instead of 2 %; with `down` it is 2 % again. If the current turns, by 0.05 m/s in five minutes,
+ * the error is 3.7 % instead of 2.0 %.
  *
- * Called before auvid_identifier_init. Cost of an evaluation: the hull's and 390 instructions.
- * Memory: sizeof(auvid_current_t). Where it is not used it is not linked. Not with
+ * Call the functions before auvid_identifier_init. Cost of an evaluation: the hull's plus 390
+ * instructions. Memory: sizeof(auvid_current_t). Unused code is not linked. Not available with
  * AUVID_REGRESSOR_ONLY.
  */
 #ifndef AUVID_CURRENT_H
@@ -51,39 +53,40 @@
 extern "C" {
 #endif
 
-/** A hull in a current. Written by auvid_current_init; must stay where it is, unchanged, as long as
- * `vehicle` is used. */
+/** A hull in a current. Written by auvid_current_init. It must not move or change while `vehicle`
+ * is in use. */
 typedef struct {
-    auvid_vehicle_t vehicle;   /**< the model: hand out this one. Its first parameters are the
-                                    hull's, then come c_north, c_east and, if wanted, c_down */
-    const auvid_vehicle_t *hull; /**< in still water */
-    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< of `vehicle` */
+    auvid_vehicle_t vehicle; /**< pass this model to the identifier. Parameters: the hull's, then
+                                  c_north, c_east and, with `down`, c_down */
+    const auvid_vehicle_t *hull;                       /**< model in still water */
+    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< parameters of `vehicle` */
 } auvid_current_t;
 
 #define auvid_current_init AUVID_SIZED1(auvid_current_init, AUVID_MAX_PARAMETERS)
 /**
- * Put a hull into a current.
- * @param hull its model; must outlive *current
- * @param down c_down is a parameter, too; it is told from the weight less buoyancy by drag alone
+ * Makes the model of a hull in a current.
+ * @param current out, completely written; unchanged if refused
+ * @param hull the hull's model; must outlive *current; must not be &current->vehicle
+ * @param down true: c_down is a parameter, too. It is separable from W-B only through drag
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (hull and current together have more than
- * AUVID_MAX_PARAMETERS); AUVID_ERR_MODEL (neither surge nor sway is modelled, no heave where
- * `down`, or the hull is current->vehicle), and what auvid_vehicle_check has against the hull.
- * Cost: O(n).
+ * AUVID_MAX_PARAMETERS); AUVID_ERR_MODEL (neither surge nor sway is modelled; `down` without heave;
+ * the hull is &current->vehicle); the errors of auvid_vehicle_check for the hull. Cost: O(n).
  */
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down);
 
 #define auvid_current_bounds AUVID_SIZED1(auvid_current_bounds, AUVID_MAX_PARAMETERS)
 /**
- * Bounds for a search: of the current, and of the hull what its signs demand. Without these, drags
- * that drive the vehicle in a current against the true one are a second, worse optimum, from which
- * the search does not always find out.
- * @param most no component of the current is larger [m/s], > 0; 1, say
- * @param lower, upper [AUVID_MAX_PARAMETERS] bounds so far; changed for the current, and
- * for the hull's masses and inertias (not below zero) and drags (not above; signs as in types.h)
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (most not > 0);
- * AUVID_ERR_STATE (not initialised).
+ * Sets search bounds for the current and for the signs of the hull's parameters. Without the sign
+ * bounds there is a second, worse optimum: drags that accelerate the vehicle, in a current opposite
+ * to the true one. The search does not always leave it.
+ * @param max_component largest component of the current [m/s], > 0; for example 1
+ * @param lower, upper in and out, [AUVID_MAX_PARAMETERS] bounds. Changed: those of the current, the
+ * lower bounds of the hull's masses and inertias (at least 0), and the upper bounds of its drags
+ * (at most 0; signs as in types.h)
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (max_component not > 0);
+ * AUVID_ERR_STATE (not initialised). Cost: O(n).
  */
-auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t most,
+auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t max_component,
                                     auvid_real_t *lower, auvid_real_t *upper);
 
 #ifdef __cplusplus

@@ -1,36 +1,39 @@
 /**
  * @file fossen.h
- * The vehicle model in six degrees of freedom (Fossen 2011), linear in its parameters:
+ * Vehicle model in six degrees of freedom (Fossen 2011), linear in its parameters:
  *
  *     M nu' + C(nu) nu + D(nu) nu + g(eta) = tau
  *
- * M = M_RB + M_A of a vehicle that is symmetric to port and starboard, C(nu) of that M (Fossen
- * 2011, Eq. 3.46), D linear and quadratic in each degree of freedom's own velocity, g of weight and
- * buoyancy. Data of motion and wrench resolve only certain sums of the textbook's coefficients.
- * These sums are the parameters, and their names say what they are the sums of: a mass is
- * m - X_udot, never m and X_udot each; what W and z_G do is in W-B and z_G W - z_B B.
+ * - M = M_RB + M_A of a vehicle with port-starboard symmetry; C(nu) belongs to this M (Fossen 2011,
+ *   Eq. 3.46).
+ * - D is linear and quadratic drag in the velocity of the same degree of freedom.
+ * - g contains weight and buoyancy.
  *
- * Any of them may be free; the others are fixed where the configuration says (metric.h: `free`,
- * `fixed`). By default free: masses, inertias, W-B, z_G W - z_B B and all drags, 20 of them; the
- * vehicle is trimmed and its other couplings are zero.
+ * Data of motion and wrench determine only certain sums of the textbook's coefficients. These sums
+ * are the parameters, and their names show the terms. A mass is m - X_udot; m and X_udot are not
+ * separable. The effects of W and z_G appear in W-B and z_G W - z_B B.
  *
- * It is there where AUVID_MAX_PARAMETERS is at least 22; from 26 on with the couplings of forces
- * and moments within M, from 32 on with a constant force or moment in each degree of freedom.
- * What is wrapped around it adds its own (current.h 2 or 3, thrusters.h 4 for each group): 24, 25
- * and 28 to 31 leave room for that, 32 does not.
- * Products of inertia it does not have. With the parameters that are free by default,
- * AUVID_MAX_FACTOR must be AUVID_FOSSEN_FACTOR and AUVID_MAX_COLUMNS AUVID_FOSSEN_COLUMNS at least.
- * Where the model is not used it is not linked.
+ * Any parameter may be free; the configuration fixes the others (metric.h: `free`, `fixed`). By
+ * default 20 are free: masses, inertias, W-B, z_G W - z_B B and all drags. Then the vehicle is
+ * trimmed and its other couplings are zero. The model has no products of inertia.
  *
- * With p = q = 0, nothing coupled in M and the weight below the buoyancy, the equations of surge,
- * sway, heave and yaw are Girona500's (vehicle.h).
+ * The model exists if AUVID_MAX_PARAMETERS is at least 22. From 26 on it has the couplings of
+ * forces and moments in M, from 32 on a constant force or moment in each degree of freedom. Models
+ * that wrap it add parameters of their own: current.h 2 or 3, thrusters.h 4 for each group. The
+ * sizes 24, 25 and 28 to 31 leave room for them; 32 does not. For the default free parameters,
+ * AUVID_MAX_FACTOR must be at least AUVID_FOSSEN_FACTOR, and AUVID_MAX_COLUMNS at least
+ * AUVID_FOSSEN_COLUMNS. An unused model is not linked.
+ *
+ * With p = q = 0, no couplings in M, and the centre of gravity vertically below the centre of
+ * buoyancy, the equations of surge, sway, heave and yaw are those of Girona500 (vehicle.h).
  *
  * The regressor costs 400 instructions of a Cortex-M4F (Girona500's 210), 470 with the couplings,
- * and 64 bytes of stack; the code of the model 1.6 KiB. The acceleration is not finite in a degree
- * of freedom without positive mass, nor in two that M couples so strongly that it is not positive.
+ * and 64 bytes of stack. The code of the model takes 1.6 KiB. The acceleration is not finite in a
+ * degree of freedom without positive mass. Nor is it finite in two degrees of freedom
+ * whose coupling makes M not positive definite.
  *
  * Signs are the paper's (types.h): a drag that dissipates is negative. Much of the literature
- * prints the same numbers positive.
+ * prints the same numbers as positive.
  */
 #ifndef AUVID_FOSSEN_H
 #define AUVID_FOSSEN_H
@@ -44,7 +47,7 @@ extern "C" {
 
 #if AUVID_MAX_PARAMETERS >= 22
 
-/** Parameters, in this order. */
+/** Parameters, in the order of pi. */
 typedef enum {
     AUVID_FOSSEN_M_U, /**< m - X_udot [kg] */
     AUVID_FOSSEN_M_V, /**< m - Y_vdot */
@@ -75,9 +78,9 @@ typedef enum {
     AUVID_FOSSEN_M_WQ, /**< -m x_G - Z_qdot: heave and pitch */
 #endif
 #if AUVID_MAX_PARAMETERS >= 32
-    AUVID_FOSSEN_X_0, /**< constant forces [N] and moments [Nm] on the hull. Z_0 can hardly be told
-                           from W-B, K_0 from y_G W - y_B B, M_0 from x_G W - x_B B: free one of
-                           each */
+    AUVID_FOSSEN_X_0, /**< constant forces [N] and moments [Nm] on the hull. Z_0 and W-B, K_0 and
+                           y_G W - y_B B, M_0 and x_G W - x_B B are almost indistinguishable:
+                           free one of each pair */
     AUVID_FOSSEN_Y_0,
     AUVID_FOSSEN_Z_0,
     AUVID_FOSSEN_K_0,
@@ -87,21 +90,21 @@ typedef enum {
     AUVID_FOSSEN_COUNT
 } auvid_fossen_parameter_t;
 
-/** Bits of the parameters that are free by default: all of the first 22 but x_G W - x_B B and
+/** Bits of the parameters that are free by default: the first 22 except x_G W - x_B B and
  * y_G W - y_B B. */
 #define AUVID_FOSSEN_FREE 0x3FFE7Fu
-/** Least sizes with these free (config.h). */
+/** Smallest AUVID_MAX_FACTOR and AUVID_MAX_COLUMNS with these parameters free (config.h). */
 #define AUVID_FOSSEN_FACTOR 322
 #define AUVID_FOSSEN_COLUMNS 59
 
-/** The model. */
+/** The model; constant and read-only. */
 extern const auvid_vehicle_t auvid_fossen;
 
-/** BlueROV2 Heavy: the same model under its name, and its parameters as von Benzon et al. 2022
- * ("An open-source benchmark simulator: control of a BlueROV2 underwater robot", J. Mar. Sci. Eng.
- * 10) have them, in fresh water. */
+/** BlueROV2 Heavy: the same model with the vehicle's name. */
 extern const auvid_vehicle_t auvid_bluerov2_heavy;
 #define auvid_bluerov2_heavy_benzon AUVID_SIZED0(auvid_bluerov2_heavy_benzon)
+/** Parameters of BlueROV2 Heavy in fresh water (von Benzon et al. 2022, "An open-source benchmark
+ * simulator: control of a BlueROV2 underwater robot", J. Mar. Sci. Eng. 10). */
 extern const auvid_real_t auvid_bluerov2_heavy_benzon[AUVID_FOSSEN_COUNT];
 
 #endif

@@ -1,14 +1,19 @@
 /**
  * @file selftest.h
- * Is this machine's arithmetic auvid's? A log replayed on a desk steps through the very
- * identification of the dive only if every operation gives the same bits on both machines.
+ * Tests that this machine's arithmetic gives the bits that auvid expects. A replayed log repeats
+ * the identification of the dive exactly only if every operation gives the same bits on both
+ * machines.
  *
- * Who calls it: the init of the identifier, which refuses to start on anything else; call it
- * yourself when you use modules alone. What it finds: flush-to-zero or denormals-are-zero, another
- * rounding mode, contraction into fused multiply-add, excess precision (x87), reassociation or
- * reciprocals by compiler flags, comparisons that ignore NaN, a soft-float library or conversions
- * that round otherwise. It sees the flags auvid_selftest.c was compiled with: compile all of auvid
- * with the same ones.
+ * The init of the identifier calls it and refuses to start if it fails. Call it yourself if you use
+ * modules without the identifier. It detects:
+ * - flush-to-zero or denormals-are-zero, and another rounding mode;
+ * - contraction into fused multiply-add, and excess precision (x87);
+ * - reassociation or reciprocals by compiler flags;
+ * - comparisons that ignore NaN;
+ * - a soft-float library or conversions that round differently.
+ *
+ * It tests the flags with which auvid_selftest.c was compiled: compile all of auvid with the same
+ * flags.
  *
  * Cost: 1.3k instructions (x86-64, -O2). Memory: none kept.
  */
@@ -22,10 +27,10 @@ extern "C" {
 #endif
 
 /**
- * Run a short computation over + - * / square root, sin, cos, atan2, denormals, rounding and
- * conversions, and compare the hash of all its bits with the known one.
+ * Runs a short computation and compares the hash of all its bits with the known hash. The
+ * computation uses + - * /, square root, sin, cos, atan2, denormals, rounding and conversions.
  *
- * @return AUVID_OK; AUVID_ERR_ARITHMETIC: at least one bit differs
+ * @return AUVID_OK; AUVID_ERR_ARITHMETIC (at least one bit differs)
  */
 auvid_status_t auvid_selftest(void);
 

@@ -1,18 +1,18 @@
 /**
  * @file thrusters.h
- * Thrusters identified together with the hull: dead band, a gain for each direction, first-order
+ * Identifies thrusters together with the hull: dead band, a gain for each direction, first-order
  * lag.
  *
- * A model that wraps another one. Its parameters are the hull's, then four for each group of like
- * thrusters. A thruster's force x follows its command c by
+ * This model wraps a hull's model. Its parameters are the hull's, then four for each group of equal
+ * thrusters. A thruster's force x follows its command c:
  *
  *     T x' = g(c) - x,   g(c) = k_forward (c - d)  for c > d,
  *                               k_backward (c + d) for c < -d,   0 in between,
  *
- * and the hull's equations hold for tau = B x. (A thruster whose force goes with the square of its
- * speed: give c |c| as its command.) Which commands pass the dead band, and how far the force has
- * followed, cannot be told from means over a row: the commands of every tick are kept in a log, and
- * each row's thrust is formed anew for each candidate, from commands on.
+ * and the hull's equations hold for tau = B x. If a thruster's force is proportional to the square
+ * of its speed, supply c |c| as its command. Mean commands over a row do not show which commands
+ * exceed the dead band, nor how far the force has followed. So a log stores the commands of every
+ * tick, and the model recomputes each row's thrust from them for each candidate.
  *
  *     auvid_thrusters_defaults(&cfg);                     then hull, matrix, group, log
  *     auvid_thrusters_init(&thrusters, &cfg);
@@ -21,34 +21,40 @@
  *     auvid_thrusters_configure(&thrusters, &id_cfg);
  *     auvid_identifier_init(&id, &id_cfg);
  *
- * From there on the identifier hands over what it is told of commands (auvid_identifier_step,
- * auvid_identifier_applied). The wrench that it is told beside them is read for what is driven and
- * for R2 only: give what you think the commands make.
+ * From then on the identifier passes the commands that it receives (auvid_identifier_step,
+ * auvid_identifier_applied) to the log. It uses the wrench supplied with them only for the
+ * excitation test and for R2: supply your best model of the commands' wrench.
  *
- * Rows of two cells (metric.row_cells) are best: over longer ones drag is not that of the mean
- * velocity; with the usual five, linear drag comes out 1 to 2 % too large.
+ * Rows of two cells (metric.row_cells) are best. Over longer rows, the mean drag differs from the
+ * drag of the mean velocity. With the usual five cells, linear drag is 1 to 2 % too large.
  *
- * Scale. Only ratios of masses, drags and gains can be seen. Something that says how large a force
- * is must be known (metric.fixed, and not free in metric.free): a mass, or a gain. A parameter that
- * matters little will do for auvid_thrusters_configure, not for good estimates.
+ * Scale: Only ratios of masses, drags and gains are identifiable. At least one parameter that
+ * scales with the force, a mass or a gain, must be known (metric.fixed, and not free in
+ * metric.free). auvid_thrusters_configure also accepts a known parameter with little effect, but
+ * then the estimates are poor.
  *
- * A restart (checkpoint.h) needs the log, too: save `state` and the log's bytes at the same time as
- * the checkpoint, and put them back after auvid_thrusters_configure.
+ * A restart (checkpoint.h) also needs the log. Save `state` and the log's bytes together with the
+ * checkpoint, and restore them after auvid_thrusters_configure.
  *
- * Cost: of a tick 155 instructions of a Cortex-M4F for one thruster, 320 for five (10k in the tick
- * after a silence); of a row of 0.5 s of one candidate 6.6k and 18k, half of that with slots of
- * 40 ms, most of it for following the lag from three times `lag_max_s` before the row on. work()
- * pays for it in full (vehicle.work), and works a row in one piece: where a row costs more than the
- * budget of a tick, several ticks pay, and the last of them takes longer than its budget. With
- * eight thrusters, a lag of up to 2 s and slots of 1 ms that are 4500 units at once, a million
- * instructions; with slots of 20 ms 230. A search takes some 340 evaluations for the six parameters
- * of one axis, 1150 for a Girona500 and its thrusters. At AUVID_DEFAULT_BUDGET one
- * outlasts a set by far. When the next set is full, neither rows nor commands are kept until the
- * search has ended. What then leads in to the next rows may cost the oldest set: 3 s more of slots
- * for each set keep it.
- * Memory: sizeof(auvid_thrusters_t), 0.7 KiB; and the log, two bytes for each thruster and slot:
- * 3000 bytes for a thruster and a set of 30 s at 50 Hz, beside the 240 bytes of each row. Nothing
- * is linked where it is not used. Not with AUVID_REGRESSOR_ONLY.
+ * Cost:
+ * - Of a tick: 155 instructions of a Cortex-M4F for one thruster, 320 for five; 10k in the first
+ *   tick after a gap in the commands.
+ * - Of a row of 0.5 s for one candidate: 6.6k for one thruster, 18k for five; half of that with
+ *   slots of 40 ms. Most of it follows the lag from three times `lag_max_s` before the row.
+ * - Work: auvid_identifier_work accounts for the full cost (vehicle.work) and computes a row in one
+ *   piece. If a row costs more than a tick's budget, auvid adds up the budgets of several ticks.
+ *   The last of them then takes longer than its budget. With eight thrusters, a lag up to 2 s and
+ *   slots of 1 ms, a row is 4500 units at once, a million instructions; with slots of 20 ms it is
+ *   230 units.
+ * - Of a search: about 340 evaluations for the six parameters of one axis, 1150 for a Girona500 and
+ *   its thrusters. At AUVID_DEFAULT_BUDGET a search takes much longer than a set.
+ *
+ * When the next set is full, auvid drops rows and commands until the search has ended. The commands
+ * before the next rows may then displace the oldest set; 3 s more of slots for each set prevent it.
+ *
+ * Memory: sizeof(auvid_thrusters_t), 0.7 KiB, and the log, two bytes for each thruster and slot:
+ * 3000 bytes for one thruster and a set of 30 s at 50 Hz. In addition, each row takes 240 bytes.
+ * Unused code is not linked. Not available with AUVID_REGRESSOR_ONLY.
  */
 #ifndef AUVID_THRUSTERS_H
 #define AUVID_THRUSTERS_H
@@ -62,129 +68,138 @@ extern "C" {
 
 struct auvid_identifier_config; /* identifier.h */
 
-/** Groups of like thrusters, at most. */
+/** Largest number of groups of equal thrusters. */
 #define AUVID_THRUSTERS_GROUPS 4
 
-/** Parameters of a group g: number hull->parameters + AUVID_THRUSTERS_PER_GROUP g + these. */
+/** Parameters of a group. Parameter k of group g has the index
+ * hull->parameters + AUVID_THRUSTERS_PER_GROUP g + k. */
 typedef enum {
-    AUVID_THRUSTERS_FORWARD,   /**< gain for commands > 0 [N per unit of command] */
-    AUVID_THRUSTERS_BACKWARD,  /**< and < 0, a positive number, too */
-    AUVID_THRUSTERS_DEAD_BAND, /**< half its width [units of command] */
+    AUVID_THRUSTERS_FORWARD,   /**< gain of commands > 0 [N per unit of command], >= 0 */
+    AUVID_THRUSTERS_BACKWARD,  /**< gain of commands < 0, same unit, >= 0 */
+    AUVID_THRUSTERS_DEAD_BAND, /**< half width of the dead band [units of command] */
     AUVID_THRUSTERS_LAG,       /**< time constant [s] */
     AUVID_THRUSTERS_PER_GROUP
 } auvid_thrusters_parameter_t;
 
-/** Slots that the log needs for `sets` data sets of set_us, the one being recorded, and a margin
- * of 9 s for the lag and what the recorder is behind. */
+/** Number of slots of a log for `sets` data sets of set_us [us] and the set being recorded. It
+ * contains a margin of 9 s for the lag and the recorder's delay. period_us: slot length [us]. */
 #define AUVID_THRUSTERS_SLOTS(sets, set_us, period_us)                                             \
     ((((sets) + 1u) * (set_us) + 9000000u) / (period_us))
 
 /** Configuration; copied at init. */
 typedef struct {
     const auvid_vehicle_t *hull; /**< required; must outlive the thrusters. Any model */
-    auvid_real_t matrix[AUVID_DOF_COUNT][AUVID_MAX_COMMANDS]; /**< body wrench per newton of each
-                                                       thruster [-, m] */
-    uint8_t thrusters;                 /**< how many: the first so many commands; 1.. */
-    uint8_t group[AUVID_MAX_COMMANDS]; /**< of each, from 0 on without holes; default all 0 */
-    auvid_real_t command_max;   /**< largest command of any source (hover thrust too) [units],
-                                     1e-6..AUVID_RECORDER_LARGEST; the log keeps steps of a 32767th
-                                     of it, larger ones count as it (state.clipped counts them);
-                                     default 1 */
-    auvid_real_t gain_max;      /**< the box of the search: gains 0.. this [N per unit], within the
-                                     same; default 1000 */
-    auvid_real_t dead_band_max; /**< likewise [units]; default 0.5. Twice what you expect is better:
-                                     wide dead bands, low masses and long lags are a worse optimum.
-                                     With a gain known instead of the mass, 4 of 30 searches ended
-                                     there (and said not identifiable), with 0.25 none */
-    auvid_real_t lag_max_s;     /**< likewise; 0.01..2, default 0.5. Rows cost the more, the longer
-                                     it is */
-    uint32_t delay_us;  /**< known transport delay of commands [us], ..1e6; default 0 */
-    uint32_t period_us; /**< a slot of the log [us]: the control tick; 1000..100000, default 20000.
-                             Slots hold the mean command; longer ones take less memory and time */
+    auvid_real_t matrix[AUVID_DOF_COUNT][AUVID_MAX_COMMANDS]; /**< B: body wrench per newton of
+                                                                   each thruster [-, m] */
+    uint8_t thrusters;                 /**< their number, 1..AUVID_MAX_COMMANDS */
+    uint8_t group[AUVID_MAX_COMMANDS]; /**< of each; numbers from 0, no gaps; default 0 */
+    auvid_real_t command_max;   /**< largest command of any source, hover thrust included [units],
+                                     1e-6..AUVID_RECORDER_LARGEST; default 1. The log's
+                                     resolution is 1/32767 of it. Larger commands are clipped to it
+                                     and counted (state.clipped) */
+    auvid_real_t gain_max;      /**< upper search bound of the gains [N per unit],
+                                     1e-6..AUVID_RECORDER_LARGEST; default 1000 */
+    auvid_real_t dead_band_max; /**< upper search bound of the dead band [units],
+                                     1e-6..AUVID_RECORDER_LARGEST; default 0.5. Twice the expected
+                                     value is better, because wide dead bands, low masses and long
+                                     lags are a second, worse optimum. With a known gain and an
+                                     unknown mass, 4 of 30 searches ended there and reported not
+                                     identifiable; with 0.25 none did */
+    auvid_real_t lag_max_s;     /**< upper search bound of the lag [s], 0.01..2; default 0.5. A
+                                     larger bound makes rows more expensive */
+    uint32_t delay_us;  /**< known transport delay of commands [us], 0..1e6; default 0 */
+    uint32_t period_us; /**< slot length of the log [us]: the control tick; 1000..100000, default
+                             20000. A slot holds the mean command; longer ones take less memory and
+                             time */
     int16_t *log;       /**< [slots * thrusters], owned by the caller, must outlive the thrusters */
-    uint32_t slots;     /**< see AUVID_THRUSTERS_SLOTS; slots * period_us <= 4e9 */
+    uint32_t slots;     /**< see AUVID_THRUSTERS_SLOTS; >= 1, slots * period_us <= 4e9 */
 } auvid_thrusters_config_t;
 
-/** How rows stand in the log. Private. */
+/** Geometry of rows in the log. Private. */
 typedef struct {
     uint32_t row_us;    /* length of a row */
-    uint32_t spread_us; /* by which its ends are spread, see the .c file */
-    uint32_t lead;      /* slots before it from which the lag is followed */
-    uint32_t bridged;   /* slots filled after a silence, at most */
+    uint32_t spread_us; /* width of the ramps at its ends, see auvid_thrusters_wrench.c */
+    uint32_t lead;      /* slots before it, over which the lag settles */
+    uint32_t bridged;   /* largest number of slots filled after a gap in the commands */
 } auvid_thrusters_grid_t;
 
-/** A stretch of time that the log leaves out. Private. */
+/** An interval of time that the log skips. Private. */
 typedef struct {
-    uint64_t end_us;  /* the log goes on from here */
+    uint64_t end_us;  /* end of the interval */
     uint64_t long_us; /* its length */
 } auvid_thrusters_pause_t;
 
-/** What is in the log. Written by the thrusters; a restart takes it along, see above. */
+/** State of the log. Written by the thrusters; save it for a restart, see above. */
 typedef struct {
-    uint64_t end_us;                          /* up to here slots are complete */
-    uint64_t held_us;                         /* up to here the next one is filled */
-    uint32_t head, filled;                    /* where the next slot goes; slots kept */
-    uint32_t clipped; /**< commands beyond command_max so far: not 0, then the log has them wrong,
-                           and so are all estimates; make command_max larger */
+    uint64_t end_us;                          /* end of the newest complete slot */
+    uint64_t held_us;                         /* the next slot is filled up to here */
+    uint32_t head, filled;                    /* index of the next slot; number of slots kept */
+    uint32_t clipped; /**< number of commands beyond command_max so far. If not 0, the log and all
+                           estimates are wrong: make command_max larger */
     auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
-    auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral of the slot under way */
-    auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* the newest first */
-    uint8_t pauses;                                    /* how many */
+    auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral over the incomplete slot */
+    auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* newest first */
+    uint8_t pauses;                                    /* number of pauses */
     bool started;
 } auvid_thrusters_state_t;
 
-/** The thrusters. Fields are private but for `vehicle` and `state`. Must stay where it was
- * initialised. */
+/** The thrusters. Members are private except `vehicle` and `state`. Must not move after
+ * initialisation. */
 typedef struct {
     auvid_thrusters_config_t cfg;
-    auvid_vehicle_t vehicle; /**< the model for the identifier */
+    auvid_vehicle_t vehicle; /**< pass this model to the identifier */
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
     auvid_thrusters_grid_t grid;
-    auvid_thrusters_state_t state; /**< of the log */
+    auvid_thrusters_state_t state; /**< state of the log */
 } auvid_thrusters_t;
 
 #define auvid_thrusters_defaults                                                                   \
     AUVID_SIZED2(auvid_thrusters_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
-/** Fill *cfg with the defaults. Null is ignored. */
+/** Sets *cfg to the defaults. NULL is a no-op. */
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 
 #define auvid_thrusters_init AUVID_SIZED(auvid_thrusters_init)
-/** Make the model; the log is empty.
- * @return AUVID_OK; AUVID_ERR_NULL (log, hull too); those of auvid_vehicle_check; AUVID_ERR_RANGE
- * (a field out of its range, groups with holes); AUVID_ERR_NOT_FINITE (matrix);
- * AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a group acts on
- * no DoF that the hull models, or the hull is thrusters->vehicle). Refused: *thrusters is
- * unchanged. */
+/** Makes the model, with an empty log.
+ * @param thrusters out; unchanged if refused
+ * @param cfg copied; cfg->hull and cfg->log must outlive *thrusters
+ * @return AUVID_OK; AUVID_ERR_NULL (also log or hull); the errors of auvid_vehicle_check;
+ * AUVID_ERR_RANGE (a field out of its range, group numbers with gaps); AUVID_ERR_NOT_FINITE
+ * (matrix); AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a
+ * group acts on no DoF that the hull models, or the hull is &thrusters->vehicle). */
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg);
 
 #define auvid_thrusters_configure AUVID_SIZED(auvid_thrusters_configure)
-/** Make the identifier's configuration that of this model: after auvid_identifier_defaults for
- * &thrusters->vehicle, and after metric (rows, sets, free, fixed) and recorder are as they shall
- * be. Sets cfg->listener, the box of the thrusters' parameters (change it afterwards where you know
- * better) and metric.estimate_delay (off: a lag is not told from a delay).
+/** Prepares the identifier's configuration for this model. Call it after auvid_identifier_defaults
+ * for &thrusters->vehicle, and after setting metric (rows, sets, free, fixed) and recorder.
+ *
+ * It sets cfg->listener, the search bounds of the thrusters' parameters, and metric.estimate_delay
+ * (off, because a lag is not separable from a delay). You may change the bounds afterwards.
+ * @param cfg in and out; unchanged if refused
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_MODEL (cfg is for
- * another vehicle; or nothing that is known says how large a force is, in some DoF);
- * AUVID_ERR_RANGE (a row longer than 4294 s or dearer than 65535 units of work,
- * metric.velocity_us); AUVID_ERR_SIZE (the log is too short for so many sets). Refused: nothing is
- * changed. */
+ * another vehicle, or no known parameter sets the scale of the force in some DoF); AUVID_ERR_RANGE
+ * (a row longer than 4294 s or more expensive than 65535 units of work, metric.velocity_us);
+ * AUVID_ERR_SIZE (the log is too short for this number of sets). If refused, nothing changes. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          struct auvid_identifier_config *cfg);
 
 #define auvid_thrusters_command AUVID_SIZED(auvid_thrusters_command)
-/** The commands hold from t_us on; nothing is done before configure. For users of the metric alone:
- * the identifier calls it.
- * @param command [AUVID_MAX_COMMANDS]; null: zeros. What is not finite counts as zero, times that
- * do not advance are ignored. */
+/** Logs commands that are applied from t_us on. The identifier calls it; call it yourself only if
+ * you use the metric without the identifier. A no-op before configure, for NULL thrusters, and for
+ * times that do not advance.
+ * @param t_us time of the commands [us]
+ * @param command [AUVID_MAX_COMMANDS] [units]; NULL: zeros. A command that is not finite counts as
+ * zero */
 void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
                              const auvid_real_t *command);
 
 #define auvid_thrusters_wrench AUVID_SIZED(auvid_thrusters_wrench)
-/** Mean wrench B x over a row, as the model has it.
- * @param t_us middle of the row
- * @param pi [n] of thrusters->vehicle
- * @param wrench [6] N, Nm
- * @return AUVID_OK; AUVID_ERR_NO_DATA (not in the log: wrench is zero). */
+/** Computes the model's mean wrench B x over a row.
+ * @param t_us middle of the row [us]
+ * @param pi [n] parameters of thrusters->vehicle
+ * @param wrench out, [6] N, Nm
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (the row is not in the log, or configure was
+ * not called: wrench is zero). */
 auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64_t t_us,
                                       const auvid_real_t *pi, auvid_real_t *wrench);
 

@@ -1,19 +1,19 @@
 /**
  * @file types.h
- * The words every module shares: the real number, the status, degrees of freedom, the sample.
+ * Types that every module uses: the real number, the status, degrees of freedom, the sample.
  *
  * Conventions, everywhere in auvid:
  * - World frame: NED, x north, y east, z down [m]. Depth and heave velocity are positive down.
  * - Body frame: x forward, y starboard, z down. Velocity nu = [u v w p q r] in the body frame,
  *   wrench tau = [X Y Z K M N] on the body [N, Nm] (Fossen 2011).
  * - Attitude: ZYX Euler angles phi, theta, psi [rad].
- * - Parameters carry the paper's signs: X_u, X_uu < 0 dissipate; W-B > 0 sinks; masses are total
- *   (rigid body and added mass).
- * - Time is an unsigned 64-bit count of microseconds that comes in with the data; differences are
- *   formed in integers. auvid reads no clock.
+ * - Parameters have the paper's signs: drag with X_u, X_uu < 0 dissipates; a vehicle with W-B > 0
+ *   sinks. Masses are total: rigid body plus added mass.
+ * - Time is an unsigned 64-bit count of microseconds that the caller passes with the data. auvid
+ *   reads no clock. It forms differences of times in integers.
  *
- * Calling rules: the caller owns every struct; no function keeps a pointer unless it says so; two
- * instances never interact; nothing here may be called from an interrupt.
+ * Calling rules: The caller owns every struct. No function keeps a pointer unless it says so. Two
+ * instances never interact. No function may be called from an interrupt.
  */
 #ifndef AUVID_TYPES_H
 #define AUVID_TYPES_H
@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-/** The real number of all interfaces. float by default; double with AUVID_REAL_DOUBLE. */
+/** The real number type of all interfaces: float, or double with AUVID_REAL_DOUBLE. */
 #ifdef AUVID_REAL_DOUBLE
 typedef double auvid_real_t;
 #define AUVID_C(literal) literal
@@ -46,7 +46,7 @@ typedef float auvid_real_t;
 
 #define AUVID_PI AUVID_C(3.14159265358979323846)
 
-/** Degrees of freedom, the index into every nu, tau and per-DoF array. */
+/** Degrees of freedom (DoF): the index into every nu, tau and per-DoF array. */
 typedef enum {
     AUVID_SURGE = 0, /**< u [m/s], X [N] */
     AUVID_SWAY = 1,  /**< v [m/s], Y [N] */
@@ -58,67 +58,68 @@ typedef enum {
 } auvid_dof_t;
 
 /**
- * What a function did. 0: done. > 0: done, with news. < 0: refused, and nothing was changed: state
- * and outputs are as before the call, unless the function says otherwise. Each function lists the
- * exact set it returns.
+ * Result of a call. 0: done. > 0: done, and the value tells what happened. < 0: refused; state and
+ * outputs are as before the call unless the function says otherwise. Each function lists exactly
+ * the statuses that it returns.
  */
 typedef enum {
     AUVID_OK = 0,               /**< done */
     AUVID_PENDING = 1,          /**< more work remains: call again */
-    AUVID_FINISHED = 2,         /**< the procedure has come to its end */
-    AUVID_EMPTY = 3,            /**< there is nothing to take */
-    AUVID_GAP = 4,              /**< the record was broken here and starts anew */
-    AUVID_SET_COMPLETE = 5,     /**< a data set was closed by this sample */
-    AUVID_GATED = 6,            /**< measurement refused by the innovation gate */
-    AUVID_UNUSED = 7,           /**< measurement valid but not usable now (GPS under water, ...) */
-    AUVID_SATURATED = 8,        /**< limited to what the thrusters can give, or a frame can carry */
-    AUVID_EVALUATION_LIMIT = 9, /**< stopped at a cap before its own criterion was met */
-    AUVID_TICK = 10,            /**< a control tick has opened: step */
-    AUVID_SET_IDLE = 11,       /**< a data set was closed and left out: no DoF with a free parameter
-                                  was driven in it */
-    AUVID_ERR_NULL = -1,       /**< a required pointer is null */
-    AUVID_ERR_NOT_FINITE = -2, /**< a value is NaN or infinite */
-    AUVID_ERR_TIME_BACK = -3,  /**< time went back */
-    AUVID_ERR_TIME_SAME = -4,  /**< time did not advance (zero dt) */
-    AUVID_ERR_STALE = -5,      /**< sample older than the stated age, or from the future */
-    AUVID_ERR_RANGE = -6,      /**< a value or configuration field is outside its stated range */
-    AUVID_ERR_BOUNDS = -7,     /**< lower bound not below upper bound */
-    AUVID_ERR_POPULATION = -8, /**< m < n + 1, or m > AUVID_MAX_POPULATION */
-    AUVID_ERR_PARAMETERS = -9, /**< no parameter, or more than AUVID_MAX_PARAMETERS */
-    AUVID_ERR_SIZE = -10,      /**< something else exceeds a size in config.h */
-    AUVID_ERR_STATE = -11,     /**< call out of order (tell without ask, not initialised, ...) */
-    AUVID_ERR_NO_DATA = -12,   /**< no rows to work on: empty set, no DoF driven */
-    AUVID_ERR_SINGULAR = -13,  /**< the data or the matrix do not determine the answer */
-    AUVID_ERR_LIMIT = -14,     /**< more is asked for than the thrusters can give, a limit of the
-                                     guard allows, or a queue can take */
-    AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic is not auvid's */
-    AUVID_ERR_MODEL = -16,      /**< the vehicle model lacks what is asked of it */
-    AUVID_ERR_LENGTH = -17,     /**< a frame has not the length of its message */
-    AUVID_ERR_CHECKSUM = -18,   /**< a frame's checksum is wrong */
+    AUVID_FINISHED = 2,         /**< the procedure is complete */
+    AUVID_EMPTY = 3,            /**< nothing is available */
+    AUVID_GAP = 4,              /**< gap in the data: the record restarts here */
+    AUVID_SET_COMPLETE = 5,     /**< this sample completed a data set */
+    AUVID_GATED = 6,            /**< the innovation gate rejected the measurement */
+    AUVID_UNUSED = 7,           /**< valid measurement, not usable now (GPS under water, ...) */
+    AUVID_SATURATED = 8,        /**< limited to the thrusters' capacity or a frame's range */
+    AUVID_EVALUATION_LIMIT = 9, /**< stopped at the evaluation limit, not converged */
+    AUVID_TICK = 10,            /**< a control tick is due: call the step function */
+    AUVID_SET_IDLE = 11,        /**< a data set was completed and discarded: no DoF with a free
+                                  parameter was excited in it */
+    AUVID_ERR_NULL = -1,        /**< a required pointer is NULL */
+    AUVID_ERR_NOT_FINITE = -2,  /**< a value is NaN or infinite */
+    AUVID_ERR_TIME_BACK = -3,   /**< time went backwards */
+    AUVID_ERR_TIME_SAME = -4,   /**< time did not advance (zero dt) */
+    AUVID_ERR_STALE = -5,       /**< sample older than allowed, or from the future */
+    AUVID_ERR_RANGE = -6,       /**< a value or configuration field is outside its stated range */
+    AUVID_ERR_BOUNDS = -7,      /**< lower bound not below upper bound */
+    AUVID_ERR_POPULATION = -8,  /**< m < n + 1, or m > AUVID_MAX_POPULATION */
+    AUVID_ERR_PARAMETERS = -9,  /**< no parameter, or more than AUVID_MAX_PARAMETERS */
+    AUVID_ERR_SIZE = -10,       /**< another count exceeds its size in config.h */
+    AUVID_ERR_STATE = -11,      /**< call out of order (tell before ask, not initialised, ...) */
+    AUVID_ERR_NO_DATA = -12,    /**< no rows to work on: empty set, no DoF excited */
+    AUVID_ERR_SINGULAR = -13,   /**< the data or the matrix do not determine the result */
+    AUVID_ERR_LIMIT = -14,      /**< exceeds thruster capacity, a guard limit or a queue's size */
+    AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic gives other bits */
+    AUVID_ERR_MODEL = -16,      /**< the vehicle model does not support the request */
+    AUVID_ERR_LENGTH = -17,     /**< the frame's length is not that of its message */
+    AUVID_ERR_CHECKSUM = -18,   /**< the frame's checksum is wrong */
     AUVID_ERR_DRY_MASS = -19    /**< the dry mass is not below the upper bound of a mass */
 } auvid_status_t;
 
-/** Short English sentence for a status; never null. "unknown status" for others. Cost: constant. */
+/** Returns a short English text for a status, never NULL; "unknown status" for any other value.
+ * The text is static and read-only. Cost: constant. */
 const char *auvid_status_str(auvid_status_t status);
 
 /**
- * One grid cell of the record: the motion and the wrench, averaged over the same interval. This is
- * what vehicle models see. Written by the recorder (recorder.h) or by the user's own code.
+ * One cell of the record: motion and wrench, averaged over the same interval. It is the input of
+ * vehicle models. The recorder (recorder.h) or the user's own code writes it.
  */
 typedef struct {
-    uint64_t t_us;                             /**< middle of the interval [us] */
-    auvid_real_t phi, theta, psi;              /**< roll, pitch, yaw [rad]; yaw unwrapped */
-    auvid_real_t nu[AUVID_DOF_COUNT];          /**< u v w [m/s] p q r [rad/s], through the water */
-    auvid_real_t nu_dot[AUVID_DOF_COUNT];      /**< their time derivatives [m/s2, rad/s2] */
-    auvid_real_t tau[AUVID_DOF_COUNT];         /**< applied wrench X Y Z [N] K M N [Nm] */
-    auvid_real_t command[AUVID_MAX_COMMANDS];  /**< applied thruster commands, user's unit */
-    uint8_t missing; /**< bit j: nu[j] and nu_dot[j] were not measured here; 0: all were */
+    uint64_t t_us;                            /**< middle of the interval [us] */
+    auvid_real_t phi, theta, psi;             /**< roll, pitch, yaw [rad]; yaw unwrapped */
+    auvid_real_t nu[AUVID_DOF_COUNT];         /**< u v w [m/s] p q r [rad/s], through the water */
+    auvid_real_t nu_dot[AUVID_DOF_COUNT];     /**< their time derivatives [m/s2, rad/s2] */
+    auvid_real_t tau[AUVID_DOF_COUNT];        /**< applied wrench X Y Z [N] K M N [Nm] */
+    auvid_real_t command[AUVID_MAX_COMMANDS]; /**< applied thruster commands [user's unit] */
+    uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
 
-/** Is x neither NaN nor infinite? Needs no library; not defeated by compiler flags we accept. */
+/** Returns true if x is neither NaN nor infinite. Needs no library. No accepted compiler flag
+ * breaks it. */
 static inline bool auvid_is_finite(auvid_real_t x)
 {
-    return x - x <= AUVID_C(0.0); /* else NaN */
+    return x - x <= AUVID_C(0.0); /* NaN if x is not finite */
 }
 
 #ifdef __cplusplus

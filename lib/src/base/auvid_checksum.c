@@ -1,5 +1,5 @@
 /*
- * Checksums of records that outlive the power.
+ * Checksums of records in non-volatile memory.
  */
 #include "auvid_checksum_internal.h"
 
@@ -7,7 +7,7 @@
 
 uint32_t auvid_checksum(uint32_t c, const uint8_t *bytes, uint32_t n)
 {
-    /* of each half byte: a third of the time that bit by bit takes, for 64 bytes */
+    /* 64 bytes of table; a third of the time of a bitwise CRC */
     static const uint32_t half[16] = {
         0x00000000, 0x1DB71064, 0x3B6E20C8, 0x26D930AC, 0x76DC4190, 0x6B6B51F4,
         0x4DB26158, 0x5005713C, 0xEDB88320, 0xF00F9344, 0xD6D6A3E8, 0xCB61B38C,

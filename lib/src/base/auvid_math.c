@@ -1,24 +1,26 @@
 /*
- * Elementary functions with the same bits everywhere: only + - * / and conversions, in a fixed
- * order, without contraction.
+ * Elementary functions that give the same bits on every target. They use only + - * / and
+ * conversions, in a fixed order, without contraction.
  *
- * sin, cos: x = n pi/2 + r by Cody and Waite's reduction (Software Manual for the Elementary
- * Functions, 1980), then minimax polynomials on |r| <= pi/4. atan: on [0, tan(pi/8)], the rest by
- * atan q = pi/4 + atan((q - 1) / (q + 1)). The coefficients were fitted by the exchange method in
- * 40 digits; the error of each fit stands beside it. Random numbers: xoshiro128** (Blackman, Vigna
- * 2018) seeded by splitmix64 (Steele et al. 2014).
+ * - sin, cos: x = n pi/2 + r by Cody and Waite's reduction (Software Manual for the Elementary
+ *   Functions, 1980), then minimax polynomials on |r| <= pi/4.
+ * - atan: a minimax polynomial on [0, tan(pi/8)]; larger arguments by
+ *   atan q = pi/4 + atan((q - 1) / (q + 1)).
+ * - The Remez exchange algorithm computed the coefficients with 40 digits. The error of each fit is
+ *   given with the coefficients.
+ * - Random numbers: xoshiro128** (Blackman, Vigna 2018), seeded by splitmix64 (Steele et al. 2014).
  *
- * Bounds, e = AUVID_EPSILON, against the exact value (tests/unit/base/test_math.c sweeps them):
+ * Error bounds, e = AUVID_EPSILON (tests/unit/base/test_math.c tests them):
  *   sin, cos: 0.75 e absolute for |x| <= 1e4; sin also 1.25 e relative for |x| <= pi
- *   atan2:    2 e relative, where the angle is not denormal
+ *   atan2:    2 e relative if the angle is not denormal
  *   wrap_pi:  1.25 e absolute
  */
 #include "auvid_math_internal.h"
 
 #include <string.h>
 
-/* The square root of the core, by its instruction: sqrtf() would be a call or set errno, depending
- * on the user's flags. */
+/* The square root instruction of the core. sqrtf() may be a call or set errno, depending on the
+ * user's flags. */
 #if defined(__GNUC__) && defined(__AVX__)
 #define SQRT_32(r, x) __asm__("vsqrtss %1, %1, %0" : "=x"(r) : "x"(x))
 #define SQRT_64(r, x) __asm__("vsqrtsd %1, %1, %0" : "=x"(r) : "x"(x))
@@ -62,7 +64,7 @@ auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
 
 void auvid_clear(auvid_real_t *x, size_t n)
 {
-    for (; n >= 6; n -= 6, x += 6) { /* not what a compiler takes for memset() */
+    for (; n >= 6; n -= 6, x += 6) { /* compilers do not replace this by memset() */
         x[0] = x[1] = x[2] = x[3] = x[4] = x[5] = AUVID_C(0.0);
     }
     for (; n > 0; --n) {
@@ -70,7 +72,7 @@ void auvid_clear(auvid_real_t *x, size_t n)
     }
 }
 
-/* By the digits of the exponent: all ones are an infinity or no number. */
+/* If all bits of the exponent are ones, the value is infinite or NaN. */
 bool auvid_all_finite(const auvid_real_t *x, size_t n)
 {
 #ifdef AUVID_REAL_DOUBLE
@@ -99,7 +101,7 @@ auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t li
     return AUVID_OK;
 }
 
-/* Digit by digit: the quotient moves into n from the right as n moves out to the left. */
+/* Bit by bit: n shifts out to the left while the quotient shifts in from the right. */
 uint64_t auvid_divide(uint64_t n, uint64_t d)
 {
     uint64_t rest = 0;
@@ -141,12 +143,13 @@ auvid_real_t auvid_sqrt(auvid_real_t x)
 }
 
 /*
- * pi/2 = HALF_PI_1 + HALF_PI_2 + HALF_PI_3. The first two are short (11 bits; 40 in double), so
- * that their products with |n| <= 6367 (13 bits) and the two subtractions are exact; what is left
+ * pi/2 = HALF_PI_1 + HALF_PI_2 + HALF_PI_3. The first two have few bits (11; 40 in double). So
+ * their products with |n| <= 6367 (13 bits) and the two subtractions are exact. The remaining error
  * is the rounding of n HALF_PI_3, below 6367 * 7.6e-8 * 6e-8 = 3e-11.
  *
- * sin r = r + r^3 S(r^2), cos r = 1 - r^2/2 + r^4 C(r^2), atan q = q + q^3 A(q^2); errors of the
- * fits: float 3.7e-9, 9.7e-11, 6.6e-10 relative to q; double 3.5e-18, 4.8e-20, 1.3e-18.
+ * sin r = r + r^3 S(r^2), cos r = 1 - r^2/2 + r^4 C(r^2), atan q = q + q^3 A(q^2). Errors of the
+ * fits, in this order, that of atan relative to q: float 3.7e-9, 9.7e-11, 6.6e-10; double 3.5e-18,
+ * 4.8e-20, 1.3e-18.
  */
 #ifdef AUVID_REAL_DOUBLE
 #define HALF_PI_1 AUVID_C(1.5707963267941522645)
@@ -186,7 +189,7 @@ static const auvid_real_t atan_c[] = {AUVID_C(-0.3333331549), AUVID_C(0.19998488
 #define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
 
 /* c[0] + c[1] z + ... + c[n-1] z^(n-1) */
-static inline auvid_real_t polynomial(const auvid_real_t *c, int n, auvid_real_t z)
+static inline auvid_real_t math_polynomial(const auvid_real_t *c, int n, auvid_real_t z)
 {
     auvid_real_t p = c[n - 1];
     for (int i = n - 2; i >= 0; --i) {
@@ -195,71 +198,72 @@ static inline auvid_real_t polynomial(const auvid_real_t *c, int n, auvid_real_t
     return p;
 }
 
-/* Nearest integer to x, halves away from zero. */
-static inline int32_t nearest(auvid_real_t x)
+/* Rounds x to the nearest integer, halves away from zero. */
+static inline int32_t math_nearest(auvid_real_t x)
 {
     return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
 }
 
 /* x - n pi/2 */
-static inline auvid_real_t reduce(auvid_real_t x, int32_t n)
+static inline auvid_real_t math_reduce(auvid_real_t x, int32_t n)
 {
     auvid_real_t k = (auvid_real_t)n;
     return ((x - k * HALF_PI_1) - k * HALF_PI_2) - k * HALF_PI_3;
 }
 
-/* Is x where the reduction holds? False for NaN too. */
-static inline bool in_range(auvid_real_t x)
+/* Returns true if the reduction is valid for x; false for NaN. */
+static inline bool math_in_range(auvid_real_t x)
 {
     return auvid_abs(x) <= AUVID_C(10000.0);
 }
 
-/* What a function returns where its argument has no meaning: the next is_finite() finds it. */
-static auvid_real_t not_a_number(void)
+/* Returned for an argument out of range: the next auvid_is_finite() detects it. */
+static auvid_real_t math_nan(void)
 {
     auvid_real_t zero = AUVID_C(0.0);
     return zero / zero;
 }
 
-/* Of r, |r| <= pi/4 and its rounding; z = r^2. */
-AUVID_INLINE auvid_real_t sin_near(auvid_real_t r, auvid_real_t z)
+/* sin r for |r| <= pi/4 (plus rounding); z = r^2. */
+AUVID_INLINE auvid_real_t math_sin_reduced(auvid_real_t r, auvid_real_t z)
 {
-    return r + r * z * polynomial(sin_c, COUNT(sin_c), z);
+    return r + r * z * math_polynomial(sin_c, COUNT(sin_c), z);
 }
 
-AUVID_INLINE auvid_real_t cos_near(auvid_real_t z)
+/* cos r for |r| <= pi/4 (plus rounding); z = r^2. */
+AUVID_INLINE auvid_real_t math_cos_reduced(auvid_real_t z)
 {
-    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * polynomial(cos_c, COUNT(cos_c), z));
+    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * math_polynomial(cos_c, COUNT(cos_c), z));
 }
 
-/* x = n pi/2 + r */
-static auvid_real_t to_quadrant(auvid_real_t x, uint32_t *n)
+/* Returns r of x = n pi/2 + r. */
+static auvid_real_t math_to_quadrant(auvid_real_t x, uint32_t *n)
 {
-    int32_t nearest_n = nearest(x * AUVID_C(0.63661977236758134308));
+    int32_t nearest_n = math_nearest(x * AUVID_C(0.63661977236758134308));
     *n = (uint32_t)nearest_n;
-    return nearest_n != 0 ? reduce(x, nearest_n) : x;
+    return nearest_n != 0 ? math_reduce(x, nearest_n) : x;
 }
 
 auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters)
 {
     uint32_t n;
-    if (!in_range(x)) {
-        return not_a_number();
+    if (!math_in_range(x)) {
+        return math_nan();
     }
-    auvid_real_t r = to_quadrant(x, &n);
+    auvid_real_t r = math_to_quadrant(x, &n);
     n += quarters;
-    r = (n & 1u) != 0u ? cos_near(r * r) : sin_near(r, r * r);
+    r = (n & 1u) != 0u ? math_cos_reduced(r * r) : math_sin_reduced(r, r * r);
     return (n & 2u) != 0u ? -r : r;
 }
 
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
-    auvid_real_t s = not_a_number();
+    auvid_real_t s = math_nan();
     auvid_real_t c = s;
-    if (in_range(x)) {
+    if (math_in_range(x)) {
         uint32_t n;
-        auvid_real_t r = to_quadrant(x, &n);
-        auvid_real_t sr = sin_near(r, r * r), cr = cos_near(r * r);
+        auvid_real_t r = math_to_quadrant(x, &n);
+        auvid_real_t sr = math_sin_reduced(r, r * r), cr = math_cos_reduced(r * r);
         s = (n & 1u) != 0u ? cr : sr;
         c = (n & 1u) != 0u ? sr : cr;
         s = (n & 2u) != 0u ? -s : s;
@@ -291,7 +295,7 @@ auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x)
         turn = AUVID_C(1.0);
     }
     auvid_real_t z = q * q;
-    auvid_real_t a = q + q * z * polynomial(atan_c, COUNT(atan_c), z);
+    auvid_real_t a = q + q * z * math_polynomial(atan_c, COUNT(atan_c), z);
     if (steep) { /* pi/2 - angle */
         a = -a;
         turn = AUVID_C(2.0) - turn;
@@ -310,23 +314,23 @@ auvid_real_t auvid_wrap_pi(auvid_real_t x)
     if (x >= -AUVID_PI && x <= AUVID_PI) {
         return x;
     }
-    if (!in_range(x)) {
-        return not_a_number();
+    if (!math_in_range(x)) {
+        return math_nan();
     }
-    int32_t n = 4 * nearest(x * AUVID_C(0.15915494309189533577));
-    auvid_real_t r = reduce(x, n);
+    int32_t n = 4 * math_nearest(x * AUVID_C(0.15915494309189533577));
+    auvid_real_t r = math_reduce(x, n);
     if (r > AUVID_PI || r < -AUVID_PI) { /* x / (2 pi) was rounded to the wrong side of a half */
-        r = reduce(x, r > AUVID_C(0.0) ? n + 4 : n - 4);
+        r = math_reduce(x, r > AUVID_C(0.0) ? n + 4 : n - 4);
     }
     return auvid_clamp(r, -AUVID_PI, AUVID_PI);
 }
 
-/* auvid_sincos() of what is small most of the time; where it is, without a call. */
-AUVID_INLINE void sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
+/* auvid_sincos(), without a call if x is small. */
+AUVID_INLINE void math_sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
     if (auvid_abs(x) < AUVID_C(0.785)) {
-        *sin_x = sin_near(x, x * x);
-        *cos_x = cos_near(x * x);
+        *sin_x = math_sin_reduced(x, x * x);
+        *cos_x = math_cos_reduced(x * x);
     } else {
         auvid_sincos(x, sin_x, cos_x);
     }
@@ -335,8 +339,8 @@ AUVID_INLINE void sincos_small(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t
 void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3])
 {
     auvid_real_t sf, cf, st, ct, sp, cp;
-    sincos_small(phi, &sf, &cf);
-    sincos_small(theta, &st, &ct);
+    math_sincos_small(phi, &sf, &cf);
+    math_sincos_small(theta, &st, &ct);
     auvid_sincos(psi, &sp, &cp);
     r[0][0] = cp * ct;
     r[0][1] = cp * st * sf - sp * cf;
@@ -349,7 +353,7 @@ void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvi
     r[2][2] = ct * cf;
 }
 
-static uint64_t splitmix64(uint64_t *state)
+static uint64_t math_splitmix64(uint64_t *state)
 {
     *state += UINT64_C(0x9e3779b97f4a7c15);
     uint64_t z = *state;
@@ -360,15 +364,15 @@ static uint64_t splitmix64(uint64_t *state)
 
 void auvid_rng_seed(auvid_rng_t *rng, uint64_t seed)
 {
-    /* splitmix64 is a permutation: two outputs in a row differ, so they are not both zero. */
+    /* splitmix64 is a permutation: consecutive outputs differ, so they are not both zero. */
     for (int i = 0; i < 4; i += 2) {
-        uint64_t z = splitmix64(&seed);
+        uint64_t z = math_splitmix64(&seed);
         rng->s[i] = (uint32_t)z;
         rng->s[i + 1] = (uint32_t)(z >> 32);
     }
 }
 
-static uint32_t rotate_left(uint32_t x, unsigned k)
+static uint32_t math_rotate_left(uint32_t x, unsigned k)
 {
     return (x << k) | (x >> (32u - k));
 }
@@ -376,14 +380,14 @@ static uint32_t rotate_left(uint32_t x, unsigned k)
 uint32_t auvid_rng_next(auvid_rng_t *rng)
 {
     uint32_t *s = rng->s;
-    uint32_t result = rotate_left(s[1] * 5u, 7u) * 9u;
+    uint32_t result = math_rotate_left(s[1] * 5u, 7u) * 9u;
     uint32_t t = s[1] << 9;
     s[2] ^= s[0];
     s[3] ^= s[1];
     s[1] ^= s[2];
     s[0] ^= s[3];
     s[2] ^= t;
-    s[3] = rotate_left(s[3], 11u);
+    s[3] = math_rotate_left(s[3], 11u);
     return result;
 }
 

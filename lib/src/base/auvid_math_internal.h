@@ -2,9 +2,10 @@
  * @file auvid_math_internal.h
  * Private: elementary functions that give the same bits on every target.
  *
- * No libm: sinf, cosf, atan2f differ between C libraries, and a firmware image should not carry
- * one. Contraction is switched off here, because users build with their own flags: every .c file of
- * lib/ includes this header (directly or through another private header) before any arithmetic.
+ * auvid does not use libm: sinf, cosf, atan2f differ between C libraries, and a firmware image
+ * should not contain one. This header disables contraction, because users build with their own
+ * flags. Every .c file of lib/ includes it (directly or through another private header) before any
+ * arithmetic.
  */
 #ifndef AUVID_MATH_INTERNAL_H
 #define AUVID_MATH_INTERNAL_H
@@ -17,21 +18,21 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-/* For the few lines that the cost of a tick is made of, unless a small program is wanted. */
+/* For the few functions that dominate the cost of a tick; not with -Os. */
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define AUVID_INLINE static inline __attribute__((always_inline))
 #else
 #define AUVID_INLINE static inline
 #endif
 
-/* For a function whose large frame must not lie under what its caller calls next. */
+/* For a function whose large stack frame must not merge into its caller's. */
 #if defined(__GNUC__)
 #define AUVID_NOINLINE __attribute__((noinline))
 #else
 #define AUVID_NOINLINE
 #endif
 
-/* +0 for both zeros. */
+/* Absolute value; +0 for both zeros. */
 static inline auvid_real_t auvid_abs(auvid_real_t x)
 {
 #if defined(__GNUC__) && defined(AUVID_REAL_DOUBLE)
@@ -43,7 +44,7 @@ static inline auvid_real_t auvid_abs(auvid_real_t x)
 #endif
 }
 
-/* Exact comparisons, which -Wfloat-equal refuses elsewhere. */
+/* Exact comparisons; -Wfloat-equal rejects them elsewhere. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wfloat-equal"
@@ -70,58 +71,61 @@ static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_r
     return x < low ? low : (x > high ? high : x);
 }
 
-/** n zeros. memset() of small C libraries goes byte by byte. */
+/** Sets n values to zero. memset() of small C libraries works byte by byte. */
 void auvid_clear(auvid_real_t *x, size_t n);
 
-/** Are all n values finite? */
+/** Returns true if all n values are finite. */
 bool auvid_all_finite(const auvid_real_t *x, size_t n);
 
-/** AUVID_OK when all n values are within +-limit, else AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE. */
+/** Returns AUVID_OK if all n values are within +-limit, AUVID_ERR_NOT_FINITE if one is not finite,
+ * else AUVID_ERR_RANGE. */
 auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t limit);
 
-/** From a to b, which is not before a [s]: formed in integers, exact to the rounding of one
- * conversion, at most 2147 s. */
+/** Returns the time from a to b [s], b >= a, limited to 2147 s. The difference is formed in
+ * integers; the only error is the rounding of one conversion. */
 static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
 {
     uint64_t us = b_us - a_us;
     return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
 }
 
-/** n / d, rounded down; d in 1..2^63. For rare use: a compiler's own weighs ten times as much. */
+/** Returns n / d, rounded down; d in 1..2^63. For rare use: small but slow. The compiler's 64-bit
+ * division has ten times the code size. */
 uint64_t auvid_divide(uint64_t n, uint64_t d);
 
-/** Correctly rounded square root; 0 for x <= 0 and for NaN. */
+/** Returns the correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
 
-/** sin and cos of x [rad], |x| <= 1e4, else NaN; error below 0.75 AUVID_EPSILON (auvid_math.c).
- * Either pointer may be null. */
+/** Computes sin and cos of x [rad], |x| <= 1e4, else NaN. The error is below 0.75 AUVID_EPSILON
+ * (auvid_math.c). Either pointer may be NULL. */
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x);
 
-/** sin(x + quarters pi/2), exactly what auvid_sincos() gives for it: sin x for 0, cos x for 1. */
+/** Returns sin(x + quarters pi/2), so 0: sin x, 1: cos x. Same bits as auvid_sincos(). */
 auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters);
 
-/** Angle of (x, y) in [-pi, pi]; 0 for (0, 0); relative error below 2 AUVID_EPSILON. */
+/** Returns the angle of (x, y) in [-pi, pi]; 0 for (0, 0). Relative error below 2 AUVID_EPSILON. */
 auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x);
 
-/** x brought into [-pi, pi], |x| <= 1e4, else NaN; error below 1.25 AUVID_EPSILON. */
+/** Wraps x into [-pi, pi], |x| <= 1e4, else NaN. The error is below 1.25 AUVID_EPSILON. */
 auvid_real_t auvid_wrap_pi(auvid_real_t x);
 
-/** Rotation body to world, R(phi, theta, psi) = Rz(psi) Ry(theta) Rx(phi) (Fossen 2011, Eq. 2.18).
- * r[i][j]: row i world axis, column j body axis. */
+/** Computes the rotation from body to world, R(phi, theta, psi) = Rz(psi) Ry(theta) Rx(phi) (Fossen
+ * 2011, Eq. 2.18). r[i][j]: row i world axis, column j body axis. */
 void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3]);
 
-/** Random numbers: xoshiro128** (Blackman & Vigna 2018), 32-bit operations only. */
+/** Random number generator xoshiro128** (Blackman & Vigna 2018), 32-bit operations only. */
 typedef struct {
     uint32_t s[4]; /**< never all zero */
 } auvid_rng_t;
 
-/** Start from any seed (splitmix64 spreads it). */
+/** Initialises the generator from any seed, expanded by splitmix64. */
 void auvid_rng_seed(auvid_rng_t *rng, uint64_t seed);
-/** Next 32 random bits. */
+/** Returns the next 32 random bits. */
 uint32_t auvid_rng_next(auvid_rng_t *rng);
-/** Uniform in [0, 1), multiple of 2^-24. */
+/** Returns a uniform number in [0, 1), a multiple of 2^-24. */
 auvid_real_t auvid_rng_uniform(auvid_rng_t *rng);
-/** Uniform integer in [0, n), n >= 1: multiply-shift, bias < n / 2^32, one draw, no loop. */
+/** Returns a uniform integer in [0, n), n >= 1. Multiply-shift: bias < n / 2^32, one draw, no loop.
+ * */
 uint32_t auvid_rng_below(auvid_rng_t *rng, uint32_t n);
 
 #endif

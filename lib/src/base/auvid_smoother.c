@@ -4,14 +4,14 @@
  * On the N = 2 h + 1 points i = -h..h the discrete Chebyshev (Gram) polynomials
  *     t_0 = 1,  t_1 = 2 i,  (m+1) t_{m+1} = (2m+1) 2 i t_m - m (N^2 - m^2) t_{m-1}
  * are orthogonal, with integer coefficients, and sum_i t_m(i)^2 = N (N^2-1)..(N^2-m^2) / (2m+1).
- * The d-th derivative at position s of the polynomial of order p fitted to x_k weighs x_k with
+ * In the d-th derivative at position s of the fitted polynomial of order p, x_k has the weight
  *     c_k = sum_{m=0}^{p} (2m+1) t_m(k) t_m^(d)(s) / (N (N^2-1)..(N^2-m^2)) / dt^d .
  *
- * Everything up to the quotient is an integer, so it is formed in integers and exactly: over the
+ * All terms up to the quotient are integers. So the sum is formed exactly, in integers, over the
  * common denominator D = N (N^2-1)..(N^2-p^2), by Horner's rule in m. Bounds for N <= 255, p <= 5,
- * d <= 2: |t_m| < 2^40, |t_m^(d)| < 2^43, D < 2^89, and |c_k| < 10 in samples keeps the numerator
- * below 2^93: 128 bits hold it. Rounding: numerator, denominator, quotient, and with d > 0 the
- * power of dt and one product: 3..6 half-units in the last place.
+ * d <= 2: |t_m| < 2^40, |t_m^(d)| < 2^43, D < 2^89. With |c_k| < 10 (in samples) the numerator is
+ * below 2^93, so 128 bits are sufficient. Numerator, denominator and quotient are rounded, and with
+ * d > 0 also the power of dt and one product: 3..6 half-units in the last place.
  */
 #include <string.h>
 
@@ -25,32 +25,32 @@ typedef struct {
     uint64_t high, low;
 } wide_t;
 
-/* What does not depend on k in the sum for c_k. */
+/* The terms of the sum for c_k that do not depend on k. */
 typedef struct {
     int32_t points;            /* N */
     int32_t order;             /* p */
     int64_t at[MAX_ORDER + 1]; /* (2m+1) t_m^(d)(s) */
-    auvid_real_t denominator;  /* D = denominator 2^shift, 63 to 64 binary digits in front */
+    auvid_real_t denominator;  /* D = denominator 2^shift, denominator in 2^63..2^64 */
     int32_t shift;
     auvid_real_t scale; /* 1 / dt^d */
 } gram_t;
 
-static wide_t wide_negative(wide_t a)
+static wide_t smoother_wide_negative(wide_t a)
 {
     wide_t r = {~a.high, ~a.low + 1u};
     r.high += r.low == 0u ? 1u : 0u;
     return r;
 }
 
-static wide_t wide_sum(wide_t a, wide_t b)
+static wide_t smoother_wide_sum(wide_t a, wide_t b)
 {
     wide_t r = {a.high + b.high, a.low + b.low};
     r.high += r.low < a.low ? 1u : 0u;
     return r;
 }
 
-/* a b, by halves of 32 bits. */
-static wide_t wide_product(uint64_t a, uint64_t b)
+/* a b, with partial products of 32 bits. */
+static wide_t smoother_wide_product(uint64_t a, uint64_t b)
 {
     const uint64_t mask = 0xffffffffu;
     uint64_t low = (a & mask) * (b & mask);
@@ -60,26 +60,26 @@ static wide_t wide_product(uint64_t a, uint64_t b)
     return r;
 }
 
-static wide_t wide_signed_product(int64_t a, int64_t b)
+static wide_t smoother_wide_signed_product(int64_t a, int64_t b)
 {
-    wide_t r = wide_product(a < 0 ? 0u - (uint64_t)a : (uint64_t)a,
-                            b < 0 ? 0u - (uint64_t)b : (uint64_t)b);
-    return (a < 0) != (b < 0) ? wide_negative(r) : r;
+    wide_t r = smoother_wide_product(a < 0 ? 0u - (uint64_t)a : (uint64_t)a,
+                                     b < 0 ? 0u - (uint64_t)b : (uint64_t)b);
+    return (a < 0) != (b < 0) ? smoother_wide_negative(r) : r;
 }
 
-/* a b, b < 2^32; right for negative a too, modulo 2^128. */
-static wide_t wide_times(wide_t a, uint32_t b)
+/* a b, b < 2^32, modulo 2^128; also correct for negative a. */
+static wide_t smoother_wide_times(wide_t a, uint32_t b)
 {
-    wide_t r = wide_product(a.low, b);
+    wide_t r = smoother_wide_product(a.low, b);
     r.high += a.high * b;
     return r;
 }
 
-/* |a| = r 2^shift, the digits of r in the upper word: one rounding. a is not 0. */
-static auvid_real_t wide_magnitude(wide_t a, int32_t *shift)
+/* Returns r of |a| = r 2^shift, normalised to 2^63..2^64, with one rounding. a is not 0. */
+static auvid_real_t smoother_wide_magnitude(wide_t a, int32_t *shift)
 {
     if ((a.high >> 63) != 0u) {
-        a = wide_negative(a);
+        a = smoother_wide_negative(a);
     }
     *shift = 64;
     if (a.high == 0u) {
@@ -97,9 +97,9 @@ static auvid_real_t wide_magnitude(wide_t a, int32_t *shift)
     return (auvid_real_t)(a.high | (a.low != 0u ? 1u : 0u));
 }
 
-/* a / b, b in 1..MAX_ORDER, where nothing is left over: times the inverse of the odd part of b
- * modulo 2^64, after halvings. */
-static int64_t exact_quotient(int64_t a, int32_t b)
+/* a / b, b in 1..MAX_ORDER, for a divisible by b. First halvings, then multiplication by the
+ * inverse of the odd part of b modulo 2^64. */
+static int64_t smoother_exact_quotient(int64_t a, int32_t b)
 {
     for (; b % 2 == 0; b /= 2) {
         a /= 2;
@@ -109,8 +109,9 @@ static int64_t exact_quotient(int64_t a, int32_t b)
     return (int64_t)((uint64_t)a * inverse);
 }
 
-/* t[m] = t_m^(d)(i), m = 0..order: the recurrence above, differentiated d times. */
-static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d, int64_t *t)
+/* t[m] = t_m^(d)(i), m = 0..order, by the recurrence above, differentiated d times. */
+static void smoother_gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d,
+                                      int64_t *t)
 {
     int64_t f[AUVID_SMOOTHER_MAX_DERIVATIVE + 1][MAX_ORDER + 1];
     for (int32_t e = 0; e <= d; ++e) {
@@ -118,9 +119,9 @@ static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d
         for (int32_t m = 0; m < order; ++m) {
             int64_t last = m == 0 ? 0 : f[e][m - 1];
             int64_t lower = e == 0 ? 0 : e * f[e - 1][m];
-            f[e][m + 1] = exact_quotient((2 * m + 1) * 2 * (i * f[e][m] + lower) -
-                                             (int64_t)m * (points * points - m * m) * last,
-                                         m + 1);
+            f[e][m + 1] = smoother_exact_quotient((2 * m + 1) * 2 * (i * f[e][m] + lower) -
+                                                      (int64_t)m * (points * points - m * m) * last,
+                                                  m + 1);
         }
     }
     for (int32_t m = 0; m <= order; ++m) {
@@ -128,19 +129,20 @@ static void gram_polynomials(int32_t points, int32_t order, int32_t i, int32_t d
     }
 }
 
-static void gram_prepare(gram_t *g, const auvid_smoother_config_t *config, int32_t position)
+static void smoother_gram_prepare(gram_t *g, const auvid_smoother_config_t *config,
+                                  int32_t position)
 {
     g->points = 2 * config->half_width + 1;
     g->order = config->order;
-    gram_polynomials(g->points, g->order, position, config->derivative, g->at);
+    smoother_gram_polynomials(g->points, g->order, position, config->derivative, g->at);
     wide_t d = {0u, (uint64_t)g->points};
     for (int32_t m = 0; m <= g->order; ++m) {
         g->at[m] *= 2 * m + 1;
         if (m > 0) {
-            d = wide_times(d, (uint32_t)(g->points * g->points - m * m));
+            d = smoother_wide_times(d, (uint32_t)(g->points * g->points - m * m));
         }
     }
-    g->denominator = wide_magnitude(d, &g->shift);
+    g->denominator = smoother_wide_magnitude(d, &g->shift);
     auvid_real_t dt = config->dt_s;
     g->scale = config->derivative == 2u ? AUVID_C(1.0) / (dt * dt) : AUVID_C(1.0) / dt;
     if (config->derivative == 0u) {
@@ -149,20 +151,20 @@ static void gram_prepare(gram_t *g, const auvid_smoother_config_t *config, int32
 }
 
 /* c_k, k = -h..h */
-static auvid_real_t gram_coefficient(const gram_t *g, int32_t k)
+static auvid_real_t smoother_gram_coefficient(const gram_t *g, int32_t k)
 {
     int64_t t[MAX_ORDER + 1];
-    gram_polynomials(g->points, g->order, k, 0, t);
-    wide_t sum = wide_signed_product(t[0], g->at[0]);
+    smoother_gram_polynomials(g->points, g->order, k, 0, t);
+    wide_t sum = smoother_wide_signed_product(t[0], g->at[0]);
     for (int32_t m = 1; m <= g->order; ++m) {
-        sum = wide_times(sum, (uint32_t)(g->points * g->points - m * m));
-        sum = wide_sum(sum, wide_signed_product(t[m], g->at[m]));
+        sum = smoother_wide_times(sum, (uint32_t)(g->points * g->points - m * m));
+        sum = smoother_wide_sum(sum, smoother_wide_signed_product(t[m], g->at[m]));
     }
     if ((sum.high | sum.low) == 0u) {
         return AUVID_C(0.0);
     }
     int32_t shift;
-    auvid_real_t c = wide_magnitude(sum, &shift) / g->denominator;
+    auvid_real_t c = smoother_wide_magnitude(sum, &shift) / g->denominator;
     for (; shift > g->shift; --shift) {
         c *= AUVID_C(2.0);
     }
@@ -217,9 +219,9 @@ auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, ui
         return status;
     }
     gram_t g;
-    gram_prepare(&g, &config, position);
+    smoother_gram_prepare(&g, &config, position);
     for (int32_t k = 0; k < g.points; ++k) {
-        c[k] = gram_coefficient(&g, k - half_width);
+        c[k] = smoother_gram_coefficient(&g, k - half_width);
     }
     return AUVID_OK;
 }
@@ -230,7 +232,7 @@ auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
     if (smoother == NULL || config == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_smoother_config_t copy = *config; /* it may lie inside *smoother */
+    auvid_smoother_config_t copy = *config; /* *config may lie inside *smoother */
     auvid_status_t status = smoother_check(&copy, 0);
     if (status != AUVID_OK) {
         return status;
@@ -268,21 +270,21 @@ auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x)
     smoother->window[smoother->oldest] = x;
     smoother->oldest = (uint16_t)(smoother->oldest + 1u == points ? 0u : smoother->oldest + 1u);
     ++smoother->pushed;
-    if (smoother->pushed > points) { /* of a later window only the middle is wanted */
+    if (smoother->pushed > points) { /* later windows give only their middle */
         smoother->next = smoother->pushed - 1u - smoother->config.half_width;
     }
     return smoother->pushed < points ? AUVID_EMPTY : AUVID_OK;
 }
 
-/* sum + rest + c x over n samples, with the rounding errors of the sum carried along in rest
- * (Neumaier 1974; Knuth's exact error of one addition): sum + rest in the end is rounded as if the
- * products had been added exactly. */
+/* Adds c x over n samples. `rest` accumulates the rounding errors of `sum` (Neumaier 1974; Knuth's
+ * exact error of one addition). At the end, sum + rest equals the rounded exact sum of the
+ * products. */
 typedef struct {
     auvid_real_t sum, rest;
-} total_t;
+} compensated_sum_t;
 
-static inline void add_products(total_t *total, const auvid_real_t *c, const auvid_real_t *x,
-                                int32_t n)
+static inline void smoother_add_products(compensated_sum_t *total, const auvid_real_t *c,
+                                         const auvid_real_t *x, int32_t n)
 {
     auvid_real_t sum = total->sum;
     auvid_real_t rest = total->rest;
@@ -297,22 +299,22 @@ static inline void add_products(total_t *total, const auvid_real_t *c, const auv
     total->rest = rest;
 }
 
-/* sum_k c_k x_k over the window, with its polynomial taken at this position. */
-static auvid_real_t weighted_sum(const auvid_smoother_t *s, int32_t position)
+/* sum_k c_k x_k over the window, for the output at this position. */
+static auvid_real_t smoother_weighted_sum(const auvid_smoother_t *s, int32_t position)
 {
     int32_t points = 2 * s->config.half_width + 1;
-    int32_t first = points - s->oldest; /* samples up to where the ring turns */
-    total_t total = {AUVID_C(0.0), AUVID_C(0.0)};
+    int32_t first = points - s->oldest; /* samples up to the end of the ring */
+    compensated_sum_t total = {AUVID_C(0.0), AUVID_C(0.0)};
     if (position == 0) {
-        add_products(&total, s->c, &s->window[s->oldest], first);
-        add_products(&total, &s->c[first], s->window, s->oldest);
+        smoother_add_products(&total, s->c, &s->window[s->oldest], first);
+        smoother_add_products(&total, &s->c[first], s->window, s->oldest);
         return total.sum + total.rest;
     }
     gram_t g;
-    gram_prepare(&g, &s->config, position);
+    smoother_gram_prepare(&g, &s->config, position);
     for (int32_t k = 0; k < points; ++k) {
-        auvid_real_t c = gram_coefficient(&g, k - s->config.half_width);
-        add_products(&total, &c, &s->window[k < first ? k + s->oldest : k - first], 1);
+        auvid_real_t c = smoother_gram_coefficient(&g, k - s->config.half_width);
+        smoother_add_products(&total, &c, &s->window[k < first ? k + s->oldest : k - first], 1);
     }
     return total.sum + total.rest;
 }
@@ -323,12 +325,13 @@ auvid_status_t auvid_smoother_take(auvid_smoother_t *smoother, uint64_t *sample,
         return AUVID_ERR_NULL;
     }
     uint64_t h = smoother->config.half_width;
-    uint64_t ready = smoother->ended ? smoother->pushed : smoother->pushed - h; /* past the last */
+    uint64_t ready =
+        smoother->ended ? smoother->pushed : smoother->pushed - h; /* one past the last */
     if (smoother->pushed < 2u * h + 1u || smoother->next >= ready) {
         return AUVID_EMPTY;
     }
     int32_t position = (int32_t)(int64_t)(smoother->next + h + 1u - smoother->pushed);
-    *y = weighted_sum(smoother, position);
+    *y = smoother_weighted_sum(smoother, position);
     if (sample != NULL) {
         *sample = smoother->next;
     }

@@ -1,10 +1,10 @@
 /*
- * Thrusters: the model, its log and its place in the identifier. What a candidate makes of the log
- * is in auvid_thrusters_wrench.c.
+ * Thrusters: the model, its log and its connection to the identifier. auvid_thrusters_wrench.c
+ * computes a candidate's wrench from the log.
  *
  * The log is a ring of slots of equal length, each with the mean command of each thruster. Slots
- * have no time of their own: the newest complete one ends at end_us, and time that the log leaves
- * out is listed.
+ * have no timestamps: the newest complete one ends at end_us, and a list contains the intervals
+ * that the log skips.
  */
 #include "auvid/thrusters.h"
 
@@ -15,11 +15,12 @@
 #include "../metric/auvid_metric_internal.h"
 #include "../models/auvid_thrusters_wrench_internal.h"
 
-/* The lag's state is followed from so many of the longest lags before a row: e^-3 of what it was
- * before is left there, and a third of that in the row's mean. */
+/* Length of the lead-in before a row, in longest lags. An initial error decays to e^-3 of its
+ * value, and contributes a third of that to the row's mean. */
 #define LEAD_LAGS AUVID_C(3.0)
 
-/* What the recorder may be behind the newest command; what a set may lack at its beginning. */
+/* The recorder's largest delay behind the newest command; the part of a set's begin that the log
+ * may lack. */
 enum { BEHIND_US = 3000000, SLACK_US = 1000000 };
 
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
@@ -58,22 +59,22 @@ static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
     return fits ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-/* How many groups; 0: there are holes among their numbers, or too many. */
-static int groups_of(const auvid_thrusters_config_t *cfg)
+/* Returns the number of groups; 0 if their numbers have gaps or are too large. */
+static int thrusters_count_groups(const auvid_thrusters_config_t *cfg)
 {
-    uint32_t there = 0;
+    uint32_t used = 0;
     for (int i = 0; i < cfg->thrusters; ++i) {
-        there |= cfg->group[i] < AUVID_THRUSTERS_GROUPS ? 1u << cfg->group[i] : ~UINT32_C(0);
+        used |= cfg->group[i] < AUVID_THRUSTERS_GROUPS ? 1u << cfg->group[i] : ~UINT32_C(0);
     }
     int groups = 0;
-    for (; there & 1u; there >>= 1) {
+    for (; used & 1u; used >>= 1) {
         ++groups;
     }
-    return there == 0 && groups <= AUVID_THRUSTERS_GROUPS ? groups : 0;
+    return used == 0 && groups <= AUVID_THRUSTERS_GROUPS ? groups : 0;
 }
 
-/* The DoF of the hull on which a group acts: bit j. */
-static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
+/* Returns the DoF of the hull on which a group acts: bit j for DoF j. */
+static uint32_t thrusters_dofs_of_group(const auvid_thrusters_config_t *cfg, int group)
 {
     uint32_t dofs = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -85,8 +86,8 @@ static uint32_t acts_on(const auvid_thrusters_config_t *cfg, int group)
     return dofs;
 }
 
-/* The four parameters of a group. */
-static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
+/* Describes the four parameters of a group. */
+static void thrusters_name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
 {
     static const char *const name[AUVID_THRUSTERS_GROUPS][AUVID_THRUSTERS_PER_GROUP] = {
         {"forward", "backward", "dead_band", "lag"},
@@ -106,8 +107,8 @@ static void name_group(auvid_parameter_t *parameter, int group, uint32_t dofs)
     }
 }
 
-/* Predicted less applied wrench, as the hull has it for what the thrusters make. A row that is no
- * longer in the log says nothing; its set goes with the next one that is complete. */
+/* The hull's residual with the thrusters' wrench. A row that is no longer in the log contributes
+ * nothing; its set is dropped when the next set is complete. */
 static void thrusters_residual(const void *context, const auvid_sample_t *sample,
                                const auvid_real_t *pi, auvid_real_t *e)
 {
@@ -131,7 +132,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     if (cfg->hull == &thrusters->vehicle) {
         return AUVID_ERR_MODEL;
     }
-    int groups = groups_of(cfg), hull = cfg->hull->parameters;
+    int groups = thrusters_count_groups(cfg), hull = cfg->hull->parameters;
     int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
     if (groups == 0) {
         return AUVID_ERR_RANGE;
@@ -140,7 +141,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
         return AUVID_ERR_PARAMETERS;
     }
     for (int g = 0; g < groups; ++g) {
-        if (acts_on(cfg, g) == 0) {
+        if (thrusters_dofs_of_group(cfg, g) == 0) {
             return AUVID_ERR_MODEL;
         }
     }
@@ -162,8 +163,8 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
     for (int g = 0; g < groups; ++g) {
         int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
-        uint32_t dofs = acts_on(cfg, g);
-        name_group(th->parameter + first, g, dofs);
+        uint32_t dofs = thrusters_dofs_of_group(cfg, g);
+        thrusters_name_group(th->parameter + first, g, dofs);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
         }
@@ -171,21 +172,23 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     return AUVID_OK;
 }
 
-/* Which of a group's parameters it is; AUVID_THRUSTERS_PER_GROUP: the hull's. */
-static int kind_of(const auvid_thrusters_t *th, int i)
+/* Returns the kind of parameter i within its group; AUVID_THRUSTERS_PER_GROUP for the hull's. */
+static int thrusters_parameter_kind(const auvid_thrusters_t *th, int i)
 {
-    int own = i - th->cfg.hull->parameters;
-    return own < 0 ? AUVID_THRUSTERS_PER_GROUP : own % AUVID_THRUSTERS_PER_GROUP;
+    int k = i - th->cfg.hull->parameters;
+    return k < 0 ? AUVID_THRUSTERS_PER_GROUP : k % AUVID_THRUSTERS_PER_GROUP;
 }
 
-/* Is the scale of the force known in every DoF on which thrusters act? By a parameter that is
- * given, or by a free one that another DoF has, whose scale is known. */
-static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_config_t *metric)
+/* Returns true if the scale of the force is known in every DoF on which thrusters act. The scale
+ * comes from a known parameter, or from a free one shared with a DoF whose scale is known. */
+static bool thrusters_scale_is_known(const auvid_thrusters_t *th,
+                                     const auvid_metric_config_t *metric)
 {
-    uint32_t known = 0, acted = 0, sized = 0; /* parameters known, DoF; parameters of a force */
+    uint32_t known = 0, sized = 0; /* parameters: known; scaling with the force */
+    uint32_t acted = 0;            /* DoF on which thrusters act */
     int n = th->vehicle.parameters;
     for (int i = 0; i < n; ++i) {
-        int kind = kind_of(th, i);
+        int kind = thrusters_parameter_kind(th, i);
         bool force = kind != AUVID_THRUSTERS_DEAD_BAND && kind != AUVID_THRUSTERS_LAG;
         bool given = metric->free != 0 && (metric->free >> i & 1u) == 0;
         sized |= (uint32_t)(force && (!given || auvid_abs(metric->fixed[i]) > AUVID_C(0.0))) << i;
@@ -193,7 +196,7 @@ static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_confi
     }
     known &= sized;
     for (int g = 0; g * AUVID_THRUSTERS_PER_GROUP < n - th->cfg.hull->parameters; ++g) {
-        acted |= acts_on(&th->cfg, g);
+        acted |= thrusters_dofs_of_group(&th->cfg, g);
     }
     for (int round = 0; round < AUVID_DOF_COUNT; ++round) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -207,26 +210,27 @@ static bool scale_is_known(const auvid_thrusters_t *th, const auvid_metric_confi
     return all;
 }
 
-/* Slots from the first that a set needs to the newest command, when the next set is complete. */
-static uint64_t needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
-                          const auvid_metric_config_t *metric, uint32_t sets)
+/* Returns the time [us] from the first slot of `sets` sets to the newest command, at the moment
+ * when the last of them is complete. */
+static uint64_t thrusters_needed_us(const auvid_thrusters_t *th, const auvid_thrusters_grid_t *grid,
+                                    const auvid_metric_config_t *metric, uint32_t sets)
 {
     return (uint64_t)sets * metric->set_rows * grid->row_us +
            (uint64_t)grid->lead * th->cfg.period_us + grid->spread_us + BEHIND_US;
 }
 
-static void listen(void *context, uint64_t t_us, const auvid_real_t *command)
+static void thrusters_listen(void *context, uint64_t t_us, const auvid_real_t *command)
 {
     auvid_thrusters_command(context, t_us, command);
 }
 
-/* Sets that the log will have lost before the next is complete, because idle sets or gaps took
- * its place; or lost already, in a restart. */
-static void forget(void *context, auvid_metric_t *metric)
+/* Drops the sets that the log lost in a restart, and those that it will lose before the next set is
+ * complete, because idle sets or gaps filled it. */
+static void thrusters_drop_lost_sets(void *context, auvid_metric_t *metric)
 {
     const auvid_thrusters_t *th = context;
     uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
-    uint64_t next_us = end_us + needed_us(th, &th->grid, &metric->cfg, 1);
+    uint64_t next_us = end_us + thrusters_needed_us(th, &th->grid, &metric->cfg, 1);
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
         const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
@@ -239,15 +243,16 @@ static void forget(void *context, auvid_metric_t *metric)
     }
 }
 
-/* The lag is followed from so long before a row's middle on. */
-static uint64_t lead_us(void *context)
+/* Returns the time [us] from the begin of the lead-in to the middle of a row. */
+static uint64_t thrusters_lead_us(void *context)
 {
     const auvid_thrusters_t *th = context;
     return (uint64_t)th->grid.lead * th->cfg.period_us + th->grid.row_us + th->grid.spread_us +
            th->cfg.delay_us;
 }
 
-static const auvid_listener_t listener = {.command = listen, .set = forget, .lead_us = lead_us};
+static const auvid_listener_t thrusters_listener = {
+    .command = thrusters_listen, .set = thrusters_drop_lost_sets, .lead_us = thrusters_lead_us};
 
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          auvid_identifier_config_t *cfg)
@@ -259,12 +264,12 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     if (th->cfg.hull == NULL) {
         return AUVID_ERR_STATE;
     }
-    if (cfg->vehicle != &th->vehicle || !scale_is_known(th, &cfg->metric)) {
+    if (cfg->vehicle != &th->vehicle || !thrusters_scale_is_known(th, &cfg->metric)) {
         return AUVID_ERR_MODEL;
     }
-    const auvid_thrusters_config_t *own = &th->cfg;
-    uint32_t period = own->period_us;
-    uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * own->lag_max_s) / period + 1u;
+    const auvid_thrusters_config_t *th_cfg = &th->cfg;
+    uint32_t period = th_cfg->period_us;
+    uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * th_cfg->lag_max_s) / period + 1u;
     uint64_t row_us = (uint64_t)cfg->recorder.cell_us * cfg->metric.row_cells;
     if (row_us > UINT32_MAX || cfg->metric.velocity_us > 1000000) {
         return AUVID_ERR_RANGE;
@@ -276,32 +281,33 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
         .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
         .lead = lead,
         .bridged = gap_us / period + lead};
-    if ((uint64_t)own->slots * period < needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
+    if ((uint64_t)th_cfg->slots * period <
+        thrusters_needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
     }
-    /* no overflow: the log, of 4e9 us at most, is longer than a row */
-    uint32_t n = own->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
-    uint32_t work = own->hull->work + 7u + /* measured; 7: the hull's and what is done once */
+    /* No overflow: a row is shorter than the log, which is at most 4e9 us long. */
+    uint32_t n = th_cfg->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
+    uint32_t work = th_cfg->hull->work + 7u + /* measured; 7: hull and fixed cost */
                     (lead * 20u * n + window * (50u + 33u * n)) / 250u;
     if (work > UINT16_MAX) {
         return AUVID_ERR_RANGE;
     }
     th->grid = grid;
     th->vehicle.work = (uint16_t)work;
-    const auvid_real_t most[AUVID_THRUSTERS_PER_GROUP] = {own->gain_max, own->gain_max,
-                                                          own->dead_band_max, own->lag_max_s};
-    for (int k = 0, i = own->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {
+    const auvid_real_t upper[AUVID_THRUSTERS_PER_GROUP] = {
+        th_cfg->gain_max, th_cfg->gain_max, th_cfg->dead_band_max, th_cfg->lag_max_s};
+    for (int k = 0, i = th_cfg->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {
         cfg->search.lower[i] = AUVID_C(0.0);
-        cfg->search.upper[i] = most[k % AUVID_THRUSTERS_PER_GROUP];
+        cfg->search.upper[i] = upper[k % AUVID_THRUSTERS_PER_GROUP];
     }
     cfg->metric.estimate_delay = false;
-    cfg->listener = &listener;
+    cfg->listener = &thrusters_listener;
     cfg->listener_context = th;
     return AUVID_OK;
 }
 
-/* The slot under way is complete. */
-static void keep_slot(auvid_thrusters_t *th)
+/* Stores the complete slot in the log. */
+static void thrusters_store_slot(auvid_thrusters_t *th)
 {
     auvid_real_t scale = AUVID_C(32767.0) / (th->cfg.command_max * (auvid_real_t)th->cfg.period_us);
     for (int i = 0; i < th->cfg.thrusters; ++i) {
@@ -316,14 +322,14 @@ static void keep_slot(auvid_thrusters_t *th)
     th->state.end_us += th->cfg.period_us;
 }
 
-/* The log leaves out `long_us` from here on. Where too many pauses are in it, the oldest goes, and
- * with it the slots before it. */
-static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
+/* Makes the log skip `long_us` from end_us on. If the list of pauses is full, the oldest pause and
+ * the slots before it are dropped. */
+static void thrusters_skip(auvid_thrusters_t *th, uint64_t long_us)
 {
     auvid_thrusters_state_t *state = &th->state;
-    const uint8_t most = sizeof state->pause / sizeof state->pause[0];
-    if (state->pauses == most) {
-        uint64_t from_us = auvid_thrusters_in_log(th, state->pause[most - 1].end_us);
+    const uint8_t max_pauses = sizeof state->pause / sizeof state->pause[0];
+    if (state->pauses == max_pauses) {
+        uint64_t from_us = auvid_thrusters_in_log(th, state->pause[max_pauses - 1].end_us);
         uint64_t slots = (state->end_us - from_us) / th->cfg.period_us;
         state->filled = slots < state->filled ? (uint32_t)slots : state->filled;
         --state->pauses;
@@ -334,8 +340,9 @@ static void leave_out(auvid_thrusters_t *th, uint64_t long_us)
     state->pause[0] = (auvid_thrusters_pause_t){.end_us = state->end_us, .long_us = long_us};
 }
 
-/* After a silence rows begin later than it: what is not bridged is left out. */
-static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
+/* After a gap in the commands, rows begin later than its end. So the log bridges the end of a long
+ * gap and skips the rest. */
+static void thrusters_bridge_gap(auvid_thrusters_t *th, uint64_t t_us)
 {
     auvid_thrusters_state_t *state = &th->state;
     const uint32_t period = th->cfg.period_us;
@@ -344,7 +351,7 @@ static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
         state->started = true;
         state->end_us = t_us;
     } else if (behind_us > bridged_us + period) {
-        leave_out(th, (behind_us - bridged_us) / period * period);
+        thrusters_skip(th, (behind_us - bridged_us) / period * period);
     } else {
         return;
     }
@@ -352,8 +359,8 @@ static void pass_silence(auvid_thrusters_t *th, uint64_t t_us)
     memset(state->filling, 0, sizeof state->filling);
 }
 
-/* What has been held until now goes into the slots. */
-static void fill(auvid_thrusters_t *th, uint64_t t_us)
+/* Adds the held commands up to t_us to the slots. */
+static void thrusters_fill_slots(auvid_thrusters_t *th, uint64_t t_us)
 {
     auvid_thrusters_state_t *state = &th->state;
     while (state->held_us < t_us) {
@@ -365,7 +372,7 @@ static void fill(auvid_thrusters_t *th, uint64_t t_us)
         }
         state->held_us = to;
         if (to == slot_ends) {
-            keep_slot(th);
+            thrusters_store_slot(th);
         }
     }
 }
@@ -377,12 +384,13 @@ void auvid_thrusters_command(auvid_thrusters_t *thrusters, uint64_t t_us,
     if (th == NULL || th->grid.row_us == 0 || (th->state.started && t_us <= th->state.held_us)) {
         return;
     }
-    pass_silence(th, t_us);
-    fill(th, t_us);
-    auvid_real_t most = th->cfg.command_max;
+    thrusters_bridge_gap(th, t_us);
+    thrusters_fill_slots(th, t_us);
+    auvid_real_t max_command = th->cfg.command_max;
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         bool usable = command != NULL && auvid_is_finite(command[i]);
-        th->state.held[i] = usable ? auvid_clamp(command[i], -most, most) : AUVID_C(0.0);
-        th->state.clipped += usable && auvid_abs(command[i]) > most;
+        th->state.held[i] =
+            usable ? auvid_clamp(command[i], -max_command, max_command) : AUVID_C(0.0);
+        th->state.clipped += usable && auvid_abs(command[i]) > max_command;
     }
 }

@@ -1,19 +1,20 @@
 /*
- * Means of a model's rows over the time that its velocities are means of.
+ * Averages a model's rows over the time of which its velocities are averages.
  *
- * To second order the mean of a row Y over times t of zero mean and variance s^2, motion running
- * straight, is that of two points (Gauss and Hermite's for these moments):
+ * The mean is over a time t with zero mean and variance s^2, at constant acceleration. To second
+ * order, the mean of a row Y is that of the two-point Gauss-Hermite rule with these moments:
  *
  *     E Y(nu + t nu') = (Y(nu - s nu') + Y(nu + s nu')) / 2.
  *
- * Between samples T apart, interpolated velocity is that of a triangle of variance T^2 / 6 (see
- * auvid_metric.c); a cell's mean adds cell^2 / 12.
+ * Linear interpolation between samples T apart is a triangular kernel of variance T^2 / 6 (see
+ * auvid_metric.c). The mean over a cell adds cell^2 / 12.
  */
 #include "auvid/averaged.h"
 
 #include "../base/auvid_math_internal.h"
 
-static void regressor(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
+static void averaged_regressor(const void *context, const auvid_sample_t *sample,
+                               auvid_regressor_t *y)
 {
     const auvid_averaged_t *a = context;
     const auvid_vehicle_t *vehicle = a->other;
@@ -66,7 +67,7 @@ auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *v
     a->spread_s[1] = auvid_sqrt(variance);
     a->vehicle = *vehicle;
     a->vehicle.residual = NULL;
-    a->vehicle.regressor = regressor;
+    a->vehicle.regressor = averaged_regressor;
     a->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : averaged_acceleration;
     a->vehicle.context = a;
     return AUVID_OK;

@@ -1,10 +1,10 @@
 /*
- * A hull in a constant current (Fossen 2011, 8.3). With c constant in the world, R' c turns against
- * the vehicle: (R' c)' = -omega x R' c. So
+ * A hull in a constant current (Fossen 2011, 8.3). c is constant in the world frame, so in the body
+ * frame (R' c)' = -omega x R' c. Then
  *
  *     nu_r = nu - R' c,    nu_r' = nu' + omega x R' c,
  *
- * and the hull's own model holds for nu_r, nu_r' as for still water.
+ * and the hull's model for still water is valid for nu_r, nu_r'.
  */
 #include "auvid/current.h"
 
@@ -12,9 +12,9 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* c in body axes, and its derivative there. */
-static void in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real_t body[3],
-                    auvid_real_t rate[3])
+/* c in body axes, and the derivative of these components. */
+static void current_in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real_t body[3],
+                            auvid_real_t rate[3])
 {
     auvid_real_t r[3][3];
     const auvid_real_t *omega = s->nu + AUVID_ROLL;
@@ -27,14 +27,15 @@ static void in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real
     rate[2] = omega[1] * body[0] - omega[0] * body[1];
 }
 
-/* *water: the sample with motion through the water. rate: see in_body */
-static void through_water(const auvid_current_t *current, const auvid_sample_t *sample,
-                          const auvid_real_t *pi, auvid_sample_t *water, auvid_real_t rate[3])
+/* Copies the sample to *water, with motion through the water. rate: see current_in_body. */
+static void current_through_water(const auvid_current_t *current, const auvid_sample_t *sample,
+                                  const auvid_real_t *pi, auvid_sample_t *water,
+                                  auvid_real_t rate[3])
 {
     auvid_real_t c[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)}, body[3];
     int n = current->hull->parameters;
     memcpy(c, pi + n, (size_t)(current->vehicle.parameters - n) * sizeof *c);
-    in_body(sample, c, body, rate);
+    current_in_body(sample, c, body, rate);
     *water = *sample;
     for (int i = 0; i < 3; ++i) {
         water->nu[i] -= body[i];
@@ -48,7 +49,7 @@ static void current_residual(const void *context, const auvid_sample_t *sample,
     const auvid_current_t *current = context;
     auvid_sample_t water;
     auvid_real_t rate[3];
-    through_water(current, sample, pi, &water, rate);
+    current_through_water(current, sample, pi, &water, rate);
     auvid_vehicle_residual(current->hull, &water, pi, residual);
 }
 
@@ -59,7 +60,7 @@ static bool current_acceleration(const void *context, const auvid_sample_t *samp
     const auvid_vehicle_t *vehicle = current->hull;
     auvid_sample_t water;
     auvid_real_t rate[3];
-    through_water(current, sample, pi, &water, rate);
+    current_through_water(current, sample, pi, &water, rate);
     bool possible = vehicle->acceleration(vehicle->context, &water, pi, nu_dot);
     for (int i = 0; i < 3; ++i) {
         nu_dot[i] += vehicle->columns[i] != 0 ? rate[i] : AUVID_C(0.0);
@@ -80,8 +81,8 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     if (status < 0) {
         return status;
     }
-    int n = hull->parameters, more = down ? 3 : 2;
-    if (n + more > AUVID_MAX_PARAMETERS) {
+    int n = hull->parameters, components = down ? 3 : 2;
+    if (n + components > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
     }
     bool surge = hull->columns[AUVID_SURGE] != 0, sway = hull->columns[AUVID_SWAY] != 0;
@@ -91,9 +92,9 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     }
     memset(current, 0, sizeof *current);
     auvid_vehicle_t *vehicle = &current->vehicle;
-    uint32_t bits = ((1u << more) - 1u) << n;
+    uint32_t bits = ((1u << components) - 1u) << n;
     *vehicle = *hull;
-    vehicle->parameters = (uint8_t)(n + more);
+    vehicle->parameters = (uint8_t)(n + components);
     vehicle->parameter = current->parameter;
     vehicle->free |= hull->free != 0 ? bits : 0u;
     vehicle->residual = current_residual;
@@ -102,20 +103,20 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->context = current;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         vehicle->columns[j] |= hull->columns[j] != 0 ? bits : 0u;
-        if (hull->reads[j] != 0) { /* the current turns against the vehicle */
+        if (hull->reads[j] != 0) { /* the current in body axes depends on the rates */
             vehicle->reads[j] |= 1u << AUVID_ROLL | 1u << AUVID_PITCH | 1u << AUVID_YAW;
         }
     }
     current->hull = hull;
     memcpy(current->parameter, hull->parameter, (size_t)n * sizeof *component);
-    memcpy(current->parameter + n, component, (size_t)more * sizeof *component);
+    memcpy(current->parameter + n, component, (size_t)components * sizeof *component);
     for (int i = n; i < n + 2; ++i) {
         current->parameter[i].dof = surge ? AUVID_SURGE : AUVID_SWAY;
     }
     return AUVID_OK;
 }
 
-auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t most,
+auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t max_component,
                                     auvid_real_t *lower, auvid_real_t *upper)
 {
     if (current == NULL || lower == NULL || upper == NULL) {
@@ -124,10 +125,10 @@ auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t
     if (current->hull == NULL) {
         return AUVID_ERR_STATE;
     }
-    if (!auvid_is_finite(most)) {
+    if (!auvid_is_finite(max_component)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!(most > AUVID_C(0.0))) {
+    if (!(max_component > AUVID_C(0.0))) {
         return AUVID_ERR_RANGE;
     }
     int n = current->hull->parameters;
@@ -140,8 +141,8 @@ auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t
         }
     }
     for (int i = n; i < current->vehicle.parameters; ++i) {
-        lower[i] = -most;
-        upper[i] = most;
+        lower[i] = -max_component;
+        upper[i] = max_component;
     }
     return AUVID_OK;
 }

@@ -1,7 +1,7 @@
 /*
- * The vehicle model in six degrees of freedom (Fossen 2011, Eq. 3.46, 6.43, 4.6).
+ * Vehicle model in six degrees of freedom (Fossen 2011, Eq. 3.46, 6.43, 4.6).
  *
- * With the rows of M nu for force and moment,
+ * With the parts of M nu in the equations of force and moment,
  *
  *     a = (m_u u + m_uq q,  m_v v + m_vp p + m_vr r,  m_w w + m_wq q)
  *     b = (m_p p + m_vp v,  m_q q + m_uq u + m_wq w,  m_r r + m_vr v)
@@ -15,8 +15,8 @@
  *                  z_G sin(theta)          + x_G cos(theta) cos(phi)
  *                 -x_G cos(theta) sin(phi) - y_G sin(theta) )
  *
- * x_G, y_G, z_G short for x_G W - x_B B, and so on; drags and constants with the other sign, as in
- * Eq. 12-15.
+ * Here x_G, y_G, z_G are short for x_G W - x_B B and so on. Drags and constants have the opposite
+ * sign, as in Eq. 12-15.
  */
 #include "auvid/fossen.h"
 
@@ -39,7 +39,7 @@ static const auvid_parameter_t fossen_parameter[AUVID_FOSSEN_COUNT] = {
     [AT(W_B)] = {"W-B", "N", AUVID_HEAVE, AUVID_PARAMETER_FORCE},
     [AT(X_G)] = {"xgW-xbB", "Nm", AUVID_PITCH, AUVID_PARAMETER_FORCE},
     [AT(Y_G)] = {"ygW-ybB", "Nm", AUVID_ROLL, AUVID_PARAMETER_FORCE},
-    [AT(Z_G)] = {"zgW-zbB", "Nm", AUVID_PITCH, AUVID_PARAMETER_OTHER}, /* not constant: sin */
+    [AT(Z_G)] = {"zgW-zbB", "Nm", AUVID_PITCH, AUVID_PARAMETER_OTHER}, /* times a sine */
     [AT(X_U)] = {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_LINEAR_DRAG},
     [AT(Y_V)] = {"Y_v", "N s/m", AUVID_SWAY, AUVID_PARAMETER_LINEAR_DRAG},
     [AT(Z_W)] = {"Z_w", "N s/m", AUVID_HEAVE, AUVID_PARAMETER_LINEAR_DRAG},
@@ -70,8 +70,8 @@ static const auvid_parameter_t fossen_parameter[AUVID_FOSSEN_COUNT] = {
 
 #define ON_DIAGONAL(dof) (AUVID_FOSSEN_M_U + (dof))
 
-/* g(eta). */
-static void restoring(const auvid_sample_t *s, auvid_regressor_t *y)
+/* The restoring terms g(eta). */
+static void fossen_restoring(const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_real_t s_phi, c_phi, s_theta, c_theta;
     auvid_sincos(s->phi, &s_phi, &c_phi);
@@ -89,8 +89,8 @@ static void restoring(const auvid_sample_t *s, auvid_regressor_t *y)
 }
 
 #if AUVID_MAX_PARAMETERS >= 26
-/* What M couples, and the part of C(nu) nu that belongs to it. */
-static void couplings(const auvid_sample_t *s, auvid_regressor_t *y)
+/* The couplings of M, and their part of C(nu) nu. */
+static void fossen_couplings(const auvid_sample_t *s, auvid_regressor_t *y)
 {
     const auvid_real_t *nu = s->nu, *nu_dot = s->nu_dot;
     auvid_real_t u = nu[AUVID_SURGE], v = nu[AUVID_SWAY], w = nu[AUVID_HEAVE];
@@ -140,7 +140,7 @@ static void fossen_regressor(const void *context, const auvid_sample_t *s, auvid
         y->row[j][AUVID_FOSSEN_X_0 + j] = -ONE;
 #endif
     }
-    /* omega x a, v x a and omega x b: `next` and `after` follow `j` in the circle x y z. */
+    /* omega x a, v x a and omega x b: j, `next` and `after` are cyclic in x y z. */
     for (int j = 0; j < 3; ++j) {
         int next = (j + 1) % 3, after = (j + 2) % 3;
         auvid_real_t *force = y->row[j], *moment = y->row[3 + j];
@@ -151,25 +151,25 @@ static void fossen_regressor(const void *context, const auvid_sample_t *s, auvid
         moment[ON_DIAGONAL(3 + after)] = nu[3 + next] * nu[3 + after];
         moment[ON_DIAGONAL(3 + next)] = -nu[3 + after] * nu[3 + next];
     }
-    restoring(s, y);
+    fossen_restoring(s, y);
 #if AUVID_MAX_PARAMETERS >= 26
-    couplings(s, y);
+    fossen_couplings(s, y);
 #endif
 }
 
-/* M consists of two blocks with a middle DoF that is coupled to two others: pitch to surge and
- * heave, sway to roll and yaw. */
+/* M has two blocks, each with a middle DoF that is coupled to two others: pitch to surge and heave,
+ * sway to roll and yaw. */
 typedef struct {
     uint8_t middle, end[2];
-    uint8_t coupling[2]; /* parameters */
+    uint8_t coupling[2]; /* indices of parameters */
 } block_t;
 
-/* Cholesky's L D L' of one block, the ends first, solved in place; zero couplings couple nothing,
- * not even what is not finite. */
-static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real_t *nu_dot)
+/* Solves one block in place by L D L' factorization, the ends first. A zero coupling has no effect,
+ * even if the other DoF is not finite. */
+static void fossen_solve_block(const block_t *block, const auvid_real_t *pi, auvid_real_t *nu_dot)
 {
     auvid_real_t pivot = pi[ON_DIAGONAL(block->middle)], rest = nu_dot[block->middle];
-    auvid_real_t least = AUVID_EPSILON * auvid_max(pivot, AUVID_C(0.0)), c[2];
+    auvid_real_t min_pivot = AUVID_EPSILON * auvid_max(pivot, AUVID_C(0.0)), c[2];
     for (int k = 0; k < 2; ++k) {
         auvid_real_t mass = auvid_max(pi[ON_DIAGONAL(block->end[k])], AUVID_C(0.0));
         c[k] = block->coupling[k] < AUVID_FOSSEN_COUNT ? pi[block->coupling[k]] : AUVID_C(0.0);
@@ -180,7 +180,7 @@ static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real
             rest -= c[k] * mass * nu_dot[block->end[k]];
         }
     }
-    nu_dot[block->middle] = rest / (pivot > least ? pivot : AUVID_C(0.0));
+    nu_dot[block->middle] = rest / (pivot > min_pivot ? pivot : AUVID_C(0.0));
     for (int k = 0; k < 2; ++k) {
         if (!auvid_is_zero(c[k])) {
             nu_dot[block->end[k]] -= c[k] * nu_dot[block->middle];
@@ -193,12 +193,12 @@ static void solve_block(const block_t *block, const auvid_real_t *pi, auvid_real
 #else
 #define COUPLING(name) AUVID_FOSSEN_COUNT
 #endif
-static const block_t block[2] = {
+static const block_t fossen_block[2] = {
     {AUVID_PITCH, {AUVID_SURGE, AUVID_HEAVE}, {COUPLING(M_UQ), COUPLING(M_WQ)}},
     {AUVID_SWAY, {AUVID_ROLL, AUVID_YAW}, {COUPLING(M_VP), COUPLING(M_VR)}}};
 
-/* M nu' = tau - C(nu) nu - D(nu) nu - g(eta): the right-hand side is tau less the wrench that the
- * motion takes without acceleration. */
+/* M nu' = tau - C(nu) nu - D(nu) nu - g(eta). The right-hand side is tau minus the wrench at zero
+ * acceleration. */
 static bool fossen_acceleration(const void *context, const auvid_sample_t *sample,
                                 const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
@@ -213,8 +213,8 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
             nu_dot[j] -= y.row[j][i] * pi[i];
         }
     }
-    solve_block(&block[0], pi, nu_dot);
-    solve_block(&block[1], pi, nu_dot);
+    fossen_solve_block(&fossen_block[0], pi, nu_dot);
+    fossen_solve_block(&fossen_block[1], pi, nu_dot);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         any = any || auvid_is_finite(nu_dot[j]);
@@ -235,7 +235,7 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
 #else
 #define CONSTANT(name) 0u
 #endif
-/* Linear velocities in the moments: each moment's own cross product, and with couplings all. */
+/* A moment reads the linear velocities of its cross product; with couplings, it reads all three. */
 #define ROTATES (1u << AUVID_ROLL | 1u << AUVID_PITCH | 1u << AUVID_YAW)
 #define MOVES (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE)
 #define WITHOUT(dof) ((AUVID_MAX_PARAMETERS >= 26 ? MOVES : MOVES & ~(1u << (dof))) | ROTATES)
@@ -265,7 +265,7 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
 const auvid_vehicle_t auvid_fossen = FOSSEN_MODEL("Fossen, 6 DoF");
 const auvid_vehicle_t auvid_bluerov2_heavy = FOSSEN_MODEL("BlueROV2 Heavy");
 
-/* m = 13.5 kg, I = (0.26, 0.23, 0.37) kg m2, volume 0.0134 m3, r_G = 0, r_B = (0, 0, -0.01) m, with
+/* From m = 13.5 kg, I = (0.26, 0.23, 0.37) kg m2, volume 0.0134 m3, r_G = 0, r_B = (0, 0, -0.01) m,
  * 1000 kg/m3 and 9.82 m/s2. */
 const auvid_real_t auvid_bluerov2_heavy_benzon[AUVID_FOSSEN_COUNT] = {
     [AT(M_U)] = AUVID_C(19.86),   [AT(M_V)] = AUVID_C(20.62),     [AT(M_W)] = AUVID_C(32.18),

@@ -1,15 +1,16 @@
 /*
- * Thrusters: what a candidate makes of the log, T x' = g(c) - x (Fossen 2011, 12.1).
+ * Thrusters: a candidate's mean forces from the log, T x' = g(c) - x (Fossen 2011, 12.1).
  *
- * Over a slot of length h, c held, the lag is solved exactly, a = h / T:
+ * Over a slot of length h, c is constant and the solution is exact. With a = h / T:
  *
  *     x(h) = g + (x(0) - g) e^-a,      mean of x = g + (x(0) - g) (1 - e^-a) / a
  *
- * The mean of x over the row is taken with the weights that the motion has. Moments belong to rates
- * from the IMU: the row's length, evenly. Forces belong to velocity that is interpolated between
- * samples T apart, which has passed a triangle of variance T^2 / 6 besides (auvid_metric.c): so
- * have they a rectangle of the same variance, of length s = sqrt(2) T. A rectangle of length r that
- * has passed one of length s is a trapezoid; its integral up to t, from the row's beginning, is
+ * The mean of x over a row has the same weights as the motion. Moments belong to rates of the IMU,
+ * with equal weights over the row. Forces belong to velocity that is interpolated between samples T
+ * apart, a triangular kernel of variance T^2 / 6 (auvid_metric.c). Here a rectangle of the same
+ * variance, of length s = sqrt(2) T, replaces the triangle. Its convolution with the row's
+ * rectangle of length r is a trapezoid. The integral of the trapezoid from the row's beginning to t
+ * is
  *
  *     (P(t) - P(t - r)) / r,   P(t) = 0 | (t + s/2)^2 / (2 s) | t   before, within, after +-s/2.
  */
@@ -20,8 +21,9 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_thrusters_wrench_internal.h"
 
-/* e^-x for x >= 0. Taylor's seventh term is below 1e-10 for x <= 1/8; halved and squared before. */
-static auvid_real_t decay(auvid_real_t x)
+/* e^-x for x >= 0. Halvings give x <= 1/8, where the seventh term of Taylor's series is below
+ * 1e-10; squarings undo them. */
+static auvid_real_t thrusters_exponential(auvid_real_t x)
 {
     int halvings = 0;
     if (!(x < AUVID_C(80.0))) {
@@ -41,16 +43,18 @@ static auvid_real_t decay(auvid_real_t x)
     return e;
 }
 
-/* A group's parameters for one candidate. Commands in steps of the log. */
+/* A group's parameters for one candidate. Commands are in steps of the log. */
 typedef struct {
     auvid_real_t gain[2]; /* forward, backward [N per step] */
     auvid_real_t dead_band;
-    int32_t whole_band; /* its whole steps: a command beyond them is beyond it */
+    int32_t whole_band; /* dead_band rounded down: a larger command exceeds it */
     auvid_real_t decay; /* e^-a */
     auvid_real_t mean;  /* (1 - e^-a) / a */
 } group_t;
 
-static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, group_t *group)
+/* Converts the parameters pi of a group. */
+static void thrusters_candidate_group(const auvid_thrusters_t *th, const auvid_real_t *pi,
+                                      group_t *group)
 {
     auvid_real_t step = th->cfg.command_max / AUVID_C(32767.0);
     auvid_real_t lag =
@@ -61,11 +65,12 @@ static void take_group(const auvid_thrusters_t *th, const auvid_real_t *pi, grou
     auvid_real_t dead_band = auvid_max(pi[AUVID_THRUSTERS_DEAD_BAND] / step, AUVID_C(0.0));
     group->dead_band = auvid_min(dead_band, AUVID_C(32768.0));
     group->whole_band = (int32_t)group->dead_band;
-    group->decay = decay(AUVID_C(1.0) / lag);
+    group->decay = thrusters_exponential(AUVID_C(1.0) / lag);
     group->mean = (AUVID_C(1.0) - group->decay) * lag;
 }
 
-AUVID_INLINE auvid_real_t force(const group_t *group, int32_t c)
+/* g(c) */
+AUVID_INLINE auvid_real_t thrusters_static_force(const group_t *group, int32_t c)
 {
     if (c > group->whole_band) {
         return group->gain[0] * ((auvid_real_t)c - group->dead_band);
@@ -76,23 +81,24 @@ AUVID_INLINE auvid_real_t force(const group_t *group, int32_t c)
     return AUVID_C(0.0);
 }
 
-/* P, s > 0. */
-static auvid_real_t ramp(auvid_real_t t, auvid_real_t s)
+/* P(t), s > 0. */
+static auvid_real_t thrusters_ramp(auvid_real_t t, auvid_real_t s)
 {
     auvid_real_t in = t + AUVID_C(0.5) * s;
     return !(in > AUVID_C(0.0)) ? AUVID_C(0.0) : (in < s ? AUVID_C(0.5) * in * in / s : t);
 }
 
-/* Where a row stands in the log. */
+/* The slots of a row in the log. */
 typedef struct {
-    uint32_t at;       /* index of the slot from which the lag is followed */
-    uint32_t lead;     /* slots from there to the row's window */
-    uint32_t window;   /* slots of the window */
-    uint32_t last;     /* of them before the newest slot there is */
-    auvid_real_t from; /* where its first slot begins, from the row's beginning [slots] */
-} place_t;
+    uint32_t first;     /* index of the first slot of the lead-in */
+    uint32_t lead;      /* number of slots of the lead-in */
+    uint32_t window;    /* number of slots of the row's window */
+    uint32_t available; /* number of window slots before the newest slot of the log */
+    auvid_real_t from;  /* begin of the window's first slot, from the row's begin [slots] */
+} row_slots_t;
 
-static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
+/* Finds the slots of the row with middle t_us; false if the log does not contain it. */
+static bool thrusters_find_row(const auvid_thrusters_t *th, uint64_t t_us, row_slots_t *slots)
 {
     uint32_t period = th->cfg.period_us, length = th->grid.row_us + th->grid.spread_us;
     uint64_t begin_us = auvid_thrusters_in_log(th, t_us - length / 2u - th->cfg.delay_us);
@@ -105,19 +111,19 @@ static bool find_row(const auvid_thrusters_t *th, uint64_t t_us, place_t *place)
         return false;
     }
     uint32_t before_us = ago * period - (uint32_t)ago_us;
-    place->lead = th->grid.lead < th->state.filled - ago ? th->grid.lead : th->state.filled - ago;
-    uint32_t first = ago + place->lead;
-    place->at =
-        th->state.head >= first ? th->state.head - first : th->state.head + th->cfg.slots - first;
-    place->last = ago - 1u;
-    place->window = (before_us + length + period - 1u) / period;
-    place->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->grid.spread_us) /
+    slots->lead = th->grid.lead < th->state.filled - ago ? th->grid.lead : th->state.filled - ago;
+    uint32_t back = ago + slots->lead;
+    slots->first =
+        th->state.head >= back ? th->state.head - back : th->state.head + th->cfg.slots - back;
+    slots->available = ago - 1u;
+    slots->window = (before_us + length + period - 1u) / period;
+    slots->from = -((auvid_real_t)before_us + AUVID_C(0.5) * (auvid_real_t)th->grid.spread_us) /
                   (auvid_real_t)period;
     return true;
 }
 
-/* A slot later, with wrap. */
-AUVID_INLINE const int16_t *next_slot(const auvid_thrusters_t *th, const int16_t *slot)
+/* The next slot of the ring. */
+AUVID_INLINE const int16_t *thrusters_next_slot(const auvid_thrusters_t *th, const int16_t *slot)
 {
     slot += th->cfg.thrusters;
     return slot < th->cfg.log + th->cfg.slots * th->cfg.thrusters
@@ -125,53 +131,55 @@ AUVID_INLINE const int16_t *next_slot(const auvid_thrusters_t *th, const int16_t
                : slot - th->cfg.slots * th->cfg.thrusters;
 }
 
-/* A thruster's force at the window's beginning, from a steady one at `slot` on. */
-static auvid_real_t lead_in(const auvid_thrusters_t *th, const group_t *of, const int16_t *slot,
-                            uint32_t slots)
+/* A thruster's force at the begin of the window, after a lead-in from steady state at `slot`. */
+static auvid_real_t thrusters_lead_in(const auvid_thrusters_t *th, const group_t *source,
+                                      const int16_t *slot, uint32_t slots)
 {
-    const group_t group = *of;
-    auvid_real_t x = force(&group, *slot);
-    for (; slots > 0; --slots, slot = next_slot(th, slot)) {
-        auvid_real_t g = force(&group, *slot);
+    const group_t group = *source;
+    auvid_real_t x = thrusters_static_force(&group, *slot);
+    for (; slots > 0; --slots, slot = thrusters_next_slot(th, slot)) {
+        auvid_real_t g = thrusters_static_force(&group, *slot);
         x = g + (x - g) * group.decay;
     }
     return x;
 }
 
-/* The mean of each thruster over the window, with the weights of forces and of moments. */
-static void run(const auvid_thrusters_t *th, const group_t *groups, const place_t *place,
-                auvid_real_t sum[2][AUVID_MAX_COMMANDS])
+/* Each thruster's mean force over the window, with the weights of forces (sum[0]) and of moments
+ * (sum[1]). */
+static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *groups,
+                                  const row_slots_t *slots, auvid_real_t sum[2][AUVID_MAX_COMMANDS])
 {
     const auvid_real_t per_us = AUVID_C(1.0) / (auvid_real_t)th->cfg.period_us;
     const auvid_real_t row = (auvid_real_t)th->grid.row_us * per_us, per_row = AUVID_C(1.0) / row;
     const auvid_real_t spread =
         auvid_max((auvid_real_t)th->grid.spread_us * per_us, AUVID_C(1e-3)); /* not 0 */
-    auvid_real_t x[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)}, t = place->from;
+    auvid_real_t x[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)}, t = slots->from;
     auvid_real_t before[2] = {AUVID_C(0.0), auvid_clamp(t, AUVID_C(0.0), row)};
     int n = th->cfg.thrusters;
-    const int16_t *slot = th->cfg.log + place->at * (uint32_t)n;
+    const int16_t *slot = th->cfg.log + slots->first * (uint32_t)n;
     for (int i = 0; i < n; ++i) {
-        x[i] = lead_in(th, &groups[th->cfg.group[i]], slot + i, place->lead);
+        x[i] = thrusters_lead_in(th, &groups[th->cfg.group[i]], slot + i, slots->lead);
     }
-    slot += place->lead * (uint32_t)n;
-    slot -= place->at + place->lead < th->cfg.slots ? 0u : th->cfg.slots * (uint32_t)n;
-    for (uint32_t k = 0; k < place->window; ++k) {
+    slot += slots->lead * (uint32_t)n;
+    slot -= slots->first + slots->lead < th->cfg.slots ? 0u : th->cfg.slots * (uint32_t)n;
+    for (uint32_t k = 0; k < slots->window; ++k) {
         t += AUVID_C(1.0);
-        auvid_real_t forces = ramp(t, spread) - ramp(t - row, spread);
+        auvid_real_t forces = thrusters_ramp(t, spread) - thrusters_ramp(t - row, spread);
         auvid_real_t moments = auvid_clamp(t, AUVID_C(0.0), row);
-        auvid_real_t of_force = (forces - before[0]) * per_row;
-        auvid_real_t of_moment = (moments - before[1]) * per_row;
+        auvid_real_t force_weight = (forces - before[0]) * per_row;
+        auvid_real_t moment_weight = (moments - before[1]) * per_row;
         for (int i = 0; i < n; ++i) {
             const group_t *group = &groups[th->cfg.group[i]];
-            auvid_real_t g = force(group, slot[i]), off = x[i] - g, mean = g + off * group->mean;
-            sum[0][i] += of_force * mean;
-            sum[1][i] += of_moment * mean;
+            auvid_real_t g = thrusters_static_force(group, slot[i]), off = x[i] - g,
+                         mean = g + off * group->mean;
+            sum[0][i] += force_weight * mean;
+            sum[1][i] += moment_weight * mean;
             x[i] = g + off * group->decay;
         }
         before[0] = forces;
         before[1] = moments;
-        if (k < place->last) { /* what is not there yet is as the newest */
-            slot = next_slot(th, slot);
+        if (k < slots->available) { /* repeats the newest slot for the missing ones */
+            slot = thrusters_next_slot(th, slot);
         }
     }
 }
@@ -185,17 +193,17 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     const auvid_thrusters_t *th = thrusters;
     group_t groups[AUVID_THRUSTERS_GROUPS];
     auvid_real_t sum[2][AUVID_MAX_COMMANDS] = {{AUVID_C(0.0)}};
-    place_t place;
+    row_slots_t slots;
     memset(wrench, 0, AUVID_DOF_COUNT * sizeof *wrench);
-    if (th->grid.row_us == 0 || !find_row(th, t_us, &place)) {
+    if (th->grid.row_us == 0 || !thrusters_find_row(th, t_us, &slots)) {
         return AUVID_ERR_NO_DATA;
     }
-    const auvid_real_t *own = pi + th->cfg.hull->parameters;
+    const auvid_real_t *group_pi = pi + th->cfg.hull->parameters;
     for (int i = th->cfg.hull->parameters, g = 0; i < th->vehicle.parameters;
-         i += AUVID_THRUSTERS_PER_GROUP, ++g, own += AUVID_THRUSTERS_PER_GROUP) {
-        take_group(th, own, &groups[g]);
+         i += AUVID_THRUSTERS_PER_GROUP, ++g, group_pi += AUVID_THRUSTERS_PER_GROUP) {
+        thrusters_candidate_group(th, group_pi, &groups[g]);
     }
-    run(th, groups, &place, sum);
+    thrusters_mean_forces(th, groups, &slots, sum);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < th->cfg.thrusters; ++i) {
             wrench[j] += th->cfg.matrix[j][i] * sum[j < AUVID_ROLL ? 0 : 1][i];

@@ -1,13 +1,14 @@
 /**
  * @file auvid_thrusters_wrench_internal.h
- * Private: times as the log of the thrusters counts them.
+ * Private: times in the log of the thrusters.
  */
 #ifndef AUVID_THRUSTERS_WRENCH_INTERNAL_H
 #define AUVID_THRUSTERS_WRENCH_INTERNAL_H
 
 #include "auvid/thrusters.h"
 
-/** A time as the log counts it, from its end on: later by what it has left out since. */
+/** Returns a time on the log's time scale: t_us plus all intervals that the log skipped later.
+ * Cost: AUVID_MAX_SETS + 2 comparisons at most. */
 static inline uint64_t auvid_thrusters_in_log(const auvid_thrusters_t *th, uint64_t t_us)
 {
     uint64_t in_log_us = t_us;

@@ -92,8 +92,8 @@ auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real
         !auvid_all_finite(nu, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    const auvid_real_t reach = AUVID_C(1e4); /* of auvid_sincos */
-    if (auvid_abs(phi) > reach || auvid_abs(theta) > reach || auvid_abs(psi) > reach) {
+    const auvid_real_t max_angle = AUVID_C(1e4); /* range of auvid_sincos */
+    if (auvid_abs(phi) > max_angle || auvid_abs(theta) > max_angle || auvid_abs(psi) > max_angle) {
         return AUVID_ERR_RANGE;
     }
     auvid_real_t s_phi, c_phi, s_theta, c_theta, r[3][3];
@@ -116,9 +116,9 @@ auvid_status_t auvid_kinematics(auvid_real_t phi, auvid_real_t theta, auvid_real
 
 #if AUVID_MAX_PARAMETERS >= 13
 
-/* The three variants of the model. */
+/* Selects one of the three variants of the model. */
 typedef struct {
-    bool coupled; /* the terms of C(nu) nu */
+    bool coupled; /* includes the terms of C(nu) nu */
     bool printed; /* Eq. 13 with w q instead of w p */
 } g500_form_t;
 
@@ -154,7 +154,8 @@ const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT] = {
     [AUVID_G500_N_RR] = AUVID_C(-60.9373),
 };
 
-static void g500_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void vehicle_g500_regressor(const void *context, const auvid_sample_t *s,
+                                   auvid_regressor_t *y)
 {
     const g500_form_t *form = context;
     auvid_real_t s_phi, c_phi, s_theta, c_theta;
@@ -202,10 +203,10 @@ static void g500_regressor(const void *context, const auvid_sample_t *s, auvid_r
     }
 }
 
-/* The equations solved for nu_dot: each has its own mass times its own acceleration, so what is
- * left of tau after all other terms is divided by that mass. */
-static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
-                              const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
+/* Solves the equations for nu_dot. Each contains one acceleration, times one mass. So it divides
+ * tau minus all other terms by this mass. */
+static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t *sample,
+                                      const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     static const struct {
         auvid_dof_t dof;
@@ -216,7 +217,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                     {AUVID_YAW, AUVID_G500_M_R}};
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    g500_regressor(context, sample, &y);
+    vehicle_g500_regressor(context, sample, &y);
     for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
         const auvid_real_t *row = y.row[equation[k].dof];
         auvid_real_t rest = sample->tau[equation[k].dof], mass = pi[equation[k].mass];
@@ -234,7 +235,7 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
 #else
 #define BIAS(name) 0u
 #endif
-/* What the coupled equations read, see the top of the file, and each its own. */
+/* The velocities that the coupled and the decoupled equations read (top of the file). */
 #define READ(dof) (1u << AUVID_##dof)
 #define G500_MOVES (READ(SURGE) | READ(SWAY))
 #define READS_COUPLED                                                                              \
@@ -259,8 +260,8 @@ static bool g500_acceleration(const void *context, const auvid_sample_t *sample,
                                     G500_BIT(W_B) | G500_BIT(Z_W) | G500_BIT(Z_WW) | BIAS(Z_0),    \
                     [AUVID_YAW] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_R) | G500_BIT(N_R) |  \
                                   G500_BIT(N_RR) | BIAS(N_0)},                                     \
-        .free = AUVID_G500_FREE, .regressor = g500_regressor, .acceleration = g500_acceleration,   \
-        .context = &(form_), reads_                                                                \
+        .free = AUVID_G500_FREE, .regressor = vehicle_g500_regressor,                              \
+        .acceleration = vehicle_g500_acceleration, .context = &(form_), reads_                     \
     }
 
 static const g500_form_t g500_fossen = {.coupled = true, .printed = false};

@@ -1,6 +1,6 @@
 /*
- * Packed triangles (private header): R'R is the sum of all row'row, and the leading columns are
- * solved against the next.
+ * Packed R factors (private header): R'R is the sum of all row'row, and the leading columns are
+ * solved for the next column as right-hand side.
  */
 #include <math.h>
 #include <string.h>
@@ -8,22 +8,22 @@
 #include "base/auvid_linalg_internal.h"
 #include "unity.h"
 
-enum { MOST = 20, ROWS = 200 };
+enum { MAX_COLUMNS = 20, ROWS = 200 };
 
-static auvid_real_t triangle[AUVID_QR_FACTOR(MOST) + 1];
-static double rows[ROWS][MOST];
+static auvid_real_t factor[AUVID_QR_FACTOR(MAX_COLUMNS) + 1];
+static double rows[ROWS][MAX_COLUMNS];
 static uint32_t seed;
 
 void setUp(void)
 {
-    memset(triangle, 0, sizeof triangle);
-    triangle[AUVID_QR_FACTOR(MOST)] = AUVID_C(12345.0);
+    memset(factor, 0, sizeof factor);
+    factor[AUVID_QR_FACTOR(MAX_COLUMNS)] = AUVID_C(12345.0);
     seed = 1;
 }
 
 void tearDown(void)
 {
-    TEST_ASSERT_EQUAL_DOUBLE(12345.0, (double)triangle[AUVID_QR_FACTOR(MOST)]);
+    TEST_ASSERT_EQUAL_DOUBLE(12345.0, (double)factor[AUVID_QR_FACTOR(MAX_COLUMNS)]);
 }
 
 static double draw(void)
@@ -34,19 +34,20 @@ static double draw(void)
 
 static void add(int n, int first, const double *row)
 {
-    auvid_real_t copy[MOST];
+    auvid_real_t copy[MAX_COLUMNS];
     for (int i = 0; i < n; ++i) {
-        copy[i] = i < first ? (auvid_real_t)NAN : (auvid_real_t)row[i]; /* may not be read */
+        copy[i] = i < first ? (auvid_real_t)NAN : (auvid_real_t)row[i]; /* must not be read */
     }
-    auvid_qr_update(triangle, n, first, copy);
+    auvid_qr_update(factor, n, first, copy);
 }
 
 static double at(int n, int i, int j)
 {
-    return j < i ? 0 : (double)triangle[auvid_qr_row(n, i) + j - i];
+    return j < i ? 0 : (double)factor[auvid_qr_row(n, i) + j - i];
 }
 
-/* |R'R - A'A|_ij <= c eps |a_i| |a_j|; ROWS rotations of 6 roundings each add like sqrt(ROWS). */
+/* |R'R - A'A|_ij <= c eps |a_i| |a_j|. The errors of ROWS rotations, 6 roundings each, add like
+ * sqrt(ROWS). */
 static void assert_normal_equations(int n, int count)
 {
     for (int i = 0; i < n; ++i) {
@@ -66,9 +67,9 @@ static void assert_normal_equations(int n, int count)
     }
 }
 
-static void test_rows_of_a_triangle_follow_each_other_without_holes(void)
+static void test_rows_of_a_factor_are_stored_without_gaps(void)
 {
-    for (int n = 1; n <= MOST; ++n) {
+    for (int n = 1; n <= MAX_COLUMNS; ++n) {
         int next = 0;
         for (int i = 0; i < n; ++i) {
             TEST_ASSERT_EQUAL_INT(next, auvid_qr_row(n, i));
@@ -78,13 +79,13 @@ static void test_rows_of_a_triangle_follow_each_other_without_holes(void)
     }
 }
 
-static void test_triangle_holds_the_sum_of_all_outer_products(void)
+static void test_factor_represents_the_sum_of_all_outer_products(void)
 {
-    for (int n = 1; n <= MOST; n += 3) {
+    for (int n = 1; n <= MAX_COLUMNS; n += 3) {
         setUp();
         for (int k = 0; k < ROWS; ++k) {
             for (int i = 0; i < n; ++i) {
-                rows[k][i] = draw() * pow(10.0, i % 4); /* columns of different size */
+                rows[k][i] = draw() * pow(10.0, i % 4); /* columns of different magnitude */
             }
             add(n, 0, rows[k]);
         }
@@ -95,7 +96,7 @@ static void test_triangle_holds_the_sum_of_all_outer_products(void)
     }
 }
 
-static void test_row_that_begins_late_is_not_read_before_its_beginning(void)
+static void test_entries_before_the_first_column_are_not_read(void)
 {
     const int n = 7;
     for (int k = 0; k < ROWS; ++k) {
@@ -109,7 +110,7 @@ static void test_row_that_begins_late_is_not_read_before_its_beginning(void)
     assert_normal_equations(n, ROWS);
 }
 
-static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only_round(void)
+static void test_zero_rows_change_nothing_and_rows_with_vanishing_squares_only_round(void)
 {
     const int n = 5;
     for (int k = 0; k < 10; ++k) {
@@ -119,22 +120,22 @@ static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only
         add(n, 0, rows[k]);
     }
     auvid_real_t before[AUVID_QR_FACTOR(5)];
-    memcpy(before, triangle, sizeof before);
+    memcpy(before, factor, sizeof before);
     memset(rows[10], 0, sizeof rows[10]);
     add(n, 0, rows[10]);
-    TEST_ASSERT_EQUAL_MEMORY(before, triangle, sizeof before);
+    TEST_ASSERT_EQUAL_MEMORY(before, factor, sizeof before);
     for (int i = 0; i < n; ++i) {
         rows[10][i] = sizeof(auvid_real_t) == sizeof(float) ? 1e-30 : 1e-200;
     }
     add(n, 0, rows[10]);
     for (int i = 0; i < AUVID_QR_FACTOR(5); ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(2 * (double)AUVID_EPSILON * fabs((double)before[i]),
-                                  (double)before[i], (double)triangle[i]);
+                                  (double)before[i], (double)factor[i]);
     }
-    memset(triangle, 0, sizeof before);
+    memset(factor, 0, sizeof before);
     add(n, 0, rows[10]);
     for (int i = 0; i < AUVID_QR_FACTOR(5); ++i) {
-        TEST_ASSERT_TRUE(auvid_is_finite(triangle[i]));
+        TEST_ASSERT_TRUE(auvid_is_finite(factor[i]));
     }
 }
 
@@ -142,14 +143,14 @@ static void test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only
 static int solve(int n, int m, auvid_real_t tiny, auvid_real_t *x)
 {
     for (int i = 0; i < m; ++i) {
-        x[i] = triangle[auvid_qr_row(n, i) + m - i];
+        x[i] = factor[auvid_qr_row(n, i) + m - i];
     }
-    return auvid_qr_solve(triangle, n, m, tiny, x);
+    return auvid_qr_solve(factor, n, m, tiny, x);
 }
 
 static void test_solution_of_exact_equations_is_found(void)
 {
-    const int n = 9, m = 6; /* two right-hand sides behind the one that is solved for */
+    const int n = 9, m = 6; /* two unused right-hand sides after the first */
     double x[6] = {1, -2, 3, -4, 5, -6};
     auvid_real_t found[6];
     for (int k = 0; k < 50; ++k) {
@@ -212,14 +213,14 @@ static void test_column_that_depends_on_those_before_it_is_counted_and_set_to_ze
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 3, (double)x[2]);
 }
 
-static void test_empty_triangle_determines_nothing(void)
+static void test_empty_factor_determines_nothing(void)
 {
     auvid_real_t x[3] = {9, 9, 9};
     TEST_ASSERT_EQUAL_INT(3, solve(4, 3, 0, x));
     for (int i = 0; i < 3; ++i) {
         TEST_ASSERT_EQUAL_DOUBLE(0, (double)x[i]);
     }
-    triangle[0] = (auvid_real_t)NAN;
+    factor[0] = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL_INT(3, solve(4, 3, 0, x));
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)x[0]);
 }
@@ -227,13 +228,13 @@ static void test_empty_triangle_determines_nothing(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_rows_of_a_triangle_follow_each_other_without_holes);
-    RUN_TEST(test_triangle_holds_the_sum_of_all_outer_products);
-    RUN_TEST(test_row_that_begins_late_is_not_read_before_its_beginning);
-    RUN_TEST(test_rows_of_zeros_change_nothing_and_rows_whose_squares_vanish_only_round);
+    RUN_TEST(test_rows_of_a_factor_are_stored_without_gaps);
+    RUN_TEST(test_factor_represents_the_sum_of_all_outer_products);
+    RUN_TEST(test_entries_before_the_first_column_are_not_read);
+    RUN_TEST(test_zero_rows_change_nothing_and_rows_with_vanishing_squares_only_round);
     RUN_TEST(test_solution_of_exact_equations_is_found);
     RUN_TEST(test_least_squares_leave_a_residual_orthogonal_to_the_columns);
     RUN_TEST(test_column_that_depends_on_those_before_it_is_counted_and_set_to_zero);
-    RUN_TEST(test_empty_triangle_determines_nothing);
+    RUN_TEST(test_empty_factor_determines_nothing);
     return UNITY_END();
 }

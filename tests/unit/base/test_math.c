@@ -1,6 +1,7 @@
 /*
- * Elementary functions: the bounds stated in auvid_math.c, against libm in long double, and the
- * same bits from every compiler. AUVID_TEST_LONG compares the software square root for every float.
+ * Elementary functions: the error bounds of auvid_math.c, compared with libm in long double, and
+ * the same bits with every compiler. AUVID_TEST_LONG tests the software square root for every
+ * float.
  */
 #include <errno.h>
 #include <math.h>
@@ -11,7 +12,7 @@
 #include "base/auvid_sqrt_soft_internal.h"
 #include "unity.h"
 
-/* The bounds, as auvid_math.c states them, in AUVID_EPSILON. */
+/* The bounds of auvid_math.c, in AUVID_EPSILON. */
 #define SINCOS_BOUND 0.75L
 #define SIN_RELATIVE_BOUND 1.25L
 #define ATAN2_BOUND 2.0L
@@ -50,8 +51,8 @@ static bool same(auvid_real_t a, auvid_real_t b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* Uniform in [-limit, limit]; every third within 1e-3 of a multiple of pi/2, where reduction is
- * hardest. */
+/* Uniform in [-limit, limit]. Every third angle is within 1e-3 of a multiple of pi/2, where the
+ * reduction is most difficult. */
 static auvid_real_t some_angle(int i, auvid_real_t limit)
 {
     auvid_real_t x = (AUVID_C(2.0) * auvid_rng_uniform(&rng) - AUVID_C(1.0)) * limit;
@@ -82,7 +83,7 @@ static void test_software_sqrt_of_a_double_is_the_correctly_rounded_one(void)
         uint64_t b = ((uint64_t)auvid_rng_next(&rng) << 32) | auvid_rng_next(&rng);
         if (i % 4 == 0) { /* denormals of all sizes */
             b = (b & ((UINT64_C(1) << 52) - 1u)) >> auvid_rng_below(&rng, 52);
-        } else if (i % 4 == 1) { /* one below, at or above a square: the closest decisions */
+        } else if (i % 4 == 1) { /* one below, at or above a square: hardest to round */
             double r = ldexp((double)(b >> 38), (int)(b & 63u) - 30);
             b = bits_64(r * r) - 1u + b % 3u;
         }
@@ -95,7 +96,7 @@ static void test_software_sqrt_of_a_double_is_the_correctly_rounded_one(void)
     }
 }
 
-static void test_software_sqrt_knows_the_ends_of_the_range(void)
+static void test_software_sqrt_is_correct_at_the_ends_of_the_range(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0x7f800000u, auvid_sqrt_soft_32(0x7f800000u));
     TEST_ASSERT_EQUAL_HEX32(0u, auvid_sqrt_soft_32(0x7fc00000u));
@@ -122,7 +123,7 @@ static void test_sqrt_is_the_correctly_rounded_one(void)
     }
 }
 
-static void test_sqrt_is_zero_where_there_is_none_and_leaves_errno_alone(void)
+static void test_sqrt_of_negative_or_nan_is_zero_and_does_not_set_errno(void)
 {
     volatile auvid_real_t zero = AUVID_C(0.0);
     errno = 0;
@@ -132,7 +133,7 @@ static void test_sqrt_is_zero_where_there_is_none_and_leaves_errno_alone(void)
     TEST_ASSERT_EQUAL_INT(0, errno);
 }
 
-static void test_sincos_keep_their_bound_up_to_ten_thousand(void)
+static void test_sincos_meet_their_bound_up_to_ten_thousand(void)
 {
     long double worst = 0.0L;
     for (int i = 0; i < SWEEP; ++i) {
@@ -145,7 +146,7 @@ static void test_sincos_keep_their_bound_up_to_ten_thousand(void)
     TEST_ASSERT_TRUE(worst <= SINCOS_BOUND * EPS);
 }
 
-static void test_sin_keeps_its_relative_bound_up_to_pi(void)
+static void test_sin_meets_its_relative_bound_up_to_pi(void)
 {
     long double worst = 0.0L;
     for (int i = 0; i < SWEEP; ++i) {
@@ -169,7 +170,7 @@ static void test_sincos_is_odd_and_even_to_the_bit(void)
     }
 }
 
-static void test_one_of_sine_and_cosine_has_the_bits_of_both(void)
+static void test_single_sine_or_cosine_has_the_bits_of_sincos(void)
 {
     for (int i = 0; i < SWEEP; ++i) {
         auvid_real_t s, c, x = AUVID_C(2e4) * auvid_rng_uniform(&rng) - AUVID_C(1e4);
@@ -181,7 +182,7 @@ static void test_one_of_sine_and_cosine_has_the_bits_of_both(void)
     TEST_ASSERT_FALSE(auvid_is_finite(auvid_sin_turned((auvid_real_t)NAN, 1)));
 }
 
-static void test_all_finite_finds_what_is_not_wherever_it_stands(void)
+static void test_all_finite_detects_a_value_that_is_not_at_any_index(void)
 {
     const auvid_real_t bad[] = {(auvid_real_t)NAN, (auvid_real_t)INFINITY, (auvid_real_t)-INFINITY};
     auvid_real_t x[5] = {AUVID_C(0.0), AUVID_LARGEST, -AUVID_LARGEST, AUVID_C(-0.0),
@@ -196,7 +197,7 @@ static void test_all_finite_finds_what_is_not_wherever_it_stands(void)
     }
 }
 
-static void test_clear_writes_as_many_zeros_as_it_is_told(void)
+static void test_clear_writes_exactly_n_zeros(void)
 {
     for (size_t n = 0; n < 20; ++n) {
         auvid_real_t x[21];
@@ -210,7 +211,7 @@ static void test_clear_writes_as_many_zeros_as_it_is_told(void)
     }
 }
 
-static void test_sincos_accepts_null_for_what_is_not_wanted(void)
+static void test_sincos_accepts_null_for_either_output(void)
 {
     auvid_real_t s = AUVID_C(5.0);
     auvid_real_t c = AUVID_C(5.0);
@@ -232,7 +233,7 @@ static void test_sincos_and_wrap_are_nan_out_of_range(void)
     }
 }
 
-static void test_atan2_keeps_its_bound_in_all_quadrants(void)
+static void test_atan2_meets_its_bound_in_all_quadrants(void)
 {
     long double worst = 0.0L;
     for (int i = 0; i < SWEEP; ++i) {
@@ -266,7 +267,7 @@ static void test_atan2_is_exact_on_the_axes_and_zero_at_the_origin(void)
     TEST_ASSERT_TRUE(same(-AUVID_PI, auvid_atan2(AUVID_C(-1e-30), AUVID_C(-3.0))));
 }
 
-static void test_wrap_pi_keeps_its_bound_and_stays_within_pi(void)
+static void test_wrap_pi_meets_its_bound_and_stays_within_pi(void)
 {
     long double worst = 0.0L;
     for (int i = 0; i < SWEEP; ++i) {
@@ -280,7 +281,7 @@ static void test_wrap_pi_keeps_its_bound_and_stays_within_pi(void)
     TEST_ASSERT_TRUE(worst <= WRAP_BOUND * EPS);
 }
 
-static void test_wrap_pi_keeps_its_bound_next_to_odd_multiples_of_pi(void)
+static void test_wrap_pi_meets_its_bound_next_to_odd_multiples_of_pi(void)
 {
     for (int n = -3181; n <= 3181; n += 2) {
         auvid_real_t x = (auvid_real_t)(n * 3.14159265358979323846);
@@ -294,7 +295,7 @@ static void test_wrap_pi_keeps_its_bound_next_to_odd_multiples_of_pi(void)
     }
 }
 
-static void test_wrap_pi_leaves_an_angle_within_pi_untouched(void)
+static void test_wrap_pi_does_not_change_an_angle_within_pi(void)
 {
     const auvid_real_t angles[] = {AUVID_C(0.0), AUVID_C(1.5), -AUVID_PI, AUVID_PI, AUVID_C(-3.1)};
     for (size_t i = 0; i < sizeof angles / sizeof angles[0]; ++i) {
@@ -347,7 +348,7 @@ static void test_rng_gives_the_published_sequence_of_its_authors(void)
     }
 }
 
-static void test_rng_seed_spreads_by_splitmix64(void)
+static void test_rng_seed_is_expanded_by_splitmix64(void)
 {
     auvid_rng_t r;
     auvid_rng_seed(&r, 1234567u); /* first outputs 6457827717110365317, 3203168211198807973 */
@@ -374,7 +375,7 @@ static void test_rng_uniform_and_below_stay_in_range_and_have_the_right_mean(voi
     TEST_ASSERT_EQUAL_UINT32(0u, auvid_rng_below(&rng, 1u));
 }
 
-static void test_all_functions_give_the_same_bits_as_ever(void)
+static void test_all_functions_give_the_recorded_bits(void)
 {
 #ifdef AUVID_REAL_DOUBLE
     const uint32_t golden = 0x62172512u;
@@ -404,26 +405,26 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_software_sqrt_of_a_float_is_the_correctly_rounded_one);
     RUN_TEST(test_software_sqrt_of_a_double_is_the_correctly_rounded_one);
-    RUN_TEST(test_software_sqrt_knows_the_ends_of_the_range);
+    RUN_TEST(test_software_sqrt_is_correct_at_the_ends_of_the_range);
     RUN_TEST(test_sqrt_is_the_correctly_rounded_one);
-    RUN_TEST(test_sqrt_is_zero_where_there_is_none_and_leaves_errno_alone);
-    RUN_TEST(test_sincos_keep_their_bound_up_to_ten_thousand);
-    RUN_TEST(test_sin_keeps_its_relative_bound_up_to_pi);
+    RUN_TEST(test_sqrt_of_negative_or_nan_is_zero_and_does_not_set_errno);
+    RUN_TEST(test_sincos_meet_their_bound_up_to_ten_thousand);
+    RUN_TEST(test_sin_meets_its_relative_bound_up_to_pi);
     RUN_TEST(test_sincos_is_odd_and_even_to_the_bit);
-    RUN_TEST(test_one_of_sine_and_cosine_has_the_bits_of_both);
-    RUN_TEST(test_all_finite_finds_what_is_not_wherever_it_stands);
-    RUN_TEST(test_clear_writes_as_many_zeros_as_it_is_told);
-    RUN_TEST(test_sincos_accepts_null_for_what_is_not_wanted);
+    RUN_TEST(test_single_sine_or_cosine_has_the_bits_of_sincos);
+    RUN_TEST(test_all_finite_detects_a_value_that_is_not_at_any_index);
+    RUN_TEST(test_clear_writes_exactly_n_zeros);
+    RUN_TEST(test_sincos_accepts_null_for_either_output);
     RUN_TEST(test_sincos_and_wrap_are_nan_out_of_range);
-    RUN_TEST(test_atan2_keeps_its_bound_in_all_quadrants);
+    RUN_TEST(test_atan2_meets_its_bound_in_all_quadrants);
     RUN_TEST(test_atan2_is_exact_on_the_axes_and_zero_at_the_origin);
-    RUN_TEST(test_wrap_pi_keeps_its_bound_and_stays_within_pi);
-    RUN_TEST(test_wrap_pi_keeps_its_bound_next_to_odd_multiples_of_pi);
-    RUN_TEST(test_wrap_pi_leaves_an_angle_within_pi_untouched);
+    RUN_TEST(test_wrap_pi_meets_its_bound_and_stays_within_pi);
+    RUN_TEST(test_wrap_pi_meets_its_bound_next_to_odd_multiples_of_pi);
+    RUN_TEST(test_wrap_pi_does_not_change_an_angle_within_pi);
     RUN_TEST(test_rotation_is_the_product_of_yaw_pitch_and_roll);
     RUN_TEST(test_rng_gives_the_published_sequence_of_its_authors);
-    RUN_TEST(test_rng_seed_spreads_by_splitmix64);
+    RUN_TEST(test_rng_seed_is_expanded_by_splitmix64);
     RUN_TEST(test_rng_uniform_and_below_stay_in_range_and_have_the_right_mean);
-    RUN_TEST(test_all_functions_give_the_same_bits_as_ever);
+    RUN_TEST(test_all_functions_give_the_recorded_bits);
     return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /*
- * A machine whose arithmetic is set otherwise is refused where it is met first, in init, with a
- * sentence that tells what to change: on x86-64 and on Cortex-M with an FPU, by the control
- * register. (The self-test itself: test_selftest.c. Builds: tests/program/test_hostile_builds.sh.)
+ * Init refuses a machine with different arithmetic, and the status text tells what to change. The
+ * control register sets the arithmetic, on x86-64 and on Cortex-M with an FPU. test_selftest.c
+ * tests the self-test itself, tests/program/test_hostile_builds.sh the compiler flags.
  */
 #include <string.h>
 
@@ -52,7 +52,7 @@ void tearDown(void)
 {
 }
 
-static void test_init_accepts_this_machine_as_it_is(void)
+static void test_init_accepts_this_machine(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&node.id, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &config));
@@ -72,7 +72,7 @@ static void check_refused(uint32_t bits)
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, identifier);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, step);
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, whole);
-    test_init_accepts_this_machine_as_it_is(); /* nothing of it stays */
+    test_init_accepts_this_machine(); /* init keeps no state of the refusal */
 }
 
 static void test_init_refuses_a_machine_that_flushes_to_zero(void)
@@ -88,7 +88,7 @@ static void test_init_refuses_other_rounding_modes(void)
 }
 #endif
 
-static void test_the_refusal_tells_what_to_change(void)
+static void test_the_status_text_tells_what_to_change(void)
 {
     const char *text = auvid_status_str(AUVID_ERR_ARITHMETIC);
     TEST_ASSERT_NOT_NULL(strstr(text, "flush"));
@@ -98,11 +98,11 @@ static void test_the_refusal_tells_what_to_change(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_init_accepts_this_machine_as_it_is);
+    RUN_TEST(test_init_accepts_this_machine);
 #if defined(SETTABLE)
     RUN_TEST(test_init_refuses_a_machine_that_flushes_to_zero);
     RUN_TEST(test_init_refuses_other_rounding_modes);
 #endif
-    RUN_TEST(test_the_refusal_tells_what_to_change);
+    RUN_TEST(test_the_status_text_tells_what_to_change);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * The self-test of the arithmetic accepts this machine and refuses it when it is made to compute
- * otherwise. Contraction is shown on a copy of the source compiled with it.
+ * The self-test accepts this machine's arithmetic and refuses it in other modes. For contraction,
+ * the test compiles a copy of the source with it.
  */
 #include <fenv.h>
 #if defined(__x86_64__)
@@ -11,7 +11,7 @@
 #include "unity.h"
 
 #if defined(__x86_64__)
-/* auvid_math_internal.h switches contraction off; switched on again after it, with FMA. */
+/* auvid_math_internal.h disables contraction; the test enables it again afterwards, with FMA. */
 #include "base/auvid_math_internal.h"
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT ON
@@ -48,10 +48,10 @@ void tearDown(void)
 #endif
 }
 
-static void test_this_machine_computes_as_auvid_does(void)
+static void test_this_machine_is_accepted(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_selftest());
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_selftest()); /* and keeps no state */
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_selftest()); /* it keeps no state */
 }
 
 static void test_other_rounding_modes_are_refused(void)
@@ -97,7 +97,7 @@ static void test_contraction_is_refused(void)
 #endif
 }
 
-static void test_it_accepts_again_once_the_mode_is_restored(void)
+static void test_the_machine_is_accepted_after_the_mode_is_restored(void)
 {
     fesetround(FE_UPWARD);
     (void)auvid_selftest();
@@ -105,7 +105,7 @@ static void test_it_accepts_again_once_the_mode_is_restored(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_selftest());
 }
 
-static void test_each_status_has_its_own_sentence(void)
+static void test_each_status_has_its_own_text(void)
 {
     for (int i = AUVID_ERR_CHECKSUM; i <= AUVID_EVALUATION_LIMIT; ++i) {
         const char *text = auvid_status_str((auvid_status_t)i);
@@ -120,12 +120,12 @@ static void test_each_status_has_its_own_sentence(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_this_machine_computes_as_auvid_does);
+    RUN_TEST(test_this_machine_is_accepted);
     RUN_TEST(test_other_rounding_modes_are_refused);
     RUN_TEST(test_flush_to_zero_is_refused);
     RUN_TEST(test_denormals_are_zero_is_refused);
     RUN_TEST(test_contraction_is_refused);
-    RUN_TEST(test_it_accepts_again_once_the_mode_is_restored);
-    RUN_TEST(test_each_status_has_its_own_sentence);
+    RUN_TEST(test_the_machine_is_accepted_after_the_mode_is_restored);
+    RUN_TEST(test_each_status_has_its_own_text);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * Behaviours of the streaming smoother. Its numbers against an independent least-squares fit are in
- * tests/reference/test_smoother.cpp.
+ * Behaviour of the streaming smoother. tests/reference/test_smoother.cpp compares its numbers with
+ * an independent least-squares fit.
  */
 #include <math.h>
 #include <string.h>
@@ -29,7 +29,7 @@ void tearDown(void)
 {
 }
 
-/* A signal without pattern, in [-1, 1], always the same. */
+/* A reproducible pseudo-random signal in [-1, 1]. */
 static auvid_real_t signal(int i)
 {
     uint32_t x = (uint32_t)i * 2654435761u;
@@ -39,7 +39,7 @@ static auvid_real_t signal(int i)
     return (auvid_real_t)(int32_t)(x >> 8) * AUVID_C(1.1920929e-7) - AUVID_C(1.0);
 }
 
-/* Push n samples from first on, take everything that is ready into y; returns outputs taken. */
+/* Pushes n samples from `first` on and takes all ready outputs into y. Returns their number. */
 static size_t run(auvid_smoother_t *s, int first, int n, auvid_real_t *y)
 {
     size_t count = 0;
@@ -88,7 +88,7 @@ static void test_known_table_of_savitzky_and_golay_is_reproduced(void)
     const auvid_real_t over_value = AUVID_C(35.0);
     const auvid_real_t over_slope = AUVID_C(10.0);
 #else
-    /* 3 points, order 2: the middle itself; (-1 0 1) / 2 */
+    /* 3 points, order 2: the middle sample; (-1 0 1) / 2 */
     const auvid_real_t value[] = {0, 1, 0};
     const auvid_real_t slope[] = {-1, 0, 1};
     const auvid_real_t over_value = AUVID_C(1.0);
@@ -116,7 +116,7 @@ static void test_order_zero_is_the_moving_average(void)
     }
 }
 
-static void test_a_full_order_gives_the_samples_back(void)
+static void test_the_largest_order_reproduces_the_samples(void)
 {
     const int h = H < 2 ? H : 2;
     auvid_real_t c[5];
@@ -129,7 +129,7 @@ static void test_a_full_order_gives_the_samples_back(void)
     }
 }
 
-/* Sum of |c| |x|, in double: what rounding errors are measured by. */
+/* Sum of |c| |x|, in double: the scale of rounding errors. */
 static double weight(const auvid_real_t *c, const auvid_real_t *x, int n)
 {
     double sum = 0.0;
@@ -181,7 +181,7 @@ static void test_nothing_is_ready_before_the_first_window_is_full(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_push(&smoother, signal(N)));
 }
 
-static void test_the_first_window_gives_the_edge_and_the_middle_then_one_a_sample(void)
+static void test_the_first_window_gives_its_edge_and_middle_then_each_sample_gives_one_output(void)
 {
     auvid_real_t y[POINTS];
     auvid_smoother_init(&smoother, &config);
@@ -192,7 +192,7 @@ static void test_the_first_window_gives_the_edge_and_the_middle_then_one_a_sampl
     TEST_ASSERT_EQUAL_INT(AUVID_EMPTY, auvid_smoother_take(&smoother, NULL, y));
 }
 
-static void test_an_output_not_taken_is_given_up_and_the_next_names_its_sample(void)
+static void test_an_output_not_taken_is_lost_and_the_next_has_its_own_sample(void)
 {
     auvid_real_t all[POINTS];
     auvid_real_t y;
@@ -252,12 +252,12 @@ static void test_streaming_gives_what_the_coefficients_give(void)
 
 static void test_two_smoothers_do_not_interact(void)
 {
-    auvid_real_t alone[POINTS];
+    auvid_real_t single[POINTS];
     auvid_real_t beside[POINTS];
     auvid_real_t other_y[POINTS];
     auvid_smoother_t other;
     auvid_smoother_init(&smoother, &config);
-    size_t n = run(&smoother, 0, 50, alone);
+    size_t n = run(&smoother, 0, 50, single);
     auvid_smoother_reset(&smoother);
     config.half_width = 1;
     config.order = 1;
@@ -268,10 +268,10 @@ static void test_two_smoothers_do_not_interact(void)
         run(&other, 1000 - i, 1, other_y);
     }
     TEST_ASSERT_EQUAL_UINT32(n, m);
-    TEST_ASSERT_TRUE(memcmp(alone, beside, n * sizeof alone[0]) == 0);
+    TEST_ASSERT_TRUE(memcmp(single, beside, n * sizeof single[0]) == 0);
 }
 
-static void test_reset_forgets_the_record(void)
+static void test_reset_discards_the_record(void)
 {
     auvid_real_t first[POINTS];
     auvid_real_t again[POINTS];
@@ -297,7 +297,7 @@ static void test_a_sample_that_is_not_finite_is_refused_and_changes_nothing(void
     TEST_ASSERT_TRUE(memcmp(&before, &smoother, sizeof before) == 0);
 }
 
-static void test_nothing_but_take_and_reset_goes_on_after_the_end(void)
+static void test_only_take_and_reset_are_accepted_after_the_end(void)
 {
     auvid_real_t y[POINTS];
     auvid_smoother_init(&smoother, &config);
@@ -315,10 +315,10 @@ static void test_a_record_shorter_than_the_window_has_no_output(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NO_DATA, auvid_smoother_end(&smoother));
     TEST_ASSERT_EQUAL_UINT32(0u, run(&smoother, 0, N - 1, y));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NO_DATA, auvid_smoother_end(&smoother));
-    TEST_ASSERT_EQUAL_UINT32(H + 1, run(&smoother, N - 1, 1, y)); /* and it can still go on */
+    TEST_ASSERT_EQUAL_UINT32(H + 1, run(&smoother, N - 1, 1, y)); /* the record can continue */
 }
 
-static void test_a_bad_configuration_is_named_and_changes_nothing(void)
+static void test_a_bad_configuration_is_refused_and_changes_nothing(void)
 {
     volatile auvid_real_t zero = AUVID_C(0.0);
     const auvid_real_t dt = AUVID_C(0.02);
@@ -368,19 +368,19 @@ int main(void)
     RUN_TEST(test_defaults_are_the_documented_ones_and_are_accepted);
     RUN_TEST(test_known_table_of_savitzky_and_golay_is_reproduced);
     RUN_TEST(test_order_zero_is_the_moving_average);
-    RUN_TEST(test_a_full_order_gives_the_samples_back);
+    RUN_TEST(test_the_largest_order_reproduces_the_samples);
     RUN_TEST(test_polynomials_of_its_order_pass_unchanged_edges_included);
     RUN_TEST(test_nothing_is_ready_before_the_first_window_is_full);
-    RUN_TEST(test_the_first_window_gives_the_edge_and_the_middle_then_one_a_sample);
-    RUN_TEST(test_an_output_not_taken_is_given_up_and_the_next_names_its_sample);
+    RUN_TEST(test_the_first_window_gives_its_edge_and_middle_then_each_sample_gives_one_output);
+    RUN_TEST(test_an_output_not_taken_is_lost_and_the_next_has_its_own_sample);
     RUN_TEST(test_a_record_in_two_parts_gives_the_bits_of_one_run);
     RUN_TEST(test_streaming_gives_what_the_coefficients_give);
     RUN_TEST(test_two_smoothers_do_not_interact);
-    RUN_TEST(test_reset_forgets_the_record);
+    RUN_TEST(test_reset_discards_the_record);
     RUN_TEST(test_a_sample_that_is_not_finite_is_refused_and_changes_nothing);
-    RUN_TEST(test_nothing_but_take_and_reset_goes_on_after_the_end);
+    RUN_TEST(test_only_take_and_reset_are_accepted_after_the_end);
     RUN_TEST(test_a_record_shorter_than_the_window_has_no_output);
-    RUN_TEST(test_a_bad_configuration_is_named_and_changes_nothing);
+    RUN_TEST(test_a_bad_configuration_is_refused_and_changes_nothing);
     RUN_TEST(test_a_position_outside_the_window_is_refused_and_writes_nothing);
     RUN_TEST(test_null_pointers_are_refused);
     return UNITY_END();

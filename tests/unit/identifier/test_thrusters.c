@@ -1,6 +1,6 @@
 /*
- * Thrusters with a dead band, a gain in each direction and a lag, identified together with the
- * hull from the commands of every tick.
+ * Thrusters with a dead band, a gain in each direction and a lag: identified together with the hull
+ * from the commands of every tick.
  */
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #include "finish.h"
 #include "unity.h"
 
-/* A hull of one axis, surge; what other axes do to it is known. */
+/* A hull with one axis, surge; the parameters of its couplings are known. */
 enum { M_U, M_V, M_W, W_B, X_U, X_UU, HULL };
 enum { FORWARD = HULL, BACKWARD, DEAD_BAND, LAG, PARAMETERS };
 enum { FREE = 1u << X_U | 1u << X_UU };
@@ -57,7 +57,7 @@ static auvid_identifier_config_t id_config;
 static auvid_thrusters_t thrusters;
 static auvid_identifier_t id, ideal;
 
-/* Two thrusters at the stern that get the same command. */
+/* Two thrusters at the stern with the same command. */
 void setUp(void)
 {
     auvid_thrusters_defaults(&config);
@@ -90,7 +90,7 @@ static void begin(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
 }
 
-/* ---- the thrust that a candidate makes of the log ---- */
+/* ---- a candidate's thrust from the log ---- */
 
 static auvid_real_t command_at(double t_s)
 {
@@ -106,8 +106,8 @@ static void fill(double to_s)
     }
 }
 
-/* The same in double, in steps of 0.1 ms from time 0 on, with the weights of a rectangle that has
- * passed another one, its length sqrt(2) times `velocity_s`. */
+/* The mean force in double, in steps of 0.1 ms from time 0 on. The weights are two convolved
+ * rectangles of lengths `row_s` and sqrt(2) times `velocity_s`. */
 static double expected(double t_s, double row_s, double velocity_s, const double *pi)
 {
     const double h = 1e-4, spread = fmax(sqrt(2.0) * velocity_s, 1e-9);
@@ -124,17 +124,17 @@ static double expected(double t_s, double row_s, double velocity_s, const double
     return sum / all;
 }
 
-static void check_thrust(const double *of_group, uint32_t velocity_us, auvid_dof_t dof)
+static void check_thrust(const double *group_pi, uint32_t velocity_us, auvid_dof_t dof)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     for (int k = 0; k < AUVID_THRUSTERS_PER_GROUP; ++k) {
-        pi[HULL + k] = (auvid_real_t)of_group[k];
+        pi[HULL + k] = (auvid_real_t)group_pi[k];
     }
     double worst = 0.0;
     for (double t_s = 2.613; t_s < 11.0; t_s += 0.2) {
         TEST_ASSERT_EQUAL(
             AUVID_OK, auvid_thrusters_wrench(&thrusters, (uint64_t)(t_s * 1e6 + 0.5), pi, wrench));
-        double sum = expected(t_s, 0.2, velocity_us * 1e-6, of_group);
+        double sum = expected(t_s, 0.2, velocity_us * 1e-6, group_pi);
         worst = fmax(worst, fabs((double)wrench[dof] - 2.0 * sum));
     }
     TEST_ASSERT_TRUE(worst < 0.05); /* of 90 N */
@@ -142,25 +142,25 @@ static void check_thrust(const double *of_group, uint32_t velocity_us, auvid_dof
 
 static void test_the_mean_thrust_of_a_row_is_that_of_the_lag_solved_in_double(void)
 {
-    static const double of_group[][AUVID_THRUSTERS_PER_GROUP] = {
+    static const double group_pi[][AUVID_THRUSTERS_PER_GROUP] = {
         {70, 55, 0.1, 0.2}, {55, 70, 0.25, 0.05}, {60, 60, 0.0, 0.12}, {70, 50, 0.1, 0.003}};
     begin();
     fill(12.0);
-    for (size_t i = 0; i < sizeof of_group / sizeof of_group[0]; ++i) {
-        check_thrust(of_group[i], id_config.metric.velocity_us, AUVID_SURGE);
+    for (size_t i = 0; i < sizeof group_pi / sizeof group_pi[0]; ++i) {
+        check_thrust(group_pi[i], id_config.metric.velocity_us, AUVID_SURGE);
     }
 }
 
-static void test_moments_are_not_spread_as_forces_are(void)
+static void test_moments_have_equal_weights_over_the_row(void)
 {
-    static const double of_group[] = {70, 55, 0.1, 0.2};
+    static const double group_pi[] = {70, 55, 0.1, 0.2};
     config.matrix[AUVID_YAW][0] = 2;
     begin();
     fill(12.0);
-    check_thrust(of_group, 0, AUVID_YAW);
+    check_thrust(group_pi, 0, AUVID_YAW);
 }
 
-static void test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn(void)
+static void test_a_mirrored_thruster_uses_the_gains_of_the_opposite_direction(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
     const auvid_real_t there[] = {70, 55, (auvid_real_t)0.1, (auvid_real_t)0.2};
@@ -179,7 +179,7 @@ static void test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn(voi
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)one[AUVID_SURGE], (double)two[AUVID_SURGE]);
 }
 
-static void test_a_lag_of_zero_follows_at_once(void)
+static void test_a_lag_of_zero_has_no_delay(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     const auvid_real_t one[AUVID_MAX_COMMANDS] = {1};
@@ -194,7 +194,7 @@ static void test_a_lag_of_zero_follows_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 100.0, (double)wrench[AUVID_SURGE]);
 }
 
-static void test_irregular_ticks_keep_the_mean_command_of_a_slot(void)
+static void test_irregular_ticks_give_the_mean_command_of_a_slot(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     begin();
@@ -207,12 +207,12 @@ static void test_irregular_ticks_keep_the_mean_command_of_a_slot(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 60.0, (double)wrench[AUVID_SURGE]);
 }
 
-static void test_commands_beyond_the_largest_count_as_it(void)
+static void test_commands_beyond_the_largest_are_clipped_to_it(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     begin();
     pi[FORWARD] = pi[BACKWARD] = 50;
-    for (uint64_t t = 0; t < 4000000; t += PERIOD_US / 4) { /* three quarters of it forward */
+    for (uint64_t t = 0; t < 4000000; t += PERIOD_US / 4) { /* three quarters of a slot forward */
         auvid_real_t command[AUVID_MAX_COMMANDS] = {AUVID_LARGEST};
         command[0] *= t % PERIOD_US == 0 ? -1 : 1;
         auvid_thrusters_command(&thrusters, t, command);
@@ -223,7 +223,7 @@ static void test_commands_beyond_the_largest_count_as_it(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 3000000, pi, wrench));
 }
 
-static void test_commands_beyond_their_largest_are_counted(void)
+static void test_commands_beyond_the_largest_are_counted(void)
 {
     auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
     begin();
@@ -236,7 +236,7 @@ static void test_commands_beyond_their_largest_are_counted(void)
     TEST_ASSERT_EQUAL_UINT32(1, thrusters.state.clipped);
 }
 
-static void test_what_is_not_in_the_log_is_no_data(void)
+static void test_a_row_that_is_not_in_the_log_has_no_data(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     const auvid_real_t one[AUVID_MAX_COMMANDS] = {1};
@@ -253,7 +253,7 @@ static void test_what_is_not_in_the_log_is_no_data(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_wrench(NULL, 0, pi, wrench));
 }
 
-static void test_a_long_silence_leaves_no_old_command_before_the_rows_after_it(void)
+static void test_after_a_long_gap_rows_do_not_read_the_commands_before_it(void)
 {
     auvid_real_t pi[PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
@@ -271,9 +271,9 @@ static void test_a_long_silence_leaves_no_old_command_before_the_rows_after_it(v
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)wrench[AUVID_SURGE]);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
-static void test_init_refuses_what_is_out_of_its_range(void)
+static void test_init_refuses_values_out_of_range(void)
 {
     auvid_thrusters_config_t good = config;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, NULL));
@@ -283,7 +283,7 @@ static void test_init_refuses_what_is_out_of_its_range(void)
     config.thrusters = AUVID_MAX_COMMANDS + 1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
     config = good;
-    config.group[0] = 1; /* and none 0 */
+    config.group[0] = 1; /* and none is 0 */
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
     config = good;
     config.lag_max_s = (auvid_real_t)NAN;
@@ -311,14 +311,14 @@ static void test_init_refuses_what_is_out_of_its_range(void)
                       auvid_thrusters_init(&thrusters, &config));
 }
 
-static void test_masses_drags_and_gains_are_not_free_together(void)
+static void test_masses_drags_and_gains_must_not_all_be_free(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     defaults(ROW_CELLS, 30);
     id_config.metric.free = 0; /* all */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
-    id_config.metric.free = (1u << PARAMETERS) - 1u - (1u << LAG); /* says nothing of force */
+    id_config.metric.free = (1u << PARAMETERS) - 1u - (1u << LAG); /* not a scale */
     id_config.metric.fixed[LAG] = (auvid_real_t)0.2;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.metric.free = (1u << PARAMETERS) - 1u - (1u << FORWARD);
@@ -335,7 +335,7 @@ static void test_a_log_too_short_for_the_ring_is_refused(void)
     begin();
     defaults(ROW_CELLS, 40);
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_configure(&thrusters, &id_config));
-    defaults(50000, 40); /* rows of 5000 s, which are 705 in 32 bits */
+    defaults(50000, 40); /* rows of 5000 s, 705 s modulo 2^32 us */
     id_config.metric.set_rows = 1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     defaults(ROW_CELLS, 30);
@@ -345,7 +345,7 @@ static void test_a_log_too_short_for_the_ring_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
 }
 
-static void test_what_init_has_refused_is_refused_and_does_nothing(void)
+static void test_thrusters_refused_by_init_are_refused_and_do_nothing(void)
 {
     const auvid_real_t command[AUVID_MAX_COMMANDS] = {1}, pi[AUVID_MAX_PARAMETERS] = {0};
     auvid_real_t wrench[AUVID_DOF_COUNT] = {1};
@@ -375,64 +375,64 @@ static void test_commands_before_configure_are_not_logged(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &thrusters, sizeof before);
 }
 
-/* ---- what a row costs ---- */
+/* ---- cost of a row ---- */
 
-/* Eight thrusters, lags of up to 2 s, slots of 1 ms: the dearest rows of half a second. */
-enum { MANY = AUVID_MAX_COMMANDS, QUICK_US = 1000 };
-enum { QUICK_SLOTS = AUVID_THRUSTERS_SLOTS(1, 5000000u, QUICK_US) + 1000u };
-static int16_t quick_log[MANY * QUICK_SLOTS];
+/* Eight thrusters, lags of up to 2 s, slots of 1 ms: the most expensive rows of half a second. */
+enum { MANY = AUVID_MAX_COMMANDS, SHORT_US = 1000 };
+enum { SHORT_SLOTS = AUVID_THRUSTERS_SLOTS(1, 5000000u, SHORT_US) + 1000u };
+static int16_t short_log[MANY * SHORT_SLOTS];
 static uint32_t rows_worked;
 
-static void counting(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                     auvid_real_t *e)
+static void counting_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                              auvid_real_t *e)
 {
     (void)context;
     ++rows_worked;
     e[AUVID_SURGE] = pi[M_U] * s->nu_dot[AUVID_SURGE] - s->tau[AUVID_SURGE];
 }
 
-static void begin_dearest(void)
+static void begin_expensive(void)
 {
     static auvid_vehicle_t counted;
     counted = hull;
     counted.regressor = NULL;
-    counted.residual = counting;
+    counted.residual = counting_residual;
     config.hull = &counted;
     config.thrusters = MANY;
     for (int i = 0; i < MANY; ++i) {
         config.matrix[AUVID_SURGE][i] = 1;
     }
     config.lag_max_s = 2;
-    config.period_us = QUICK_US;
-    config.log = quick_log;
-    config.slots = QUICK_SLOTS;
+    config.period_us = SHORT_US;
+    config.log = short_log;
+    config.slots = SHORT_SLOTS;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     defaults(5, 5);
     id_config.metric.sets = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
 }
 
-/* Does a row look at any of the first `slots` slots of the log, or of the last ones? */
-static bool looks_at(uint32_t slots, bool last, uint64_t t_us)
+/* Returns true if a row reads any of the first `slots` slots of the log, or of the last ones. */
+static bool row_reads(uint32_t slots, bool last, uint64_t t_us)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0}, wrench[AUVID_DOF_COUNT];
     pi[FORWARD] = 100;
     pi[LAG] = 2;
-    memset(quick_log, 0, sizeof quick_log);
+    memset(short_log, 0, sizeof short_log);
     for (uint32_t i = 0; i < MANY * slots; ++i) {
-        quick_log[last ? MANY * QUICK_SLOTS - 1 - i : i] = 32767;
+        short_log[last ? MANY * SHORT_SLOTS - 1 - i : i] = 32767;
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, t_us, pi, wrench));
     return wrench[AUVID_SURGE] > 0;
 }
 
-/* Slots from the one end of the log up to the first that a row looks at. */
-static uint32_t unread(bool last, uint64_t t_us)
+/* Returns the number of slots at one end of the log that a row does not read. */
+static uint32_t unread_slots(bool last, uint64_t t_us)
 {
-    uint32_t low = 0, high = QUICK_SLOTS; /* looks at none of the first `low` */
+    uint32_t low = 0, high = SHORT_SLOTS; /* reads none of the first `low` */
     while (high - low > 1) {
         uint32_t middle = (low + high) / 2;
-        if (looks_at(middle, last, t_us)) {
+        if (row_reads(middle, last, t_us)) {
             high = middle;
         } else {
             low = middle;
@@ -441,20 +441,20 @@ static uint32_t unread(bool last, uint64_t t_us)
     return low;
 }
 
-/* At 20 instructions for each slot and thruster, the least that following a lag takes. */
-static void test_work_pays_for_every_slot_that_a_row_looks_at(void)
+/* A slot and thruster costs at least 20 instructions, the minimum for the lag. */
+static void test_work_accounts_for_every_slot_that_a_row_reads(void)
 {
     const auvid_real_t none[AUVID_MAX_COMMANDS] = {0};
-    uint64_t units = 0, end_us = QUICK_SLOTS * (uint64_t)QUICK_US;
-    begin_dearest();
+    uint64_t units = 0, end_us = SHORT_SLOTS * (uint64_t)SHORT_US;
+    begin_expensive();
     for (uint64_t t_us = 0; t_us <= end_us; t_us += 100000) {
         auvid_thrusters_command(&thrusters, t_us, none);
     }
     uint64_t row_us = end_us - 1000000;
-    TEST_ASSERT_TRUE(looks_at(QUICK_SLOTS, false, row_us));
-    uint32_t slots = QUICK_SLOTS - unread(false, row_us) - unread(true, row_us);
+    TEST_ASSERT_TRUE(row_reads(SHORT_SLOTS, false, row_us));
+    uint32_t slots = SHORT_SLOTS - unread_slots(false, row_us) - unread_slots(true, row_us);
     TEST_ASSERT_TRUE(slots >= 6000); /* three times the lag */
-    begin_dearest();
+    begin_expensive();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
     for (int tick = 1; tick < 1300 && id.metric.sets_recorded == 0; ++tick) {
         uint64_t t_us = (uint64_t)tick * 10000;
@@ -474,19 +474,19 @@ static void test_work_pays_for_every_slot_that_a_row_looks_at(void)
     TEST_ASSERT_TRUE(250 * units >= (uint64_t)20 * slots * MANY * rows_worked);
 }
 
-static void test_rows_too_dear_for_work_are_refused(void)
+static void test_rows_too_expensive_for_work_are_refused(void)
 {
-    begin_dearest();
+    begin_expensive();
     defaults(5000, 0); /* rows of 500 s */
     id_config.metric.sets = 1;
     id_config.metric.set_rows = 1;
-    config.slots = 4000000; /* the log is not touched */
+    config.slots = 4000000; /* the log is not accessed */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
 }
 
-/* ---- the whole ---- */
+/* ---- identification ---- */
 
 static double truth[PARAMETERS];
 
@@ -496,28 +496,28 @@ static double thrust(double c)
     return c > d ? truth[FORWARD] * (c - d) : c < -d ? truth[BACKWARD] * (c + d) : 0.0;
 }
 
-/* Another vehicle for each seed, each parameter within 30 % of the usual one. */
+/* Each seed has another vehicle, with each parameter within 30 % of its usual value. */
 static void draw_world(sim_config_t *world, uint64_t seed, double disturbance_N)
 {
     sim_rng_t rng;
-    double part[6];
+    double scale[6];
     sim_rng_seed(&rng, seed, 77);
     for (int i = 0; i < 6; ++i) {
-        part[i] = 0.7 + 0.6 * sim_rng_uniform(&rng);
+        scale[i] = 0.7 + 0.6 * sim_rng_uniform(&rng);
     }
     sim_defaults(world);
     world->seed = seed;
     world->disturbance_N = disturbance_N;
-    truth[M_U] = world->parameter[SIM_M_U] *= part[0];
+    truth[M_U] = world->parameter[SIM_M_U] *= scale[0];
     truth[M_V] = world->parameter[SIM_M_V];
     truth[M_W] = world->parameter[SIM_M_W];
     truth[W_B] = world->parameter[SIM_WB];
-    truth[X_U] = world->parameter[SIM_X_U] *= part[1];
-    truth[X_UU] = world->parameter[SIM_X_UU] *= part[2];
-    truth[FORWARD] = 80.0 * part[3];
+    truth[X_U] = world->parameter[SIM_X_U] *= scale[1];
+    truth[X_UU] = world->parameter[SIM_X_UU] *= scale[2];
+    truth[FORWARD] = 80.0 * scale[3];
     truth[BACKWARD] = truth[FORWARD] * (0.7 + 0.1 * sim_rng_uniform(&rng));
-    truth[DEAD_BAND] = 0.1 * part[4];
-    truth[LAG] = 0.22 * part[5];
+    truth[DEAD_BAND] = 0.1 * scale[4];
+    truth[LAG] = 0.22 * scale[5];
 }
 
 static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
@@ -534,7 +534,7 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.search.upper[X_U] = id_config.search.upper[X_UU] = 0;
     id_config.search.seed = seed;
-    id_config.guard.off = /* there is no depth sensor, and room enough */
+    id_config.guard.off = /* there is no depth sensor, and enough space */
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
     id_config.guard.distance_max_m = 1000;
     id_config.guard.speed_max = 5;
@@ -544,7 +544,7 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&ideal, &plain));
 }
 
-/* The mean force of a thruster over a tick, its lag in steps of 2 ms. */
+/* Returns the mean force of a thruster over a tick; the lag is computed in steps of 2 ms. */
 static double follow(double *x, double command)
 {
     double mean = 0.0, g = thrust(command), h = 0.002;
@@ -556,8 +556,8 @@ static double follow(double *x, double command)
     return mean;
 }
 
-/* The excitation's surge "force" is the command of both thrusters, which make their force of it.
- * `ideal` is told that the force is the gains' mean times the command. */
+/* The excitation's surge "force" is the command of both thrusters. `ideal` receives the mean gain
+ * times the command as force. */
 static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16_t row_cells,
                      uint32_t budget)
 {
@@ -603,7 +603,7 @@ static double error_of(int i)
     return (double)id.estimate.pi[i] / truth[i] - 1.0;
 }
 
-/* The larger error of the drags by least squares with the ideal thruster. */
+/* Returns the larger relative error of the two drags, by least squares with the ideal thruster. */
 static double ideal_error(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -619,25 +619,25 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Print each parameter's errors [%]; its 2.5..97.5 % range (without the one outermost of 50 at
- * each end) must be within 5 %. */
+/* Prints each parameter's errors [%]. The 2.5..97.5 % range (of 50 errors, without the largest and
+ * the smallest) must be within 5 %. */
 static void check_campaign(int seeds, double disturbance_N, uint16_t set_s)
 {
-    enum { MOST = 50 };
-    static double error[PARAMETERS][MOST], poor[MOST];
+    enum { MAX_SEEDS = 50 };
+    static double error[PARAMETERS][MAX_SEEDS], ideal_errors[MAX_SEEDS];
     int out = seeds / 40;
     for (int k = 0; k < seeds; ++k) {
         identify((uint64_t)k + 1, disturbance_N, set_s, ROW_CELLS, 0);
-        poor[k] = 100.0 * ideal_error();
+        ideal_errors[k] = 100.0 * ideal_error();
         for (int i = X_U; i < PARAMETERS; ++i) {
             error[i][k] = 100.0 * error_of(i);
         }
     }
-    qsort(poor, (size_t)seeds, sizeof *poor, by_value);
-    TEST_ASSERT_TRUE(poor[0] >= 20.0);
+    qsort(ideal_errors, (size_t)seeds, sizeof *ideal_errors, by_value);
+    TEST_ASSERT_TRUE(ideal_errors[0] >= 20.0);
     if (campaign_is_long()) {
         printf("%g N, %d x %u s  least squares with the ideal thruster: %.0f .. %.0f %% off\n",
-               disturbance_N, SETS, (unsigned)set_s, poor[0], poor[seeds - 1]);
+               disturbance_N, SETS, (unsigned)set_s, ideal_errors[0], ideal_errors[seeds - 1]);
     }
     for (int i = X_U; i < PARAMETERS; ++i) {
         double *e = error[i], mean = 0.0, square = 0.0;
@@ -659,19 +659,19 @@ static void check_campaign(int seeds, double disturbance_N, uint16_t set_s)
     }
 }
 
-static void test_thrusters_and_drag_are_within_5_percent_where_the_ideal_one_is_20_off(void)
+static void test_thrusters_and_drag_are_within_5_percent_and_drag_of_the_ideal_one_is_20_off(void)
 {
     check_campaign(campaign_is_long() ? 50 : 3, 0.0, 30);
 }
 
-static void test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes(void)
+static void test_under_a_disturbance_of_1_N_they_are_within_5_percent_after_eight_minutes(void)
 {
     check_campaign(campaign_is_long() ? 50 : 2, 1.0, 60);
 }
 
-/* Searches that outlast sets: rows and commands from before and after those that were dropped stand
- * in one ring and one log. */
-static void test_with_a_small_budget_rows_are_dropped_and_the_estimate_is_within_its_errors(void)
+/* The searches take longer than sets. The ring and the log contain rows and commands from before
+ * and after the dropped ones. */
+static void test_with_a_small_budget_rows_are_dropped_and_errors_are_within_3_sigma(void)
 {
     for (uint64_t seed = 1; seed <= 3; ++seed) {
         identify(seed, 1.0, 30, 5, 700);
@@ -685,9 +685,9 @@ static void test_with_a_small_budget_rows_are_dropped_and_the_estimate_is_within
     }
 }
 
-/* The wrench of rows before and after a pause is that of a log without it. Of too many pauses the
- * oldest goes with what was before it. */
-static void test_the_log_leaves_a_pause_out_and_keeps_what_was_before(void)
+/* The wrench of rows before and after a pause equals that of a log without it. If there are too
+ * many pauses, the log drops the oldest one and everything before it. */
+static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
 {
     const uint64_t pause_us = 3600000000u;
     auvid_real_t pi[PARAMETERS] = {0}, whole[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
@@ -710,7 +710,7 @@ static void test_the_log_leaves_a_pause_out_and_keeps_what_was_before(void)
     TEST_ASSERT_EQUAL_UINT8(1, thrusters.state.pauses);
     for (uint64_t t_us = 5000000; t_us < 59000000; t_us += 700000) {
         bool later = t_us > 30000000;
-        if (later && t_us < 33000000) { /* there the lag is followed from before */
+        if (later && t_us < 33000000) { /* here the lead-in is before the pause */
             continue;
         }
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&without, t_us, pi, whole));
@@ -727,8 +727,8 @@ static void test_the_log_leaves_a_pause_out_and_keeps_what_was_before(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_thrusters_wrench(&thrusters, 20000000, pi, wrench));
 }
 
-/* An idle vehicle keeps its sets; when their commands are no longer in the log they are dropped
- * with the next set, and what follows is of that set alone. */
+/* While the vehicle is idle, the sets stay. When the log no longer has their commands, the next set
+ * drops them, and the estimate uses only that set. */
 static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void)
 {
     config.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
@@ -752,8 +752,8 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
     TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] <= 4 * 60);
 }
 
-/* Data of a set under way and a search under way; then work until it is done. */
-static uint32_t search_on(auvid_identifier_t *on)
+/* Works until the search is complete. Returns the number of the estimate. */
+static uint32_t finish_search(auvid_identifier_t *on)
 {
     finish_work(on, 1000);
     return on->estimate.number;
@@ -779,33 +779,33 @@ static void restart(bool with_log)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
-static void test_a_restart_with_checkpoint_and_log_goes_on_to_the_same_bits(void)
+static void test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits(void)
 {
     static auvid_estimate_t expected_estimate;
     identify(1, 0.0, 30, 5, 0);
     uint32_t number = id.estimate.number;
-    id.set_pending = true; /* evaluate all sets once more */
+    id.set_pending = true; /* evaluates all sets once more */
     for (int i = 0; i < 200; ++i) {
         TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&id, 10007));
     }
     static auvid_identifier_t before;
     before = id;
-    TEST_ASSERT_EQUAL_UINT32(number + 1, search_on(&id));
+    TEST_ASSERT_EQUAL_UINT32(number + 1, finish_search(&id));
     expected_estimate = id.estimate;
     id = before;
     restart(true);
-    TEST_ASSERT_EQUAL_UINT32(number + 1, search_on(&id));
+    TEST_ASSERT_EQUAL_UINT32(number + 1, finish_search(&id));
     TEST_ASSERT_EQUAL_MEMORY(expected_estimate.pi, id.estimate.pi, sizeof id.estimate.pi);
     TEST_ASSERT_EQUAL_MEMORY(&expected_estimate.cost, &id.estimate.cost, sizeof id.estimate.cost);
 }
 
-static void test_sets_whose_log_a_restart_has_lost_are_dropped(void)
+static void test_sets_whose_log_was_lost_in_a_restart_are_dropped(void)
 {
     identify(1, 0.0, 30, 5, 0);
     restart(false);
     auvid_thrusters_command(&thrusters, id.t_us + PERIOD_US, NULL);
     id.set_pending = true;
-    (void)search_on(&id);
+    (void)finish_search(&id);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     for (int age = 0; age < SETS; ++age) {
         TEST_ASSERT_EQUAL_UINT32(0, id.metric.set[age].rows);
@@ -816,27 +816,27 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_mean_thrust_of_a_row_is_that_of_the_lag_solved_in_double);
-    RUN_TEST(test_moments_are_not_spread_as_forces_are);
-    RUN_TEST(test_a_thruster_that_mirrors_another_one_takes_its_gains_in_turn);
-    RUN_TEST(test_a_lag_of_zero_follows_at_once);
-    RUN_TEST(test_irregular_ticks_keep_the_mean_command_of_a_slot);
-    RUN_TEST(test_commands_beyond_the_largest_count_as_it);
-    RUN_TEST(test_commands_beyond_their_largest_are_counted);
-    RUN_TEST(test_what_is_not_in_the_log_is_no_data);
-    RUN_TEST(test_a_long_silence_leaves_no_old_command_before_the_rows_after_it);
-    RUN_TEST(test_init_refuses_what_is_out_of_its_range);
-    RUN_TEST(test_masses_drags_and_gains_are_not_free_together);
+    RUN_TEST(test_moments_have_equal_weights_over_the_row);
+    RUN_TEST(test_a_mirrored_thruster_uses_the_gains_of_the_opposite_direction);
+    RUN_TEST(test_a_lag_of_zero_has_no_delay);
+    RUN_TEST(test_irregular_ticks_give_the_mean_command_of_a_slot);
+    RUN_TEST(test_commands_beyond_the_largest_are_clipped_to_it);
+    RUN_TEST(test_commands_beyond_the_largest_are_counted);
+    RUN_TEST(test_a_row_that_is_not_in_the_log_has_no_data);
+    RUN_TEST(test_after_a_long_gap_rows_do_not_read_the_commands_before_it);
+    RUN_TEST(test_init_refuses_values_out_of_range);
+    RUN_TEST(test_masses_drags_and_gains_must_not_all_be_free);
     RUN_TEST(test_a_log_too_short_for_the_ring_is_refused);
-    RUN_TEST(test_what_init_has_refused_is_refused_and_does_nothing);
+    RUN_TEST(test_thrusters_refused_by_init_are_refused_and_do_nothing);
     RUN_TEST(test_commands_before_configure_are_not_logged);
-    RUN_TEST(test_work_pays_for_every_slot_that_a_row_looks_at);
-    RUN_TEST(test_rows_too_dear_for_work_are_refused);
-    RUN_TEST(test_thrusters_and_drag_are_within_5_percent_where_the_ideal_one_is_20_off);
-    RUN_TEST(test_so_they_are_under_a_disturbance_of_1_N_after_eight_minutes);
-    RUN_TEST(test_with_a_small_budget_rows_are_dropped_and_the_estimate_is_within_its_errors);
-    RUN_TEST(test_the_log_leaves_a_pause_out_and_keeps_what_was_before);
+    RUN_TEST(test_work_accounts_for_every_slot_that_a_row_reads);
+    RUN_TEST(test_rows_too_expensive_for_work_are_refused);
+    RUN_TEST(test_thrusters_and_drag_are_within_5_percent_and_drag_of_the_ideal_one_is_20_off);
+    RUN_TEST(test_under_a_disturbance_of_1_N_they_are_within_5_percent_after_eight_minutes);
+    RUN_TEST(test_with_a_small_budget_rows_are_dropped_and_errors_are_within_3_sigma);
+    RUN_TEST(test_the_log_skips_a_pause_and_keeps_the_commands_before_it);
     RUN_TEST(test_sets_whose_commands_are_lost_are_dropped_with_the_next_set);
-    RUN_TEST(test_a_restart_with_checkpoint_and_log_goes_on_to_the_same_bits);
-    RUN_TEST(test_sets_whose_log_a_restart_has_lost_are_dropped);
+    RUN_TEST(test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits);
+    RUN_TEST(test_sets_whose_log_was_lost_in_a_restart_are_dropped);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * The model of averages: what it makes of a model's rows. What it is good for:
- * tests/vehicles/test_bluerov2.c.
+ * The averaged model: its rows compared with those of the wrapped model. For its effect on
+ * estimates see tests/vehicles/test_bluerov2.c.
  */
 #include <math.h>
 #include <string.h>
@@ -42,8 +42,8 @@ static auvid_regressor_t rows_of(const auvid_vehicle_t *v)
     return y;
 }
 
-/* Mean of x |x| while x runs straight, over where a DVL's sample and a cell's end may fall: a sum
- * over a triangle of half-width `velocity_s` and a rectangle of width `cell_s`. */
+/* Mean of x |x| for x with constant slope. The weights are a triangle of half-width `velocity_s`
+ * (interpolation) convolved with a rectangle of width `cell_s` (cell mean). */
 static double mean_square(double x, double slope, double velocity_s, double cell_s)
 {
     enum { STEPS = 200 };
@@ -60,7 +60,7 @@ static double mean_square(double x, double slope, double velocity_s, double cell
     return sum / weights;
 }
 
-static void test_quadratic_drag_is_the_mean_over_the_time_a_velocity_stands_for(void)
+static void test_quadratic_drag_is_the_mean_over_the_averaging_time_of_the_velocity(void)
 {
     static const int column[3] = {AUVID_G500_X_UU, AUVID_G500_Y_VV, AUVID_G500_Z_WW};
     auvid_regressor_t y = rows_of(&model.vehicle), plain = rows_of(&vehicle);
@@ -69,11 +69,11 @@ static void test_quadratic_drag_is_the_mean_over_the_time_a_velocity_stands_for(
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, -drag, (double)y.row[j][column[j]]);
         TEST_ASSERT_TRUE(fabs(drag + (double)plain.row[j][column[j]]) > 1e-3);
     }
-    double turn = mean_square(0.5, -1, 0, 0.1); /* a gyroscope tells in every cell */
+    double turn = mean_square(0.5, -1, 0, 0.1); /* a gyroscope has samples in every cell */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -turn, (double)y.row[AUVID_YAW][AUVID_G500_N_RR]);
 }
 
-static void test_terms_linear_in_motion_are_the_models(void)
+static void test_terms_linear_in_motion_equal_the_wrapped_models(void)
 {
     static const int column[5] = {AUVID_G500_M_U, AUVID_G500_W_B, AUVID_G500_X_U, AUVID_G500_Y_V,
                                   AUVID_G500_N_R};
@@ -85,14 +85,14 @@ static void test_terms_linear_in_motion_are_the_models(void)
     }
 }
 
-static void test_steady_motion_has_the_models_rows(void)
+static void test_rows_of_steady_motion_equal_the_wrapped_models(void)
 {
     memset(sample.nu_dot, 0, sizeof sample.nu_dot);
     auvid_regressor_t y = rows_of(&model.vehicle), plain = rows_of(&vehicle);
     TEST_ASSERT_EQUAL_MEMORY(&plain, &y, sizeof y);
 }
 
-static void test_forward_dynamics_are_the_models(void)
+static void test_forward_dynamics_equal_the_wrapped_models(void)
 {
     auvid_real_t ours[6] = {0}, theirs[6] = {0};
     TEST_ASSERT_TRUE(
@@ -101,7 +101,7 @@ static void test_forward_dynamics_are_the_models(void)
     TEST_ASSERT_EQUAL_MEMORY(theirs, ours, sizeof ours);
 }
 
-static void test_table_and_masks_are_the_models(void)
+static void test_table_and_masks_equal_the_wrapped_models(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model.vehicle));
     TEST_ASSERT_EQUAL_STRING(vehicle.name, model.vehicle.name);
@@ -111,7 +111,7 @@ static void test_table_and_masks_are_the_models(void)
     TEST_ASSERT_EQUAL_MEMORY(vehicle.columns, model.vehicle.columns, sizeof vehicle.columns);
 }
 
-static void test_a_model_without_forward_dynamics_offers_none(void)
+static void test_without_the_models_forward_dynamics_there_are_none(void)
 {
     vehicle.acceleration = NULL;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_averaged_init(&model, &vehicle, CELL_US, VELOCITY_US));
@@ -145,7 +145,7 @@ static void test_init_refuses_what_it_cannot_average(void)
     refuses(AUVID_ERR_PARAMETERS, &other, CELL_US, VELOCITY_US);
     refuses(AUVID_ERR_MODEL, &model.vehicle, CELL_US, VELOCITY_US); /* it would call itself */
     other = vehicle;
-    other.regressor = NULL; /* what it has instead is not called */
+    other.regressor = NULL; /* the residual is not called */
     other.residual = never;
     refuses(AUVID_ERR_MODEL, &other, CELL_US, VELOCITY_US);
 }
@@ -153,12 +153,12 @@ static void test_init_refuses_what_it_cannot_average(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_quadratic_drag_is_the_mean_over_the_time_a_velocity_stands_for);
-    RUN_TEST(test_terms_linear_in_motion_are_the_models);
-    RUN_TEST(test_steady_motion_has_the_models_rows);
-    RUN_TEST(test_forward_dynamics_are_the_models);
-    RUN_TEST(test_table_and_masks_are_the_models);
-    RUN_TEST(test_a_model_without_forward_dynamics_offers_none);
+    RUN_TEST(test_quadratic_drag_is_the_mean_over_the_averaging_time_of_the_velocity);
+    RUN_TEST(test_terms_linear_in_motion_equal_the_wrapped_models);
+    RUN_TEST(test_rows_of_steady_motion_equal_the_wrapped_models);
+    RUN_TEST(test_forward_dynamics_equal_the_wrapped_models);
+    RUN_TEST(test_table_and_masks_equal_the_wrapped_models);
+    RUN_TEST(test_without_the_models_forward_dynamics_there_are_none);
     RUN_TEST(test_init_refuses_what_it_cannot_average);
     return UNITY_END();
 }

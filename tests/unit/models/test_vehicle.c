@@ -1,6 +1,6 @@
 /*
- * Vehicle models: the rows of Eq. 12-15 term by term, what follows from them, and the checks.
- * Against Fossen's matrices: tests/reference/test_vehicle.cpp.
+ * Vehicle models: the rows of Eq. 12-15 term by term, functions based on them, and the checks.
+ * tests/reference/test_vehicle.cpp compares them with Fossen's matrices.
  */
 #include <math.h>
 #include <string.h>
@@ -14,7 +14,7 @@ static auvid_sample_t sample;
 static auvid_real_t pi[AUVID_MAX_PARAMETERS];
 static auvid_vehicle_t model;
 
-/* Numbers that are exact in float32 and all different, so that a wrong factor shows. */
+/* The numbers are exact in float32 and all different, so that a wrong factor is detected. */
 void setUp(void)
 {
     static const double nu[6] = {1.5, -0.75, 0.5, 0.375, -0.25, 1.25};
@@ -51,7 +51,7 @@ static auvid_regressor_t rows_of(const auvid_vehicle_t *vehicle)
     return y;
 }
 
-/* Eq. 12-15 with `other` in the place of p in Eq. 13; all other entries are zero. */
+/* Expects Eq. 12-15 with `other` instead of p in Eq. 13; all other entries are zero. */
 static void assert_rows(const auvid_vehicle_t *vehicle, bool coupled, double other)
 {
     double u = 1.5, v = -0.75, w = 0.5, p = 0.375, q = -0.25, r = 1.25;
@@ -123,7 +123,7 @@ static void test_rows_reverse_with_the_velocity(void)
     }
 }
 
-static void test_rows_do_not_see_wrench_heading_or_commands(void)
+static void test_rows_do_not_depend_on_wrench_heading_or_commands(void)
 {
     auvid_regressor_t y = rows_of(&auvid_girona500), again;
     memset(sample.tau, 0, sizeof sample.tau);
@@ -134,8 +134,8 @@ static void test_rows_do_not_see_wrench_heading_or_commands(void)
     TEST_ASSERT_EQUAL_MEMORY(&y, &again, sizeof y);
 }
 
-/* A column that the masks leave out would be lost in the metric. */
-static void test_masks_name_exactly_the_columns_that_are_not_zero(void)
+/* The metric would lose a column that is missing in the masks. */
+static void test_masks_contain_exactly_the_columns_that_are_not_zero(void)
 {
     static const auvid_vehicle_t *all[] = {&auvid_girona500, &auvid_girona500_printed};
     for (size_t k = 0; k < 2; ++k) {
@@ -151,7 +151,7 @@ static void test_masks_name_exactly_the_columns_that_are_not_zero(void)
 
 /* ---- residual and acceleration ---- */
 
-static void test_residual_is_rows_times_parameters_less_the_wrench(void)
+static void test_residual_is_rows_times_parameters_minus_the_wrench(void)
 {
     auvid_real_t residual[6] = {9, 9, 9, 9, 9, 9};
     auvid_regressor_t y = rows_of(&auvid_girona500);
@@ -177,7 +177,7 @@ static void user_residual(const void *context, const auvid_sample_t *s, const au
     residual[AUVID_SURGE] = p[0] * s->command[0] + *(const auvid_real_t *)context;
 }
 
-static void test_residual_is_the_users_where_there_is_no_regressor(void)
+static void test_residual_is_the_users_if_there_is_no_regressor(void)
 {
     const auvid_real_t seven = 7;
     auvid_real_t residual[6] = {9, 9, 9, 9, 9, 9};
@@ -209,7 +209,7 @@ static void test_acceleration_inverts_the_residual(void)
     assert_acceleration_inverts_residual(&auvid_girona500_decoupled);
 }
 
-static void test_acceleration_does_not_read_the_recorded_one(void)
+static void test_acceleration_does_not_depend_on_the_recorded_one(void)
 {
     auvid_real_t one[6] = {0}, other[6] = {0};
     TEST_ASSERT_TRUE(model.acceleration(model.context, &sample, pi, one));
@@ -220,7 +220,7 @@ static void test_acceleration_does_not_read_the_recorded_one(void)
     TEST_ASSERT_EQUAL_MEMORY(one, other, sizeof one);
 }
 
-static void test_acceleration_is_not_finite_where_a_mass_is_not_positive_and_elsewhere_it_is(void)
+static void test_acceleration_is_not_finite_only_in_a_dof_whose_mass_is_not_positive(void)
 {
     static const int mass[] = {AUVID_G500_M_U, AUVID_G500_M_V, AUVID_G500_M_W, AUVID_G500_M_R};
     static const double bad[] = {0, -1, NAN};
@@ -272,7 +272,7 @@ static void test_every_parameter_has_a_name_a_unit_and_the_dof_of_its_letter(voi
     }
 }
 
-static void test_parameters_of_the_paper_are_in_their_places(void)
+static void test_parameters_of_the_paper_have_their_indices(void)
 {
     static const double paper[13] = {249.5384,  367.7126,  659.9799, 74.9024,   -37.3058,
                                      -42.4181,  -125.3578, -75.7673, -447.6195, -44.0561,
@@ -294,7 +294,7 @@ static void test_check_accepts_the_models_of_the_library(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
 }
 
-static void test_check_accepts_a_model_of_the_most_parameters(void)
+static void test_check_accepts_a_model_with_the_largest_number_of_parameters(void)
 {
     static auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -314,7 +314,7 @@ static void test_check_refuses_null_pointers(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_vehicle_check(&model));
 }
 
-static void test_check_refuses_a_model_that_was_not_built_for_these_sizes(void)
+static void test_check_refuses_a_model_built_for_other_sizes(void)
 {
     static const uint8_t foreign = 1;
     model.built_for = NULL;
@@ -347,13 +347,13 @@ static void test_check_refuses_a_model_without_dof(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
 }
 
-static void test_check_refuses_a_mask_that_names_a_parameter_too_many(void)
+static void test_check_refuses_a_mask_with_an_undefined_parameter(void)
 {
     model.columns[AUVID_ROLL] = 1u << N;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
 }
 
-/* What a row does not read may be anything; what it reads matters, its own velocity in each. */
+/* Each row depends on exactly the velocities that it reads, and reads its own. */
 static void check_reads(const auvid_vehicle_t *vehicle)
 {
     auvid_regressor_t as_is = rows_of(vehicle);
@@ -374,7 +374,7 @@ static void check_reads(const auvid_vehicle_t *vehicle)
     TEST_ASSERT_EQUAL_HEX8(0, auvid_vehicle_unmeasured(vehicle, 0));
 }
 
-static void test_models_state_all_velocities_that_each_equation_reads(void)
+static void test_models_declare_all_velocities_that_each_equation_reads(void)
 {
     check_reads(&auvid_girona500);
     check_reads(&auvid_girona500_printed);
@@ -386,7 +386,7 @@ static void test_models_state_all_velocities_that_each_equation_reads(void)
     TEST_ASSERT_EQUAL_HEX8(0x3F, auvid_vehicle_unmeasured(&model, 1u << AUVID_HEAVE)); /* all */
 }
 
-static void test_check_refuses_reads_of_a_velocity_too_many_or_without_the_own(void)
+static void test_check_refuses_reads_with_an_undefined_velocity_or_without_the_dofs_own(void)
 {
     model.reads[AUVID_SURGE] = 1u << AUVID_SURGE;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
@@ -456,7 +456,7 @@ static void test_kinematics_refuse_the_singular_pitch_and_write_nothing(void)
     }
 }
 
-static void test_kinematics_refuse_null_and_what_is_not_finite(void)
+static void test_kinematics_refuse_null_and_values_that_are_not_finite(void)
 {
     auvid_real_t nu[6] = {1, 1, 1, 1, 1, 1}, eta_dot[6], nan = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_kinematics(0, 0, 0, NULL, eta_dot));
@@ -468,8 +468,8 @@ static void test_kinematics_refuse_null_and_what_is_not_finite(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_kinematics(0, 0, 0, nu, eta_dot));
 }
 
-/* Angles beyond the reach of sin and cos are finite numbers, but no attitude. */
-static void test_kinematics_refuse_angles_out_of_reach_and_write_nothing(void)
+/* Angles beyond the range of sin and cos are finite numbers, but not an attitude. */
+static void test_kinematics_refuse_angles_out_of_range_and_write_nothing(void)
 {
     static const double angle[3][3] = {{1e5, 0, 0}, {0, 1e5, 0}, {0, 0, 1e5}};
     const auvid_real_t nu[6] = {1, 1, 1, 1, 1, 1};
@@ -491,31 +491,31 @@ int main(void)
     RUN_TEST(test_printed_rows_are_eq_12_to_15_with_w_q);
     RUN_TEST(test_decoupled_rows_are_eq_12_to_15_without_the_coupling);
     RUN_TEST(test_rows_reverse_with_the_velocity);
-    RUN_TEST(test_rows_do_not_see_wrench_heading_or_commands);
-    RUN_TEST(test_masks_name_exactly_the_columns_that_are_not_zero);
-    RUN_TEST(test_residual_is_rows_times_parameters_less_the_wrench);
-    RUN_TEST(test_residual_is_the_users_where_there_is_no_regressor);
+    RUN_TEST(test_rows_do_not_depend_on_wrench_heading_or_commands);
+    RUN_TEST(test_masks_contain_exactly_the_columns_that_are_not_zero);
+    RUN_TEST(test_residual_is_rows_times_parameters_minus_the_wrench);
+    RUN_TEST(test_residual_is_the_users_if_there_is_no_regressor);
     RUN_TEST(test_acceleration_inverts_the_residual);
-    RUN_TEST(test_acceleration_does_not_read_the_recorded_one);
-    RUN_TEST(test_acceleration_is_not_finite_where_a_mass_is_not_positive_and_elsewhere_it_is);
+    RUN_TEST(test_acceleration_does_not_depend_on_the_recorded_one);
+    RUN_TEST(test_acceleration_is_not_finite_only_in_a_dof_whose_mass_is_not_positive);
     RUN_TEST(test_hull_that_is_too_heavy_sinks_and_drag_slows_down);
     RUN_TEST(test_every_parameter_has_a_name_a_unit_and_the_dof_of_its_letter);
-    RUN_TEST(test_parameters_of_the_paper_are_in_their_places);
+    RUN_TEST(test_parameters_of_the_paper_have_their_indices);
     RUN_TEST(test_check_accepts_the_models_of_the_library);
-    RUN_TEST(test_check_accepts_a_model_of_the_most_parameters);
+    RUN_TEST(test_check_accepts_a_model_with_the_largest_number_of_parameters);
     RUN_TEST(test_check_refuses_null_pointers);
-    RUN_TEST(test_check_refuses_a_model_that_was_not_built_for_these_sizes);
+    RUN_TEST(test_check_refuses_a_model_built_for_other_sizes);
     RUN_TEST(test_check_refuses_no_parameter_or_too_many);
     RUN_TEST(test_check_refuses_a_model_without_function);
     RUN_TEST(test_check_refuses_a_model_without_dof);
-    RUN_TEST(test_check_refuses_a_mask_that_names_a_parameter_too_many);
-    RUN_TEST(test_models_state_all_velocities_that_each_equation_reads);
-    RUN_TEST(test_check_refuses_reads_of_a_velocity_too_many_or_without_the_own);
+    RUN_TEST(test_check_refuses_a_mask_with_an_undefined_parameter);
+    RUN_TEST(test_models_declare_all_velocities_that_each_equation_reads);
+    RUN_TEST(test_check_refuses_reads_with_an_undefined_velocity_or_without_the_dofs_own);
     RUN_TEST(test_check_refuses_a_parameter_of_a_dof_that_is_not_modelled);
     RUN_TEST(test_level_vehicle_heading_east_moves_east);
     RUN_TEST(test_vehicle_with_its_nose_up_climbs_and_rolls_by_its_yaw_rate);
     RUN_TEST(test_kinematics_refuse_the_singular_pitch_and_write_nothing);
-    RUN_TEST(test_kinematics_refuse_null_and_what_is_not_finite);
-    RUN_TEST(test_kinematics_refuse_angles_out_of_reach_and_write_nothing);
+    RUN_TEST(test_kinematics_refuse_null_and_values_that_are_not_finite);
+    RUN_TEST(test_kinematics_refuse_angles_out_of_range_and_write_nothing);
     return UNITY_END();
 }
