@@ -179,7 +179,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
-        id->listening = cfg->listener_context;
+        id->listener_context = cfg->listener_context;
         status = init_modules(id, cfg);
     }
     if (status < 0) {

@@ -132,7 +132,7 @@ static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
         id->applied.t_us = t_us;
         id->applied.known = true;
         if (!AUVID_REGRESSOR_ONLY && id->listener != NULL && !is_deaf(id, t_us)) {
-            id->listener->command(id->listening, t_us, command);
+            id->listener->command(id->listener_context, t_us, command);
         }
     }
     return status;

@@ -65,7 +65,7 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
     to->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
     auvid_identifier_simulate(id);
     if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
-        id->listener->set(id->listening, m);
+        id->listener->set(id->listener_context, m);
     }
     id->sets = m->sets_recorded;
     id->untested = id->estimate.number == 0 ? 0u : m->waiting;
@@ -78,7 +78,7 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
 void auvid_identifier_rest(auvid_identifier_t *id)
 {
     bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = logs ? id->listener->lead_us(id->listening) : 0u;
+    uint64_t lead_us = logs ? id->listener->lead_us(id->listener_context) : 0u;
     id->searching = false;
     id->phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
