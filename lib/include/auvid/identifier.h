@@ -71,7 +71,7 @@ typedef struct {
                                                    false */
     uint16_t population;  /**< m of Algorithm 1; 0: four times the number of parameters, at most
                                 AUVID_MAX_POPULATION */
-    auvid_real_t omega;   /**< of Algorithm 1; 0: the number of parameters, as in the paper */
+    auvid_real_t omega;   /**< of Algorithm 1; 0: 2, or the number of parameters if `paper` */
     bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
     bool paper;           /**< Algorithm 2 without pattern steps; default false */
     uint64_t seed;        /**< of the search; default 1 */
@@ -342,7 +342,7 @@ typedef struct auvid_identifier {
     auvid_real_t predicted;             /* cost of the last estimate on the new set */
     auvid_validation_t *validation;     /* receives every cell, if attached */
     const auvid_listener_t *listener;   /* as configured */
-    void *listening;
+    void *listener_context;
     uint64_t t_us;                              /* last tick */
     uint32_t last_sample;                       /* sequence of the last velocity recorded */
     uint32_t events;                            /* since the last step */

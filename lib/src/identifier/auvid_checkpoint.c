@@ -1,18 +1,18 @@
 /*
- * The checkpoint. Little-endian words, then what the tables of auvid_checkpoint_layout.c name, in
- * their order, and of a model without regressor its rows:
+ * The checkpoint. Little-endian words, then the members listed in the tables of
+ * auvid_checkpoint_layout.c, in their order, and for a model without regressor its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
  *          8  checksum of the model
- *         12  parts that are there, PART_..
+ *         12  parts that are present, PART_..
  *         16  rows
- *         20  bytes, all
+ *         20  number of bytes, all
  *         24  the identifier, the rows
- *   last four CRC-32 of all before
+ *   last four CRC-32 of all bytes before
  *
- * Where a byte of the stream lies in memory follows from its place by the tables alone
- * (auvid_checkpoint_locate.c), so the cursor knows its place and nothing else.
+ * The tables give the address of each byte of the stream from its position
+ * (auvid_checkpoint_locate.c), so the cursor holds only its position.
  */
 #include "auvid/checkpoint.h"
 
@@ -35,7 +35,7 @@ typedef auvid_checkpoint_run_t run_t;
 
 /* ---- the header ---- */
 
-/* Of the tables but for offsets, which a compiler chooses, and of the library's version. */
+/* Of the library's version and the tables, without offsets, which a compiler chooses. */
 static uint32_t checksum_of_layout(void)
 {
     uint32_t c = auvid_checksum_word(
@@ -82,7 +82,7 @@ static uint32_t checksum_of_model(const auvid_identifier_t *id)
     return auvid_checksum_word(c, identifier_residual_path(id));
 }
 
-/* The head of a checkpoint of *id that has these parts. */
+/* Write the head of a checkpoint of *id that has these parts. */
 static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes, uint8_t *head)
 {
     uint32_t rows = rows_of(id);
@@ -98,7 +98,7 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 
 /* ---- the body ---- */
 
-/* Up to `most` bytes of the body from `at` on, out of the identifier. @return how many, >= 1 */
+/* Save up to max_bytes bytes of the body from `at` on. @return how many, >= 1 */
 static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
                      uint8_t *to)
 {
@@ -116,7 +116,7 @@ static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_
     return done;
 }
 
-/* The same into the identifier, whole scalars. */
+/* Load up to max_bytes bytes of the body from `at` on, whole scalars. @return how many, >= 1 */
 static AUVID_NOINLINE uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
                                     uint32_t most, const uint8_t *from)
 {
@@ -126,7 +126,7 @@ static AUVID_NOINLINE uint32_t load(auvid_identifier_t *id, const sizes_t *sizes
     uint8_t *memory = (uint8_t *)to + run.offset;
     uint32_t done = 0;
     for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
-        memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
+        memset(memory, 0, row->stride); /* an enumeration is wider than in the stream */
         for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
             memory[auvid_checkpoint_byte(row->stride, k)] = from[done];
         }
@@ -188,7 +188,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 /* ---- restoring ---- */
 
-/* Is it a checkpoint, whole, of this library and of this identifier's model? */
+/* Is it an undamaged checkpoint of this library and of this identifier's model? */
 static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8_t *checkpoint,
                                        uint32_t bytes, sizes_t *sizes)
 {
@@ -240,7 +240,7 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     }
     bool simulated = (sizes.parts & PART_SIMULATED) != 0;
     id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
-    (void)auvid_metric_set_prior(m, &m->prior); /* the function that goes with it */
+    (void)auvid_metric_set_prior(m, &m->prior); /* sets the function pointer */
     return AUVID_OK;
 }
 

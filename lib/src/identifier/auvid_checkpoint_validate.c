@@ -1,8 +1,8 @@
 /*
- * The checkpoint: could it be one? Its checksum says that nothing was damaged, not that auvid wrote
- * it. First each number by itself, against auvid_checkpoint_limits.c; then what has to go together,
- * one function for each struct. All is read where it stands in the stream, so that what is refused
- * has changed nothing.
+ * The checkpoint: validation. The checksum shows that nothing is damaged, not that auvid wrote the
+ * data. First each number is checked against auvid_checkpoint_limits.c. Then the conditions between
+ * members are checked, one function for each struct. All is read from the stream itself, so a
+ * rejected checkpoint changes nothing.
  */
 #include <string.h>
 
@@ -41,7 +41,7 @@ static auvid_real_t real(const uint8_t *at)
     return x;
 }
 
-/* A whole number, with a sign where it may have one. */
+/* An integer, signed or not. */
 static auvid_real_t number(const uint8_t *at, uint32_t width, bool has_sign)
 {
     uint64_t x = whole(at, width), sign = (uint64_t)1 << (8 * width - 1);
@@ -51,7 +51,7 @@ static auvid_real_t number(const uint8_t *at, uint32_t width, bool has_sign)
     return (auvid_real_t)x;
 }
 
-/* Is the scalar at `at` within this limit? own: the identifier's. */
+/* Is the scalar at `at` within this limit? own: the identifier's scalar. */
 static AUVID_NOINLINE bool is_within(const auvid_checkpoint_limit_t *limit,
                                      const auvid_checkpoint_row_t *row, const uint8_t *at,
                                      const uint8_t *own)
@@ -67,7 +67,7 @@ static AUVID_NOINLINE bool is_within(const auvid_checkpoint_limit_t *limit,
     return x >= limit->low && x <= limit->high;
 }
 
-/* All of a run of scalars. */
+/* Are all scalars of a run in range? */
 static bool run_is_possible(const view_t *v, const auvid_checkpoint_run_t *run, const uint8_t *at)
 {
     const auvid_checkpoint_row_t *row = run->row;
@@ -90,9 +90,9 @@ static bool run_is_possible(const view_t *v, const auvid_checkpoint_run_t *run, 
     return good;
 }
 
-/* ---- what goes together ---- */
+/* ---- conditions between members ---- */
 
-/* Where in the body the scalar stands that is `offset` bytes into the identifier; it is there. */
+/* Find the scalar at byte `offset` of the identifier in the body, which contains it. */
 static const uint8_t *checkpoint_place(const view_t *v, size_t offset,
                                        const auvid_checkpoint_row_t **found)
 {
@@ -145,21 +145,21 @@ static uint32_t bits_in(uint32_t mask)
     return count;
 }
 
-/* What is held is ahead of the IMU, and not further than it may be. */
+/* A held sample is ahead of the IMU by at most max_age_us. */
 static bool nav_is_possible(const view_t *v)
 {
     uint32_t holding = WORD(nav.holding);
     bool good = WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
     for (size_t i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         uint64_t held_us = whole_at(v, MEMBER(nav.held_us[0]) + i * sizeof(uint64_t));
-        uint64_t ahead_us = held_us - whole_at(v, MEMBER(nav.t_us)); /* huge, when it is older */
+        uint64_t ahead_us = held_us - whole_at(v, MEMBER(nav.t_us)); /* huge if it is older */
         uint32_t most_us = word(v, MEMBER(nav.max_age_us[0]) + i * sizeof(uint32_t));
         good = good && ((holding >> i & 1u) == 0 || (ahead_us > 0 && ahead_us <= most_us));
     }
     return good && (holding == 0 || WORD(nav.ready) == NAV_RUNNING);
 }
 
-/* In a record that runs, attitude and input are there, and no further than the ring reaches. */
+/* A running record has attitude and input, within the ring. */
 static bool recorder_is_possible(const view_t *v)
 {
     enum { STREAM_INPUT = sizeof v->id->recorder.stream / sizeof v->id->recorder.stream[0] - 1 };
@@ -183,8 +183,8 @@ static uint32_t set_rows(const view_t *v, uint32_t age)
     return word(v, MEMBER(metric.set[0].rows) + slot * sizeof(auvid_set_t));
 }
 
-/* Which sets count: all, unless the ring is held, as it is from the first set's judgement to the
- * estimate. Then the newer ones that wait do not, nor those that are to be judged later. */
+/* Which sets are used: all, unless the ring is held, from the validation of the first set to the
+ * estimate. Then the waiting newer sets are not used, nor those to be validated later. */
 static bool ring_is_possible(const view_t *v)
 {
     uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), unjudged = WORD(untested);
@@ -200,7 +200,7 @@ static bool ring_is_possible(const view_t *v)
            !(turned && stored) && WORD(metric.rows) < WORD(metric.cfg.set_rows) + full;
 }
 
-/* One set, or the one being recorded: of its rows each DoF has all or some. */
+/* One set, or the one being recorded: each DoF has all of its rows or some. */
 static bool rows_are_possible(const view_t *v, size_t rows, size_t rows_of, size_t windows,
                               uint32_t driven)
 {
@@ -244,7 +244,7 @@ static bool sets_are_possible(const view_t *v)
     return good && any;
 }
 
-/* Where the walk through the sets is. */
+/* The position of the pass through the sets. */
 static bool pass_is_possible(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
@@ -278,7 +278,7 @@ static bool pass_is_possible(const view_t *v)
     default:
         break;
     }
-    if (pass == PASS_LINEAR && WORD(metric.at_part) > 0) { /* the whole window is there */
+    if (pass == PASS_LINEAR && WORD(metric.at_part) > 0) { /* the whole window is present */
         uint32_t count = sets - WORD(metric.from), length = WORD(metric.window_length);
         uint32_t before = at_set + 1u < count ? set_rows(v, at_set + 1u) : 0u;
         uint32_t parts = (2u * m->cfg.vehicle->parameters + 3u) * length;
@@ -363,7 +363,7 @@ static bool search_is_possible(const view_t *v)
            (global ? crs_is_possible(v) : line_search_is_possible(v));
 }
 
-/* Another parameter that a note names is one of the model's. */
+/* The partner named by a finding is one of the model's parameters. */
 static bool notes_are_possible(const view_t *v, size_t confidence)
 {
     bool good = true;
@@ -429,7 +429,7 @@ static bool search_goes_with_phase(const view_t *v)
     uint32_t phase = WORD(phase);
     uint32_t work = v->sizes->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
     bool residual = identifier_residual_path(v->id), searching = WORD(searching) != 0;
-    bool measures = phase == AUVID_WORK_MEASURE; /* once more, when a set has come in */
+    bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
     bool linearises = phase == AUVID_WORK_LINEARISE;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
                 (residual && (measures || linearises));

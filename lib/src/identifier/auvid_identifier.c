@@ -1,6 +1,6 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): its configuration. The tick is in
- * auvid_identifier_step.c, optimizing in auvid_identifier_work.c.
+ * auvid_identifier_step.c, the optimization in auvid_identifier_work.c.
  */
 #include "auvid_identifier_internal.h"
 
@@ -41,7 +41,7 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg)
     }
 }
 
-/* Would the search over all free parameters be taken? One over fewer of them is, too. */
+/* Check the search over all free parameters. A search over fewer of them is valid too. */
 static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
@@ -100,7 +100,7 @@ static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
     if (status >= 0) {
         status = check_search(cfg);
     }
-    /* in every tick there is the filter's velocity only, and that is over ground */
+    /* only the filter has a velocity in every tick, and that is over ground */
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
     bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
@@ -170,7 +170,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(id, 0, offsetof(auvid_identifier_t, config)); /* where cfg may be */
+    memset(id, 0, offsetof(auvid_identifier_t, config)); /* cfg may be id->config */
     auvid_status_t status = identifier_check(cfg);
     if (status >= 0) {
         id->search = cfg->search;

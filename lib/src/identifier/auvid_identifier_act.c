@@ -1,5 +1,5 @@
 /*
- * The identifier's acting half: guard and excitation.
+ * The active half of the identifier: guard and excitation.
  */
 #include "auvid_identifier_internal.h"
 
@@ -14,7 +14,7 @@ static auvid_guard_seen_t seen_by(const auvid_nav_t *nav, auvid_nav_sensor_t sen
     return seen;
 }
 
-/* What the guard looks at, from the filter and what else is known. */
+/* Collect the guard's input from the filter and the other sensors. */
 static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_guard_input_t *in)
 {
     auvid_nav_state_t state;
@@ -24,7 +24,7 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
     in->altitude_m = id->altitude_m;
     in->applied = id->applied;
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
-        return; /* no IMU yet, and so no other */
+        return; /* without IMU samples there are no others */
     }
     in->imu.t_us = state.t_us;
     in->imu.known = true;
@@ -42,11 +42,11 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = id->nav.attitude[0]; /* not unwrapped: a whole turn is level, too */
+    in->roll = id->nav.attitude[0]; /* not unwrapped: a full turn is level */
     in->pitch = state.attitude[1];
 }
 
-/* A step of the guard. @return may the excitation act? *events: what it has to tell. */
+/* Step the guard and add its events to *events. @return whether the excitation may act */
 static bool watch(auvid_identifier_t *id, uint64_t t_us, const auvid_guard_input_t *in,
                   uint32_t *events)
 {
@@ -145,7 +145,7 @@ void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid
 {
     bool may;
     take_altitude(id, in);
-    { /* its own block: what the guard sees need not stay on the stack while exciting */
+    { /* a block, so that the guard's input is not on the stack during the excitation */
         auvid_guard_input_t seen;
         identifier_look(id, in->saturated, &seen);
         id->saturated = false;
@@ -185,7 +185,7 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     }
     identifier_look(id, false, &seen);
     auvid_status_t status = auvid_guard_arm(&id->guard, id->t_us, &seen);
-    if (status == AUVID_OK) { /* the time of arming has been stepped: again, it stands still */
+    if (status == AUVID_OK) { /* a step at the time of arming exists: the next must be later */
         id->guard.stepped = id->started;
     }
     return status;

@@ -3,20 +3,20 @@
  *
  *     F = a' pi,  a = (v, |v| v),  var F = a' C a + (a' d_thrust)^2 + (a' d_dvl)^2
  *
- * with C the covariance at thrust and DVL scale as told, d what one standard deviation of each of
- * these scales moves the parameters by. The variance is not in the paper.
+ * C is the covariance if thrust and DVL scale are exact; d is the parameters' change per standard
+ * deviation of each scale. The variance is not in the paper.
  */
 #include "auvid/identifier.h"
 #include "../base/auvid_math_internal.h"
 
 typedef struct {
-    uint8_t terms, index[AUVID_MAX_PARAMETERS]; /* whose error is known */
+    uint8_t terms, index[AUVID_MAX_PARAMETERS]; /* of parameters with a standard error */
     auvid_real_t a[AUVID_MAX_PARAMETERS];
     auvid_real_t force, variance, thrust, dvl;
     bool known;
 } sum_t;
 
-/* Add a pi_i and its share of the variance. What is fixed is exact. */
+/* Add a pi_i and its part of the variance. A fixed parameter is exact. */
 static void add_term(sum_t *s, const auvid_estimate_t *e, const auvid_vehicle_t *vehicle, int i,
                      auvid_real_t a)
 {

@@ -1,6 +1,6 @@
 /*
- * The identifier: has the search converged? The cost of a model with regressor is convex, and the
- * merged factor gives its least value within the bounds. A search that ends above it has not
+ * The identifier: convergence of the search. The cost of a model with regressor is convex, and the
+ * merged R factor gives its minimum within the bounds. A search that ends above the minimum has not
  * converged, whatever its own criterion says.
  */
 #include "../search/auvid_bounded_ls_internal.h"
@@ -8,8 +8,8 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that
- * is next to nothing: relative to the cost of parameters that are all zero. */
+/* Largest excess of a result's cost, relative to the minimum. For data without noise the minimum
+ * is almost zero: then relative to the cost of all-zero parameters. */
 #define EXCESS AUVID_C(1e-3)
 #define EXCESS_OF_ALL AUVID_C(1e-8)
 

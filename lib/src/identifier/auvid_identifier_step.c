@@ -1,6 +1,6 @@
 /*
- * The identifier (Karras et al. 2013, Fig. 2): the tick. What acts is in auvid_identifier_act.c,
- * optimizing in auvid_identifier_work.c.
+ * The identifier (Karras et al. 2013, Fig. 2): the tick. Guard and excitation are in
+ * auvid_identifier_act.c, the optimization is in auvid_identifier_work.c.
  */
 #include "auvid_identifier_internal.h"
 
@@ -8,7 +8,7 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
+/* Pass complete cells, at most max_cells, to the metric and the attached validation. */
 static void take_cells(auvid_identifier_t *id, int most)
 {
     auvid_sample_t cell;
@@ -36,8 +36,7 @@ static void take_cells(auvid_identifier_t *id, int most)
     }
 }
 
-/* Velocity goes into the recorder when a DVL update has just corrected it: between updates a
- * constant-velocity filter lags. */
+/* Record the velocity only after a DVL update: between updates a constant-velocity filter lags. */
 static void record_velocity(auvid_identifier_t *id)
 {
     bool water = id->velocity == AUVID_VELOCITY_WATER;
@@ -53,7 +52,7 @@ static void identifier_note(auvid_identifier_t *id, auvid_status_t status, uint3
     id->events |= status < 0 || status == AUVID_GATED ? event : 0u;
 }
 
-/* What became of samples that were held for the IMU. */
+/* Flag the rejected ones among the samples that waited for the IMU. */
 static void note_held(auvid_identifier_t *id)
 {
     const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
@@ -61,15 +60,15 @@ static void note_held(auvid_identifier_t *id)
     id->events |= (refused & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
     id->events |= (refused >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
     id->events |= (refused >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
-    record_velocity(id); /* another one may follow in this step */
+    record_velocity(id); /* another update may follow in this step */
 }
 
-/* Sensors into the filter; what it refuses becomes an event. */
+/* Pass the sensors to the filter; what it rejects becomes an event. */
 static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
     id->nav.until_us = in->t_us + id->nav.future_us;
     if (in->imu.present) {
-        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
+        /* The filter follows the IMU's time: a sample far ahead would exclude all others. */
         if (in->imu.t_us > id->nav.until_us ||
             auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
             id->events |= AUVID_EVENT_IMU_DROPPED;
@@ -94,7 +93,7 @@ static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
     }
 }
 
-/* The filter's state into the recorder: attitude in every tick. */
+/* Record the filter's state: the attitude in every tick. */
 static void identifier_record(auvid_identifier_t *id, const auvid_input_t *in)
 {
     auvid_nav_state_t state;
@@ -123,7 +122,7 @@ static bool is_deaf(const auvid_identifier_t *id, uint64_t t_us)
     return identifier_residual_path(id) && m->held && (m->full || t_us > m->until_us);
 }
 
-/* The wrench recorded is known from t_us on. */
+/* Record a wrench that is known from t_us on. */
 static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
                                    const auvid_real_t *wrench, const auvid_real_t *command)
 {

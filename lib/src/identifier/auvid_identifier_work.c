@@ -1,15 +1,14 @@
 /*
- * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
+ * The identifier (Karras et al. 2013, Fig. 2): optimization, a few units at a time.
  *
- *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
- *           ^                                                                          |
- *           +------------------- sets that were completed meanwhile <------ estimate --+
+ *     sets complete -> validate -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
+ *           ^                                                                             |
+ *           +--------------------- sets that were completed meanwhile <------ estimate ---+
  *
- * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
- * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
- * oldest: what reads the ring begins again with those that are left. Judging is in
- * auvid_identifier_validate.c, what LINEARISE does for a model with regressor in
- * auvid_identifier_optimum.c.
+ * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
+ * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
+ * then the phases that read the ring restart with the remaining sets. The validation is in
+ * auvid_identifier_validate.c, LINEARISE for a model with regressor in auvid_identifier_optimum.c.
  */
 #include <string.h>
 
@@ -18,14 +17,14 @@
 #include "../metric/auvid_metric_internal.h"
 #include "../search/auvid_optimizer_internal.h"
 
-/* Is the delay one of the parameters of the search? It is the last one then. */
+/* Is the delay one of the parameters of the search? Then it is the last one. */
 static bool searches_delay(const auvid_identifier_t *id)
 {
     return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
 }
 
-/* A point for the optimizer: the active parameters of pi, clipped to the box. It is made in the
- * place of the scale, which the optimizer has taken. */
+/* Add a point to the optimizer: the active parameters of pi, clipped to the box. It overwrites the
+ * scale, which the optimizer has copied. */
 static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, const auvid_real_t *pi,
                       auvid_real_t delay_s)
 {
@@ -40,7 +39,7 @@ static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, con
     (void)auvid_optimizer_add_point(&id->optimizer, theta);
 }
 
-/* The box and the scale of the search over the active parameters. */
+/* Configure the search over the active parameters: box, scale and options. */
 static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
 {
     const auvid_search_config_t *cfg = &id->search;
@@ -95,7 +94,7 @@ static auvid_status_t begin_search(auvid_identifier_t *id)
     return AUVID_OK;
 }
 
-/* All parameters of the model from the optimizer's: the others keep their fixed value. */
+/* All parameters of the model from those of the optimizer; the others have their fixed value. */
 static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
     int k = 0;
@@ -108,7 +107,7 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
     id->delay_s = searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
 }
 
-/* The result's residuals, on the sets that are left. */
+/* Begin to measure the result's residuals, on the remaining sets. */
 static void begin_measure(auvid_identifier_t *id)
 {
     auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
@@ -131,7 +130,7 @@ static AUVID_NOINLINE void ask(auvid_identifier_t *id)
     }
 }
 
-/* Largest speeds of the sets that the estimate is of. */
+/* Largest speeds in the sets of the estimate. */
 static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
 {
     for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
@@ -173,8 +172,8 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     auvid_identifier_rest(id);
 }
 
-/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
- * they say. */
+/* Assess the result: its residuals, then their derivatives or (regressor path) the minimum, then
+ * the standard errors. */
 static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_metric_t *m = &id->metric;
@@ -208,7 +207,7 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     return status;
 }
 
-/* Merge, then pay for a population, then search. */
+/* Merge, then spend the start cost of a search, then begin it. */
 static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
@@ -229,7 +228,7 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
     return status;
 }
 
-/* A set has taken the place of the oldest: begin again what was reading the ring. */
+/* A set has replaced the oldest: restart the phase that reads the ring. */
 static void begin_again(auvid_identifier_t *id)
 {
     id->metric.ring_changed = false;
@@ -253,12 +252,12 @@ static void begin_again(auvid_identifier_t *id)
     case AUVID_WORK_IDLE:
     case AUVID_WORK_ASK:
     case AUVID_WORK_COST:
-    default: /* the search works on what was merged */
+    default: /* the search uses the merged sets */
         break;
     }
 }
 
-/* One stretch of work in the present phase. */
+/* Continue the present phase. */
 static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;

@@ -1,15 +1,15 @@
 /*
- * The warm record. Little-endian words:
+ * The prior record. Little-endian words:
  *
  *     byte 0  "avw1"
  *          4  checksum of the model: names, and what is free or fixed at what
  *          8  parameters whose standard error is known, bit i
- *         12  colour of the DoF [6], see auvid_prior_t, single precision
+ *         12  variance inflation of the DoF [6], see auvid_prior_t, single precision
  *         36  parameters [32], single precision
- *        164  standard errors with thrust and DVL scale as told [32], upper halves of single
+ *        164  standard errors if thrust and DVL scale are exact [32], upper halves of single
  *             precision, not rounded down
  *        228  0
- *        232  CRC-32 of all before
+ *        232  CRC-32 of all bytes before
  */
 #include "auvid/prior.h"
 
@@ -23,13 +23,13 @@
 
 #define RECORD_MAGIC 0x31777661u
 
-/* What a dive ago was known within sigma is known within this times sigma: half of its weight. */
+/* Factor of the standard errors of the previous dive: it halves their weight. */
 #define AGED AUVID_C(1.4142136)
 
-/* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
+/* Typical variance inflation: of runs at 0 to 3 N, 1 to 3.5. */
 #define COMMON_VARIANCE_INFLATION AUVID_C(2.0)
 
-/* Standard errors of known parameters are below it. */
+/* Upper bound of the standard errors of known parameters. */
 #define MOST_SIGMA AUVID_C(1e30)
 
 enum {
@@ -53,7 +53,7 @@ static uint32_t checksum_of_record(const uint8_t *record)
     return ~auvid_checksum(UINT32_MAX, record, RECORD_CHECK);
 }
 
-/* 0: the DoF is not known. */
+/* Variance inflation of a DoF; 0: not known. */
 static auvid_real_t colour(const auvid_confidence_t *confidence, int j)
 {
     bool known = confidence->residual_rms[j] > AUVID_C(0.0);
@@ -115,7 +115,7 @@ static void read_memory(const uint8_t *record, int parameters, auvid_prior_t *me
     }
 }
 
-/* What parameter i of a record was known to: with the thrust as told, by the same thrusters. */
+/* Add the scale errors of parameter i of a record. The thrusters are those of the last dive. */
 static void add_considered(auvid_identifier_t *id, int i)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
@@ -129,7 +129,7 @@ static void add_considered(auvid_identifier_t *id, int i)
     c->sigma[i] = auvid_sqrt(sigma * sigma + thrust * thrust + dvl * dvl);
 }
 
-/* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
+/* Not identifiable: only the first set shows whether the vehicle has been changed since. */
 static void warm_publish(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
 {
     auvid_estimate_t *e = &id->estimate;
@@ -156,17 +156,17 @@ static void warm_publish(auvid_identifier_t *id, const auvid_prior_t *memory, bo
     id->events |= AUVID_EVENT_ESTIMATE;
 }
 
-/* Is it before the first set? */
+/* Is this before the first set? */
 static bool warm_is_fresh(const auvid_identifier_t *id)
 {
     return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
 }
 
-/* told: known with the thrust as told, not in SI. */
+/* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */
 static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
 {
     auvid_status_t status = auvid_metric_set_prior(&id->metric, memory);
-    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
+    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path uses the point */
         warm_publish(id, memory, told);
         status = AUVID_OK;
     }
@@ -213,7 +213,7 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
         if ((memory.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior looks at the rest */
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior checks the rest */
             return AUVID_ERR_NOT_FINITE;
         }
         if (!(sigma[i] < MOST_SIGMA)) {

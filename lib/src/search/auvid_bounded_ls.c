@@ -3,10 +3,10 @@
  * [R P | z - R x] are rotated into
  *
  *     [ A B | a ]          f rows: the free columns' step d solves A d = a and gains ||a||^2
- *     [ 0 C | c ]          of the others, column k alone gains (C_k'c)^2 / ||C_k||^2
+ *     [ 0 C | c ]          of the fixed columns, column k by itself gains (C_k'c)^2 / ||C_k||^2
  *
- * so that what a change gains is known before it is made, free of the rounding of the columns that
- * are free already.
+ * So the gain of a change is known before the change is made, without the rounding errors of the
+ * columns that are already free.
  */
 #include "auvid_bounded_ls_internal.h"
 
@@ -15,9 +15,9 @@
 #include "../base/auvid_linalg_internal.h"
 
 #define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: rows have 15 bits */
-#define RELEASED AUVID_C(2e-4) /* smallest that is freed again: not to be held at once */
-#define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
-#define BOUNDED_LS_ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
+#define RELEASED AUVID_C(2e-4) /* smallest pivot to free a column again: larger, as hysteresis */
+#define GAIN AUVID_C(1e-7)     /* smallest gain, relative to the cost, */
+#define BOUNDED_LS_ROUNDED AUVID_C(1e-11) /* plus this part of ||z||^2 */
 
 void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 {
@@ -30,7 +30,7 @@ void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
     auvid_qr_update(ls->triangle, ls->n + 1, 0, row);
 }
 
-/* The columns' order: free ones first. Free at the start is what is not at a bound. */
+/* Order the columns, the free ones first. At the start a column not at a bound is free. */
 static void sort(auvid_bounded_ls_t *ls)
 {
     int f = 0, b = ls->n;
@@ -44,7 +44,7 @@ static void sort(auvid_bounded_ls_t *ls)
     memset(ls->work, 0, sizeof ls->work);
 }
 
-/* Row i of [R P | z - R x]. */
+/* Rotate row i of [R P | z - R x] into the work array. */
 static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
@@ -59,14 +59,14 @@ static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
     auvid_qr_update(ls->work, n + 1, 0, row);
 }
 
-/* The bound of the column in place k on the side of d. */
+/* The bound of the k-th column in the direction of d. */
 static auvid_real_t bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
 {
     return (d > AUVID_C(0.0) ? ls->upper : ls->lower)[ls->order[k]];
 }
 
-/* The free columns' step d, which comes as a, as far as the first bound. If some are not resolved,
- * these are held instead. */
+/* Move the free columns along their step d (in: a) up to the first bound. If some of them are not
+ * resolved, fix these instead. */
 static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
 {
     int f = ls->fixed_from, stop = f;
@@ -88,7 +88,7 @@ static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
     }
 }
 
-/* Free the column that gains most by it. @return one gains more than `least` */
+/* Free the column that gains most. @return whether one gains more than `min_gain` */
 static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t least)
 {
     uint32_t before = ls->free, best = 0;

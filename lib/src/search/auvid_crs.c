@@ -8,7 +8,7 @@
  *     c     = sum w_j theta_ij                       over all n + 1 points drawn
  *     alpha = 1 - (d_0 - sum w_j d_j) / (D + phi)    the same as with J, as sum w_j = 1
  *     trial = c - alpha (theta_i0 - c)               i0 the worst of those drawn
- * Differences of costs are used throughout: in float32 the costs' common part would swamp them.
+ * Only differences of costs are used: in float32 the costs' common part would hide them.
  */
 #include "auvid_crs_internal.h"
 
@@ -16,16 +16,15 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* Smallest spread that is worked with: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite
- * in float32. */
+/* Minimum spread: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite in float32. */
 #define SPREAD_MIN AUVID_C(1e-28)
-/* phi <= omega D RATIO_MAX <= 1e9 * 2e24 * 1e3, finite in float32. D exceeds D0 only while J_min
- * falls and the worst initial point is still there. */
+/* phi <= omega D RATIO_MAX <= 1e9 * 2e24 * 1e3, finite in float32. D exceeds D0 only if J_min
+ * falls while the worst initial point is still in S. */
 #define RATIO_MAX AUVID_C(1e3)
 #define OMEGA_MAX AUVID_C(1e9)
-/* A box this wide still has a finite width and finite trials. */
+/* A box of this width has a finite width and finite trials. */
 #define BOUND_MAX AUVID_C(1e18)
-/* Costs closer than this many units in the last place cannot be told apart. */
+/* Costs closer than this many units in the last place are indistinguishable. */
 #define SPREAD_ULPS AUVID_C(4.0)
 
 void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
@@ -147,14 +146,14 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
     return AUVID_OK;
 }
 
-/* (6) and the caps: has the search come to its end? */
+/* (6) and the caps: the state after a cost or a rejection. */
 static uint8_t next_state(const auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = crs->cost[crs->worst];
     auvid_real_t ulps = SPREAD_ULPS * AUVID_EPSILON * auvid_max(auvid_abs(low), auvid_abs(high));
     auvid_real_t limit = auvid_max(crs->last_spread, ulps);
     if (low >= AUVID_CRS_COST_FAILED) {
-        return CRS_CAPPED; /* the model failed everywhere: nothing to go by */
+        return CRS_CAPPED; /* the model failed everywhere */
     }
     if (high - low <= limit) {
         return CRS_FINISHED;
@@ -166,7 +165,7 @@ static uint8_t next_state(const auvid_crs_t *crs)
     return CRS_SEARCH;
 }
 
-/* (5) The best is kept up to date as costs come; the worst needs a scan when it is replaced. */
+/* (5) The best is updated with each cost; the worst needs a scan when it is replaced. */
 static void find_worst(auvid_crs_t *crs)
 {
     const auvid_real_t *worst = crs->cost, *end = worst + crs->config.population;
@@ -180,7 +179,7 @@ static void find_worst(auvid_crs_t *crs)
     crs->worst = (uint16_t)(worst - crs->cost);
 }
 
-/* All of S has its cost: take D0 over the points that did not fail. */
+/* All of S is evaluated: take D0 over the points that did not fail. */
 static void complete(auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = low;
@@ -199,7 +198,7 @@ static void complete(auvid_crs_t *crs)
     crs->state = next_state(crs);
 }
 
-/* The n + 1 points drawn; point and weight side by side, as the inner loop reads them. */
+/* The n + 1 points drawn, each with its weight, because the inner loop reads both. */
 typedef struct {
     struct {
         const auvid_real_t *point;
@@ -207,11 +206,11 @@ typedef struct {
     } of[AUVID_MAX_PARAMETERS + 1];
     auvid_real_t sum;     /* of eta */
     auvid_real_t d_worst; /* d of theta_i0 */
-    uint32_t worst;       /* its place among the points */
+    uint32_t worst;       /* its index among the points */
 } family_t;
 
-/* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a lasting permutation.
- * One random number serves two picks, 16 bits each: bias < m / 2^16. */
+/* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a permutation that is
+ * kept. One random number serves two picks, 16 bits each: bias < m / 2^16. */
 static void draw(auvid_crs_t *crs, auvid_real_t phi, family_t *f)
 {
     const auvid_real_t low = crs->cost[crs->best];
@@ -242,7 +241,7 @@ static void draw(auvid_crs_t *crs, auvid_real_t phi, family_t *f)
     f->worst = worst;
 }
 
-/* trial_i = factor sum_j eta_j theta_ij, i = first..first+3: four at a time halve the loads. */
+/* trial_i = factor sum_j eta_j theta_ij, i = first..first+3: four sums at once halve the loads. */
 static void combine_four(const family_t *f, size_t n, size_t first, auvid_real_t factor,
                          auvid_real_t *trial)
 {
@@ -270,10 +269,10 @@ static void combine_one(const family_t *f, size_t n, size_t i, auvid_real_t fact
     trial[i] = factor * a;
 }
 
-/* (10, 11) Write the trial; is it in the box? With eta_j d_j = 1 - phi eta_j the mean of the d_j
- * is (n + 1) / sum - phi. Centroid and reflection are one weighted sum:
+/* (10, 11) Write the trial and return whether it is in the box. Since eta_j d_j = 1 - phi eta_j,
+ * the mean of the d_j is (n + 1) / sum - phi. Centroid and reflection are one weighted sum:
  *     c - alpha (theta_i0 - c) = factor sum eta_j theta_ij,   factor = (1 + alpha) / sum,
- * when alpha / factor is taken from eta_0. d_0 <= D, hence alpha >= 0 and factor > 0. */
+ * with eta_0 reduced by alpha / factor. d_0 <= D, hence alpha >= 0 and factor > 0. */
 static bool reflect(auvid_crs_t *crs)
 {
     family_t f;
@@ -297,7 +296,7 @@ static bool reflect(auvid_crs_t *crs)
     return inside(&crs->config, crs->trial);
 }
 
-/* (12) A trial outside the box is drawn again, by the next ask. */
+/* (12) Make a trial. If it is outside the box, the next ask makes another one. */
 static auvid_status_t make_trial(auvid_crs_t *crs)
 {
     ++crs->attempts;
@@ -313,8 +312,8 @@ static auvid_status_t make_trial(auvid_crs_t *crs)
     return AUVID_OK;
 }
 
-/* S is evaluated in order; again after auvid_crs_reevaluate, then from the best one on, so that
- * the best is always a point whose cost is known. */
+/* Index of the next point of S to evaluate: in order, after auvid_crs_reevaluate from the best one
+ * on, so that the best always has a known cost. */
 static uint16_t fill_index(const auvid_crs_t *crs)
 {
     uint32_t k = (uint32_t)crs->first + crs->filled;
@@ -393,7 +392,7 @@ auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs)
     if (crs->state == CRS_NONE) {
         return AUVID_ERR_STATE;
     }
-    /* Before S was complete there is nothing to do twice: start over, not as an extra. */
+    /* If S was not complete, the evaluation starts over and is not an extra. */
     crs->reevaluating = crs->reevaluating || crs->state > CRS_FILL;
     crs->asked = false;
     crs->rejections = 0;

@@ -2,13 +2,13 @@
  * Coordinate search with line-search expansions, Algorithm 2 of Karras et al., IROS 2013, after
  * Lucidi and Sciandrone 2002. Numbers in parentheses are the lines of Algorithm 2.
  *
- * One line search serves the 2n directions and the pattern step: from base along d,
+ * The same line search serves the 2n directions and the pattern step: from base along d,
  *     trial(t) = base + t d, cut at the box,   d = +-d_i  or  base - previous
  *     POLL     t = alpha_i (pattern: 1); must pass both tests:
  *                  J(trial) <= J(base) - gamma t^2   and   J(trial) < J(theta)
  *     EXPAND   t = delta t while both hold
  *     PARABOLA q(t) = J(base) + b t + c t^2 through the points of the line; t = -b / (2 c)
- * d_i is e_i, to the letter, or made in the first line along it (auvid_line_search_directions.c):
+ * d_i is e_i (paper), or is made in the first line along it (auvid_line_search_directions.c):
  *     AXIS     the poll of e_i
  *     PROBE    once for each d_k, k < i; then POLL along d_i
  * The iterate of the paper, x^k, is theta here.
@@ -17,11 +17,11 @@
 
 #include <string.h>
 
-/* Restarts and re-evaluations begin with this part of alpha0. */
+/* Restarts and re-evaluations begin with this fraction of alpha0. */
 #define RESTART_STEP AUVID_C(0.1)
 /* Longest pattern step: 2^10 sweeps at once. */
 #define PATTERN_MAX AUVID_C(1024.0)
-/* Largest step by parameter, at which all products stay finite in float32. */
+/* Largest step of a parameter for which all products are finite in float32. */
 #define MAGNITUDE_MAX AUVID_C(1e18)
 
 void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
@@ -50,7 +50,7 @@ static auvid_status_t check_box(const auvid_line_search_config_t *c)
     return auvid_line_search_inside(c, c->start) ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-/* alpha0, sigma, epsilon: as given, or what zero means. */
+/* alpha0, sigma, epsilon: as given, or the defaults for zero. */
 static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
 {
     static const auvid_real_t usual[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
@@ -131,7 +131,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
     ls->direction = direction;
     ls->move = MOVE_POLL;
     memcpy(ls->base, ls->theta, sizeof ls->base);
-    memcpy(ls->trial, ls->theta, sizeof ls->trial); /* a line moves but some parameters */
+    memcpy(ls->trial, ls->theta, sizeof ls->trial); /* a line moves only some parameters */
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
@@ -156,10 +156,10 @@ static void begin_sweep(auvid_line_search_t *ls)
         longest = auvid_max(longest, ls->alpha[i]);
     }
     if (first && ls->restarts_left > 0) {
-        last = RESTART_STEP * ls->config.alpha0; /* the rest is for the restart */
+        last = RESTART_STEP * ls->config.alpha0; /* the restart does the rest */
     }
     if (ls->plain && ls->previous_cost - ls->cost > ls->config.gamma) {
-        ls->built = 0; /* the directions are not conjugate any more */
+        ls->built = 0; /* the directions are no longer conjugate */
         ls->restarts_left = ls->config.restarts;
         set_steps(ls, RESTART_STEP * ls->config.alpha0);
     } else if (longest <= last) {
@@ -180,8 +180,8 @@ static void begin_sweep(auvid_line_search_t *ls)
     begin_line(ls, 0);
 }
 
-/* (18-21) and the pattern step. -d_i need not be tried when +d_i has moved; else it knows what
- * +d_i has cost. */
+/* (18-21) and the pattern step. -d_i is skipped if +d_i has moved; otherwise it uses the cost of
+ * +d_i. */
 static void next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
@@ -208,8 +208,8 @@ static void next_line(auvid_line_search_t *ls)
 }
 
 /* Set t to the lowest point of the parabola. With q(t) = J(base) + b t + c t^2, the slope of the
- * chord to a point is s(t) = b + c t. c comes from the last two points, or is what an earlier line
- * along d_i found. False if no minimum is known of, or it is not worth a trial. */
+ * chord to a point is s(t) = b + c t. c comes from the last two points, or from an earlier line
+ * along d_i. Returns false if no minimum is known, or it is not worth a trial. */
 static bool aim(auvid_line_search_t *ls)
 {
     const auvid_real_t failed = AUVID_LINE_SEARCH_COST_FAILED;
@@ -230,14 +230,14 @@ static bool aim(auvid_line_search_t *ls)
     return auvid_abs(ls->t) > ls->config.epsilon && auvid_abs(ls->t) <= MAGNITUDE_MAX;
 }
 
-/* Make d_i: the cost along e_i, then the probes, then whether it is better than e_i. False when the
- * line is to go on with this cost. */
+/* Make d_i: evaluate the cost along e_i, then the probes, then compare with e_i. Returns false if
+ * the line continues with this cost. */
 static bool build(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const size_t i = line_search_parameter(ls);
     if (ls->move == MOVE_AXIS) {
         ls->move = MOVE_POLL;
-        if (cost >= AUVID_LINE_SEARCH_COST_FAILED) { /* -e_i may do */
+        if (cost >= AUVID_LINE_SEARCH_COST_FAILED) { /* -e_i may succeed */
             ls->built = (uint8_t)(ls->built + ls->direction % 2u);
             return false;
         }
@@ -264,7 +264,7 @@ static bool build(auvid_line_search_t *ls, auvid_real_t cost)
     return false;
 }
 
-/* The trial at t has this cost (7-17): move on. */
+/* Process the cost of the trial at t (7-17) and choose the next move. */
 static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const auvid_real_t before = ls->cost;

@@ -1,20 +1,20 @@
 /*
- * Line search, directions: where a trial lies, and how d_i is made conjugate (Smith 1962, Powell
- * 1964: the minima of parallel subspaces).
+ * Line search, directions: the position of a trial, and how d_i is made conjugate (Smith 1962,
+ * Powell 1964: the minima of parallel subspaces).
  *
- * On a quadratic with half second derivatives c_k along d_k, slope g_k at the line's start, and all
- * d_k, k < i, conjugate to each other: from p = base + a e_i the slope along d_k is
+ * Consider a quadratic with half second derivatives c_k along d_k, slope g_k at the line's start,
+ * and all d_k, k < i, conjugate to each other. From p = base + a e_i the slope along d_k is
  *     s_k = (J(p + t d_k) - J(p)) / t - c_k t
- * so the minimum over the span of all d_k has gone by t_k = -(s_k - g_k) / (2 c_k) for the step a,
- * and d_i = e_i + sum (t_k / a) d_k is conjugate to all of them. One trial for each k:
- * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has nothing of
- * e_k, k > i: the d_i span the space whatever the probes have told.
+ * So with the step a, the minimum over the span of all d_k moves by t_k = -(s_k - g_k) / (2 c_k),
+ * and d_i = e_i + sum (t_k / a) d_k is conjugate to all of them. One trial for each k,
+ * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has no component
+ * along e_k, k > i: the d_i span the space whatever the probes return.
  */
 #include "auvid_line_search_directions_internal.h"
 
 #include <string.h>
 
-/* More of d_k for one of e_i is rounding. */
+/* A larger part of d_k per unit of e_i is rounding. */
 #define SHARE_MAX AUVID_C(1e6)
 
 bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_real_t *theta)
@@ -27,14 +27,14 @@ bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_r
     return true;
 }
 
-/* Of d_i, along parameter k <= i [parameter's unit]. */
+/* Component of d_i along parameter k <= i [parameter's unit]. */
 static auvid_real_t component(const auvid_line_search_t *ls, size_t i, size_t k)
 {
     const auvid_real_t unit = ls->config.scale[k];
     return k == i ? unit : unit * ls->shear[AUVID_SHEAR(i) + k];
 }
 
-/* trial = base + axis_step e_i + t d_probe, or with -t. False if neither is in the box. */
+/* trial = base + axis_step e_i + t d_probe, or with -t. Returns false if neither is in the box. */
 static bool place_probe(auvid_line_search_t *ls)
 {
     const size_t i = line_search_parameter(ls);
@@ -52,7 +52,7 @@ static bool place_probe(auvid_line_search_t *ls)
     return false;
 }
 
-/* trial = base + t d_i; t becomes the step that the box leaves. False if the iterate is there. */
+/* trial = base + t d_i; the box limits t. Returns false if the trial equals the iterate. */
 static bool place_along(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
@@ -79,7 +79,7 @@ static bool place_along(auvid_line_search_t *ls)
     return moved;
 }
 
-/* The same, d the displacement of the sweep. */
+/* The same with d the displacement of the sweep. */
 static bool place_pattern(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
@@ -114,7 +114,7 @@ void auvid_line_search_release(auvid_line_search_t *ls)
     }
 }
 
-/* That of the chord to a point of the line, and the bend on the way. */
+/* From the slope of the chord to a point of the line and the curvature in between. */
 void auvid_line_search_note_slope(auvid_line_search_t *ls)
 {
     const size_t i = line_search_parameter(ls);
