@@ -52,7 +52,7 @@ static const row_t search[] = {
     SPAN(auvid_search_config_t, uint64_t, seed, seed),
 };
 
-static const row_t knot[] = {
+static const row_t velocity_sample[] = {
     SPAN(auvid_nav_velocity_sample_t, uint64_t, t_us, t_us),
     REALS(auvid_nav_velocity_sample_t, velocity, velocity),
     SPAN(auvid_nav_velocity_sample_t, uint32_t, sequence, sequence),
@@ -343,7 +343,7 @@ static const row_t row[] = {
     }
 const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SEARCH] = TABLE(search),
-    [TABLE_VELOCITY_SAMPLE] = TABLE(knot),
+    [TABLE_VELOCITY_SAMPLE] = TABLE(velocity_sample),
     [TABLE_DIAGNOSTICS] = TABLE(diagnostics),
     [TABLE_NAV] = TABLE(nav),
     [TABLE_STREAM] = TABLE(stream),

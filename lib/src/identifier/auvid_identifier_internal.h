@@ -8,7 +8,7 @@
 #include "auvid/identifier.h"
 
 /** Units that the start of a search costs: it draws a population. */
-enum { BEGIN_PRICE = 100 };
+enum { SEARCH_START_COST = 100 };
 
 /** The model; NULL before init. */
 static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t *id)

@@ -10,8 +10,8 @@
 
 /* Largest excess of a result's cost, relative to the minimum. For data without noise the minimum
  * is almost zero: then relative to the cost of all-zero parameters. */
-#define EXCESS AUVID_C(1e-3)
-#define EXCESS_OF_ALL AUVID_C(1e-8)
+#define EXCESS_OF_MINIMUM AUVID_C(1e-3)
+#define EXCESS_OF_ZERO AUVID_C(1e-8)
 
 void auvid_identifier_begin_optimum(auvid_identifier_t *id)
 {
@@ -53,7 +53,8 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         }
     }
     if (status != AUVID_PENDING) {
-        auvid_real_t allowed = EXCESS * (ls->cost + m->constant) + EXCESS_OF_ALL * ls->zero;
+        auvid_real_t allowed =
+            EXCESS_OF_MINIMUM * (ls->cost + m->constant) + EXCESS_OF_ZERO * ls->zero;
         id->not_converged |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;

@@ -51,18 +51,18 @@ void auvid_identifier_simulate(auvid_identifier_t *id)
 }
 
 /* Longest time from the first row of a set to its last [us]. */
-static uint64_t set_us(const auvid_metric_config_t *cfg)
+static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
 {
     return (uint64_t)cfg->cell_us * cfg->row_cells * cfg->set_rows;
 }
 
 void auvid_identifier_begin_sets(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     auvid_metric_t *m = &id->metric;
     bool simulated = id->prediction.vehicle != NULL && m->waiting == 1 &&
-                     auvid_validation_r2(&id->prediction, to->r2_velocity) == AUVID_OK;
-    to->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
+                     auvid_validation_r2(&id->prediction, test->r2_velocity) == AUVID_OK;
+    test->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
     auvid_identifier_simulate(id);
     if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
         id->listener->set(id->listener_context, m);
@@ -70,15 +70,16 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
     id->sets = m->sets_recorded;
     id->untested = id->estimate.number == 0 ? 0u : m->waiting;
     bool limited = identifier_residual_path(id) && id->listener != NULL;
-    auvid_metric_hold(m, limited ? id->applied.t_us + set_us(&m->cfg) : UINT64_MAX);
+    auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
+                                 : UINT64_MAX);
     m->from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
     auvid_identifier_begin_change_test(id);
 }
 
 void auvid_identifier_rest(auvid_identifier_t *id)
 {
-    bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = logs ? id->listener->lead_us(id->listener_context) : 0u;
+    bool has_log = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
+    uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
     id->searching = false;
     id->phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
@@ -117,20 +118,21 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
 }
 
 /* A set is validated: continue with the next newer one. */
-static void next_set(auvid_identifier_t *id)
+static void identifier_next_set(auvid_identifier_t *id)
 {
     id->metric.from = (uint8_t)(--id->untested > 0 ? id->metric.from - 1u : id->metric.from);
     auvid_identifier_begin_change_test(id);
 }
 
-static void identifier_predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
+static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_estimate_t *e,
+                                        uint8_t phase)
 {
     auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(id, e));
     id->phase = phase;
 }
 
 /* Cost of the prediction, over the DoF that both estimates identify. */
-static auvid_real_t predicted_cost(const auvid_identifier_t *id)
+static auvid_real_t identifier_predicted_cost(const auvid_identifier_t *id)
 {
     auvid_real_t cost = AUVID_C(0.0);
     uint8_t both = id->estimate.excited & id->accepted_estimate.excited;
@@ -142,30 +144,30 @@ static auvid_real_t predicted_cost(const auvid_identifier_t *id)
 }
 
 /* Record how the last estimate predicted the new set. */
-static void note_prediction(auvid_identifier_t *id)
+static void identifier_record_prediction(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     const auvid_metric_t *m = &id->metric;
     const auvid_set_t *set = auvid_metric_newest(m);
-    to->set = set->number;
-    to->estimate = id->estimate.number;
-    to->excited = set->excited & id->estimate.excited;
-    to->changed = 0;
+    test->set = set->number;
+    test->estimate = id->estimate.number;
+    test->excited = set->excited & id->estimate.excited;
+    test->changed = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t residual = id->estimate.confidence.residual_rms[j];
         auvid_real_t rows = (auvid_real_t)set->rows_of[j];
         auvid_real_t ratio = m->predicted[j] / (rows * residual * residual);
-        to->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
-        to->change[j] = AUVID_C(0.0);
+        test->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
+        test->change[j] = AUVID_C(0.0);
     }
-    id->predicted = predicted_cost(id);
+    id->predicted = identifier_predicted_cost(id);
 }
 
 /* The accepted estimate's prediction is complete: keep one of the two. An estimate of other DoF is
  * no substitute: its parameters of the remaining DoF are not estimates. */
-static void identifier_compare(auvid_identifier_t *id)
+static void identifier_compare_estimates(auvid_identifier_t *id)
 {
-    bool worse = id->predicted > MARGIN * predicted_cost(id);
+    bool worse = id->predicted > MARGIN * identifier_predicted_cost(id);
     if (worse && id->estimate.excited != id->accepted_estimate.excited) {
         return;
     }
@@ -184,12 +186,12 @@ static void identifier_compare(auvid_identifier_t *id)
 
 /* F - 1 of each DoF for the newest `newest` sets, relative to its limit; 0: no test possible.
  * @return the largest, or their sum relative to its limit, if that is larger */
-static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
-                          auvid_real_t share[AUVID_DOF_COUNT])
+static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int newest,
+                                              auvid_real_t evidence[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
-    auvid_real_t most = AUVID_C(0.0), sum = AUVID_C(0.0);
+    auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.effective_noise[j];
         auvid_real_t f =
@@ -197,30 +199,31 @@ static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
-        share[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
-        most = auvid_max(most, share[j]);
+        evidence[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
+        max_evidence = auvid_max(max_evidence, evidence[j]);
         sum += excess;
     }
-    return auvid_max(most, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
+    return auvid_max(max_evidence, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
 }
 
 /* Decide whether the vehicle has changed. */
-static void conclude(auvid_identifier_t *id)
+static void identifier_conclude_test(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
-    auvid_real_t by_one = weigh(id, 1, one), by_two = weigh(id, 2, two);
-    const auvid_real_t *share = by_one > by_two ? one : two;
-    int most = 0;
+    auvid_real_t by_one = identifier_weigh_evidence(id, 1, one),
+                 by_two = identifier_weigh_evidence(id, 2, two);
+    const auvid_real_t *evidence = by_one > by_two ? one : two;
+    int clearest = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        to->change[j] = auvid_max(share[j], AUVID_C(0.0));
-        most = share[j] > share[most] ? j : most;
+        test->change[j] = auvid_max(evidence[j], AUVID_C(0.0));
+        clearest = evidence[j] > evidence[clearest] ? j : clearest;
     }
-    to->change[most] = auvid_max(by_one, by_two);
-    to->changed = (uint8_t)((to->change[most] > AUVID_C(1.0)) << most);
+    test->change[clearest] = auvid_max(by_one, by_two);
+    test->changed = (uint8_t)((test->change[clearest] > AUVID_C(1.0)) << clearest);
     id->straddles_change = false;
     id->events |= AUVID_EVENT_VALIDATED;
-    if (to->changed != 0) {
+    if (test->changed != 0) {
         /* The change may be in the middle of a set: of the newest, if that set by itself raised the
          * alarm, else of the one before. */
         for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
@@ -241,20 +244,20 @@ auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *bu
     case AUVID_WORK_PREPARE:
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
-            identifier_predict(id, &id->estimate, AUVID_WORK_PREDICT);
+            identifier_begin_prediction(id, &id->estimate, AUVID_WORK_PREDICT);
         }
         break;
     case AUVID_WORK_PREDICT:
         status = auvid_metric_measure(m, budget);
         if (status == AUVID_OK) {
-            note_prediction(id);
-            identifier_predict(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
+            identifier_record_prediction(id);
+            identifier_begin_prediction(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
         }
         break;
     case AUVID_WORK_COMPARE:
         status = id->accepted_estimate.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
         if (status == AUVID_OK) {
-            identifier_compare(id);
+            identifier_compare_estimates(id);
             auvid_metric_change_begin(m);
             id->phase = AUVID_WORK_CHANGE_TEST;
         }
@@ -262,8 +265,8 @@ auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *bu
     default:
         status = auvid_metric_change(m, budget);
         if (status == AUVID_OK) {
-            conclude(id);
-            next_set(id);
+            identifier_conclude_test(id);
+            identifier_next_set(id);
         }
         break;
     }

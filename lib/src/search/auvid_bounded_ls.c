@@ -31,7 +31,7 @@ void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
 }
 
 /* Order the columns, the free ones first. At the start a column not at a bound is free. */
-static void sort(auvid_bounded_ls_t *ls)
+static void bounded_ls_sort(auvid_bounded_ls_t *ls)
 {
     int f = 0, b = ls->n;
     for (int i = 0; i < ls->n; ++i) {
@@ -60,36 +60,36 @@ static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 }
 
 /* The bound of the k-th column in the direction of d. */
-static auvid_real_t bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
+static auvid_real_t bounded_ls_bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
 {
     return (d > AUVID_C(0.0) ? ls->upper : ls->lower)[ls->order[k]];
 }
 
 /* Move the free columns along their step d (in: a) up to the first bound. If some of them are not
  * resolved, fix these instead. */
-static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
+static void bounded_ls_move(auvid_bounded_ls_t *ls, auvid_real_t *d)
 {
     int f = ls->fixed_from, stop = f;
     int lost = auvid_qr_solve(ls->work, ls->n + 1, f, RESOLVED, d);
-    auvid_real_t part = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
+    auvid_real_t fraction = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
     for (int k = 0; k < f; ++k) {
-        auvid_real_t room = bound(ls, k, d[k]) - ls->x[ls->order[k]];
-        if (auvid_abs(room) < part * auvid_abs(d[k])) {
-            part = room / d[k];
+        auvid_real_t room = bounded_ls_bound(ls, k, d[k]) - ls->x[ls->order[k]];
+        if (auvid_abs(room) < fraction * auvid_abs(d[k])) {
+            fraction = room / d[k];
             stop = k;
         }
     }
     for (int k = 0; k < f; ++k) {
         int i = ls->order[k];
-        auvid_real_t x = k == stop ? bound(ls, k, d[k]) : ls->x[i] + part * d[k];
-        bool held = k == stop || !(auvid_abs(d[k]) > AUVID_C(0.0));
+        auvid_real_t x = k == stop ? bounded_ls_bound(ls, k, d[k]) : ls->x[i] + fraction * d[k];
+        bool fixed = k == stop || !(auvid_abs(d[k]) > AUVID_C(0.0));
         ls->x[i] = auvid_clamp(x, ls->lower[i], ls->upper[i]);
-        ls->free &= ~((uint32_t)held << i);
+        ls->free &= ~((uint32_t)fixed << i);
     }
 }
 
 /* Free the column that gains most. @return whether one gains more than `min_gain` */
-static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t least)
+static bool bounded_ls_release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t min_gain)
 {
     uint32_t before = ls->free, best = 0;
     for (int k = ls->fixed_from; k < ls->n; ++k) {
@@ -101,9 +101,9 @@ static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t 
             square += r * r;
         }
         auvid_real_t pivot = RELEASED * auvid_qr_column_norm(ls->work, ls->n + 1, k);
-        bool room = auvid_abs(bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
-        if (room && square > pivot * pivot && slope * slope > least * square) {
-            least = slope * slope / square;
+        bool room = auvid_abs(bounded_ls_bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
+        if (room && square > pivot * pivot && slope * slope > min_gain * square) {
+            min_gain = slope * slope / square;
             best = 1u << i;
         }
     }
@@ -115,7 +115,7 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
 {
     int n = ls->n;
     if (ls->at == 0) {
-        sort(ls);
+        bounded_ls_sort(ls);
     }
     if (ls->at <= n) {
         bounded_ls_rotate(ls, ls->at++);
@@ -134,10 +134,10 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
         ls->zero = z * z;
     }
     ls->at = 0;
-    auvid_real_t least = GAIN * (ls->cost + constant) + BOUNDED_LS_ROUNDED * ls->zero;
-    if (gain > least) {
-        move(ls, c);
-    } else if (!release(ls, c, least)) {
+    auvid_real_t min_gain = GAIN * (ls->cost + constant) + BOUNDED_LS_ROUNDED * ls->zero;
+    if (gain > min_gain) {
+        bounded_ls_move(ls, c);
+    } else if (!bounded_ls_release(ls, c, min_gain)) {
         return AUVID_OK;
     }
     return ++ls->changes < 4 * (n + 1) ? AUVID_PENDING : AUVID_EVALUATION_LIMIT;

@@ -36,7 +36,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
     config->gamma = AUVID_C(1e-6);
 }
 
-static auvid_status_t check_box(const auvid_line_search_config_t *c)
+static auvid_status_t line_search_check_box(const auvid_line_search_config_t *c)
 {
     for (size_t i = 0; i < c->n; ++i) {
         if (!(c->lower[i] < c->upper[i])) {
@@ -51,13 +51,14 @@ static auvid_status_t check_box(const auvid_line_search_config_t *c)
 }
 
 /* alpha0, sigma, epsilon: as given, or the defaults for zero. */
-static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
+static void line_search_resolve_steps(const auvid_line_search_config_t *c, auvid_real_t step[3])
 {
-    static const auvid_real_t usual[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
-                                             {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
+    static const auvid_real_t defaults[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
+                                                {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
     const auvid_real_t given[3] = {c->alpha0, c->sigma, c->epsilon};
     for (size_t i = 0; i < 3; ++i) {
-        step[i] = auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[line_search_is_paper(c)][i];
+        step[i] =
+            auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : defaults[line_search_is_paper(c)][i];
     }
 }
 
@@ -83,10 +84,10 @@ static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
         !(c->gamma >= AUVID_C(0.0) && c->gamma < AUVID_C(1.0))) {
         return AUVID_ERR_RANGE;
     }
-    return check_box(c);
+    return line_search_check_box(c);
 }
 
-static void set_steps(auvid_line_search_t *ls, auvid_real_t alpha)
+static void line_search_raise_steps(auvid_line_search_t *ls, auvid_real_t alpha)
 {
     for (size_t i = 0; i < 2u * ls->config.n; ++i) {
         ls->alpha[i] = auvid_max(ls->alpha[i], alpha);
@@ -100,7 +101,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
         return AUVID_ERR_NULL;
     }
     auvid_real_t step[3];
-    resolve(config, step);
+    line_search_resolve_steps(config, step);
     auvid_status_t status = line_search_check(config, step);
     if (status != AUVID_OK) {
         return status;
@@ -120,13 +121,13 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
         }
     }
     memcpy(ls->theta, c->start, sizeof ls->theta);
-    set_steps(ls, c->alpha0);
+    line_search_raise_steps(ls, c->alpha0);
     ls->restarts_left = c->restarts;
     ls->state = LINE_EVALUATE;
     return AUVID_OK;
 }
 
-static void begin_line(auvid_line_search_t *ls, uint8_t direction)
+static void line_search_begin_line(auvid_line_search_t *ls, uint8_t direction)
 {
     ls->direction = direction;
     ls->move = MOVE_POLL;
@@ -147,7 +148,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
 }
 
 /* (3-6) At the end of a sweep, and before the first. */
-static void begin_sweep(auvid_line_search_t *ls)
+static void line_search_begin_sweep(auvid_line_search_t *ls)
 {
     const bool first = !line_search_is_paper(&ls->config) &&
                        ls->restarts_left == ls->config.restarts && ls->state == LINE_SEARCH;
@@ -161,14 +162,14 @@ static void begin_sweep(auvid_line_search_t *ls)
     if (ls->plain && ls->previous_cost - ls->cost > ls->config.gamma) {
         ls->built = 0; /* the directions are no longer conjugate */
         ls->restarts_left = ls->config.restarts;
-        set_steps(ls, RESTART_STEP * ls->config.alpha0);
+        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
     } else if (longest <= last) {
         if (ls->restarts_left == 0) {
             ls->state = LINE_FINISHED;
             return;
         }
         --ls->restarts_left;
-        set_steps(ls, RESTART_STEP * ls->config.alpha0);
+        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
         ls->built = ls->config.n; /* now along e_i */
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
@@ -177,12 +178,12 @@ static void begin_sweep(auvid_line_search_t *ls)
     ls->state = LINE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
-    begin_line(ls, 0);
+    line_search_begin_line(ls, 0);
 }
 
 /* (18-21) and the pattern step. -d_i is skipped if +d_i has moved; otherwise it uses the cost of
  * +d_i. */
-static void next_line(auvid_line_search_t *ls)
+static void line_search_next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
     const bool fast = !line_search_is_paper(&ls->config);
@@ -199,18 +200,18 @@ static void next_line(auvid_line_search_t *ls)
     }
     if (next < pattern || (next == pattern && fast && ls->cost < ls->previous_cost)) {
         const auvid_real_t cost = ls->cost_near;
-        begin_line(ls, next);
+        line_search_begin_line(ls, next);
         ls->t_far = t_far;
         ls->cost_far = cost;
     } else {
-        begin_sweep(ls);
+        line_search_begin_sweep(ls);
     }
 }
 
 /* Set t to the lowest point of the parabola. With q(t) = J(base) + b t + c t^2, the slope of the
  * chord to a point is s(t) = b + c t. c comes from the last two points, or from an earlier line
  * along d_i. Returns false if no minimum is known, or it is not worth a trial. */
-static bool aim(auvid_line_search_t *ls)
+static bool line_search_aim_parabola(auvid_line_search_t *ls)
 {
     const auvid_real_t failed = AUVID_LINE_SEARCH_COST_FAILED;
     const auvid_real_t near = (ls->cost_near - ls->base_cost) / ls->t_near;
@@ -232,7 +233,7 @@ static bool aim(auvid_line_search_t *ls)
 
 /* Make d_i: evaluate the cost along e_i, then the probes, then compare with e_i. Returns false if
  * the line continues with this cost. */
-static bool build(auvid_line_search_t *ls, auvid_real_t cost)
+static bool line_search_build_direction(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const size_t i = line_search_parameter(ls);
     if (ls->move == MOVE_AXIS) {
@@ -257,7 +258,7 @@ static bool build(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (ls->move == MOVE_POLL && auvid_abs(ls->axis_step) > AUVID_C(0.0) &&
                cost > ls->axis_cost) {
         memset(ls->shear + AUVID_SHEAR(i), 0, i * sizeof *ls->shear);
-        begin_line(ls, ls->direction);
+        line_search_begin_line(ls, ls->direction);
         return true;
     }
     ls->axis_step = AUVID_C(0.0);
@@ -265,21 +266,21 @@ static bool build(auvid_line_search_t *ls, auvid_real_t cost)
 }
 
 /* Process the cost of the trial at t (7-17) and choose the next move. */
-static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
+static void line_search_take_cost(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const auvid_real_t before = ls->cost;
     if (cost < before) {
         memcpy(ls->theta, ls->trial, sizeof ls->theta);
         ls->cost = cost;
     }
-    if (build(ls, cost)) {
+    if (line_search_build_direction(ls, cost)) {
         return;
     }
     const auvid_real_t t = ls->t;
     const bool along = !line_search_is_pattern(ls), extra = ls->move == MOVE_PARABOLA;
-    const auvid_real_t least = along && !extra ? ls->config.gamma * t * t : AUVID_C(0.0);
+    const auvid_real_t min_decrease = along && !extra ? ls->config.gamma * t * t : AUVID_C(0.0);
     const bool accepted = cost < (ls->move == MOVE_POLL ? ls->base_cost : before) &&
-                          (extra || cost <= ls->base_cost - least);
+                          (extra || cost <= ls->base_cost - min_decrease);
     if (accepted) {
         ls->t_best = t;
     }
@@ -287,7 +288,7 @@ static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
         if (accepted && along) {
             ls->alpha[ls->direction] = auvid_max(ls->alpha[ls->direction], auvid_abs(t));
         }
-        next_line(ls);
+        line_search_next_line(ls);
         return;
     }
     if (ls->move == MOVE_EXPAND) {
@@ -301,13 +302,13 @@ static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
         ls->alpha[ls->direction] *= ls->config.sigma;
     }
-    if (!line_search_is_paper(&ls->config) && aim(ls)) {
+    if (!line_search_is_paper(&ls->config) && line_search_aim_parabola(ls)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
         ls->t = ls->config.delta * t;
     } else {
-        next_line(ls);
+        line_search_next_line(ls);
     }
 }
 
@@ -331,8 +332,8 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         if (ls->state == LINE_EVALUATE) {
             memcpy(ls->trial, ls->theta, sizeof ls->trial);
         } else if (!auvid_line_search_place(ls)) {
-            line_search_settle(ls,
-                               ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
+            line_search_take_cost(ls,
+                                  ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
             return AUVID_PENDING;
         }
         ls->asked = true;
@@ -356,9 +357,9 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
     ++ls->evaluations;
     if (ls->state == LINE_EVALUATE) {
         ls->cost = cost;
-        begin_sweep(ls);
+        line_search_begin_sweep(ls);
     } else {
-        line_search_settle(ls, cost);
+        line_search_take_cost(ls, cost);
     }
     return AUVID_OK;
 }
@@ -372,7 +373,7 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
         return AUVID_ERR_STATE;
     }
     ls->asked = false;
-    set_steps(ls, RESTART_STEP * ls->config.alpha0);
+    line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
     ls->plain = false;
     if (!line_search_is_paper(&ls->config)) {
         ls->restarts_left = ls->config.restarts;

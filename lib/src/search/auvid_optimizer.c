@@ -66,7 +66,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
     return optimizer == NULL ? AUVID_ERR_NULL : auvid_crs_add_point(&optimizer->crs, theta);
 }
 
-static auvid_status_t ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
+static auvid_status_t optimizer_ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
 {
     auvid_status_t status = auvid_line_search_ask(&optimizer->line_search, theta);
     if (status == AUVID_FINISHED || status == AUVID_EVALUATION_LIMIT) {
@@ -81,7 +81,7 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
         return AUVID_ERR_NULL;
     }
     if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL) {
-        return ask_local(optimizer, theta);
+        return optimizer_ask_local(optimizer, theta);
     }
     auvid_status_t status = auvid_crs_ask(&optimizer->crs, theta);
     if (status != AUVID_FINISHED && status != AUVID_EVALUATION_LIMIT) {
@@ -97,7 +97,7 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
         return status; /* damaged since init: the best point of the global phase stays */
     }
     optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    return ask_local(optimizer, theta);
+    return optimizer_ask_local(optimizer, theta);
 }
 
 auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost)
