@@ -64,7 +64,7 @@ static void push(chain_t *c, auvid_status_t status, const auvid_output_t *out)
  * much, which its not being accepted tells; nor is what is far off called identifiable. The next
  * set takes it back; two sets later the estimate rests on good sets again (two: 4 % rms is usual;
  * over the seeds, a mean of 7 % is refused). */
-static void test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next(void)
+static void test_the_next_set_corrects_a_set_with_an_unmodelled_force(void)
 {
     double later = 0.0;
     for (uint64_t seed = 21; seed < 21 + SEEDS; ++seed) {
@@ -113,7 +113,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     }
 }
 
-static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_back(void)
+static void test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn(void)
 {
     chain_defaults(&config, 31, 6, 1.0);
     config.budget = 2000;
@@ -182,7 +182,7 @@ static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watc
     chain_run(&chain, 10);
 }
 
-static void test_what_is_restored_lacks_no_degree_of_freedom(void)
+static void test_a_restored_estimate_lacks_no_degree_of_freedom(void)
 {
     uint32_t runs = campaign_is_long() ? 75 : campaign_runs(24);
     restored_t watch = {0};
@@ -244,7 +244,7 @@ static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_outpu
     number = id->estimate.number;
 }
 
-static void test_sets_judged_during_a_search_keep_everything_consistent(void)
+static void test_sets_validated_during_a_search_keep_everything_consistent(void)
 {
     static const uint32_t budget[] = {3, 20, 60};
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
@@ -275,7 +275,7 @@ static void work_through(uint32_t budget)
     }
 }
 
-static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
+static void test_any_budget_gives_the_same_bits_of_estimate_and_change_test(void)
 {
     static const uint32_t budget[] = {1, 7, 200};
     static auvid_estimate_t estimate;
@@ -304,7 +304,7 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
 
 /* With noise on it, what the newest set and the newest two add to what no parameters explain is
  * positive: evidence, if weak, about the three parameters of each DoF. Five sets give none. */
-static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed(void)
+static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
 {
     chain_defaults(&config, 61, 6, 1.0);
     config.budget = 0;
@@ -332,12 +332,12 @@ static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_ch
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next);
-    RUN_TEST(test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_back);
-    RUN_TEST(test_what_is_restored_lacks_no_degree_of_freedom);
+    RUN_TEST(test_the_next_set_corrects_a_set_with_an_unmodelled_force);
+    RUN_TEST(test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn);
+    RUN_TEST(test_a_restored_estimate_lacks_no_degree_of_freedom);
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
-    RUN_TEST(test_sets_judged_during_a_search_keep_everything_consistent);
-    RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_judgement);
-    RUN_TEST(test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed);
+    RUN_TEST(test_sets_validated_during_a_search_keep_everything_consistent);
+    RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_change_test);
+    RUN_TEST(test_the_sixth_set_is_the_first_that_is_tested_for_a_change);
     return UNITY_END();
 }

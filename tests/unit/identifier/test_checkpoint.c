@@ -128,7 +128,7 @@ static void test_after_the_last_byte_there_is_none(void)
 
 /* At many places of a run: restored into another identifier, which was initialised otherwise, both
  * go on alike, to the same bytes. */
-static void test_an_identifier_goes_on_where_it_was_saved(void)
+static void test_an_identifier_continues_where_it_was_saved(void)
 {
     static auvid_identifier_config_t plain;
     uint32_t phases = 0;
@@ -154,7 +154,7 @@ static void test_an_identifier_goes_on_where_it_was_saved(void)
 }
 
 /* Into one that has an estimate, and is in the middle of a search. */
-static void test_nothing_is_left_of_what_was_aboard_before(void)
+static void test_nothing_is_left_of_the_previous_state(void)
 {
     static auvid_identifier_t twin;
     config.search.lower[0] = AUVID_C(-900.1); /* what is saved first */
@@ -176,7 +176,7 @@ static void test_nothing_is_left_of_what_was_aboard_before(void)
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
 }
 
-static void test_what_was_known_before_the_dive_goes_with_it(void)
+static void test_a_prior_record_is_part_of_it(void)
 {
     static uint8_t record[AUVID_PRIOR_BYTES];
     move_from_to(&id, 1, 240);
@@ -207,7 +207,7 @@ static void test_what_is_attached_stays(void)
 
 /* All positions (of eleven one in double, but in the long form); in the head and the tail all other
  * values, else one of them. */
-static void test_every_damaged_byte_is_noticed(void)
+static void test_every_damaged_byte_is_detected(void)
 {
 #ifdef __linux__
     const uint32_t stride = campaign_is_long() || sizeof(auvid_real_t) == 4 ? 1 : 11;
@@ -338,7 +338,7 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
 }
 
 /* Stages of a run, whatever led there. */
-static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(void)
+static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 {
     for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
         bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
@@ -395,7 +395,7 @@ static void check_good(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
-static void test_what_cannot_be_is_refused(void)
+static void test_impossible_values_are_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
     IMPOSSIBLE(phase = UINT8_MAX);
@@ -496,7 +496,7 @@ static void move_to_phase(uint8_t phase)
     good = id;
 }
 
-static void test_an_optimum_that_cannot_be_is_refused(void)
+static void test_an_impossible_optimum_is_refused(void)
 {
     move_to_phase(AUVID_WORK_LINEARISE);
     TEST_ASSERT_TRUE(good.optimum.n > 1);
@@ -535,7 +535,7 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
     check_good();
 }
 
-static void test_sets_that_do_not_go_with_the_work_are_refused(void)
+static void test_sets_that_contradict_the_phase_of_work_are_refused(void)
 {
     move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
     TEST_ASSERT_EQUAL(1, good.untested);
@@ -550,7 +550,7 @@ static void test_sets_that_do_not_go_with_the_work_are_refused(void)
     check_good();
 }
 
-static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
+static void test_a_held_sample_not_ahead_of_the_imu_is_refused(void)
 {
     const auvid_real_t still[3] = {0};
     const auvid_dvl_sample_t ahead = {.t_us = 200000, .valid = AUVID_DVL_ALL};
@@ -564,7 +564,7 @@ static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
 }
 #undef IMPOSSIBLE
 
-static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
+static void test_an_identifier_that_steps_while_it_is_saved_is_detected(void)
 {
     auvid_checkpoint_t cursor;
     auvid_input_t in = {.t_us = 20000};
@@ -601,26 +601,26 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_bytes_do_not_depend_on_the_chunks);
     RUN_TEST(test_after_the_last_byte_there_is_none);
-    RUN_TEST(test_an_identifier_goes_on_where_it_was_saved);
-    RUN_TEST(test_nothing_is_left_of_what_was_aboard_before);
-    RUN_TEST(test_what_was_known_before_the_dive_goes_with_it);
+    RUN_TEST(test_an_identifier_continues_where_it_was_saved);
+    RUN_TEST(test_nothing_is_left_of_the_previous_state);
+    RUN_TEST(test_a_prior_record_is_part_of_it);
     RUN_TEST(test_what_is_attached_stays);
-    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
     RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
-    RUN_TEST(test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched);
+    RUN_TEST(test_an_armed_guard_is_restored_disarmed_a_latched_one_latched);
     RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
     RUN_TEST(test_work_in_an_unknown_phase_ends);
-    RUN_TEST(test_what_cannot_be_is_refused);
+    RUN_TEST(test_impossible_values_are_refused);
     RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
     RUN_TEST(test_a_record_of_too_many_cells_is_refused);
-    RUN_TEST(test_an_optimum_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_optimum_is_refused);
     RUN_TEST(test_a_probe_along_a_direction_not_before_its_own_is_refused);
-    RUN_TEST(test_sets_that_do_not_go_with_the_work_are_refused);
-    RUN_TEST(test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused);
-    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
+    RUN_TEST(test_sets_that_contradict_the_phase_of_work_are_refused);
+    RUN_TEST(test_a_held_sample_not_ahead_of_the_imu_is_refused);
+    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_detected);
     RUN_TEST(test_calls_out_of_order_are_refused);
     return UNITY_END();
 }

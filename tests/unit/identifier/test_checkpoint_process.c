@@ -317,7 +317,7 @@ static uint32_t mark(uint32_t most, bool *marked)
     return phases;
 }
 
-static void test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit(void)
+static void test_a_run_saved_at_random_ticks_continues_in_a_new_process_bit_for_bit(void)
 {
     static bool marked[TICKS];
     bool all = campaign_is_long();
@@ -354,7 +354,7 @@ static void test_an_excitation_that_was_interrupted_is_aborted(void)
 }
 
 /* Armed, exciting, settling: a program that restores has not been asked to act. */
-static void test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew(void)
+static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_armed_again(void)
 {
     auvid_output_t out;
     uint32_t states = 0;
@@ -411,9 +411,9 @@ int main(int count, char **argument)
     }
     (void)snprintf(saved_path, sizeof saved_path, "%s_", path);
     UNITY_BEGIN();
-    RUN_TEST(test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit);
+    RUN_TEST(test_a_run_saved_at_random_ticks_continues_in_a_new_process_bit_for_bit);
     RUN_TEST(test_an_excitation_that_was_interrupted_is_aborted);
-    RUN_TEST(test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew);
+    RUN_TEST(test_an_active_identifier_is_restored_disarmed_and_acts_only_when_armed_again);
     int status = UNITY_END();
     (void)remove(path);
     (void)remove(saved_path);

@@ -126,7 +126,7 @@ static void test_all_13_parameters_are_found_under_an_unmodelled_force(void)
     campaign("1 N", runs_of(24), 1.0, 0.0, goal_disturbed);
 }
 
-static void test_a_thruster_lag_nobody_told_of_does_little_harm(void)
+static void test_an_unmodelled_thruster_lag_does_little_harm(void)
 {
     campaign("lag 0.15 s", runs_of(16), 0.0, 0.15, lag_factor * goal_calm);
     campaign("lag 0.15 s, 1 N", runs_of(16), 1.0, 0.15, lag_factor * goal_disturbed);
@@ -170,7 +170,7 @@ static void water_world(uint64_t seed)
     config.sim.current[1] = -0.2;
 }
 
-static void test_water_lock_alone_serves_under_a_current(void)
+static void test_water_lock_suffices_in_a_current(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
@@ -211,7 +211,7 @@ static void arm_again(chain_t *c, auvid_status_t status, const auvid_output_t *o
 /* A tenth of all samples is lost. Up to four DVL samples lost in a row are bridged; five break the
  * record, and make the guard abort; the operator arms again. The error's variance goes as one over
  * the number of samples: sets / 8 of the usual, and nine tenths of these. */
-static void test_drop_outs_cost_data_and_nothing_else(void)
+static void test_drop_outs_cost_only_data(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
@@ -270,7 +270,7 @@ static void test_the_estimate_says_what_it_is(void)
     }
 }
 
-static void test_each_estimate_is_told_of_once(void)
+static void test_each_estimate_is_reported_once(void)
 {
     chain_defaults(&config, 4, 3, 0.0);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 3));
@@ -280,7 +280,7 @@ static void test_each_estimate_is_told_of_once(void)
 }
 
 /* Only surge is driven: the others' parameters keep the values they were given. */
-static void test_what_is_not_driven_is_not_identified(void)
+static void test_what_is_not_excited_is_not_identified(void)
 {
     const uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
@@ -357,15 +357,15 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_all_13_parameters_are_found_within_the_goal);
     RUN_TEST(test_all_13_parameters_are_found_under_an_unmodelled_force);
-    RUN_TEST(test_a_thruster_lag_nobody_told_of_does_little_harm);
+    RUN_TEST(test_an_unmodelled_thruster_lag_does_little_harm);
     RUN_TEST(test_passive_use_finds_them_too);
-    RUN_TEST(test_water_lock_alone_serves_under_a_current);
+    RUN_TEST(test_water_lock_suffices_in_a_current);
     RUN_TEST(test_the_other_lock_is_not_taken_for_the_one_configured);
-    RUN_TEST(test_drop_outs_cost_data_and_nothing_else);
+    RUN_TEST(test_drop_outs_cost_only_data);
     RUN_TEST(test_late_velocities_are_used_at_their_time);
     RUN_TEST(test_the_estimate_says_what_it_is);
-    RUN_TEST(test_each_estimate_is_told_of_once);
-    RUN_TEST(test_what_is_not_driven_is_not_identified);
+    RUN_TEST(test_each_estimate_is_reported_once);
+    RUN_TEST(test_what_is_not_excited_is_not_identified);
     RUN_TEST(test_mean_nis_on_vehicle_motion_is_at_most_one);
     return UNITY_END();
 }

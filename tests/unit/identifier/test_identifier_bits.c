@@ -43,7 +43,7 @@ static void test_interleaved_identifiers_do_not_interact(void)
     TEST_ASSERT_EQUAL_MEMORY(&alone[1].id, &other.id, sizeof other.id);
 }
 
-static void test_a_copy_of_an_identifier_goes_on_identically(void)
+static void test_a_copy_of_an_identifier_continues_identically(void)
 {
     config.budget = 20;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -64,7 +64,7 @@ static void give_applied_apart(chain_t *c, auvid_input_t *in)
                                                          in->applied.command));
 }
 
-static void test_the_applied_wrench_may_come_with_the_step_or_apart(void)
+static void test_the_applied_wrench_may_come_with_the_step_or_separately(void)
 {
     chain_set_driver(&config);
     run(&other);
@@ -98,7 +98,7 @@ static void navigate_apart(chain_t *c, auvid_input_t *in)
     in->imu.present = in->dvl.present = in->depth.present = false;
 }
 
-static void test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from(void)
+static void test_motion_from_another_source_gives_the_same_as_the_sensors_it_came_from(void)
 {
     chain_set_driver(&config);
     config.id.velocity_every_tick = true;
@@ -123,9 +123,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_same_inputs_give_the_same_bits);
     RUN_TEST(test_interleaved_identifiers_do_not_interact);
-    RUN_TEST(test_a_copy_of_an_identifier_goes_on_identically);
-    RUN_TEST(test_the_applied_wrench_may_come_with_the_step_or_apart);
-    RUN_TEST(test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from);
+    RUN_TEST(test_a_copy_of_an_identifier_continues_identically);
+    RUN_TEST(test_the_applied_wrench_may_come_with_the_step_or_separately);
+    RUN_TEST(test_motion_from_another_source_gives_the_same_as_the_sensors_it_came_from);
     RUN_TEST(test_the_clock_may_begin_anywhere);
     return UNITY_END();
 }

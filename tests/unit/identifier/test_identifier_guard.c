@@ -138,7 +138,7 @@ static void test_the_imu_is_lost(void)
     TEST_ASSERT_EQUAL(11, check_aborts(AUVID_GUARD_IMU_STALE, 1)); /* 0.2 s */
 }
 
-static void test_the_imu_tells_what_is_not_finite(void)
+static void test_the_imu_sends_values_that_are_not_finite(void)
 {
     begin();
     wrong = NAN_IMU;
@@ -212,7 +212,7 @@ static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
 }
 
 /* The adaptive excitation takes the place of a plan without heave. */
-static void test_heave_must_be_measured_where_the_adaptive_excitation_drives_it(void)
+static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
     auvid_adaptive_config_t adaptive;
@@ -396,7 +396,7 @@ static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
     check_stays_zero(AUVID_GUARD_OPERATOR);
 }
 
-static void test_the_operator_falls_silent(void)
+static void test_the_operators_heartbeat_stops(void)
 {
     config.id.guard.heartbeat_timeout_us = 15000000;
     begin();
@@ -498,7 +498,7 @@ static void test_a_tick_that_stalled(void)
     check_aborted(&out, AUVID_GUARD_TICK);
 }
 
-static void test_nobody_records_what_is_applied(void)
+static void test_the_applied_wrench_is_not_recorded(void)
 {
     sim_output_t seen;
     auvid_input_t in;
@@ -518,7 +518,7 @@ static void test_nobody_records_what_is_applied(void)
 
 /* ---- arming ---- */
 
-static void test_arming_before_the_sensors_have_spoken_is_refused_and_says_why(void)
+static void test_arming_before_the_first_sensor_samples_is_refused_with_a_reason(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
@@ -560,7 +560,7 @@ static void test_a_breach_while_armed_keeps_it_from_exciting(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
 }
 
-static void test_after_an_abort_disarm_arm_and_excite_begin_anew(void)
+static void test_after_an_abort_disarm_arm_and_excite_start_again(void)
 {
     begin();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
@@ -621,7 +621,7 @@ static void test_stop_fades_settles_and_is_done(void)
 /* ---- the leash ---- */
 
 /* A current of 0.3 m/s carries the vehicle 70 m in this run, unless the leash holds it. */
-static void test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current(void)
+static void test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current(void)
 {
     for (int leash = 0; leash < 2; ++leash) {
         chain_defaults(&config, 5, 8, 3.0);
@@ -682,7 +682,7 @@ static void excite_by_hand(void)
 
 /* A vehicle that rolls, pitches and turns through pi while it moves: every tick the excitation is
  * told R' (position - home), with R of Fossen's (2.18), and the angles turned since. */
-static void test_the_excitation_is_told_the_displacement_in_present_body_axes(void)
+static void test_the_excitation_gets_the_displacement_in_present_body_axes(void)
 {
     double home[6] = {0};
     begin_by_hand(0, 1000000);
@@ -743,7 +743,7 @@ static void test_without_thrusters_the_excitation_is_not_limited_by_them(void)
     }
 }
 
-static void test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning(void)
+static void test_a_refused_excite_does_not_cancel_the_one_before(void)
 {
     begin_by_hand(0, 1000000);
     tick_by_hand();
@@ -756,7 +756,7 @@ static void test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beg
     TEST_ASSERT_EQUAL_FLOAT(10.0f, (float)out.excitation[AUVID_SURGE]);
 }
 
-static void test_an_abort_is_told_once_however_often_it_is_called(void)
+static void test_an_abort_is_reported_once_however_often_it_is_called(void)
 {
     begin_by_hand(0, 1000000);
     for (int k = 0; k < 3; ++k) {
@@ -766,7 +766,7 @@ static void test_an_abort_is_told_once_however_often_it_is_called(void)
     }
 }
 
-static void test_water_lock_may_be_all_there_is_from_time_zero_on(void)
+static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
 {
     const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE);
     for (int water = 0; water < 2; ++water) {
@@ -888,7 +888,7 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
     }
 }
 
-static void test_altitudes_that_cannot_be_are_dropped(void)
+static void test_impossible_altitudes_are_dropped(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     memset(&in, 0, sizeof in);
@@ -936,14 +936,14 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_imu_is_lost);
-    RUN_TEST(test_the_imu_tells_what_is_not_finite);
+    RUN_TEST(test_the_imu_sends_values_that_are_not_finite);
     RUN_TEST(test_the_dvl_is_lost);
     RUN_TEST(test_the_dvl_loses_the_bottom);
     RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_0_8_m_s);
     RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_1_2_m_s);
     RUN_TEST(test_heave_must_be_measured_where_it_is_excited);
     RUN_TEST(test_heave_need_not_be_measured_where_it_is_not_excited);
-    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_drives_it);
+    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_excites_it);
     RUN_TEST(test_water_lock_leaves_speed_and_distance_over_ground_unknown);
     RUN_TEST(test_depth_is_lost);
     RUN_TEST(test_altitude_is_lost);
@@ -961,32 +961,32 @@ int main(void)
     RUN_TEST(test_lasting_saturation_by_the_excitation_itself);
     RUN_TEST(test_the_operator_aborts);
     RUN_TEST(test_the_operator_aborts_between_excite_and_the_first_tick);
-    RUN_TEST(test_the_operator_falls_silent);
+    RUN_TEST(test_the_operators_heartbeat_stops);
     RUN_TEST(test_time_goes_back);
     RUN_TEST(test_time_stands_still);
     RUN_TEST(test_a_step_without_input_or_output);
     RUN_TEST(test_every_refused_step_aborts_whatever_limits_are_off);
     RUN_TEST(test_a_tick_that_stalled);
-    RUN_TEST(test_nobody_records_what_is_applied);
-    RUN_TEST(test_arming_before_the_sensors_have_spoken_is_refused_and_says_why);
+    RUN_TEST(test_the_applied_wrench_is_not_recorded);
+    RUN_TEST(test_arming_before_the_first_sensor_samples_is_refused_with_a_reason);
     RUN_TEST(test_arming_beyond_a_limit_is_refused);
     RUN_TEST(test_a_breach_while_armed_keeps_it_from_exciting);
-    RUN_TEST(test_after_an_abort_disarm_arm_and_excite_begin_anew);
+    RUN_TEST(test_after_an_abort_disarm_arm_and_excite_start_again);
     RUN_TEST(test_saturation_ends_with_the_excitation);
     RUN_TEST(test_disarming_while_exciting_ends_it_at_once);
     RUN_TEST(test_stop_fades_settles_and_is_done);
-    RUN_TEST(test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current);
-    RUN_TEST(test_the_excitation_is_told_the_displacement_in_present_body_axes);
+    RUN_TEST(test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current);
+    RUN_TEST(test_the_excitation_gets_the_displacement_in_present_body_axes);
     RUN_TEST(test_without_thrusters_the_excitation_is_not_limited_by_them);
-    RUN_TEST(test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning);
-    RUN_TEST(test_an_abort_is_told_once_however_often_it_is_called);
-    RUN_TEST(test_water_lock_may_be_all_there_is_from_time_zero_on);
+    RUN_TEST(test_a_refused_excite_does_not_cancel_the_one_before);
+    RUN_TEST(test_an_abort_is_reported_once_however_often_it_is_called);
+    RUN_TEST(test_water_lock_may_be_the_only_lock_from_time_zero_on);
     RUN_TEST(test_bottom_lock_counts_where_a_water_lock_was_before);
     RUN_TEST(test_roll_and_pitch_each_have_their_limit);
     RUN_TEST(test_a_vehicle_that_has_rolled_over_once_is_level_again);
     RUN_TEST(test_an_identifier_without_sensors_takes_nothing_from_another_one);
     RUN_TEST(test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken);
-    RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
+    RUN_TEST(test_impossible_altitudes_are_dropped);
     RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
     return UNITY_END();
 }

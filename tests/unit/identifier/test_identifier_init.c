@@ -82,7 +82,7 @@ static void test_a_population_too_small_or_too_large_is_refused(void)
     check_init(AUVID_OK);
 }
 
-static void test_an_omega_or_a_good_point_that_cannot_be_is_refused(void)
+static void test_an_impossible_omega_or_good_point_is_refused(void)
 {
     config.id.search.omega = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
@@ -166,7 +166,7 @@ static void test_another_arithmetic_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
 }
 
-static void test_a_velocity_source_that_cannot_be_is_refused(void)
+static void test_an_impossible_velocity_source_is_refused(void)
 {
     config.id.velocity = (auvid_velocity_source_t)2;
     check_init(AUVID_ERR_RANGE);
@@ -228,12 +228,12 @@ int main(void)
     RUN_TEST(test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused);
     RUN_TEST(test_a_dry_mass_below_zero_or_not_finite_is_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
-    RUN_TEST(test_an_omega_or_a_good_point_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_omega_or_good_point_is_refused);
     RUN_TEST(test_too_many_parameters_or_none_are_refused);
     RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
     RUN_TEST(test_what_the_modules_refuse_is_refused);
     RUN_TEST(test_another_arithmetic_is_refused);
-    RUN_TEST(test_a_velocity_source_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_velocity_source_is_refused);
     RUN_TEST(test_an_identifier_that_is_not_initialised_refuses_everything);
     RUN_TEST(test_the_metric_has_the_recorders_cell);
     return UNITY_END();

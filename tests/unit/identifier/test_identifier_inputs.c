@@ -224,7 +224,7 @@ static void test_an_applied_wrench_that_is_not_finite_is_dropped(void)
     check_not_finite(INPUT_WRENCH);
 }
 
-static void test_an_applied_wrench_out_of_all_proportion_is_dropped(void)
+static void test_an_excessive_applied_wrench_is_dropped(void)
 {
     check_spoilt(INPUT_WRENCH, AUVID_C(1e30)); /* its square is not finite in single precision */
 }
@@ -240,7 +240,7 @@ static void test_an_imu_sample_from_the_past_or_of_the_same_time_is_dropped(void
     check_spoilt(IMU_SAME, 0);
 }
 
-static void test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow(void)
+static void test_an_imu_sample_from_far_ahead_does_not_block_those_that_follow(void)
 {
     check_spoilt(IMU_FUTURE, 0);
 }
@@ -310,7 +310,7 @@ static void test_a_step_of_zero_dt_at_the_very_beginning_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_step(&chain.id, &in, &out));
 }
 
-static void test_news_wait_for_a_step_that_is_taken(void)
+static void test_events_wait_for_the_next_accepted_step(void)
 {
     auvid_input_t in;
     auvid_output_t out;
@@ -353,7 +353,7 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
 }
 
 /* Beside steps with sensors one of the two may have got further than the other. */
-static void test_motion_is_refused_as_a_whole_where_one_half_is(void)
+static void test_motion_is_refused_as_a_whole_if_one_half_is(void)
 {
     static auvid_identifier_t before;
     const auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0};
@@ -504,7 +504,7 @@ static void attach(void)
 }
 
 /* No row may be made of cells from both sides, and no integration run across. */
-static void test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on(void)
+static void test_a_gap_of_5_s_breaks_the_record_and_identification_continues(void)
 {
     for (gap_t gap = GAP_DVL; gap < GAPS; ++gap) {
         auvid_real_t r2[AUVID_DOF_COUNT];
@@ -634,22 +634,22 @@ int main(void)
     RUN_TEST(test_a_depth_that_is_not_finite_is_dropped);
     RUN_TEST(test_a_gps_fix_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_applied_wrench_that_is_not_finite_is_dropped);
-    RUN_TEST(test_an_applied_wrench_out_of_all_proportion_is_dropped);
+    RUN_TEST(test_an_excessive_applied_wrench_is_dropped);
     RUN_TEST(test_a_thruster_command_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_imu_sample_from_the_past_or_of_the_same_time_is_dropped);
-    RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow);
+    RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_block_those_that_follow);
     RUN_TEST(test_dvl_and_depth_samples_of_a_wrong_time_are_dropped);
     RUN_TEST(test_a_dvl_velocity_beyond_the_speed_limit_is_dropped);
     RUN_TEST(test_outliers_are_dropped);
     RUN_TEST(test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing);
     RUN_TEST(test_a_step_of_zero_dt_at_the_very_beginning_is_refused);
-    RUN_TEST(test_news_wait_for_a_step_that_is_taken);
+    RUN_TEST(test_events_wait_for_the_next_accepted_step);
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
-    RUN_TEST(test_motion_is_refused_as_a_whole_where_one_half_is);
+    RUN_TEST(test_motion_is_refused_as_a_whole_if_one_half_is);
     RUN_TEST(test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others);
     RUN_TEST(test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to_it);
     RUN_TEST(test_a_held_sample_and_the_next_one_are_both_recorded);
-    RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on);
+    RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_continues);
     RUN_TEST(test_ticks_left_out_for_5_s_are_a_gap);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);
     RUN_TEST(test_a_step_takes_no_more_cells_than_it_says);

@@ -58,7 +58,7 @@ static void check_idle_set(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.out.events);
 }
 
-static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
+static void test_sets_without_excitation_are_not_searched(void)
 {
     auvid_excitation_defaults(&config.id.excitation); /* hovers */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -67,7 +67,7 @@ static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
     TEST_ASSERT_EQUAL(AUVID_SET_IDLE, auvid_identifier_close(&chain.id));
 }
 
-static void test_an_idle_vehicle_keeps_what_it_has_learnt(void)
+static void test_an_idle_vehicle_keeps_its_estimate(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
     chain_run(&chain, 40.0); /* the set in which the excitation ends */
@@ -81,7 +81,7 @@ static void test_an_idle_vehicle_keeps_what_it_has_learnt(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, auvid_metric_active(&chain.id.metric));
 }
 
-static void test_drive_without_a_free_parameter_is_not_searched(void)
+static void test_excitation_without_a_free_parameter_is_not_searched(void)
 {
     config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* yaw's alone */
     config.id.excitation.segments = 2;                                   /* surge alone */
@@ -97,7 +97,7 @@ static void stand_still(chain_t *c, auvid_input_t *in)
     memset(in->dvl.sample.velocity, 0, sizeof in->dvl.sample.velocity);
 }
 
-static void test_a_velocity_that_stands_at_zero_identifies_nothing(void)
+static void test_a_velocity_stuck_at_zero_identifies_nothing(void)
 {
     const uint32_t yaw = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R | 1u << AUVID_G500_N_RR;
     config.before = stand_still;
@@ -109,7 +109,7 @@ static void test_a_velocity_that_stands_at_zero_identifies_nothing(void)
 
 /* ---- excitation ---- */
 
-static void test_excitation_is_zero_until_it_is_asked_for(void)
+static void test_excitation_is_zero_until_it_is_requested(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain.waiting = false;
@@ -192,7 +192,7 @@ static void test_a_passive_identifier_cannot_excite(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
 }
 
-static void test_the_wrench_told_is_that_of_the_thrusters_told(void)
+static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(void)
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
     double roll = 0.0;
@@ -217,14 +217,14 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_an_empty_set_cannot_be_closed);
     RUN_TEST(test_a_set_may_be_closed_early);
-    RUN_TEST(test_sets_in_which_nothing_is_driven_are_not_searched);
-    RUN_TEST(test_an_idle_vehicle_keeps_what_it_has_learnt);
-    RUN_TEST(test_a_velocity_that_stands_at_zero_identifies_nothing);
-    RUN_TEST(test_drive_without_a_free_parameter_is_not_searched);
-    RUN_TEST(test_excitation_is_zero_until_it_is_asked_for);
+    RUN_TEST(test_sets_without_excitation_are_not_searched);
+    RUN_TEST(test_an_idle_vehicle_keeps_its_estimate);
+    RUN_TEST(test_a_velocity_stuck_at_zero_identifies_nothing);
+    RUN_TEST(test_excitation_without_a_free_parameter_is_not_searched);
+    RUN_TEST(test_excitation_is_zero_until_it_is_requested);
     RUN_TEST(test_stop_fades_the_excitation_out);
     RUN_TEST(test_the_excitation_ends_by_itself);
     RUN_TEST(test_a_passive_identifier_cannot_excite);
-    RUN_TEST(test_the_wrench_told_is_that_of_the_thrusters_told);
+    RUN_TEST(test_the_wrench_returned_is_that_of_the_thruster_forces_returned);
     return UNITY_END();
 }

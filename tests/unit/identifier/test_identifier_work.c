@@ -131,7 +131,7 @@ static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
 }
 
 /* Rows and points, those without room too. */
-static void test_rows_and_trial_points_are_what_is_counted(void)
+static void test_rows_and_trial_points_are_counted(void)
 {
     uint32_t units = 0, turns = 0;
     chain_defaults(&config, 2, 1, 0.0);
@@ -153,7 +153,7 @@ static void test_rows_and_trial_points_are_what_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.max_work);
 }
 
-static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
+static void test_a_budget_of_zero_does_nothing_and_reports_waiting_work(void)
 {
     chain_defaults(&config, 2, 1, 0.0);
     record(1);
@@ -385,7 +385,7 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
 
 /* Surge alone is driven in the first set, all DoF in the second, which comes while the first is
  * searched: what may be found has changed. */
-static void test_a_dof_driven_anew_is_searched_anew(void)
+static void test_a_newly_excited_dof_is_searched(void)
 {
     const auvid_real_t surge[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_config_t full;
@@ -619,7 +619,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
                               (double)chain.id.estimate.pi[USER_M]);
 }
 
-static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
+static void test_a_model_that_fails_everywhere_ends_and_is_reported(void)
 {
     user_vehicle.residual = failing_residual;
     configure_user();
@@ -636,8 +636,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_work_keeps_to_its_budget_in_every_tick);
     RUN_TEST(test_the_result_does_not_depend_on_how_work_is_portioned);
-    RUN_TEST(test_rows_and_trial_points_are_what_is_counted);
-    RUN_TEST(test_a_budget_of_zero_does_nothing_and_says_that_work_waits);
+    RUN_TEST(test_rows_and_trial_points_are_counted);
+    RUN_TEST(test_a_budget_of_zero_does_nothing_and_reports_waiting_work);
     RUN_TEST(test_the_default_budget_searches_in_about_ten_seconds);
     RUN_TEST(test_a_search_with_the_truth_on_the_bounds_ends);
     RUN_TEST(test_a_search_with_the_truth_outside_the_box_ends);
@@ -647,11 +647,11 @@ int main(void)
     RUN_TEST(test_the_last_estimate_is_tried_first);
     RUN_TEST(test_the_search_is_the_one_configured);
     RUN_TEST(test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with);
-    RUN_TEST(test_a_dof_driven_anew_is_searched_anew);
+    RUN_TEST(test_a_newly_excited_dof_is_searched);
     RUN_TEST(test_no_cost_of_an_earlier_vehicle_survives);
     RUN_TEST(test_an_estimate_stays_whole_until_the_next_is_ready);
     RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
     RUN_TEST(test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted);
-    RUN_TEST(test_a_model_that_fails_everywhere_ends_and_says_so);
+    RUN_TEST(test_a_model_that_fails_everywhere_ends_and_is_reported);
     return UNITY_END();
 }

@@ -74,7 +74,7 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
 
 /* The next dive has the same thrusters and DVL: their scales do not make the record weaker. What is
  * known from elsewhere does not depend on them. */
-static void test_a_record_holds_errors_with_the_thrust_as_told(void)
+static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
 {
     static auvid_real_t plain[N], dvl[N];
     dive();
@@ -170,7 +170,7 @@ static void test_a_record_never_makes_an_error_smaller(void)
 }
 
 /* A degree of freedom of which the record holds nothing counts as not driven. */
-static void test_a_record_counts_as_driven_what_it_holds(void)
+static void test_a_record_counts_the_dof_that_it_holds_as_excited(void)
 {
     static auvid_identifier_t dived;
     dive();
@@ -199,7 +199,7 @@ static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
     }
 }
 
-static void test_saved_again_it_says_the_same(void)
+static void test_a_record_saved_again_is_the_same(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES];
     dive();
@@ -208,7 +208,7 @@ static void test_saved_again_it_says_the_same(void)
 }
 
 /* A dive without a set leaves nothing better than the record that it began with. */
-static void test_what_was_only_remembered_is_not_saved_again(void)
+static void test_a_prior_by_itself_is_not_saved_again(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
     dive();
@@ -218,7 +218,7 @@ static void test_what_was_only_remembered_is_not_saved_again(void)
     TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
 }
 
-static void test_every_damaged_byte_is_noticed(void)
+static void test_every_damaged_byte_is_detected(void)
 {
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -320,7 +320,7 @@ static void check_forged(auvid_status_t status, int at, uint32_t word)
     correct_checksum();
 }
 
-static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor(void)
+static void test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor(void)
 {
     const uint32_t nan = 0x7fc00000u, infinite = 0x7f800000u, huge = 0x7f000000u;
     dive();
@@ -448,7 +448,7 @@ static void test_known_parameters_are_the_first_estimate(void)
     check_unknown(AUVID_ERR_STATE, pi, sigma);
 }
 
-static void test_parameters_known_without_sense_are_refused(void)
+static void test_impossible_known_parameters_are_refused(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -490,7 +490,7 @@ static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t 
     TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
 }
 
-static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
+static void test_known_parameters_are_accepted_up_to_the_limits_of_the_header(void)
 {
     const auvid_real_t value = 300, error = 10;
     check_limit(AUVID_OK, AUVID_C(1e18), error);
@@ -504,7 +504,7 @@ static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
     check_limit(AUVID_ERR_RANGE, value, AUVID_C(1e30));
 }
 
-static void test_memory_that_makes_no_sense_is_refused(void)
+static void test_an_impossible_prior_is_refused(void)
 {
     auvid_prior_t memory = {.known = 1};
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -587,7 +587,7 @@ static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *w
     return dives;
 }
 
-static void test_the_same_vehicle_is_known_in_half_the_time(void)
+static void test_the_same_vehicle_is_identified_in_half_the_time(void)
 {
     worth_t cold, warm;
     uint32_t dives = compare(RECORD, 1.0, &cold, &warm);
@@ -618,7 +618,7 @@ static void test_a_record_of_another_vehicle_does_no_harm(void)
     }
 }
 
-static void test_parameters_known_wrongly_do_no_harm(void)
+static void test_wrong_known_parameters_do_no_harm(void)
 {
     worth_t cold, warm;
     (void)compare(TANK, 1.3, &cold, &warm);
@@ -630,27 +630,27 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
-    RUN_TEST(test_a_record_holds_errors_with_the_thrust_as_told);
+    RUN_TEST(test_a_record_holds_errors_for_an_exact_thrust_scale);
     RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
     RUN_TEST(test_a_record_never_makes_an_error_smaller);
-    RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
+    RUN_TEST(test_a_record_counts_the_dof_that_it_holds_as_excited);
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
-    RUN_TEST(test_saved_again_it_says_the_same);
-    RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
-    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_a_record_saved_again_is_the_same);
+    RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
+    RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor);
+    RUN_TEST(test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor);
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);
-    RUN_TEST(test_parameters_known_without_sense_are_refused);
+    RUN_TEST(test_impossible_known_parameters_are_refused);
     RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
-    RUN_TEST(test_known_parameters_are_taken_up_to_the_limits_of_the_header);
-    RUN_TEST(test_memory_that_makes_no_sense_is_refused);
-    RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
+    RUN_TEST(test_known_parameters_are_accepted_up_to_the_limits_of_the_header);
+    RUN_TEST(test_an_impossible_prior_is_refused);
+    RUN_TEST(test_the_same_vehicle_is_identified_in_half_the_time);
     RUN_TEST(test_known_parameters_help);
     RUN_TEST(test_a_record_of_another_vehicle_does_no_harm);
-    RUN_TEST(test_parameters_known_wrongly_do_no_harm);
+    RUN_TEST(test_wrong_known_parameters_do_no_harm);
     return UNITY_END();
 }

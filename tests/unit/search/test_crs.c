@@ -326,7 +326,7 @@ static void test_it_finishes_when_the_spread_is_epsilon(void)
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_crs_ask(&crs, theta));
 }
 
-static void test_it_finishes_when_the_spread_is_reduced_as_asked(void)
+static void test_it_finishes_when_the_spread_is_reduced_as_configured(void)
 {
     config.reduction = AUVID_C(0.1);
     config.epsilon = 0;
@@ -401,7 +401,7 @@ static void test_a_trial_in_the_box_ends_the_run_of_rejections(void)
     TEST_ASSERT_TRUE(ended > 0);
 }
 
-static void test_a_trial_as_dear_as_the_worst_is_not_taken(void)
+static void test_a_trial_of_the_same_cost_as_the_worst_is_not_accepted(void)
 {
     static auvid_real_t before[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS];
     uint32_t turns = 0;
@@ -430,7 +430,7 @@ static void test_evaluations_are_capped(void)
     TEST_ASSERT_EQUAL_UINT32(30, crs.evaluations);
 }
 
-static void test_a_plateau_is_finished_and_a_model_that_always_fails_is_not(void)
+static void test_a_plateau_converges_and_a_model_that_always_fails_does_not(void)
 {
     auvid_real_t cost;
     init();
@@ -454,7 +454,7 @@ static void test_points_where_the_model_fails_leave_the_population(void)
     }
 }
 
-static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart(void)
+static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_separately(void)
 {
     auvid_real_t points[16][4], cost;
     int found[16] = {0};
@@ -531,15 +531,15 @@ int main(void)
     RUN_TEST(test_every_point_is_drawn_equally_often);
     RUN_TEST(test_the_population_is_the_best_m_points_ever_evaluated);
     RUN_TEST(test_it_finishes_when_the_spread_is_epsilon);
-    RUN_TEST(test_it_finishes_when_the_spread_is_reduced_as_asked);
+    RUN_TEST(test_it_finishes_when_the_spread_is_reduced_as_configured);
     RUN_TEST(test_it_ends_whatever_the_cost_and_the_population);
     RUN_TEST(test_consecutive_rejections_are_capped);
     RUN_TEST(test_a_trial_in_the_box_ends_the_run_of_rejections);
-    RUN_TEST(test_a_trial_as_dear_as_the_worst_is_not_taken);
+    RUN_TEST(test_a_trial_of_the_same_cost_as_the_worst_is_not_accepted);
     RUN_TEST(test_evaluations_are_capped);
-    RUN_TEST(test_a_plateau_is_finished_and_a_model_that_always_fails_is_not);
+    RUN_TEST(test_a_plateau_converges_and_a_model_that_always_fails_does_not);
     RUN_TEST(test_points_where_the_model_fails_leave_the_population);
-    RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart);
+    RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_separately);
     RUN_TEST(test_same_seed_same_bits_and_another_seed_another_population);
     return UNITY_END();
 }

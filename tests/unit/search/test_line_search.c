@@ -252,7 +252,7 @@ static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
     }
 }
 
-static void test_literal_asks_for_the_very_points_of_algorithm_2(void)
+static void test_paper_asks_for_the_points_of_algorithm_2(void)
 {
     static auvid_real_t visited[4 * 2000];
     const cost_t costs[] = {coupled, absolute, dead_band};
@@ -289,7 +289,7 @@ static void test_it_finds_the_optimum_of_coupled_quadratics(void)
     }
 }
 
-static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void)
+static void test_pattern_step_and_parabola_save_evaluations_if_parameters_are_coupled(void)
 {
     const double optimum[4] = {1.0, -0.25, 1.3125, -0.640625};
     init();
@@ -322,7 +322,7 @@ static void test_a_quadratic_is_at_its_minimum_after_one_sweep(void)
     }
 }
 
-static void test_a_direction_stays_a_direction_whatever_the_cost_says(void)
+static void test_directions_stay_valid_for_any_cost(void)
 {
     const cost_t costs[] = {absolute, dead_band, fails_beyond, corner, edge};
     for (int c = 0; c < 5; ++c) {
@@ -364,7 +364,7 @@ static void test_it_follows_a_curved_valley(void)
     near(optimum, 0.02);
 }
 
-static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly(void)
+static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_reached_exactly(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         config.paper = literal != 0;
@@ -444,7 +444,7 @@ static void test_evaluations_are_capped(void)
     TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, auvid_line_search_ask(&ls, theta));
 }
 
-static void test_each_restart_takes_the_steps_down_once_more(void)
+static void test_each_restart_reduces_the_steps_again(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         uint32_t evaluations[4];
@@ -461,7 +461,7 @@ static void test_each_restart_takes_the_steps_down_once_more(void)
     }
 }
 
-static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found(void)
+static void test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optimum_is_found(void)
 {
     const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
     auvid_real_t before[4];
@@ -486,19 +486,19 @@ int main(void)
     RUN_TEST(test_init_names_what_is_wrong_and_changes_nothing);
     RUN_TEST(test_zeros_of_the_configuration_mean_what_the_header_says);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_literal_asks_for_the_very_points_of_algorithm_2);
+    RUN_TEST(test_paper_asks_for_the_points_of_algorithm_2);
     RUN_TEST(test_it_finds_the_optimum_of_coupled_quadratics);
-    RUN_TEST(test_pattern_step_and_parabola_pay_where_parameters_are_coupled);
+    RUN_TEST(test_pattern_step_and_parabola_save_evaluations_if_parameters_are_coupled);
     RUN_TEST(test_a_quadratic_is_at_its_minimum_after_one_sweep);
-    RUN_TEST(test_a_direction_stays_a_direction_whatever_the_cost_says);
+    RUN_TEST(test_directions_stay_valid_for_any_cost);
     RUN_TEST(test_it_finds_the_optimum_of_costs_with_kinks);
     RUN_TEST(test_it_follows_a_curved_valley);
-    RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly);
+    RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_reached_exactly);
     RUN_TEST(test_units_of_the_parameters_do_not_matter);
     RUN_TEST(test_the_last_steps_are_no_longer_than_epsilon);
     RUN_TEST(test_plateaus_and_failing_models_end);
     RUN_TEST(test_evaluations_are_capped);
-    RUN_TEST(test_each_restart_takes_the_steps_down_once_more);
-    RUN_TEST(test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found);
+    RUN_TEST(test_each_restart_reduces_the_steps_again);
+    RUN_TEST(test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optimum_is_found);
     return UNITY_END();
 }

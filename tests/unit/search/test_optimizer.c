@@ -190,7 +190,7 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_add_point(NULL, theta));
 }
 
-static void test_the_global_phase_is_a_short_one_unless_told_otherwise(void)
+static void test_the_global_phase_is_short_unless_configured_otherwise(void)
 {
     init();
     TEST_ASSERT_TRUE(optimizer.crs.config.omega == 2);
@@ -337,7 +337,7 @@ static void test_it_finds_the_end_of_rosenbrocks_valley(void)
 /* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and the omega that keeps S from
  * collapsing. Measured over 2000 seeds: 99.1 %. Asserted: the lower end of the 95 % interval
  * (Clopper and Pearson) of 400 seeds is at least 95 %. */
-static void test_it_finds_the_global_one_of_many_minima(void)
+static void test_it_finds_the_global_minimum_among_many(void)
 {
     enum { SEEDS = 400 };
     int found = 0;
@@ -354,7 +354,7 @@ static void test_it_finds_the_global_one_of_many_minima(void)
     TEST_ASSERT_TRUE(binomial_lower(found, SEEDS, 0.025) >= 0.95);
 }
 
-static void test_it_meets_an_optimum_in_a_corner_exactly(void)
+static void test_it_reaches_an_optimum_in_a_corner_exactly(void)
 {
     for (uint64_t seed = 0; seed < 50; ++seed) {
         box(5, 10);
@@ -433,7 +433,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_the_global_phase_is_a_short_one_unless_told_otherwise);
+    RUN_TEST(test_the_global_phase_is_short_unless_configured_otherwise);
     RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);
     RUN_TEST(test_work_counts_every_evaluation_and_every_point_made);
     RUN_TEST(test_a_split_run_and_a_single_run_give_the_same_bits);
@@ -441,8 +441,8 @@ int main(void)
     RUN_TEST(test_it_finds_smooth_and_kinked_optima_in_all_sizes);
     RUN_TEST(test_it_finds_an_ill_scaled_optimum);
     RUN_TEST(test_it_finds_the_end_of_rosenbrocks_valley);
-    RUN_TEST(test_it_finds_the_global_one_of_many_minima);
-    RUN_TEST(test_it_meets_an_optimum_in_a_corner_exactly);
+    RUN_TEST(test_it_finds_the_global_minimum_among_many);
+    RUN_TEST(test_it_reaches_an_optimum_in_a_corner_exactly);
     RUN_TEST(test_it_ends_on_plateaus_and_where_the_model_fails);
     RUN_TEST(test_a_change_of_data_in_any_phase_leads_to_the_new_optimum);
     RUN_TEST(test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best);

@@ -114,7 +114,7 @@ static void campaign(double *evaluations, bool column, bool literal, known_t kno
     }
 }
 
-static void test_every_seed_reaches_the_least_squares_optimum_within_the_evaluations_aimed_at(void)
+static void test_every_seed_reaches_the_least_squares_optimum_within_the_target_evaluations(void)
 {
     static double x[MOST];
     for (int column = 0; column < 2; ++column) {
@@ -129,7 +129,7 @@ static void test_every_seed_reaches_the_least_squares_optimum_within_the_evaluat
     }
 }
 
-static void test_the_paper_to_the_letter_reaches_it_too(void)
+static void test_the_papers_algorithms_reach_it_too(void)
 {
     static double x[MOST];
     campaign(x, false, true, NOTHING);
@@ -188,8 +188,8 @@ int main(void)
     }
     UNITY_BEGIN();
     RUN_TEST(test_the_problems_are_normalised_and_those_of_two_seeds_differ);
-    RUN_TEST(test_every_seed_reaches_the_least_squares_optimum_within_the_evaluations_aimed_at);
-    RUN_TEST(test_the_paper_to_the_letter_reaches_it_too);
+    RUN_TEST(test_every_seed_reaches_the_least_squares_optimum_within_the_target_evaluations);
+    RUN_TEST(test_the_papers_algorithms_reach_it_too);
     RUN_TEST(test_a_known_point_helps_or_does_no_harm);
     return UNITY_END();
 }
