@@ -1,6 +1,6 @@
 /*
- * Drag force at speed: exact numbers of a made-up covariance, what makes a force unknown, and which
- * speeds an estimate has seen.
+ * Drag force at a speed: exact numbers for an invented covariance, what makes a force unknown, and
+ * the largest speeds of an estimate.
  */
 #include <math.h>
 #include <string.h>
@@ -16,13 +16,13 @@ static auvid_estimate_t estimate;
 static auvid_drag_t drag;
 static chain_t chain;
 
-/* Where entry i <= j stands in the packed covariance of the model's parameters. */
+/* Index of entry i <= j in the packed covariance of the model's parameters. */
 static int entry(int i, int j)
 {
     return i * N - i * (i - 1) / 2 + j - i;
 }
 
-/* X_u = -40 +- 10, X_uu = -120 +- 20 move against each other: the sum at 0.6 m/s is known. */
+/* X_u = -40 +- 10, X_uu = -120 +- 20 are correlated: the sum at 0.6 m/s is known. */
 void setUp(void)
 {
     cells_defaults();
@@ -63,7 +63,7 @@ static void close_to(double expected, auvid_real_t got)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(expected), expected, (double)got);
 }
 
-/* Known no more: neither flagged nor given a half-width. */
+/* Unknown: neither flagged nor with a half-width. */
 static void assert_unknown(double speed)
 {
     ask(speed);
@@ -124,8 +124,8 @@ static void test_it_is_identifiable_up_to_the_same_relative_half_width_as_a_para
     }
 }
 
-/* A scale of thrust moves both alike, that of the DVL against each other: the errors of the two
- * coefficients are added with their signs, then squared. */
+/* A thrust scale changes both in the same direction, a DVL scale in opposite ones: the errors of
+ * the two coefficients are added with their signs, then squared. */
 static void test_errors_of_scales_are_added_with_their_signs(void)
 {
     auvid_confidence_t *c = &estimate.confidence;
@@ -180,7 +180,7 @@ static void test_beyond_the_recorded_speeds_of_its_direction_it_is_not_identifia
     for (unsigned k = 0; k < sizeof at / sizeof *at; ++k) {
         ask(at[k].speed);
         TEST_ASSERT_EQUAL(at[k].seen, drag.identifiable);
-        TEST_ASSERT_TRUE(drag.half_width < AUVID_LARGEST); /* it is given all the same */
+        TEST_ASSERT_TRUE(drag.half_width < AUVID_LARGEST); /* it is known even so */
     }
 }
 
@@ -203,7 +203,7 @@ static void test_an_implausible_parameter_of_its_equation_discredits_the_force(v
         ask(0.6);
         TEST_ASSERT_FALSE(drag.identifiable);
     }
-    estimate.confidence.implausible = 1u << AUVID_G500_Y_V; /* another equation's */
+    estimate.confidence.implausible = 1u << AUVID_G500_Y_V; /* of another equation */
     ask(0.6);
     TEST_ASSERT_TRUE(drag.identifiable);
 }
@@ -261,7 +261,7 @@ static void test_refusals_are_named_and_write_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&untouched, &drag, sizeof drag);
 }
 
-/* ---- which speeds were seen ---- */
+/* ---- largest speeds ---- */
 
 /* One set of cells, with velocity j at `speed` in cell 200 of it. */
 static void record_set(double t, int j, double speed, uint8_t missing)
@@ -290,7 +290,7 @@ static void test_a_set_keeps_its_largest_speed_in_each_direction(void)
                      newest()->fastest[AUVID_SURGE][BACKWARD] < 1000);
     record_set(100, AUVID_YAW, -3.5, 0);
     TEST_ASSERT_UINT_WITHIN(1, 3500, newest()->fastest[AUVID_YAW][BACKWARD]);
-    TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000); /* it begins again */
+    TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000); /* it starts again */
     record_set(200, AUVID_HEAVE, -1e6, 0);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, newest()->fastest[AUVID_HEAVE][BACKWARD]);
 }
@@ -304,7 +304,7 @@ static void test_a_velocity_that_was_not_measured_does_not_count(void)
     TEST_ASSERT_UINT_WITHIN(1, 2500, newest()->fastest[AUVID_SWAY][FORWARD]);
 }
 
-/* Half a set, then at 3 m/s while no row is taken, then at 2 m/s while they are again. */
+/* Half a set; then 3 m/s without rows; then 2 m/s with rows again. */
 static void test_a_speed_without_a_row_does_not_count(void)
 {
     cfg.sets = 2;
@@ -332,7 +332,7 @@ static double fastest_of(const auvid_set_t *set, int j, int backward)
     return (set->excited >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
 }
 
-/* Yaw is not driven. */
+/* Yaw is not excited. */
 static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 0};

@@ -1,12 +1,12 @@
 /*
- * The identifier in the simulated world: does it find the vehicle, and does it say so rightly?
+ * The identifier in the simulated world: does it identify the vehicle, and are its flags correct?
  *
  * Bounds are the project's goals: rms error over all 13 parameters, 8 sets of 30 s, 1.3 %
- * undisturbed, 2.4 % with 1 N of unmodelled force; 1.25 times that with a thruster lag nobody told
- * of. A run's mean square error q is one draw; over K runs its mean has the standard error
- * s / sqrt(K). The short form fails when the goal lies below mean - 3 s / sqrt(K), so once in a
- * thousand times when it is just met; the long form (AUVID_TEST_LONG) wants mean + 2 s / sqrt(K)
- * below the goal. A run has failed when a mass is off by more than 10 %.
+ * undisturbed, 2.4 % with 1 N of unmodelled force; 1.25 times that with an unmodelled thruster
+ * lag. A run's mean square error q is one draw; over K runs its mean has the standard error
+ * s / sqrt(K). The short form fails if the goal is below mean - 3 s / sqrt(K), which happens once
+ * in a thousand times if the goal is just met. The long form (AUVID_TEST_LONG) requires
+ * mean + 2 s / sqrt(K) below the goal. A run has failed if a mass is off by more than 10 %.
  */
 #include <math.h>
 #include <stdio.h>
@@ -86,13 +86,13 @@ static void identify(void)
     TEST_ASSERT_FALSE(chain.over_budget);
 }
 
-/* DoF whose thruster lag was taken for a pure delay, which costs little. Heave has least to tell
- * them apart by: 23 of 400 runs in the long form. */
-static uint32_t taken_for_delay(uint8_t lagged)
+/* Number of DoF whose thruster lag was taken for a pure delay, which costs little. The two are
+ * hardest to distinguish in heave: 23 of 400 runs in the long form. */
+static uint32_t lag_taken_for_delay(uint8_t first_order_lag)
 {
     uint32_t count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        count += (driven_dofs & ~(uint32_t)lagged) >> j & 1u;
+        count += (driven_dofs & ~(uint32_t)first_order_lag) >> j & 1u;
     }
     return count;
 }
@@ -108,7 +108,7 @@ static void campaign(const char *name, uint32_t runs, double disturbance_N, doub
         identify();
         TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
         TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
-        mistaken += lag_s > 0.0 ? taken_for_delay(chain.id.estimate.first_order_lag) : 0u;
+        mistaken += lag_s > 0.0 ? lag_taken_for_delay(chain.id.estimate.first_order_lag) : 0u;
         check_masses();
         draw(&square, chain_mean_square(&chain));
     }
@@ -144,7 +144,7 @@ static void is_not_exciting(chain_t *c, auvid_status_t status, const auvid_outpu
     }
 }
 
-/* Somebody else drives: no excitation is configured, no thrusters are known. */
+/* The identifier is passive: no excitation is configured, no thrusters are known. */
 static void test_passive_use_finds_them_too(void)
 {
     mean_t square = {0, 0, 0};
@@ -186,13 +186,13 @@ static void test_water_lock_suffices_in_a_current(void)
 static void test_the_other_lock_is_not_taken_for_the_one_configured(void)
 {
     water_world(1);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config)); /* wants the ground's */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config)); /* expects bottom lock */
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
 
     chain_defaults(&config, 1, SETS, 0.0);
-    config.id.velocity = AUVID_VELOCITY_WATER; /* gets the ground's */
+    config.id.velocity = AUVID_VELOCITY_WATER; /* gets bottom lock */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
@@ -208,9 +208,9 @@ static void arm_again(chain_t *c, auvid_status_t status, const auvid_output_t *o
     }
 }
 
-/* A tenth of all samples is lost. Up to four DVL samples lost in a row are bridged; five break the
- * record, and make the guard abort; the operator arms again. The error's variance goes as one over
- * the number of samples: sets / 8 of the usual, and nine tenths of these. */
+/* A tenth of all samples is lost. Up to four DVL samples lost in a row are bridged. Five break the
+ * record and make the guard abort; the operator arms again. The error's variance is proportional to
+ * one over the number of samples: sets / 8 of the usual, and nine tenths of these. */
 static void test_drop_outs_cost_only_data(void)
 {
     mean_t square = {0, 0, 0};
@@ -228,7 +228,7 @@ static void test_drop_outs_cost_only_data(void)
     check_rms("drop-outs, for as many samples", &square, goal_calm);
 }
 
-/* A DVL behind a slow gateway, depth samples in between: every sample counts, at its own time. */
+/* A DVL behind a slow gateway, depth samples in between: every sample is used at its own time. */
 static void test_late_velocities_are_used_at_their_time(void)
 {
     mean_t square = {0, 0, 0};
@@ -248,7 +248,7 @@ static void test_the_estimate_says_what_it_is(void)
     chain_defaults(&config, 3, SETS, 0.0);
     identify();
     const auvid_estimate_t *e = &chain.id.estimate;
-    TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget serves for one search a set */
+    TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget suffices for one search a set */
     TEST_ASSERT_EQUAL_UINT32(e->number, chain.id.searches);
     TEST_ASSERT_EQUAL_UINT32(SETS, e->sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, e->identified);
@@ -266,7 +266,7 @@ static void test_the_estimate_says_what_it_is(void)
         TEST_ASSERT_TRUE(fabs((double)e->delay_s[j]) < 0.02); /* a tick */
     }
     for (int i = SIM_PARAMETERS; i < AUVID_MAX_PARAMETERS; ++i) {
-        TEST_ASSERT_TRUE(e->pi[i] == 0); /* not free: as fixed */
+        TEST_ASSERT_TRUE(e->pi[i] == 0); /* not free: its fixed value */
     }
 }
 
@@ -279,7 +279,7 @@ static void test_each_estimate_is_reported_once(void)
     TEST_ASSERT_EQUAL_UINT32(3, chain.estimates);
 }
 
-/* Only surge is driven: the others' parameters keep the values they were given. */
+/* Only surge is excited: the parameters of the other DoF keep their fixed values. */
 static void test_what_is_not_excited_is_not_identified(void)
 {
     const uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
@@ -304,8 +304,8 @@ static void test_what_is_not_excited_is_not_identified(void)
 
 /* ---- consistency of the navigation on vehicle motion ---- */
 
-/* NIS per degree of freedom of the samples that entered. The very first of a sensor only sets the
- * filter's value (depth: 50 m against a guess), which is not an innovation. */
+/* NIS per degree of freedom of the accepted samples. The first one of a sensor only initialises the
+ * filter (depth: 50 m against a guess), which is not an innovation. */
 typedef struct {
     uint32_t accepted[2];
     mean_t nis[2];

@@ -1,5 +1,5 @@
 /*
- * The same inputs give the same bits, however they are brought, and identifiers do not interact.
+ * The same inputs give the same bits, whatever their path, and identifiers do not interact.
  */
 #include <string.h>
 
@@ -51,13 +51,13 @@ static void test_a_copy_of_an_identifier_continues_identically(void)
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
     memcpy(&other, &chain, sizeof other);
     chain_run(&chain, 30.0);
-    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* nothing points there */
+    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* no pointer refers to it */
     chain_run(&other, 30.0);
     TEST_ASSERT_EQUAL_MEMORY(&chain.id, &other.id, sizeof chain.id);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
 }
 
-static void give_applied_apart(chain_t *c, auvid_input_t *in)
+static void give_applied_separately(chain_t *c, auvid_input_t *in)
 {
     in->applied.present = false;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&c->id, in->t_us, in->applied.wrench,
@@ -68,15 +68,15 @@ static void test_the_applied_wrench_may_come_with_the_step_or_separately(void)
 {
     chain_set_driver(&config);
     run(&other);
-    config.before = give_applied_apart;
+    config.before = give_applied_separately;
     run(&chain);
     check_same_estimate();
 }
 
-/* A navigation of one's own, its state recorded in every tick. */
+/* The test's own navigation filter; its state is recorded in every tick. */
 static auvid_nav_t own_nav;
 
-static void navigate_apart(chain_t *c, auvid_input_t *in)
+static void navigate_separately(chain_t *c, auvid_input_t *in)
 {
     auvid_nav_state_t state;
     TEST_ASSERT_EQUAL(AUVID_OK,
@@ -104,7 +104,7 @@ static void test_motion_from_another_source_gives_the_same_as_the_sensors_it_cam
     config.id.velocity_every_tick = true;
     run(&other);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &config.id.nav));
-    config.before = navigate_apart;
+    config.before = navigate_separately;
     run(&chain);
     check_same_estimate();
 }

@@ -1,6 +1,5 @@
 /*
- * What sets come to when nothing, or too little, moves the vehicle, and the excitation from its
- * beginning to its end.
+ * Sets in which nothing, or too little, moves the vehicle; and the excitation from start to end.
  */
 #include <math.h>
 #include <string.h>
@@ -17,7 +16,7 @@ void tearDown(void)
 {
 }
 
-/* ---- nothing to work on ---- */
+/* ---- no work to do ---- */
 
 static void test_an_empty_set_cannot_be_closed(void)
 {
@@ -44,7 +43,7 @@ static void test_a_set_may_be_closed_early(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_ESTIMATE, chain.out.events);
 }
 
-/* One more set is recorded, and left out. */
+/* One more set is recorded, and not used. */
 static void check_idle_set(void)
 {
     uint32_t number = chain.id.estimate.number;
@@ -83,8 +82,8 @@ static void test_an_idle_vehicle_keeps_its_estimate(void)
 
 static void test_excitation_without_a_free_parameter_is_not_searched(void)
 {
-    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* yaw's alone */
-    config.id.excitation.segments = 2;                                   /* surge alone */
+    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* only of yaw */
+    config.id.excitation.segments = 2;                                   /* only surge */
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[0].dof);
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[1].dof);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -116,7 +115,7 @@ static void test_excitation_is_zero_until_it_is_requested(void)
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id)); /* before it has begun */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id)); /* before its start */
     chain_tick(&chain);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_EXCITATION_DONE);
     for (int k = 0; k < 250; ++k) {
@@ -130,7 +129,7 @@ static void test_excitation_is_zero_until_it_is_requested(void)
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
 
-/* Largest change of the excitation from tick to tick, as a part of the amplitude. */
+/* Largest change of the excitation from tick to tick, relative to the amplitude. */
 static double step_of(const auvid_real_t *before, const auvid_real_t *now)
 {
     static const double amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 1, 1, 40};
@@ -143,8 +142,8 @@ static double step_of(const auvid_real_t *before, const auvid_real_t *now)
     return most;
 }
 
-/* The run's fade is a raised cosine of fade_s: its steepest part is pi / 2 / fade_s. Sines move by
- * 2 pi 0.28 Hz at most besides (the segments' own changes are not in this set). */
+/* The run's fade is a raised cosine of fade_s: its steepest slope is pi / 2 / fade_s. Sines add at
+ * most 2 pi 0.28 Hz (the changes between segments are not in this set). */
 static void test_stop_fades_the_excitation_out(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
@@ -165,9 +164,9 @@ static void test_stop_fades_the_excitation_out(void)
     TEST_ASSERT_TRUE(is_zero(&chain.out));
     TEST_ASSERT_TRUE(chain.events & AUVID_EVENT_EXCITATION_DONE);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id)); /* not waiting for calm */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id)); /* without waiting for rest */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* it may begin again */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* it may start again */
     chain_run(&chain, 5.0);
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
@@ -196,7 +195,7 @@ static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(voi
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
     double roll = 0.0;
-    /* a side thruster above the centre: roll comes along with sway */
+    /* a side thruster above the centre: sway causes roll */
     config.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
     config.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));

@@ -1,4 +1,4 @@
-/* The warm record, from one dive to the next, and parameters that are known from elsewhere. */
+/* The prior record, from one dive to the next, and known parameters from other sources. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static void dive(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     memset(record, 0xFF, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
-    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
+    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* the same on any machine, in any build */
     TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
 }
 
@@ -60,8 +60,8 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
         double colour = (double)chain.id.metric.prior.variance_inflation[j];
         TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
     }
-    for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
-                                     that are not rounded down */
+    for (int i = 0; i < N; ++i) { /* the previous error, aged, with 8 binary digits, not rounded
+                                     down */
         float single = (float)known.pi[i];
         auvid_real_t sigma = known.confidence.sigma[i] * (auvid_real_t)1.4142136;
         TEST_ASSERT_EQUAL_FLOAT(single, (float)chain.id.estimate.pi[i]);
@@ -72,8 +72,8 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
-/* The next dive has the same thrusters and DVL: their scales do not make the record weaker. What is
- * known from elsewhere does not depend on them. */
+/* The next dive has the same thrusters and DVL: their scales do not weaken the record. Parameters
+ * from other sources do not depend on them. */
 static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
 {
     static auvid_real_t plain[N], dvl[N];
@@ -105,7 +105,7 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
     }
 }
 
-/* Save the dive and begin the next with the record. */
+/* Save the dive and start the next one with the record. */
 static void next_dive(const auvid_identifier_t *dived)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(dived, record));
@@ -113,7 +113,7 @@ static void next_dive(const auvid_identifier_t *dived)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
 }
 
-/* What was not identified, or has no error or noise to go with it, is as unknown as before. */
+/* A parameter that was not identified, or has no error or noise, stays unknown. */
 static void test_a_record_brings_only_what_was_identified_with_an_error(void)
 {
     enum { LEFT = AUVID_G500_M_U, WAYS = 7 };
@@ -133,7 +133,7 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
         c->effective_noise[AUVID_SURGE] = way == 3 ? 0 : c->effective_noise[AUVID_SURGE];
         c->residual_rms[AUVID_SURGE] = way == 4 ? 0 : c->residual_rms[AUVID_SURGE];
-        c->residual_rms[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        c->residual_rms[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the effective noise */
         e->covariance[LEFT] *= way == 6 ? 0 : 1;           /* the variance of the first parameter */
         next_dive(&spoilt);
         TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
@@ -146,8 +146,8 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
     }
 }
 
-/* Of the first parameter, when a dive ends with that error. */
-static double remembered(const auvid_identifier_t *dived, double sigma)
+/* Prior standard error of the first parameter after a dive that ends with this sigma. */
+static double sigma_after_reload(const auvid_identifier_t *dived, double sigma)
 {
     static auvid_identifier_t ended;
     ended = *dived;
@@ -156,20 +156,20 @@ static double remembered(const auvid_identifier_t *dived, double sigma)
     return (double)chain.id.metric.prior.sigma[0];
 }
 
-/* It has the upper halves of single precision: 1 and 1 + 1/128 are kept, what is above 1 is rounded
- * up. */
+/* The record has upper halves of single precision: 1 and 1 + 1/128 are exact, values between them
+ * are rounded up. */
 static void test_a_record_never_makes_an_error_smaller(void)
 {
     static auvid_identifier_t dived;
     const double next = 1 + ldexp(1, -7), above = 1 + ldexp(1, -23);
     dive();
     dived = chain.id;
-    double one = remembered(&dived, 1);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, next));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, above));
+    double one = sigma_after_reload(&dived, 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, sigma_after_reload(&dived, next));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, sigma_after_reload(&dived, above));
 }
 
-/* A degree of freedom of which the record holds nothing counts as not driven. */
+/* A degree of freedom without parameters in the record counts as not excited. */
 static void test_a_record_counts_the_dof_that_it_holds_as_excited(void)
 {
     static auvid_identifier_t dived;
@@ -207,7 +207,7 @@ static void test_a_record_saved_again_is_the_same(void)
     TEST_ASSERT_EQUAL_MEMORY(record, again, sizeof again);
 }
 
-/* A dive without a set leaves nothing better than the record that it began with. */
+/* A dive without a set has nothing better than its initial record. */
 static void test_a_prior_by_itself_is_not_saved_again(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
@@ -244,7 +244,7 @@ static void test_a_record_of_another_model_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
     config.id.metric.fixed[AUVID_G500_M_R] = 80;
-    dive(); /* a record with yaw's inertia given */
+    dive(); /* a record with a fixed inertia of yaw */
     config.id.metric.fixed[AUVID_G500_M_R] = 81;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
@@ -269,7 +269,7 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, record));
     dive();
-    check_refused(AUVID_ERR_STATE, record, sizeof record); /* it knows better by now */
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* it has an estimate of its own */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_SIZE, record, sizeof record - 1);
     check_refused(AUVID_ERR_NULL, NULL, sizeof record);
@@ -282,7 +282,7 @@ static void test_calls_out_of_order_are_refused(void)
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
 }
 
-/* ---- a record whose content is wrong and whose checksum is right ---- */
+/* ---- a record with wrong content and a correct checksum ---- */
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
 
@@ -358,7 +358,7 @@ static bool publishes_finite_numbers(const auvid_identifier_t *id)
            auvid_all_finite(to->r2_velocity, AUVID_DOF_COUNT);
 }
 
-/* One to four bytes, also those that make a number NaN, infinite or huge. */
+/* Change one to four bytes, also so that a number is NaN, infinite or huge. */
 static void forge(auvid_rng_t *rng)
 {
     static const uint8_t telling[] = {0x00, 0xff, 0x7f, 0x80, 0xfe, 0x01};
@@ -371,7 +371,7 @@ static void forge(auvid_rng_t *rng)
     correct_checksum();
 }
 
-/* Of those taken, one in so many goes through a set, which is held against it. */
+/* One in so many accepted records runs through a set, which is tested against it. */
 static void test_a_forged_record_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
@@ -410,7 +410,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
     TEST_ASSERT_TRUE(taken > forgeries / 20 && driven > 0);
 }
 
-/* The paper's vehicle, as a towing tank might have told of it. */
+/* The paper's vehicle, as measured in a towing tank. */
 static void tank(auvid_real_t *pi, auvid_real_t *sigma)
 {
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -523,7 +523,7 @@ static void test_an_impossible_prior_is_refused(void)
     TEST_ASSERT_EQUAL_HEX32(1, metric->prior.known);
 }
 
-/* ---- what it is worth ---- */
+/* ---- benefit ---- */
 
 typedef struct {
     double square;  /* of the error after the first set, summed over parameters and dives */
@@ -531,10 +531,10 @@ typedef struct {
     uint32_t kept;  /* dives in which the record was kept */
 } worth_t;
 
-/* What a dive begins with. */
+/* The prior of a dive. */
 typedef enum { COLD, RECORD, TANK } start_t;
 
-/* A dive of four sets, in which the vehicle is `heavier` times the one that is known. */
+/* A dive of four sets; the vehicle is `heavier` times as heavy as the known one. */
 static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *worth)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
@@ -564,7 +564,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
     worth->kept += chain.id.metric.prior.known != 0;
 }
 
-/* @return how many dives */
+/* @return number of dives */
 static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
 {
     uint32_t dives = campaign_is_long() ? 100 : campaign_runs(8);
@@ -596,7 +596,7 @@ static void test_the_same_vehicle_is_identified_in_half_the_time(void)
     TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
 }
 
-/* What was known exactly, to the tank's 5 %, helps likewise. */
+/* Parameters known to the tank's 5 % also help. */
 static void test_known_parameters_help(void)
 {
     worth_t cold, warm;
@@ -608,7 +608,7 @@ static void test_known_parameters_help(void)
 
 static void test_a_record_of_another_vehicle_does_no_harm(void)
 {
-    static const double heavier[] = {1.03, 1.1}; /* near enough to be confounded, and not */
+    static const double heavier[] = {1.03, 1.1}; /* one close enough to be confounded, one not */
     for (size_t k = 0; k < sizeof heavier / sizeof heavier[0]; ++k) {
         worth_t cold, warm;
         uint32_t dives = compare(RECORD, heavier[k], &cold, &warm);

@@ -1,7 +1,7 @@
 /*
- * Least squares within bounds (private header): what the rows do not determine keeps its value,
- * what is at a bound leaves it only for a lower cost. Optima are compared with Eigen's in
- * tests/reference/test_bounded_ls.cpp.
+ * Least squares within bounds (private header): a parameter that the rows do not determine keeps
+ * its value, a parameter at a bound leaves it only for a lower cost. Optima are compared with
+ * Eigen's in tests/reference/test_bounded_ls.cpp.
  */
 #include <math.h>
 
@@ -93,7 +93,7 @@ static void test_a_parameter_without_rows_keeps_its_value(void)
     TEST_ASSERT_EQUAL_HEX32(5, ls.free);
 }
 
-/* Columns that differ by rounding: their difference is not resolved, and nothing runs away. */
+/* Columns that differ by rounding: their difference is not resolved, and no parameter diverges. */
 static void test_one_of_two_equal_columns_keeps_its_value(void)
 {
     ls.x[0] = ls.x[1] = AUVID_C(1.0);

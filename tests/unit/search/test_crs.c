@@ -69,7 +69,7 @@ static auvid_real_t on_a_high_floor(const auvid_real_t *x)
     return sphere(x) + AUVID_C(1e6);
 }
 
-/* Until it ends; fails if that takes more asks than the caps allow. */
+/* Run to the end; fails if that takes more asks than the caps allow. */
 static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
 {
     uint64_t m = crs.config.population;
@@ -202,8 +202,8 @@ static void test_a_known_point_enters_the_population_and_bad_ones_are_refused(vo
     TEST_ASSERT_TRUE(cost == AUVID_C(0.25));
 }
 
-/* Lines 9-11 in double from the state before the trial. Which points were drawn is read from the
- * state; that they are n + 1 distinct ones is checked. */
+/* Lines 9-11 in double from the state before the trial. The points drawn are read from
+ * the state; they must be n + 1 distinct ones. */
 static void test_the_trial_is_the_weighted_reflection_of_algorithm_1(void)
 {
     int trials = 0;
@@ -347,7 +347,7 @@ static void test_it_finishes_when_the_spread_is_reduced_as_configured(void)
     TEST_ASSERT_TRUE(spread <= first / 10 && spread > first / 100);
 }
 
-/* m = n + 1, an optimum in a corner: the paper's loops do not end. */
+/* With m = n + 1 or an optimum in a corner, the paper's loops do not end. */
 static void test_it_ends_whatever_the_cost_and_the_population(void)
 {
     auvid_real_t (*const costs[])(const auvid_real_t *) = {
@@ -444,7 +444,7 @@ static void test_a_plateau_converges_and_a_model_that_always_fails_does_not(void
 static void test_points_where_the_model_fails_leave_the_population(void)
 {
     config.epsilon = AUVID_C(1e-4);
-    config.population = 60; /* 4 n = 16 points may collapse early: that is what phase 2 is for */
+    config.population = 60; /* 4 n = 16 points may collapse early: phase 2 handles that */
     config.omega = AUVID_C(4e6);
     config.max_evaluations = 100000;
     init();
@@ -466,7 +466,7 @@ static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_the
             auvid_crs_tell(&crs, sphere(theta));
         }
     }
-    (void)auvid_crs_ask(&crs, theta); /* a point is out: it is dropped */
+    (void)auvid_crs_ask(&crs, theta); /* a point without its cost is dropped */
     for (int k = 0; k < 16; ++k) {
         memcpy(points[k], crs.theta[k], sizeof points[k]);
     }
@@ -482,7 +482,7 @@ static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_the
         for (int j = 0; j < 16; ++j) {
             found[j] += memcmp(asked, points[j], sizeof points[j]) == 0;
         }
-        auvid_crs_tell(&crs, 1000 + sphere(asked)); /* all dearer than before */
+        auvid_crs_tell(&crs, 1000 + sphere(asked)); /* all costs are higher than before */
         auvid_crs_best(&crs, &cost);
         TEST_ASSERT_TRUE(cost >= 1000);
     }

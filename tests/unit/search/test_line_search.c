@@ -31,7 +31,7 @@ void tearDown(void)
 {
 }
 
-/* J = |A x - b|^2 with A = I + lower diagonal k: the larger k, the worse for single parameters */
+/* J = |A x - b|^2 with A = I + lower diagonal k; a larger k couples the parameters more */
 static auvid_real_t chain(const auvid_real_t *x, auvid_real_t k)
 {
     auvid_real_t sum = 0;
@@ -62,7 +62,7 @@ static auvid_real_t absolute(const auvid_real_t *x)
     return sum;
 }
 
-/* flat within +-0.5 of the optimum, a kink at its edge, as a dead band makes */
+/* flat within +-0.5 of the optimum with a kink at the edge, like a dead band */
 static auvid_real_t dead_band(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
@@ -209,7 +209,7 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_reevaluate(NULL));
 }
 
-/* Algorithm 2 as printed, line by line, with the points it evaluates written down. Steps are
+/* Algorithm 2 as printed, line by line; it records the points that it evaluates. Steps are
  * powers of two and the box is far away, so both sides compute without rounding. */
 static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
 {
@@ -303,7 +303,7 @@ static void test_pattern_step_and_parabola_save_evaluations_if_parameters_are_co
     TEST_ASSERT_TRUE(2 * accelerated < ls.evaluations);
 }
 
-/* n^2 / 2 + 5 n, for the largest n, coupled as badly as before; the bound is of line_search.h. */
+/* n^2 / 2 + 5 n, for the largest n, with the same coupling; line_search.h states the bound. */
 static void test_a_quadratic_is_at_its_minimum_after_one_sweep(void)
 {
     const uint8_t sizes[] = {1, 2, 6, AUVID_MAX_PARAMETERS};
@@ -472,7 +472,7 @@ static void test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optim
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_ask(&ls, theta));
     TEST_ASSERT_EQUAL_INT(0, memcmp(theta, before, sizeof before));
     auvid_line_search_tell(&ls, absolute(theta));
-    TEST_ASSERT_TRUE(ls.cost > 0); /* dearer than before, and yet taken */
+    TEST_ASSERT_TRUE(ls.cost > 0); /* higher than before, and still accepted */
     for (int i = 0; i < 8; ++i) {
         TEST_ASSERT_TRUE(ls.alpha[i] >= AUVID_C(0.005));
     }

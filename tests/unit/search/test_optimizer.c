@@ -1,4 +1,4 @@
-/* Both phases together: composition, bookkeeping and a zoo of costs. */
+/* Both phases together: composition, counts and various cost functions. */
 #include <math.h>
 #include <string.h>
 
@@ -120,7 +120,7 @@ static void init(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
 }
 
-/* Up to `most` asks; the best must never rise. AUVID_PENDING: not at its end. */
+/* Up to `most` asks; the best cost must never rise. @return AUVID_PENDING: the search goes on */
 static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long most)
 {
     auvid_real_t last = AUVID_LARGEST, best = 0, x[AUVID_MAX_PARAMETERS];
@@ -249,7 +249,7 @@ static void test_work_counts_every_evaluation_and_every_point_made(void)
     auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
     TEST_ASSERT_EQUAL_UINT32(told, work.crs + work.line_search);
     TEST_ASSERT_TRUE(work.crs >= 6 && work.line_search > 50);
-    /* the rejection that meets the cap is handed over to the local phase within the same ask */
+    /* after the rejection that reaches the cap, the same ask starts the local phase */
     TEST_ASSERT_TRUE(work.attempts >= asked && work.attempts <= asked + 1);
 }
 
@@ -258,7 +258,7 @@ static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &config));
     (void)run(ill_scaled);
-    for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks, ending between an ask and its tell */
+    for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks that end between an ask and its tell */
         (void)steps(&other, ill_scaled, 1 + k % 7);
         (void)auvid_optimizer_ask(&other, theta);
     }
@@ -334,7 +334,7 @@ static void test_it_finds_the_end_of_rosenbrocks_valley(void)
     }
 }
 
-/* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and the omega that keeps S from
+/* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and an omega that keeps S from
  * collapsing. Measured over 2000 seeds: 99.1 %. Asserted: the lower end of the 95 % interval
  * (Clopper and Pearson) of 400 seeds is at least 95 %. */
 static void test_it_finds_the_global_minimum_among_many(void)
@@ -393,7 +393,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
         (void)steps(&optimizer, sphere, when[k]);
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_reevaluate(&optimizer));
         TEST_ASSERT_TRUE(auvid_optimizer_phase(&optimizer) != AUVID_OPTIMIZER_DONE);
-        for (uint32_t turns = 0;;) { /* the old cost of the best stands until its new one is told */
+        for (uint32_t turns = 0;;) { /* the best keeps its old cost until tell */
             finish_turn(&turns, 10000000);
             auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
             if (status == AUVID_OK) {
@@ -410,7 +410,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
     }
 }
 
-/* As of memory that was damaged: nothing of the global phase is taken for a line search. */
+/* With damaged memory, no data of the global phase is used as a line search. */
 static void test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best(void)
 {
     auvid_real_t cost = 0;

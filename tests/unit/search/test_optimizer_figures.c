@@ -15,7 +15,7 @@
 
 enum { MOST = 1000 };
 
-/* Goals; a quantile's goal holds when the upper end of its 95 % interval does. */
+/* Goals; a quantile meets its goal if the upper end of its 95 % interval does. */
 static const double goal_median = 550.0, goal_p95 = 700.0;
 
 static auvid_optimizer_t optimizer;
@@ -133,10 +133,10 @@ static void test_the_papers_algorithms_reach_it_too(void)
 {
     static double x[MOST];
     campaign(x, false, true, NOTHING);
-    printf("literal: median <= %.0f\n", upper_end(x, 0.5));
+    printf("paper: median <= %.0f\n", upper_end(x, 0.5));
 }
 
-/* The upper end of the 95 % interval of the mean paired difference; and the sample's p95. */
+/* Upper end of the 95 % interval of the mean paired difference, and the sample's p95. */
 static void no_worse(const double *known, const double *none, const char *name)
 {
     static double a[MOST], b[MOST];
