@@ -1,5 +1,5 @@
-// Least squares within bounds, against Eigen in double: of all ways to hold parameters at their
-// bounds, the feasible one of least cost; where there are too many, the conditions of an optimum.
+// Least squares within bounds, compared with Eigen in double: the feasible active set of minimum
+// cost; if there are too many active sets, the conditions of an optimum.
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -64,7 +64,7 @@ struct Problem {
     {
         return (a * x - b).squaredNorm();
     }
-    // Columns made alike: condition number of about 1 / part.
+    // Similar columns: condition number of about 1 / part.
     void tilt(double part)
     {
         for (int j = 1; j < n(); ++j) {
@@ -75,7 +75,7 @@ struct Problem {
 
 static auvid_bounded_ls_t ls;
 
-// Costs and answer of the library.
+// Costs and result of the library.
 static Vector solve(const Problem &p, auvid_status_t expected = AUVID_OK)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
@@ -107,7 +107,7 @@ static Vector solve(const Problem &p, auvid_status_t expected = AUVID_OK)
     return x;
 }
 
-// Least cost over all 3^n ways to hold each parameter at a bound, or not.
+// Minimum cost over all 3^n active sets.
 static double least_cost(const Problem &p)
 {
     double least = std::numeric_limits<double>::infinity();
@@ -159,8 +159,8 @@ static void test_the_least_cost_of_all_active_sets_is_found()
     TEST_ASSERT_TRUE(worst < 1e-5);
 }
 
-// Of a convex cost the point is the optimum where no parameter that may move does so with gain: by
-// duality the cost is above the least by at most sum |slope| x room.
+// For a convex cost, a point is the optimum if no parameter that may move lowers the cost. By
+// duality the cost exceeds the minimum by at most sum |slope| x room.
 static void test_many_parameters_satisfy_the_conditions_of_an_optimum()
 {
     double worst = 0;

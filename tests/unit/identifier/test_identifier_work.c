@@ -53,11 +53,11 @@ static uint32_t units_of_13(uint32_t m)
 /* Work to the end with a budget; check every call. */
 static void finish(uint32_t budget, uint32_t units)
 {
-    chain.most_units = 0;
+    chain.max_units = 0;
     TEST_ASSERT_TRUE(chain_finish(&chain, budget, units / budget + 1) <= units / budget + 1);
     TEST_ASSERT_EQUAL(AUVID_OK, chain.work);
     TEST_ASSERT_FALSE(chain.over_budget);
-    TEST_ASSERT_TRUE(chain.most_units <= budget);
+    TEST_ASSERT_TRUE(chain.max_units <= budget);
 }
 
 /* Record `sets` sets without work. */
@@ -105,8 +105,8 @@ static void test_work_keeps_to_its_budget_in_every_tick(void)
         config.budget = budgets[k];
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
         TEST_ASSERT_FALSE(chain.over_budget);
-        TEST_ASSERT_TRUE(chain.most_units <= budgets[k]);
-        TEST_ASSERT_TRUE(budgets[k] > 200 || chain.most_units == budgets[k]); /* it uses the budget */
+        TEST_ASSERT_TRUE(chain.max_units <= budgets[k]);
+        TEST_ASSERT_TRUE(budgets[k] > 200 || chain.max_units == budgets[k]); /* all used */
         finish(budgets[k], units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
         check_optimum();
@@ -371,7 +371,7 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
-        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* so some searches took several sets */
+        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
         TEST_ASSERT_EQUAL_UINT32(watch.told * 60, chain.id.metric.rows_dropped);
         TEST_ASSERT_TRUE(tiny[k] > 1 || watch.told > 0);
         TEST_ASSERT_TRUE(tiny[k] < 8 || watch.told == 0);
@@ -430,7 +430,7 @@ static bool is_there(catch_t where)
     }
 }
 
-/* One set in the ring. After the first set the vehicle has 1.5 times the mass and half the drag;
+/* One set in the ring. After the first set the vehicle has 1.5 times the mass and the drag;
  * its next set completes in some phase of the search over the first. */
 static void test_no_cost_of_an_earlier_vehicle_survives(void)
 {
