@@ -9,8 +9,8 @@
 // fraction more than 20 % off has a one-sided 95 % Clopper-Pearson bound of at most 0.5 %. Short
 // form, 300: it fails if 0.5 % is refuted at the 99 % level. Parameters of one run are not
 // independent, so the number of runs with such parameters is printed. Of the parameters whose
-// degree of freedom was excited and whose bound's 95 % half-width is at most 10 %, at least 85 % are
-// flagged. The short form fails if 85 % is refuted at the 99 % level.
+// degree of freedom was excited and whose bound's 95 % half-width is at most 10 %, at least 85 %
+// are flagged. The short form fails if 85 % is refuted at the 99 % level.
 #include <algorithm>
 #include <cstdio>
 #include <random>

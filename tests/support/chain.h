@@ -45,7 +45,7 @@ typedef struct chain {
     uint64_t t_us;                        /**< of the last one */
     uint32_t events;                      /**< all so far */
     uint32_t estimates;                   /**< AUVID_EVENT_ESTIMATE so far */
-    uint32_t max_units;                  /**< largest number in a call of work */
+    uint32_t max_units;                   /**< largest number in a call of work */
     bool waiting;                         /**< arms and excites as soon as navigation is fresh */
     bool over_budget;                     /**< a call of work used more than its budget */
     auvid_status_t status;                /**< of the last step */

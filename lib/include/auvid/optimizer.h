@@ -162,7 +162,7 @@ typedef struct {
     auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
     auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the start, then the best point */
     auvid_real_t start, cost, zero;       /* costs of the two, and of x = 0 */
-    auvid_real_t triangle[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* R z */
+    auvid_real_t qr_factor[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* R z */
     auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* permuted */
     uint32_t free;                       /* bit i: x_i is not fixed */
     uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */

@@ -212,7 +212,7 @@ static const row_t estimate[] = {
     STRUCT(auvid_estimate_t, confidence, TABLE_CONFIDENCE),
 };
 
-static const row_t judgement[] = {
+static const row_t change_test[] = {
     SPAN(auvid_change_test_t, uint32_t, set, estimate),
     BYTE(auvid_change_test_t, excited, changed),
     REALS(auvid_change_test_t, variance_ratio, r2_velocity),
@@ -357,7 +357,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_GUARD] = TABLE(guard),
     [TABLE_CONFIDENCE] = TABLE(confidence),
     [TABLE_ESTIMATE] = TABLE(estimate),
-    [TABLE_CHANGE_TEST] = TABLE(judgement),
+    [TABLE_CHANGE_TEST] = TABLE(change_test),
     [TABLE_SAMPLE] = TABLE(sample),
     [TABLE_VALIDATION] = TABLE(validation),
     [TABLE_CRS] = TABLE(crs),

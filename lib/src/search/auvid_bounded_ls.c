@@ -27,7 +27,7 @@ void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 
 void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
 {
-    auvid_qr_update(ls->triangle, ls->n + 1, 0, row);
+    auvid_qr_update(ls->qr_factor, ls->n + 1, 0, row);
 }
 
 /* Order the columns, the free ones first. At the start a column not at a bound is free. */
@@ -48,7 +48,7 @@ static void bounded_ls_sort(auvid_bounded_ls_t *ls)
 static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
-    const auvid_real_t *r = ls->triangle + auvid_qr_row(ls->n + 1, i);
+    const auvid_real_t *r = ls->qr_factor + auvid_qr_row(ls->n + 1, i);
     int n = ls->n;
     row[n] = r[n - i];
     for (int k = 0; k < n; ++k) {
@@ -129,7 +129,7 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
         gain = i < ls->fixed_from ? ls->cost : gain;
     }
     if (ls->changes == 0) {
-        auvid_real_t z = auvid_qr_column_norm(ls->triangle, n + 1, n);
+        auvid_real_t z = auvid_qr_column_norm(ls->qr_factor, n + 1, n);
         ls->start = ls->cost;
         ls->zero = z * z;
     }

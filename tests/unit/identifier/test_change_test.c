@@ -134,8 +134,8 @@ static void test_an_estimate_that_predicts_worse_than_the_one_before_is_withdraw
 
 /* The restored estimates. */
 typedef struct {
-    double square;  /* of the errors of the last estimate */
-    uint8_t driven; /* its DoF */
+    double square;        /* of the errors of the last estimate */
+    uint8_t excited_then; /* its DoF */
     int restored, lacking, worse;
 } restored_t;
 
@@ -146,11 +146,11 @@ static void watch_restored(chain_t *c, auvid_status_t status, const auvid_output
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_RESTORED) {
         ++w->restored;
-        w->lacking += (w->driven & ~e->excited) != 0;
+        w->lacking += (w->excited_then & ~e->excited) != 0;
         w->worse += chain_mean_square(c) > w->square;
     }
     if (e->number > 0) {
-        w->driven = e->excited;
+        w->excited_then = e->excited;
         w->square = chain_mean_square(c);
     }
 }
@@ -188,7 +188,7 @@ static void test_a_restored_estimate_lacks_no_degree_of_freedom(void)
     uint32_t runs = campaign_is_long() ? 75 : campaign_runs(24);
     restored_t watch = {0};
     for (uint64_t seed = 1; seed <= runs; ++seed) {
-        watch.driven = 0;
+        watch.excited_then = 0;
         excite_in_turns(seed, (double)(seed % 3), &watch);
     }
     printf("  %u runs: %d estimates restored, %d with fewer degrees of freedom, %d worse\n",
@@ -224,21 +224,21 @@ static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
 /* Sets complete faster than searches end; the results must be consistent even so. */
 static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    static uint32_t judged, number;
+    static uint32_t validated, number;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (c->tick == 1) {
-        judged = number = 0;
+        validated = number = 0;
     }
     TEST_ASSERT_TRUE(id->estimate.number >= number);
     TEST_ASSERT_TRUE(id->estimate.number <= number + 2);
     TEST_ASSERT_TRUE(id->estimate.number == number ||
                      (out->events & (AUVID_EVENT_ESTIMATE | AUVID_EVENT_RESTORED)));
     if (out->events & AUVID_EVENT_VALIDATED) {
-        TEST_ASSERT_TRUE(id->change_test.set > judged);
+        TEST_ASSERT_TRUE(id->change_test.set > validated);
         TEST_ASSERT_TRUE(id->change_test.set <= id->metric.sets_recorded);
         TEST_ASSERT_TRUE(id->change_test.estimate <= id->estimate.number);
-        judged = id->change_test.set;
+        validated = id->change_test.set;
     }
     TEST_ASSERT_FALSE(out->events & AUVID_EVENT_CHANGED);
     TEST_ASSERT_TRUE(id->accepted_estimate.number <= id->estimate.number);
@@ -280,11 +280,11 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_change_test(void
 {
     static const uint32_t budget[] = {1, 7, 200};
     static auvid_estimate_t estimate;
-    static auvid_change_test_t judgement;
+    static auvid_change_test_t change_test;
     work_through(100000);
     estimate = chain.id.estimate;
-    judgement = chain.id.change_test;
-    TEST_ASSERT_EQUAL_UINT32(7, judgement.set);
+    change_test = chain.id.change_test;
+    TEST_ASSERT_EQUAL_UINT32(7, change_test.set);
     TEST_ASSERT_TRUE(estimate.confidence.identifiable != 0);
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
         const auvid_estimate_t *e = &chain.id.estimate;
@@ -294,12 +294,12 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_change_test(void
         TEST_ASSERT_EQUAL_MEMORY(&estimate.confidence, &e->confidence, sizeof e->confidence);
         TEST_ASSERT_EQUAL(estimate.number, e->number);
         TEST_ASSERT_EQUAL(estimate.accepted, e->accepted);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.variance_ratio, to->variance_ratio,
+        TEST_ASSERT_EQUAL_MEMORY(change_test.variance_ratio, to->variance_ratio,
                                  sizeof to->variance_ratio);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.change, to->change, sizeof to->change);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.r2_velocity, to->r2_velocity, sizeof to->r2_velocity);
-        TEST_ASSERT_EQUAL(judgement.changed, to->changed);
-        TEST_ASSERT_EQUAL(judgement.set, to->set);
+        TEST_ASSERT_EQUAL_MEMORY(change_test.change, to->change, sizeof to->change);
+        TEST_ASSERT_EQUAL_MEMORY(change_test.r2_velocity, to->r2_velocity, sizeof to->r2_velocity);
+        TEST_ASSERT_EQUAL(change_test.changed, to->changed);
+        TEST_ASSERT_EQUAL(change_test.set, to->set);
     }
 }
 
@@ -311,21 +311,23 @@ static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
     config.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     for (uint32_t set = 1; set <= 6; ++set) {
-        auvid_real_t most = 0;
+        auvid_real_t max_change = 0;
         while (chain.id.metric.sets_recorded < set) {
             chain_tick(&chain);
         }
         TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             bool compared = set >= 3 && (chain.id.change_test.excited >> j & 1) != 0;
-            most = chain.id.change_test.change[j] > most ? chain.id.change_test.change[j] : most;
+            max_change = chain.id.change_test.change[j] > max_change
+                             ? chain.id.change_test.change[j]
+                             : max_change;
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
             int together = j == AUVID_YAW ? 1 : 0; /* it depends on m_u - m_v */
             TEST_ASSERT_TRUE(!compared ||
                              chain.id.metric.change_rank[j] + together == chain.id.metric.count[j]);
         }
-        TEST_ASSERT_EQUAL(set == 6, most > 0);
+        TEST_ASSERT_EQUAL(set == 6, max_change > 0);
         TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.changed);
     }
 }

@@ -203,9 +203,10 @@ static void correct_checksum(uint32_t bytes)
 /* Another value for a scalar: any, or a critical one. */
 static void change_scalar(uint8_t *at, uint32_t width)
 {
-    static const float tells[] = {0, -1, 1, NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-40f, 1e20f};
+    static const float critical[] = {0,         -1,    1,      NAN,    INFINITY,
+                                     -INFINITY, 3e38f, -3e38f, 1e-40f, 1e20f};
     static const uint8_t bytes[] = {0x00, 0xff, 0x7f, 0x80, 0x01};
-    float single = tells[auvid_rng_below(&rng, sizeof tells / sizeof tells[0])];
+    float single = critical[auvid_rng_below(&rng, sizeof critical / sizeof critical[0])];
     double wide = (double)single;
     switch (auvid_rng_below(&rng, 4)) {
     case 0: /* one byte, any */
@@ -298,8 +299,8 @@ static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
         chain_tick(c);
         TEST_ASSERT_FALSE_MESSAGE(c->over_budget, what);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            auvid_real_t most = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
-            TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= most, what);
+            auvid_real_t max_N = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
+            TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= max_N, what);
         }
         check_published(c);
     }
@@ -322,9 +323,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         forge(m);
         chain.id = fresh[world];
         (void)alarm(HANG_S);
-        auvid_status_t status =
-            (resumes ? auvid_checkpoint_resume : auvid_checkpoint_restore)(&chain.id, forged,
-                                                                           m->bytes);
+        auvid_status_t status = (resumes ? auvid_checkpoint_resume
+                                         : auvid_checkpoint_restore)(&chain.id, forged, m->bytes);
         if (status != AUVID_OK) {
             TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world], sizeof chain.id));
             ++refused;

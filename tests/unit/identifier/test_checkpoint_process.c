@@ -109,7 +109,7 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
 {
     uint32_t h = 2166136261u;
     const auvid_estimate_t *e = &of->estimate;
-    const auvid_change_test_t *judgement = &of->change_test;
+    const auvid_change_test_t *test = &of->change_test;
     HASH(out->events);
     HASH(out->excitation);
     HASH(out->thruster_N);
@@ -137,11 +137,11 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
     HASH(e->confidence.partner);
     HASH(e->confidence.effective_noise);
     HASH(e->confidence.residual_rms);
-    HASH(judgement->set);
-    HASH(judgement->changed);
-    HASH(judgement->variance_ratio);
-    HASH(judgement->change);
-    HASH(judgement->r2_velocity);
+    HASH(test->set);
+    HASH(test->changed);
+    HASH(test->variance_ratio);
+    HASH(test->change);
+    HASH(test->r2_velocity);
     return h;
 }
 
@@ -221,13 +221,13 @@ static void step(auvid_identifier_t *of, const tick_t *tick, auvid_output_t *out
     (void)auvid_identifier_work(of, tick->budget);
 }
 
-static bool read_file(const char *name, void *to, size_t most, size_t *size)
+static bool read_file(const char *name, void *to, size_t max, size_t *size)
 {
     FILE *file = fopen(name, "rb");
     if (file == NULL) {
         return false;
     }
-    *size = fread(to, 1, most, file);
+    *size = fread(to, 1, max, file);
     return fclose(file) == 0;
 }
 
@@ -288,18 +288,18 @@ static void check_ticks(const bool *marked)
     }
 }
 
-/* Mark `most` random ticks: two of each phase of work that occurs, then any, and the last ones
+/* Mark `max` random ticks: two of each phase of work that occurs, then any, and the last ones
  * among those at which a set waits. @return number of phases among them */
-static uint32_t mark(uint32_t most, bool *marked)
+static uint32_t mark(uint32_t max, bool *marked)
 {
     uint32_t count[PHASES] = {0}, phases = 0, late = 0;
     memset(marked, 0, TICKS * sizeof *marked);
-    for (uint32_t n = 0; n < most; ++n) {
+    for (uint32_t n = 0; n < max; ++n) {
         uint32_t k = 1 + auvid_rng_below(&rng, run.ticks - 1);
         for (uint32_t i = 1; n < 2 * PHASES && i < run.ticks && run.tick[k].phase != n / 2; ++i) {
             k = 1 + k % (run.ticks - 1); /* the next */
         }
-        for (uint32_t i = 1; n + 3 > most && i < run.ticks && !run.tick[k].late; ++i) {
+        for (uint32_t i = 1; n + 3 > max && i < run.ticks && !run.tick[k].late; ++i) {
             k = 1 + k % (run.ticks - 1);
         }
         count[run.tick[k].phase] += !marked[k];

@@ -17,7 +17,7 @@
 
 enum { SETS = 8 };
 static const double goal_calm = 0.013, goal_disturbed = 0.024, lag_factor = 1.25;
-static const uint32_t driven_dofs =
+static const uint32_t excited_dofs =
     1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW;
 
 static chain_t chain;
@@ -92,7 +92,7 @@ static uint32_t lag_taken_for_delay(uint8_t first_order_lag)
 {
     uint32_t count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        count += (driven_dofs & ~(uint32_t)first_order_lag) >> j & 1u;
+        count += (excited_dofs & ~(uint32_t)first_order_lag) >> j & 1u;
     }
     return count;
 }
@@ -252,7 +252,7 @@ static void test_the_estimate_says_what_it_is(void)
     TEST_ASSERT_EQUAL_UINT32(e->number, chain.id.searches);
     TEST_ASSERT_EQUAL_UINT32(SETS, e->sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, e->identified);
-    TEST_ASSERT_EQUAL_HEX32(driven_dofs, e->excited);
+    TEST_ASSERT_EQUAL_HEX32(excited_dofs, e->excited);
     TEST_ASSERT_TRUE(e->t_us > 0 && e->t_us <= chain.t_us);
     TEST_ASSERT_TRUE(e->cost >= 0 && e->cost < 1);
     TEST_ASSERT_TRUE(e->evaluations_crs > 0);
@@ -260,9 +260,9 @@ static void test_the_estimate_says_what_it_is(void)
     TEST_ASSERT_FALSE(e->not_converged);
     TEST_ASSERT_EQUAL_HEX32(0, e->first_order_lag);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (driven_dofs >> j & 1) != 0;
-        TEST_ASSERT_TRUE(driven ? e->r2_force[j] > AUVID_C(0.98) && e->r2_force[j] <= 1
-                                : e->r2_force[j] == 0);
+        bool excited = (excited_dofs >> j & 1) != 0;
+        TEST_ASSERT_TRUE(excited ? e->r2_force[j] > AUVID_C(0.98) && e->r2_force[j] <= 1
+                                 : e->r2_force[j] == 0);
         TEST_ASSERT_TRUE(fabs((double)e->delay_s[j]) < 0.02); /* a tick */
     }
     for (int i = SIM_PARAMETERS; i < AUVID_MAX_PARAMETERS; ++i) {

@@ -25,22 +25,22 @@ static void test_same_inputs_give_the_same_bits(void)
 
 static void test_interleaved_identifiers_do_not_interact(void)
 {
-    static chain_t alone[2];
+    static chain_t single[2];
     chain_config_t second;
     chain_defaults(&second, 12, SETS, 0.0);
     config.budget = 500;
     second.budget = 1000;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[0], &config, SETS));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[1], &second, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[0], &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[1], &second, SETS));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &second));
-    while (chain.tick < alone[0].tick) {
+    while (chain.tick < single[0].tick) {
         chain_tick(&chain);
         chain_tick(&other);
     }
-    TEST_ASSERT_TRUE(alone[0].id.estimate.number > 0 && alone[1].id.estimate.number > 0);
-    TEST_ASSERT_EQUAL_MEMORY(&alone[0].id, &chain.id, sizeof chain.id);
-    TEST_ASSERT_EQUAL_MEMORY(&alone[1].id, &other.id, sizeof other.id);
+    TEST_ASSERT_TRUE(single[0].id.estimate.number > 0 && single[1].id.estimate.number > 0);
+    TEST_ASSERT_EQUAL_MEMORY(&single[0].id, &chain.id, sizeof chain.id);
+    TEST_ASSERT_EQUAL_MEMORY(&single[1].id, &other.id, sizeof other.id);
 }
 
 static void test_a_copy_of_an_identifier_continues_identically(void)

@@ -529,8 +529,8 @@ static void test_a_gap_of_5_s_breaks_the_record_and_identification_continues(voi
         check_masses(&chain);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&cells, r2));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            bool driven = j != AUVID_ROLL && j != AUVID_PITCH;
-            TEST_ASSERT_TRUE(!driven || r2[j] > AUVID_C(0.98));
+            bool excited = j != AUVID_ROLL && j != AUVID_PITCH;
+            TEST_ASSERT_TRUE(!excited || r2[j] > AUVID_C(0.98));
         }
     }
 }

@@ -133,13 +133,13 @@ static void test_excitation_is_zero_until_it_is_requested(void)
 static double step_of(const auvid_real_t *before, const auvid_real_t *now)
 {
     static const double amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 1, 1, 40};
-    double most = 0.0;
+    double max_change = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (j != AUVID_ROLL && j != AUVID_PITCH) {
-            most = fmax(most, fabs((double)now[j] - (double)before[j]) / amplitude[j]);
+            max_change = fmax(max_change, fabs((double)now[j] - (double)before[j]) / amplitude[j]);
         }
     }
-    return most;
+    return max_change;
 }
 
 /* The run's fade is a raised cosine of fade_s: its steepest slope is pi / 2 / fade_s. Sines add at

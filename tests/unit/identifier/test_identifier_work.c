@@ -91,8 +91,8 @@ static void check_optimum(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&chain.id.metric, AUVID_G500_FREE, pi));
-    double least = cost_of(pi), found = cost_of(chain.id.estimate.pi);
-    TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)chain.id.metric.constant);
+    double optimum = cost_of(pi), found = cost_of(chain.id.estimate.pi);
+    TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)chain.id.metric.constant);
     TEST_ASSERT_TRUE(chain.id.estimate.cost == (auvid_real_t)found); /* not stale */
 }
 
@@ -245,9 +245,10 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
             for (int i = 0; i < SIM_PARAMETERS; ++i) {
                 double truth = config.sim.parameter[i];
                 /* within a tenth; a distant corner; far outside the box: clipped to it */
-                config.id.search.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
-                                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
-                                                               : -1e30);
+                config.id.search.good[i] =
+                    (auvid_real_t)(kind == 1   ? 1.1 * truth
+                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
+                                               : -1e30);
             }
             record(2);
             finish(200, units_of_13(52));
@@ -317,9 +318,9 @@ static void test_the_search_is_the_one_configured(void)
 
 /* Events while sets complete during searches. */
 typedef struct {
-    uint32_t begun, ended;   /* searches */
-    uint32_t judged, newest; /* number of the last set validated; of the newest in the search */
-    uint32_t told;           /* number of events for dropped rows */
+    uint32_t begun, ended;      /* searches */
+    uint32_t validated, newest; /* number of the last set validated; of the newest in the search */
+    uint32_t drops;             /* number of events for dropped rows */
 } watch_t;
 
 /* A search uses the sets that it began with, and each of these was validated before. */
@@ -330,25 +331,26 @@ static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_VALIDATED) {
-        TEST_ASSERT_TRUE(id->change_test.set > w->judged);
-        TEST_ASSERT_TRUE(id->change_test.set == w->judged + 1 || w->judged < 2 || w->told > 0);
-        w->judged = id->change_test.set;
+        TEST_ASSERT_TRUE(id->change_test.set > w->validated);
+        TEST_ASSERT_TRUE(id->change_test.set == w->validated + 1 || w->validated < 2 ||
+                         w->drops > 0);
+        w->validated = id->change_test.set;
     }
     if (id->searches > w->begun) {
         w->begun = id->searches;
         w->newest = auvid_metric_newest(&id->metric)->number;
-        TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->judged);
+        TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->validated);
         began = id->metric;
     }
-    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (out->events & AUVID_EVENT_ESTIMATE) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
         ++w->ended;
         TEST_ASSERT_EQUAL_UINT32(w->begun, w->ended);
         TEST_ASSERT_EQUAL_UINT32(w->newest, id->estimate.sets);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&began, AUVID_G500_FREE, pi));
-        double least = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
-        TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)began.constant);
+        double optimum = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
+        TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)began.constant);
         TEST_ASSERT_TRUE(id->estimate.cost == (auvid_real_t)found);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             TEST_ASSERT_TRUE(id->estimate.confidence.sigma[i] > 0);
@@ -372,9 +374,9 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
         TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
-        TEST_ASSERT_EQUAL_UINT32(watch.told * 60, chain.id.metric.rows_dropped);
-        TEST_ASSERT_TRUE(tiny[k] > 1 || watch.told > 0);
-        TEST_ASSERT_TRUE(tiny[k] < 8 || watch.told == 0);
+        TEST_ASSERT_EQUAL_UINT32(watch.drops * 60, chain.id.metric.rows_dropped);
+        TEST_ASSERT_TRUE(tiny[k] > 1 || watch.drops > 0);
+        TEST_ASSERT_TRUE(tiny[k] < 8 || watch.drops == 0);
         finish(tiny[k], 3 * units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
@@ -577,7 +579,7 @@ static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *
     watch_t *w = c->config.context;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
-    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (id->searches > w->begun) {
         w->begun = id->searches;
         w->newest = id->metric.sets_stored % (USER_SETS + 1) * USER_ROWS;
@@ -600,8 +602,8 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     watch_t watch = {0};
     configure_user();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S,
-                                                      LONG, 9));
+    TEST_ASSERT_EQUAL(
+        AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, LONG, 9));
     config.budget = 5;
     config.after = watch_rows;
     config.context = &watch;
@@ -609,7 +611,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     uint32_t kept = chain.id.metric.sets_recorded * USER_ROWS + chain.id.metric.rows;
     TEST_ASSERT_TRUE(watch.ended >= 1);
     TEST_ASSERT_TRUE(chain.id.metric.sets_recorded < LONG);
-    TEST_ASSERT_EQUAL_UINT32(watch.told, chain.id.metric.rows_dropped);
+    TEST_ASSERT_EQUAL_UINT32(watch.drops, chain.id.metric.rows_dropped);
     TEST_ASSERT_UINT32_WITHIN(2 * USER_ROWS / 10, LONG * USER_ROWS,
                               kept + chain.id.metric.rows_dropped);
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));

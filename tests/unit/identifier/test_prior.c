@@ -91,11 +91,11 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
     TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
-        double told = (double)chain.id.metric.prior.sigma[i];
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
+        double prior = (double)chain.id.metric.prior.sigma[i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], prior);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(told, scale), (double)dvl[i]),
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(prior, scale), (double)dvl[i]),
                                   (double)c->sigma[i]);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -376,7 +376,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
     static uint8_t genuine[AUVID_PRIOR_BYTES];
-    uint32_t taken = 0, driven = 0;
+    uint32_t taken = 0, run_through = 0;
     auvid_rng_t rng;
     auvid_rng_seed(&rng, 1);
     dive();
@@ -394,7 +394,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         }
         TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
         if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
-            ++driven;
+            ++run_through;
             TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
             while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
@@ -406,8 +406,8 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     }
     printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
-           (unsigned)taken, (unsigned)driven);
-    TEST_ASSERT_TRUE(taken > forgeries / 20 && driven > 0);
+           (unsigned)taken, (unsigned)run_through);
+    TEST_ASSERT_TRUE(taken > forgeries / 20 && run_through > 0);
 }
 
 /* The paper's vehicle, as measured in a towing tank. */
@@ -506,19 +506,19 @@ static void test_known_parameters_are_accepted_up_to_the_limits_of_the_header(vo
 
 static void test_an_impossible_prior_is_refused(void)
 {
-    auvid_prior_t memory = {.known = 1};
+    auvid_prior_t prior = {.known = 1};
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     auvid_metric_t *metric = &chain.id.metric;
-    memory.sigma[0] = memory.variance_inflation[AUVID_SURGE] = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &memory));
-    memory.sigma[0] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
-    memory.sigma[0] = 1;
-    memory.variance_inflation[AUVID_SURGE] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
-    memory.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &memory));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &memory));
+    prior.sigma[0] = prior.variance_inflation[AUVID_SURGE] = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &prior));
+    prior.sigma[0] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    prior.sigma[0] = 1;
+    prior.variance_inflation[AUVID_SURGE] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    prior.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &prior));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(metric, NULL));
     TEST_ASSERT_EQUAL_HEX32(1, metric->prior.known);
 }

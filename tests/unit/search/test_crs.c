@@ -73,8 +73,8 @@ static auvid_real_t on_a_high_floor(const auvid_real_t *x)
 static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
 {
     uint64_t m = crs.config.population;
-    uint64_t most = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
-    for (uint64_t k = 0; k <= most + 1u; ++k) {
+    uint64_t max_asks = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
+    for (uint64_t k = 0; k <= max_asks + 1u; ++k) {
         auvid_status_t status = auvid_crs_ask(&crs, theta);
         if (status == AUVID_OK) {
             for (int i = 0; i < config.n; ++i) {

@@ -211,7 +211,7 @@ static void test_calls_out_of_order_are_refused(void)
 
 /* Algorithm 2 as printed, line by line; it records the points that it evaluates. Steps are
  * powers of two and the box is far away, so both sides compute without rounding. */
-static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
+static int algorithm_2(cost_t cost, auvid_real_t *visited, int max_points)
 {
     enum { N = 4 };
     auvid_real_t y[N] = {0}, x[N], step[2 * N], trial[N];
@@ -235,7 +235,7 @@ static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
             for (;;) {
                 memcpy(trial, y, sizeof trial);
                 trial[i % N] += sign * a;
-                if (count < most) {
+                if (count < max_points) {
                     memcpy(visited + N * count++, trial, sizeof trial);
                 }
                 auvid_real_t j = cost(trial);

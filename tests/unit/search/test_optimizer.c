@@ -120,11 +120,11 @@ static void init(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
 }
 
-/* Up to `most` asks; the best cost must never rise. @return AUVID_PENDING: the search goes on */
-static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long most)
+/* Up to `max_asks` asks; the best cost must never rise. @return AUVID_PENDING: not ended */
+static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long max_asks)
 {
     auvid_real_t last = AUVID_LARGEST, best = 0, x[AUVID_MAX_PARAMETERS];
-    for (long k = 0; k < most; ++k) {
+    for (long k = 0; k < max_asks; ++k) {
         auvid_status_t status = auvid_optimizer_ask(o, x);
         if (status == AUVID_OK) {
             for (int i = 0; i < n; ++i) {
@@ -231,7 +231,7 @@ static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void
 
 static void test_work_counts_every_evaluation_and_every_point_made(void)
 {
-    uint32_t told = 0, asked = 0;
+    uint32_t received = 0, asked = 0;
     config.crs.population = 6; /* n + 1: many rejections */
     init();
     for (uint32_t turns = 0;;) {
@@ -242,12 +242,12 @@ static void test_work_counts_every_evaluation_and_every_point_made(void)
         }
         ++asked;
         if (status == AUVID_OK) {
-            ++told;
+            ++received;
             auvid_optimizer_tell(&optimizer, sphere(theta));
         }
     }
     auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
-    TEST_ASSERT_EQUAL_UINT32(told, work.crs + work.line_search);
+    TEST_ASSERT_EQUAL_UINT32(received, work.crs + work.line_search);
     TEST_ASSERT_TRUE(work.crs >= 6 && work.line_search > 50);
     /* after the rejection that reaches the cap, the same ask starts the local phase */
     TEST_ASSERT_TRUE(work.attempts >= asked && work.attempts <= asked + 1);
@@ -268,20 +268,20 @@ static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
 
 static void test_two_instances_do_not_interact(void)
 {
-    static auvid_optimizer_t alone;
+    static auvid_optimizer_t single;
     auvid_optimizer_config_t second = config;
     second.crs.seed = 99;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &second));
-    memset(&alone, 0, sizeof alone);
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&alone, &config));
-    (void)steps(&alone, kinks, 1000000);
+    memset(&single, 0, sizeof single);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&single, &config));
+    (void)steps(&single, kinks, 1000000);
     for (int k = 0; k < 3000; ++k) {
         (void)steps(&optimizer, kinks, 1);
         (void)steps(&other, sphere, 1);
     }
     (void)run(kinks);
-    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &alone, sizeof alone));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &single, sizeof single));
     TEST_ASSERT_TRUE(memcmp(&optimizer, &other, sizeof other) != 0);
 }
 
