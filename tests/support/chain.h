@@ -55,7 +55,7 @@ typedef struct chain {
 } chain_t;
 
 /** Standard world: the paper's Girona500, all DoF at 100 N / 40 Nm, `sets` sets of 30 s, bounds
- * +-1000, disturbance [N] rms (and 0.4 of it in Nm), everything seeded with `seed`. */
+ * +-1000. The disturbance is in N rms, and 0.4 of it in Nm. `seed` seeds everything. */
 void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N);
 
 /** Make the identifier passive: move the excitation of config->id to config->driver. */

@@ -3,10 +3,10 @@
  * Save and restore the complete identifier, so that it continues after a restart bit for bit.
  *
  * A checkpoint is a stream of bytes without pointers: little-endian, IEEE 754, widths independent
- * of the compiler. It holds the configuration (except the part that decides on forces, which stays
- * that of init), the record, the data sets, the search under way at any point, and the state of
- * navigation, excitation and guard. If only the parameters of the last dive are needed, the prior
- * record (prior.h) of 236 bytes suffices.
+ * of the compiler. It holds the configuration, the record, the data sets, the search at any point,
+ * and the state of navigation, excitation and guard. The part of the configuration that decides on
+ * forces is not restored; it stays that of init. If only the parameters of the last dive are
+ * needed, the prior record (prior.h) of 236 bytes suffices.
  *
  * It is written in chunks of any size, so that no write to flash delays a tick. The identifier must
  * not change during that time. Save when nothing steps any more, or save a copy: one tick makes it,

@@ -73,7 +73,7 @@ typedef struct {
                                 AUVID_MAX_POPULATION */
     auvid_real_t omega;   /**< of Algorithm 1; 0: 2, or the number of parameters if `paper` */
     bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
-    bool paper;           /**< Algorithm 2 without pattern steps; default false */
+    bool paper;           /**< Algorithms 1 and 2 to the letter; default false */
     uint64_t seed;        /**< of the search; default 1 */
 } auvid_search_config_t;
 
@@ -236,9 +236,9 @@ typedef struct {
     uint32_t evaluations_line;              /**< local phase */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
      * With a regressor also: the cost exceeds the minimum within the bounds by more than a
-     * thousandth of it (including the part that no parameters explain); then nothing is
-     * identifiable. Without one the minimum is not known: a search may end above it unnoticed. A
-     * search ended by a cap keeps its flags: treat them with care. */
+     * thousandth of it (including the part that no parameters explain). With a regressor nothing
+     * is identifiable then. Without one the minimum is not known: a search may end above it
+     * unnoticed. There a search ended by a cap keeps its flags: treat them with care. */
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */

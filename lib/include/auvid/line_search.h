@@ -30,8 +30,8 @@
  *   e_1 .. e_n, as in the paper, where no kink can stop it. If a later sweep still gains more than
  *   gamma, the cost is not that quadratic, and the directions are made again;
  * - -d_i is left out of a sweep in which +d_i has moved;
- * - pattern step: after a sweep of all directions that lowered the cost, the line through the
- *   sweep's two ends is searched in the same way, with step 1 (Hooke, Jeeves 1961);
+ * - pattern step: after a sweep of all directions that lowered the cost, the same search follows
+ *   the line through the sweep's two ends, with step 1 (Hooke, Jeeves 1961);
  * - parabola: each line search tries the lowest point of the parabola through its points (or with
  *   the curvature that an earlier search along d_i found). Pattern step and parabola are accepted
  *   only if better than the iterate, and shorten no step, so the polling that the convergence proof

@@ -3,12 +3,12 @@
  * The prior: what is known of the vehicle, in 236 bytes. A dive saves it at its end, the next dive
  * starts with it.
  *
- * The record holds the parameters, their standard errors if thrust and DVL scale are exact (the
- * next dive has the same thrusters), and the noise of the forces. An identifier started with a
- * record has its parameters as the first estimate, and also as one data set recorded before. They
- * are not identifiable yet: the vehicle may have been changed ashore. The first recorded set is
- * tested against the record. If the two do not belong to the same vehicle, the record is discarded;
- * then the identifier behaves as after a cold start.
+ * The record holds the parameters, their standard errors and the noise of the forces. The standard
+ * errors assume exact thrust and DVL scales, because the next dive has the same thrusters. An
+ * identifier started with a record has its parameters as the first estimate, and also as one data
+ * set recorded before. They are not identifiable yet: the vehicle may have been changed ashore. The
+ * first recorded set is tested against the record. If the two do not belong to the same vehicle,
+ * the record is discarded; then the identifier behaves as after a cold start.
  *
  * A model without regressor uses the record's parameters only as a point to search from.
  *

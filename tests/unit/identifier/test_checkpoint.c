@@ -509,7 +509,7 @@ static void test_an_impossible_optimum_is_refused(void)
     IMPOSSIBLE(optimum.dof = AUVID_DOF_COUNT + 1);
     IMPOSSIBLE(optimum.row = UINT8_MAX);
     IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
-    IMPOSSIBLE(optimum.triangle[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(optimum.qr_factor[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(active = 0);
     IMPOSSIBLE(metric.held = false);
     IMPOSSIBLE(metric.waiting = 1); /* it would not be used */
