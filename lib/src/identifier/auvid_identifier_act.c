@@ -79,7 +79,7 @@ static void identifier_take_altitude(auvid_identifier_t *id, const auvid_input_t
 }
 
 /* Displacement since the excitation began: d = R' (position - home), angles as differences. */
-static void identifier_steer(auvid_identifier_t *id)
+static void identifier_set_displacement(auvid_identifier_t *id)
 {
     auvid_nav_state_t state;
     auvid_real_t moved[AUVID_DOF_COUNT], d[AUVID_DOF_COUNT], r[3][3];
@@ -114,7 +114,7 @@ static void identifier_play_excitation(auvid_identifier_t *id, auvid_output_t *o
     if (id->starting) {
         (void)auvid_excitation_start(&id->excitation, id->t_us);
     }
-    identifier_steer(id);
+    identifier_set_displacement(id);
     id->starting = false;
     if (auvid_excitation_step(&id->excitation, id->t_us, wrench) != AUVID_OK) {
         identifier_end_excitation(id);
