@@ -12,10 +12,10 @@
 /** Parts that are saved only sometimes: a row with some of these bits is present if one of them is
  * set. Otherwise its memory is unused. */
 enum {
-    PART_RESIDUAL = 1,   /**< a model without regressor */
-    PART_SIMULATED = 2,  /**< the estimate simulates the set being recorded */
-    PART_GLOBAL = 4,     /**< a search is under way, global phase */
-    PART_LOCAL = 8,      /**< the same, local phase */
+    PART_RESIDUAL = 1,    /**< a model without regressor */
+    PART_SIMULATED = 2,   /**< the estimate simulates the set being recorded */
+    PART_GLOBAL = 4,      /**< a search is under way, global phase */
+    PART_LOCAL = 8,       /**< the same, local phase */
     PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
     PART_ADAPTIVE = 32,   /**< only a mark: the excitation is adaptive */
     PART_OPTIMUM = 64     /**< the minimum cost is being found */
@@ -132,7 +132,7 @@ extern const size_t auvid_checkpoint_limits;
  * every number is finite, every index, enumeration, flag, count and size is in range, and they are
  * consistent with each other. @return AUVID_OK; AUVID_ERR_RANGE. */
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
-                                         const auvid_checkpoint_sizes_t *sizes,
-                                         const uint8_t *body, uint32_t bytes);
+                                         const auvid_checkpoint_sizes_t *sizes, const uint8_t *body,
+                                         uint32_t bytes);
 
 #endif

@@ -17,7 +17,7 @@ enum { LINE_NONE = 0, LINE_EVALUATE, LINE_SEARCH, LINE_FINISHED, LINE_CAPPED };
 enum { MOVE_POLL = 0, MOVE_EXPAND, MOVE_PARABOLA, MOVE_AXIS, MOVE_PROBE };
 
 /** Start of the row of d_i in shear. */
-#define AUVID_SHEAR(i) ((i) * ((i) - 1u) / 2u)
+#define AUVID_SHEAR(i) ((i) * ((i)-1u) / 2u)
 
 static inline bool line_search_is_paper(const auvid_line_search_config_t *c)
 {

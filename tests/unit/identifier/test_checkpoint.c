@@ -273,10 +273,10 @@ static void test_one_of_another_version_or_other_sizes_is_refused(void)
 {
     make();
     for (uint32_t byte = 0; byte < 4; ++byte) {
-        check_forged(AUVID_ERR_CHECKSUM, 0 + byte); /* the format */
-        check_forged(AUVID_ERR_SIZE, 4 + byte);     /* the checksum of the layout */
-        check_forged(AUVID_ERR_MODEL, 8 + byte);    /* that of the model */
-        check_forged(AUVID_ERR_SIZE, 16 + byte);    /* the storage of a model without regressor */
+        check_forged(AUVID_ERR_CHECKSUM, 0 + byte);  /* the format */
+        check_forged(AUVID_ERR_SIZE, 4 + byte);      /* the checksum of the layout */
+        check_forged(AUVID_ERR_MODEL, 8 + byte);     /* that of the model */
+        check_forged(AUVID_ERR_SIZE, 16 + byte);     /* the storage of a model without regressor */
         check_forged(AUVID_ERR_CHECKSUM, 20 + byte); /* the length */
     }
     check_forged(AUVID_ERR_CHECKSUM, 12); /* parts that this model cannot have */
@@ -421,10 +421,10 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(metric.missing[0][1] = 64);
     IMPOSSIBLE(metric.successive[0] = AUVID_METRIC_LAGS + 1);
     IMPOSSIBLE(metric.window_of[0] = AUVID_METRIC_WINDOW + 1);
-    IMPOSSIBLE(metric.rows_of[0] = 1);       /* of no row */
-    IMPOSSIBLE(metric.set[3].number = 1);    /* none was recorded */
+    IMPOSSIBLE(metric.rows_of[0] = 1);        /* of no row */
+    IMPOSSIBLE(metric.set[3].number = 1);     /* none was recorded */
     IMPOSSIBLE(metric.set[3].windows[0] = 1); /* of no row */
-    IMPOSSIBLE(metric.from = 1);             /* the ring is not held */
+    IMPOSSIBLE(metric.from = 1);              /* the ring is not held */
     IMPOSSIBLE(metric.least = 1);
     IMPOSSIBLE(metric.full = true);
     IMPOSSIBLE(metric.ring_changed = true);

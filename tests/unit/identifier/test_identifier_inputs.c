@@ -450,8 +450,7 @@ static void test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1000000, 1000000, 1000000, 0) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1100000, 1020000, 1100000, 2.9) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1120000, 1040000, 0, 0) & ALL_DROPPED);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_DVL_DROPPED,
-                            step_at(1180000, 1100000, 0, 0) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_DVL_DROPPED, step_at(1180000, 1100000, 0, 0) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_UINT(1, chain.id.nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1200000, 1120000, 0, 0) & ALL_DROPPED);
 }
