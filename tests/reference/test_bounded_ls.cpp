@@ -1,5 +1,5 @@
-// Least squares within bounds, against Eigen in double: of all ways to hold parameters at their
-// bounds, the feasible one of least cost; where there are too many, the conditions of an optimum.
+// Least squares within bounds, compared with Eigen in double: the feasible active set of minimum
+// cost; if there are too many active sets, the conditions of an optimum.
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -64,7 +64,7 @@ struct Problem {
     {
         return (a * x - b).squaredNorm();
     }
-    // Columns made alike: condition number of about 1 / part.
+    // Similar columns: condition number of about 1 / part.
     void tilt(double part)
     {
         for (int j = 1; j < n(); ++j) {
@@ -75,7 +75,7 @@ struct Problem {
 
 static auvid_bounded_ls_t ls;
 
-// Costs and answer of the library.
+// Costs and result of the library.
 static Vector solve(const Problem &p, auvid_status_t expected = AUVID_OK)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
@@ -107,10 +107,10 @@ static Vector solve(const Problem &p, auvid_status_t expected = AUVID_OK)
     return x;
 }
 
-// Least cost over all 3^n ways to hold each parameter at a bound, or not.
-static double least_cost(const Problem &p)
+// Minimum cost over all 3^n active sets.
+static double minimum_cost(const Problem &p)
 {
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     int ways = int(std::lround(std::pow(3, p.n())));
     for (int way = 0; way < ways; ++way) {
         Vector x = p.lower;
@@ -135,36 +135,36 @@ static double least_cost(const Problem &p)
         for (int j = 0; j < p.n(); ++j) {
             feasible = feasible && x(j) >= p.lower(j) - 1e-12 && x(j) <= p.upper(j) + 1e-12;
         }
-        least = feasible ? std::min(least, p.cost(x)) : least;
+        minimum = feasible ? std::min(minimum, p.cost(x)) : minimum;
     }
-    return least;
+    return minimum;
 }
 
 static void test_the_least_cost_of_all_active_sets_is_found()
 {
     double worst = 0;
-    int most = 0;
+    int max_changes = 0;
     for (int k = 0; k < 400; ++k) {
         Problem p(12, 1 + k % 6);
         if (k % 2 == 1) {
             p.tilt(0.01);
         }
-        double least = least_cost(p), cost = p.cost(solve(p));
-        worst = std::max(worst, cost / least - 1);
-        most = std::max(most, int(ls.changes));
+        double minimum = minimum_cost(p), cost = p.cost(solve(p));
+        worst = std::max(worst, cost / minimum - 1);
+        max_changes = std::max(max_changes, int(ls.changes));
         TEST_ASSERT_DOUBLE_WITHIN(1e-5 * p.cost(p.start), p.cost(p.start), double(ls.start));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * least, least, double(ls.cost));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * minimum, minimum, double(ls.cost));
     }
-    std::printf("largest excess %.1e, most changes of the active set %d\n", worst, most);
+    std::printf("largest excess %.1e, most changes of the active set %d\n", worst, max_changes);
     TEST_ASSERT_TRUE(worst < 1e-5);
 }
 
-// Of a convex cost the point is the optimum where no parameter that may move does so with gain: by
-// duality the cost is above the least by at most sum |slope| x room.
+// For a convex cost, a point is the optimum if no parameter that may move lowers the cost. By
+// duality the cost exceeds the minimum by at most sum |slope| x room.
 static void test_many_parameters_satisfy_the_conditions_of_an_optimum()
 {
     double worst = 0;
-    int most = 0;
+    int max_changes = 0;
     for (int k = 0; k < 200; ++k) {
         Problem p(3 * AUVID_MAX_PARAMETERS, AUVID_MAX_PARAMETERS);
         if (k % 2 == 1) {
@@ -176,9 +176,9 @@ static void test_many_parameters_satisfy_the_conditions_of_an_optimum()
             gap += std::max(slope(j) * (x(j) - p.lower(j)), slope(j) * (x(j) - p.upper(j)));
         }
         worst = std::max(worst, gap / p.cost(x));
-        most = std::max(most, int(ls.changes));
+        max_changes = std::max(max_changes, int(ls.changes));
     }
-    std::printf("largest duality gap %.1e of the cost, most changes %d\n", worst, most);
+    std::printf("largest duality gap %.1e of the cost, most changes %d\n", worst, max_changes);
     TEST_ASSERT_TRUE(worst < 1e-3);
 }
 

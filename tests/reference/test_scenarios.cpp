@@ -1,16 +1,16 @@
-// Random scenarios: is "identifiable" true where it is said, and said where it could be?
+// Random scenarios: are the "identifiable" flags correct, and are they complete?
 //
 // A scenario draws the sensors' noise (0.3 to 3 times the usual), the unmodelled force (0 to 3 N,
 // none in 15 %), the degrees of freedom that are excited, their amplitudes (10 to 100 %), and the
-// number of sets (1 to 8). The estimate is that of the identifier's own search. Beside it stands
-// the Cramer-Rao bound of the same run (bound.h), over all 13 parameters.
+// number of sets (1 to 8). The estimate is that of the identifier's own search. It is compared
+// with the Cramer-Rao bound of the same run (bound.h), over all 13 parameters.
 //
-// Long form (AUVID_TEST_LONG), 1000 scenarios: among the parameters called identifiable, those more
-// than 20 % off have a one-sided 95 % Clopper-Pearson bound of at most 0.5 %. Short form, 300: it
-// fails when 0.5 % is refuted at the 99 % level. Parameters of one run are not independent; the
-// number of runs that hold those off is printed. Of the parameters whose degree of freedom was
-// excited and whose bound's 95 % half-width is at most 10 %, at least 85 % are called identifiable;
-// the short form fails when 85 % is refuted at the 99 % level.
+// Long form (AUVID_TEST_LONG), 1000 scenarios: among the parameters flagged identifiable, the
+// fraction more than 20 % off has a one-sided 95 % Clopper-Pearson bound of at most 0.5 %. Short
+// form, 300: it fails if 0.5 % is refuted at the 99 % level. Parameters of one run are not
+// independent, so the number of runs with such parameters is printed. Of the parameters whose
+// degree of freedom was excited and whose bound's 95 % half-width is at most 10 %, at least 85 %
+// are flagged. The short form fails if 85 % is refuted at the 99 % level.
 #include <algorithm>
 #include <cstdio>
 #include <random>
@@ -63,7 +63,7 @@ static Scenario draw(uint64_t seed)
     return s;
 }
 
-// What the bound needs of a tick: the wrench acted during it, the sensors are those at its end.
+// Input of the bound for a tick: the wrench during the tick, the sensors at its end.
 static void note_tick(chain_t *c, auvid_input_t *in)
 {
     const sim_truth_t &t = c->sim.truth;
@@ -86,8 +86,8 @@ static void note_tick(chain_t *c, auvid_input_t *in)
     static_cast<Run *>(c->config.context)->tick.push_back(tick);
 }
 
-// Relative bounds. What a run says nothing about would make the information singular: as if all
-// unknowns were known to a thousand times their value before.
+// Relative bounds. A prior of a thousand times each value keeps the information regular if a run
+// says nothing about a parameter.
 static Errors bound_of(Run &run, const sim_config_t &config)
 {
     Motion start;
@@ -125,7 +125,7 @@ static Errors identify(const Scenario &s, uint64_t seed)
 }
 
 struct Counts {
-    double flagged, off, runs_off, idle, idle_flagged, knowable, told, searches, aborted, notes[8];
+    double flagged, off, runs_off, idle, idle_flagged, knowable, found, searches, aborted, notes[8];
 };
 
 static void count(Counts &c, const Scenario &s, uint64_t seed, const Errors &limit)
@@ -143,7 +143,7 @@ static void count(Counts &c, const Scenario &s, uint64_t seed, const Errors &lim
         c.idle += !excited;
         c.idle_flagged += flagged && !excited;
         c.knowable += knowable;
-        c.told += knowable && flagged;
+        c.found += knowable && flagged;
         c.notes[e.number > 0 ? e.confidence.note[i] : int(AUVID_NOTE_NOT_EXCITED)] += 1;
         if (flagged && std::fabs(error) > 0.2) {
             c.off += 1;
@@ -159,7 +159,7 @@ static void count(Counts &c, const Scenario &s, uint64_t seed, const Errors &lim
     c.runs_off += some_off;
 }
 
-static void test_what_is_called_identifiable_is_so_and_what_could_be_is_called_so()
+static void test_flags_of_identifiability_are_correct_and_complete()
 {
     bool full = campaign_is_long();
     Counts c = {};
@@ -175,9 +175,9 @@ static void test_what_is_called_identifiable_is_so_and_what_could_be_is_called_s
                 100 * c.off / c.flagged, 100 * upper, c.runs_off);
     std::printf("not excited: %.0f, flagged %.0f; bound's half-width <= 10 %%: %.0f, flagged %.0f "
                 "(%.1f %%, 95 %% interval [%.1f, %.1f])\n",
-                c.idle, c.idle_flagged, c.knowable, c.told, 100 * c.told / c.knowable,
-                100 * binomial_lower(c.told, c.knowable, 0.025),
-                100 * binomial_upper(c.told, c.knowable, 0.025));
+                c.idle, c.idle_flagged, c.knowable, c.found, 100 * c.found / c.knowable,
+                100 * binomial_lower(c.found, c.knowable, 0.025),
+                100 * binomial_upper(c.found, c.knowable, 0.025));
     for (int note = 0; note < 8; ++note) {
         std::printf("  %5.0f %s\n", c.notes[note],
                     note == 0 ? "identifiable" : auvid_note_str(auvid_note_t(note)));
@@ -187,16 +187,16 @@ static void test_what_is_called_identifiable_is_so_and_what_could_be_is_called_s
     TEST_ASSERT_TRUE(c.idle_flagged == 0);
     if (full) {
         TEST_ASSERT_TRUE(upper <= 0.005);
-        TEST_ASSERT_TRUE(c.told >= 0.85 * c.knowable);
+        TEST_ASSERT_TRUE(c.found >= 0.85 * c.knowable);
     } else {
         TEST_ASSERT_TRUE(binomial_lower(c.off, c.flagged, 0.01) <= 0.005);
-        TEST_ASSERT_TRUE(binomial_upper(c.told, c.knowable, 0.01) >= 0.85);
+        TEST_ASSERT_TRUE(binomial_upper(c.found, c.knowable, 0.01) >= 0.85);
     }
 }
 
 int main()
 {
     UNITY_BEGIN();
-    RUN_TEST(test_what_is_called_identifiable_is_so_and_what_could_be_is_called_so);
+    RUN_TEST(test_flags_of_identifiability_are_correct_and_complete);
     return UNITY_END();
 }

@@ -6,7 +6,7 @@
 
 #define TICKS_PER_S (1000000 / SIM_TICK_US)
 
-/* Cells, smoother and DVL lag behind the clock; the fades of the excitation are within its run. */
+/* Cells, smoother and DVL lag behind the clock; the excitation's fades are part of its run. */
 #define TAIL_S 6.0
 
 void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N)
@@ -20,7 +20,7 @@ void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double
     auvid_identifier_defaults(&config->id, &auvid_girona500);
     config->id.allocation = auvid_allocation_girona500;
     config->id.search.seed = seed;
-    memset(&config->id.uncertainty, 0, sizeof config->id.uncertainty); /* this world is as told */
+    memset(&config->id.uncertainty, 0, sizeof config->id.uncertainty); /* all is exact here */
     (void)auvid_excitation_plan(&config->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
     config->budget = AUVID_DEFAULT_BUDGET;
 }
@@ -87,7 +87,7 @@ void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
     in->gps.y_m = (auvid_real_t)gps->value[1];
 }
 
-/* Decide on the wrench from now on. */
+/* Set the wrench from now on. */
 static void drive(chain_t *chain, const auvid_real_t *excitation)
 {
     memcpy(chain->wrench, excitation, sizeof chain->wrench);
@@ -98,8 +98,8 @@ static void work(chain_t *chain, uint32_t budget)
 {
     chain->work = auvid_identifier_work(&chain->id, budget);
     chain->over_budget = chain->over_budget || chain->id.work_last > budget;
-    chain->most_units =
-        chain->id.work_last > chain->most_units ? chain->id.work_last : chain->most_units;
+    chain->max_units =
+        chain->id.work_last > chain->max_units ? chain->id.work_last : chain->max_units;
 }
 
 void chain_tick(chain_t *chain)
@@ -107,8 +107,8 @@ void chain_tick(chain_t *chain)
     sim_output_t seen;
     auvid_input_t in;
     double wrench[AUVID_DOF_COUNT];
-    if (chain->tick >= CHAIN_MOST_TICKS) {
-        puts("chain:FAIL: what is waited for does not come");
+    if (chain->tick >= CHAIN_MAX_TICKS) {
+        puts("chain:FAIL: timeout, the awaited state does not come");
         exit(1);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -162,15 +162,15 @@ auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint
     return status;
 }
 
-uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t most)
+uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t max_calls)
 {
-    for (uint32_t calls = 1; calls <= most; ++calls) {
+    for (uint32_t calls = 1; calls <= max_calls; ++calls) {
         work(chain, budget);
         if (chain->work != AUVID_PENDING) {
             return calls;
         }
     }
-    return most + 1;
+    return max_calls + 1;
 }
 
 double chain_error(const chain_t *chain, int i)

@@ -2,13 +2,13 @@
  * @file chain.h
  * The whole chain for tests: the simulated vehicle with an identifier aboard, tick by tick.
  *
- * One tick of 20 ms: the simulator moves under the wrench decided upon last, its sensors become the
- * identifier's input, `before` may tamper with it, the identifier steps, `after` may look at the
- * answer, then it works with the budget. The wrench of the next tick is decided in one of two ways:
- * - the identifier excites (the default): its excitation and the hover thrust; the applied wrench
- *   is handed over after the step, by auvid_identifier_applied;
- * - somebody else drives (chain_set_driver): the driver's excitation and the hover thrust, part of
- *   the step's input; the identifier is passive.
+ * One tick of 20 ms: the simulator moves under the last wrench, and its sensors become the
+ * identifier's input. `before` may change the input, the identifier steps, `after` may check the
+ * output, then the identifier works with the budget. The wrench of the next tick is one of two:
+ * - the identifier excites (the default): its excitation plus the hover thrust, recorded after the
+ *   step by auvid_identifier_applied;
+ * - the identifier is passive (chain_set_driver): the driver's excitation plus the hover thrust,
+ *   part of the step's input.
  */
 #ifndef CHAIN_H
 #define CHAIN_H
@@ -28,12 +28,12 @@ typedef struct {
     sim_config_t sim;
     auvid_identifier_config_t id;
     uint32_t budget;   /**< of work, a tick; 0: none until chain_finish */
-    uint64_t epoch_us; /**< added to all times: a clock does not begin at zero */
-    bool passive;      /**< `driver` drives, the identifier does not excite */
+    uint64_t epoch_us; /**< added to all times: a clock need not begin at zero */
+    bool passive;      /**< the driver excites, not the identifier */
     auvid_excitation_config_t driver;
-    chain_before_t before; /**< may be null */
-    chain_after_t after;   /**< may be null */
-    void *context;         /**< for the two */
+    chain_before_t before; /**< may be NULL */
+    chain_after_t after;   /**< may be NULL */
+    void *context;         /**< for these two */
 } chain_config_t;
 
 typedef struct chain {
@@ -43,11 +43,11 @@ typedef struct chain {
     auvid_excitation_t driver;
     uint32_t tick;                        /**< ticks so far */
     uint64_t t_us;                        /**< of the last one */
-    uint32_t events;                      /**< all that were told so far */
-    uint32_t estimates;                   /**< AUVID_EVENT_ESTIMATE told so far */
-    uint32_t most_units;                  /**< used by any call of work */
-    bool waiting;                         /**< to arm and excite, as soon as navigation is fresh */
-    bool over_budget;                     /**< some call of work used more than it was given */
+    uint32_t events;                      /**< all so far */
+    uint32_t estimates;                   /**< AUVID_EVENT_ESTIMATE so far */
+    uint32_t max_units;                   /**< largest number in a call of work */
+    bool waiting;                         /**< arms and excites as soon as navigation is fresh */
+    bool over_budget;                     /**< a call of work used more than its budget */
     auvid_status_t status;                /**< of the last step */
     auvid_status_t work;                  /**< of the last work */
     auvid_output_t out;                   /**< of the last step */
@@ -55,34 +55,32 @@ typedef struct chain {
 } chain_t;
 
 /** Standard world: the paper's Girona500, all DoF at 100 N / 40 Nm, `sets` sets of 30 s, bounds
- * +-1000, disturbance [N] rms (and 0.4 of it in Nm), everything seeded with `seed`. */
+ * +-1000. The disturbance is in N rms, and 0.4 of it in Nm. `seed` seeds everything. */
 void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N);
 
-/** Somebody else drives: moves the excitation of config->id to config->driver. */
+/** Make the identifier passive: move the excitation of config->id to config->driver. */
 void chain_set_driver(chain_config_t *config);
 
 /** Start; the excitation begins when navigation is fresh, in 0.2 s.
- * @return what auvid_identifier_init says; AUVID_ERR_RANGE when the
- * simulator refuses. */
+ * @return the status of auvid_identifier_init; AUVID_ERR_RANGE if the simulator refuses. */
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
 
-/** What the simulator's sensors gave, as the identifier takes it. */
+/** Convert the simulator's samples to the identifier's input. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
 
-/** One tick. After CHAIN_MOST_TICKS, a day, the program ends: so does a loop that waits for what
- * never comes. */
-#define CHAIN_MOST_TICKS 4320000u
+/** Run one tick. After CHAIN_MAX_TICKS, a day, the program ends, so that no loop waits forever. */
+#define CHAIN_MAX_TICKS 4320000u
 void chain_tick(chain_t *chain);
 
-/** Ticks of so many seconds. */
+/** Run the ticks of so many seconds. */
 void chain_run(chain_t *chain, double seconds);
 
 /** Begin and run long enough for `sets` sets to be complete. */
 auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint32_t sets);
 
 /** Work until nothing is left, `budget` units a call.
- * @return number of calls; `most` + 1 when that many did not suffice. */
-uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t most);
+ * @return number of calls; max_calls + 1 if max_calls calls did not suffice. */
+uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t max_calls);
 
 /** Error of parameter i of the estimate, relative to the simulator's truth. */
 double chain_error(const chain_t *chain, int i);

@@ -1,6 +1,6 @@
 /**
  * @file finish.h
- * Loops that wait for a state end: a state that never comes is a failure that says so.
+ * Loops that wait for a state end: if it never comes, the test fails with a message.
  */
 #ifndef FINISH_H
 #define FINISH_H
@@ -8,13 +8,13 @@
 #include "auvid/identifier.h"
 #include "unity.h"
 
-/** At the top of such a loop: *turns counts them, 0 before the first. */
-static inline void finish_turn(uint32_t *turns, uint32_t most)
+/** Call it at the top of such a loop: *turns counts the iterations, 0 before the first. */
+static inline void finish_turn(uint32_t *turns, uint32_t max_turns)
 {
-    TEST_ASSERT_TRUE_MESSAGE((*turns)++ < most, "what is waited for does not come");
+    TEST_ASSERT_TRUE_MESSAGE((*turns)++ < max_turns, "timeout: the awaited state does not come");
 }
 
-/** Work until nothing is left, `budget` units a call; each call keeps to it. */
+/** Work until nothing is left, `budget` units a call; checks that no call uses more. */
 static inline void finish_work(auvid_identifier_t *id, uint32_t budget)
 {
     for (uint32_t calls = 0; auvid_identifier_work(id, budget) == AUVID_PENDING;) {

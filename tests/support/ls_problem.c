@@ -105,7 +105,7 @@ typedef struct {
     double sum[MAX_STEPS][DOFS][COLUMNS];
 } work_t;
 
-/* Pieces of 30 s, in turn steps held 4-8 s and five sines of 0.03-0.25 Hz. */
+/* Pieces of 30 s: alternately steps held 4-8 s and five sines of 0.03-0.25 Hz. */
 static void excite(work_t *w, int steps, uint64_t *rng)
 {
     static const double peak[DOFS] = {100.0, 100.0, 100.0, 40.0};
@@ -158,7 +158,7 @@ static void measure(work_t *w, int steps, uint64_t *rng)
             w->seen[k][i] = w->truth[k][i] + noise[i] * gauss(rng);
         }
     }
-    for (int k = 0; k + PER_DVL < steps; k += PER_DVL) { /* velocity comes at 5 Hz only */
+    for (int k = 0; k + PER_DVL < steps; k += PER_DVL) { /* velocity comes at 5 Hz */
         for (int j = 1; j < PER_DVL; ++j) {
             double f = (double)j / PER_DVL;
             for (int i = U; i <= W; ++i) {
@@ -185,7 +185,7 @@ static void smooth(double (*in)[DOFS][COLUMNS], double (*out)[DOFS][COLUMNS], in
     }
 }
 
-/* Rotate one row into the triangle (Givens). */
+/* Rotate one row into the R factor (Givens). */
 static void absorb(double t[COLUMNS][COLUMNS], double *row)
 {
     for (int i = 0; i < COLUMNS; ++i) {

@@ -2,32 +2,33 @@
 """Is every member of auvid_identifier_t, and of what it holds, in the checkpoint?
 
 usage: checkpoint.py LIBRARY.so
-Names and places come from the library's debugging information. Each member (of an array the first
-and the last element) is changed in a live identifier: the checkpoint must be another one then, and
-restored into an untouched identifier it must bring the change, or be refused as impossible.
-Pointers must not be in it.
-Prints a line "not ok" for each that is missing, or one "ok".
+Names and offsets come from the library's debugging information. Each member (of an array the first
+and the last element) is changed in a live identifier. The change must alter the checkpoint.
+Restored into an untouched identifier, the checkpoint must bring the change, or be refused as
+impossible.
+Pointers must not be in the checkpoint.
+Prints a line "not ok" for each missing member, or one line "ok".
 """
 import ctypes
 import sys
 
 from auvid_validation.dwarf import Binding
 
-# Dead between calls: unions whose other member is saved, and the configuration, which init copies.
+# Unused between calls: unions whose other member is saved; the configuration, which init copies.
 DEAD = ("config", "metric.regressor", "confidence.regressor")
-# What decides on forces stays that of init.
+# Members that decide on forces stay those of init.
 KEPT = ("allocation.", "excitation.config.", "excitation.duration_us", "excitation.pause_us",
         "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
         "adaptive.excursion_limit", "guard.cfg.", "guard.ready")
-# What may refuse another identifier: what the model and its storage are.
+# Members of the model and its storage: a change may make the identifier refuse the checkpoint.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
-# Members of unions are live in other phases of work than the rest.
+# Members of unions are used in other phases of work than the rest.
 ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 0, 1
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
-# Pointers that saving follows; of the last two is saved whether they are there.
+# Pointers that saving follows. Of the last two, it saves whether they are NULL.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle", "adapt")
 SET_ROWS = 2
 ROOM = 1 << 18
@@ -71,8 +72,8 @@ class Subject:
         self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
 
     def pose(self, phase, search):
-        """A search for two values, or its result's confidence, in a state that may be; of a model
-        with regressor where the least cost is sought, else of one without."""
+        """Set up a possible state of a search for two values, or of its result's confidence. The
+        model has a regressor for the phase that finds the minimum cost, else none."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
         self.id.phase, self.id.searching = phase, phase == ASK
         self.id.metric.excited = self.id.metric.dof_rows[0] = self.id.active = 1
@@ -106,7 +107,7 @@ class Subject:
 
 
 def wrong(subject, whole, path, at, pointer):
-    """What is wrong with the member at this place of `whole`; None: nothing."""
+    """The fault of the member at this offset of `whole`, or None."""
     before = bytes(whole)
     memory = (ctypes.c_uint8 * ctypes.sizeof(whole)).from_buffer(whole)
     plain = subject.save()
@@ -115,7 +116,7 @@ def wrong(subject, whole, path, at, pointer):
     saved = subject.save()
     ctypes.memmove(memory, before, len(before))
     if pointer:
-        return None if saved == plain else "is a pointer, and in the checkpoint"
+        return None if saved == plain else "is a pointer, but it is in the checkpoint"
     if saved == plain:
         return "is not in the checkpoint: see lib/src/identifier/auvid_checkpoint_layout.c"
     status = subject.restore(saved)
@@ -137,7 +138,7 @@ def main():
             looked += 1
             if what := wrong(subject, whole, path, at, pointer):
                 bad.append(f"not ok - {sys.argv[1]}: {path} {what}")
-    print("\n".join(bad or [f"ok - {sys.argv[1]}: {looked} places looked at"]))
+    print("\n".join(bad or [f"ok - {sys.argv[1]}: {looked} members checked"]))
 
 
 main()

@@ -1,18 +1,18 @@
 /*
- * The checkpoint. Little-endian words, then what the tables of auvid_checkpoint_layout.c name, in
- * their order, and of a model without regressor its rows:
+ * The checkpoint. Little-endian words, then the members listed in the tables of
+ * auvid_checkpoint_layout.c, in their order, and for a model without regressor its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
  *          8  checksum of the model
- *         12  parts that are there, PART_..
+ *         12  parts that are present, PART_..
  *         16  rows
- *         20  bytes, all
+ *         20  number of bytes, all
  *         24  the identifier, the rows
- *   last four CRC-32 of all before
+ *   last four CRC-32 of all bytes before
  *
- * Where a byte of the stream lies in memory follows from its place by the tables alone
- * (auvid_checkpoint_locate.c), so the cursor knows its place and nothing else.
+ * The tables give the address of each byte of the stream from its position
+ * (auvid_checkpoint_locate.c), so the cursor holds only its position.
  */
 #include "auvid/checkpoint.h"
 
@@ -35,8 +35,8 @@ typedef auvid_checkpoint_run_t run_t;
 
 /* ---- the header ---- */
 
-/* Of the tables but for offsets, which a compiler chooses, and of the library's version. */
-static uint32_t checksum_of_layout(void)
+/* Of the library's version and the tables, without offsets, which a compiler chooses. */
+static uint32_t checkpoint_layout_checksum(void)
 {
     uint32_t c = auvid_checksum_word(
         UINT32_MAX, AUVID_VERSION_MAJOR << 16 | AUVID_VERSION_MINOR << 8 | AUVID_VERSION_PATCH);
@@ -51,7 +51,7 @@ static uint32_t checksum_of_layout(void)
     return c;
 }
 
-static uint32_t parts_of(const auvid_identifier_t *id)
+static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
     uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
     parts |= id->prediction.vehicle != NULL ? PART_SIMULATED : 0u;
@@ -67,13 +67,13 @@ static uint32_t parts_of(const auvid_identifier_t *id)
     return parts;
 }
 
-static uint32_t rows_of(const auvid_identifier_t *id)
+static uint32_t checkpoint_rows(const auvid_identifier_t *id)
 {
     const auvid_metric_config_t *cfg = &id->metric.cfg;
     return identifier_residual_path(id) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
 }
 
-static uint32_t checksum_of_model(const auvid_identifier_t *id)
+static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
 {
     uint32_t c = auvid_checksum_of_model(&id->metric.cfg);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -82,14 +82,15 @@ static uint32_t checksum_of_model(const auvid_identifier_t *id)
     return auvid_checksum_word(c, identifier_residual_path(id));
 }
 
-/* The head of a checkpoint of *id that has these parts. */
-static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes, uint8_t *head)
+/* Write the head of a checkpoint of *id that has these parts. */
+static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes,
+                                  uint8_t *head)
 {
-    uint32_t rows = rows_of(id);
+    uint32_t rows = checkpoint_rows(id);
     auvid_checkpoint_measure(sizes, parts);
     auvid_put_word(head, HEAD_MAGIC);
-    auvid_put_word(head + HEAD_LAYOUT, checksum_of_layout());
-    auvid_put_word(head + HEAD_MODEL, checksum_of_model(id));
+    auvid_put_word(head + HEAD_LAYOUT, checkpoint_layout_checksum());
+    auvid_put_word(head + HEAD_MODEL, checkpoint_model_checksum(id));
     auvid_put_word(head + HEAD_PARTS, parts);
     auvid_put_word(head + HEAD_ROWS, rows);
     auvid_put_word(head + HEAD_BYTES, AUVID_CHECKPOINT_HEAD + sizes->of[TABLE_IDENTIFIER] +
@@ -98,17 +99,17 @@ static void write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *si
 
 /* ---- the body ---- */
 
-/* Up to `most` bytes of the body from `at` on, out of the identifier. @return how many, >= 1 */
-static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at, uint32_t most,
-                     uint8_t *to)
+/* Save up to max_bytes bytes of the body from `at` on. @return how many, >= 1 */
+static uint32_t checkpoint_save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
+                                uint32_t max_bytes, uint8_t *to)
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
     const void *from = run.stored ? (const void *)id->metric.cfg.rows : id;
     const uint8_t *memory = (const uint8_t *)from + run.offset;
     uint32_t done = 0;
-    for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
-        for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
+    for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
+        for (uint32_t k = run.skip; k < row->width && done < max_bytes; ++k, ++done) {
             to[done] = memory[auvid_checkpoint_byte(row->stride, k)];
         }
         run.skip = 0;
@@ -116,18 +117,18 @@ static uint32_t save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_
     return done;
 }
 
-/* The same into the identifier, whole scalars. */
-static AUVID_NOINLINE uint32_t load(auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
-                                    uint32_t most, const uint8_t *from)
+/* Load up to max_bytes bytes of the body from `at` on, whole scalars. @return how many, >= 1 */
+static AUVID_NOINLINE uint32_t checkpoint_load(auvid_identifier_t *id, const sizes_t *sizes,
+                                               uint32_t at, uint32_t max_bytes, const uint8_t *from)
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
     void *to = run.stored ? (void *)id->metric.cfg.rows : id;
     uint8_t *memory = (uint8_t *)to + run.offset;
     uint32_t done = 0;
-    for (uint32_t i = 0; i < run.count && done < most; ++i, memory += row->stride) {
-        memset(memory, 0, row->stride); /* of an enumeration more than is in the stream */
-        for (uint32_t k = run.skip; k < row->width && done < most; ++k, ++done) {
+    for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
+        memset(memory, 0, row->stride); /* an enumeration is wider than in the stream */
+        for (uint32_t k = run.skip; k < row->width && done < max_bytes; ++k, ++done) {
             memory[auvid_checkpoint_byte(row->stride, k)] = from[done];
         }
         run.skip = 0;
@@ -146,7 +147,7 @@ auvid_status_t auvid_checkpoint_begin(auvid_checkpoint_t *cursor, const auvid_id
         return AUVID_ERR_STATE;
     }
     sizes_t sizes;
-    write_head(id, parts_of(id), &sizes, cursor->head);
+    checkpoint_write_head(id, checkpoint_parts(id), &sizes, cursor->head);
     cursor->id = id;
     cursor->t_us = id->t_us;
     cursor->bytes = auvid_get_word(cursor->head + HEAD_BYTES);
@@ -175,9 +176,9 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         } else if (at >= end) {
             *to = (uint8_t)(~cursor->checksum >> 8 * (at - end));
         } else {
-            uint32_t left = end - at, most = room - *bytes;
-            done =
-                save(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD, most < left ? most : left, to);
+            uint32_t left = end - at, max_bytes = room - *bytes;
+            done = checkpoint_save(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD,
+                                   max_bytes < left ? max_bytes : left, to);
         }
         cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
         cursor->at += done;
@@ -188,28 +189,28 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 /* ---- restoring ---- */
 
-/* Is it a checkpoint, whole, of this library and of this identifier's model? */
+/* Is it an undamaged checkpoint of this library and of this identifier's model? */
 static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8_t *checkpoint,
                                        uint32_t bytes, sizes_t *sizes)
 {
-    uint8_t own[AUVID_CHECKPOINT_HEAD];
+    uint8_t expected[AUVID_CHECKPOINT_HEAD];
     uint32_t end = bytes - AUVID_CHECKPOINT_TAIL;
     if (bytes < AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL ||
         auvid_get_word(checkpoint) != HEAD_MAGIC ||
         auvid_get_word(checkpoint + end) != ~auvid_checksum(UINT32_MAX, checkpoint, end)) {
         return AUVID_ERR_CHECKSUM;
     }
-    write_head(id, auvid_get_word(checkpoint + HEAD_PARTS), sizes, own);
-    if (memcmp(own + HEAD_LAYOUT, checkpoint + HEAD_LAYOUT, 4) != 0) {
+    checkpoint_write_head(id, auvid_get_word(checkpoint + HEAD_PARTS), sizes, expected);
+    if (memcmp(expected + HEAD_LAYOUT, checkpoint + HEAD_LAYOUT, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
-    if (memcmp(own + HEAD_MODEL, checkpoint + HEAD_MODEL, 4) != 0) {
+    if (memcmp(expected + HEAD_MODEL, checkpoint + HEAD_MODEL, 4) != 0) {
         return AUVID_ERR_MODEL;
     }
-    if (memcmp(own + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
+    if (memcmp(expected + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
-    bool whole = auvid_get_word(own + HEAD_BYTES) == bytes &&
+    bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
     bool adapts = (id->adapt != NULL) == ((sizes->parts & PART_ADAPTIVE) != 0);
     return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
@@ -236,11 +237,11 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
         return status;
     }
     for (uint32_t at = 0; at < body;) {
-        at += load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
+        at += checkpoint_load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
     }
     bool simulated = (sizes.parts & PART_SIMULATED) != 0;
     id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
-    (void)auvid_metric_set_prior(m, &m->prior); /* the function that goes with it */
+    (void)auvid_metric_set_prior(m, &m->prior); /* sets the function pointer */
     return AUVID_OK;
 }
 

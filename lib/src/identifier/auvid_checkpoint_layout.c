@@ -1,15 +1,15 @@
 /*
- * The checkpoint: what it holds, struct by struct. All members are here but pointers, which the
- * identifier that is restored into has already, memory that is dead between calls, and what decides
- * on forces: the plan of the excitation, the thrusters and the guard's limits are those that the
- * identifier was initialised with. A test (tests/validation/test_checkpoint.sh) names what is
- * missing. Which values members may have: auvid_checkpoint_limits.c.
+ * The checkpoint: its contents, struct by struct. Three kinds of members are left out: pointers,
+ * which the restored identifier already has; memory that is unused between calls; and what decides
+ * on forces. The plan of the excitation, the thrusters and the guard's limits stay those of init. A
+ * test (tests/validation/test_checkpoint.sh) lists what is missing. The range of each member is in
+ * auvid_checkpoint_limits.c.
  */
 #include "auvid_checkpoint_layout_internal.h"
 #include "../base/auvid_math_internal.h"
 
-/* `first` .. `last` are neighbours, all of type `unit`. Something else among them mostly leaves a
- * rest, and the array of negative size does not compile. */
+/* `first` .. `last` are neighbours, all of type `unit`. Another type among them mostly leaves a
+ * remainder; then the array has a negative size, which does not compile. */
 #define SIZE(type, member) sizeof(((type *)0)->member)
 #define BYTES(type, first, last) (offsetof(type, last) + SIZE(type, last) - offsetof(type, first))
 #define WHOLE(bytes, unit) ((bytes) / sizeof(char[(bytes) % sizeof(unit) == 0 ? 1 : -1]))
@@ -20,11 +20,11 @@
     }
 #define SPAN(type, unit, first, last) SOME(type, unit, first, last, 0, false)
 #define REALS(type, first, last) SOME(type, auvid_real_t, first, last, 0, true)
-/* Costs and residuals, which need not be finite where a model fails. */
+/* Costs and residuals, which may be infinite or NaN where a model fails. */
 #define COSTS(type, first, last) SOME(type, auvid_real_t, first, last, 0, false)
 /* Flags are bytes, too. */
 #define BYTE(type, first, last) SOME(type, uint8_t, first, last, 0, false)
-/* An enumeration, in a byte: how wide it is in memory is the compiler's choice. */
+/* An enumeration, in a byte: the compiler chooses its width in memory. */
 #define ENUM(type, member)                                                                         \
     {                                                                                              \
         offsetof(type, member), 1, (uint32_t)SIZE(type, member), 1, 0, 0, false                    \
@@ -52,7 +52,7 @@ static const row_t search[] = {
     SPAN(auvid_search_config_t, uint64_t, seed, seed),
 };
 
-static const row_t knot[] = {
+static const row_t velocity_sample[] = {
     SPAN(auvid_nav_velocity_sample_t, uint64_t, t_us, t_us),
     REALS(auvid_nav_velocity_sample_t, velocity, velocity),
     SPAN(auvid_nav_velocity_sample_t, uint32_t, sequence, sequence),
@@ -212,7 +212,7 @@ static const row_t estimate[] = {
     STRUCT(auvid_estimate_t, confidence, TABLE_CONFIDENCE),
 };
 
-static const row_t judgement[] = {
+static const row_t change_test[] = {
     SPAN(auvid_change_test_t, uint32_t, set, estimate),
     BYTE(auvid_change_test_t, excited, changed),
     REALS(auvid_change_test_t, variance_ratio, r2_velocity),
@@ -343,7 +343,7 @@ static const row_t row[] = {
     }
 const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SEARCH] = TABLE(search),
-    [TABLE_VELOCITY_SAMPLE] = TABLE(knot),
+    [TABLE_VELOCITY_SAMPLE] = TABLE(velocity_sample),
     [TABLE_DIAGNOSTICS] = TABLE(diagnostics),
     [TABLE_NAV] = TABLE(nav),
     [TABLE_STREAM] = TABLE(stream),
@@ -357,7 +357,7 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_GUARD] = TABLE(guard),
     [TABLE_CONFIDENCE] = TABLE(confidence),
     [TABLE_ESTIMATE] = TABLE(estimate),
-    [TABLE_CHANGE_TEST] = TABLE(judgement),
+    [TABLE_CHANGE_TEST] = TABLE(change_test),
     [TABLE_SAMPLE] = TABLE(sample),
     [TABLE_VALIDATION] = TABLE(validation),
     [TABLE_CRS] = TABLE(crs),

@@ -1,6 +1,6 @@
 /**
  * @file auvid_checkpoint_layout_internal.h
- * Private: what a checkpoint holds of each struct.
+ * Private: the contents of a checkpoint, struct by struct.
  */
 #ifndef AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
 #define AUVID_CHECKPOINT_LAYOUT_INTERNAL_H
@@ -9,20 +9,20 @@
 
 #include "auvid/checkpoint.h"
 
-/** What is saved at some times only: a row with some of these bits is there when one of them is.
- * What is not there is dead memory. */
+/** Parts that are saved only sometimes: a row with some of these bits is present if one of them is
+ * set. Otherwise its memory is unused. */
 enum {
-    PART_RESIDUAL = 1,   /**< a model without regressor */
-    PART_SIMULATED = 2,  /**< the estimate simulates the set that is being recorded */
-    PART_GLOBAL = 4,     /**< a search is under way, global, */
-    PART_LOCAL = 8,      /**< or local */
-    PART_CONFIDENCE = 16, /**< a result is being assessed */
-    PART_ADAPTIVE = 32,   /**< marks it only: the excitation is adaptive */
-    PART_OPTIMUM = 64     /**< the least cost is being found */
+    PART_RESIDUAL = 1,    /**< a model without regressor */
+    PART_SIMULATED = 2,   /**< the estimate simulates the set being recorded */
+    PART_GLOBAL = 4,      /**< a search is under way, global phase */
+    PART_LOCAL = 8,       /**< the same, local phase */
+    PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
+    PART_ADAPTIVE = 32,   /**< only a mark: the excitation is adaptive */
+    PART_OPTIMUM = 64     /**< the minimum cost is being found */
 };
 
-/** Members that lie side by side, all of scalars of one width: `count` times `width` bytes, each
- * the lower ones of `stride` bytes in memory. With width 0: structs, of another table. */
+/** Adjacent members, all of scalars of one width: `count` scalars of `width` bytes, each the lower
+ * bytes of `stride` bytes in memory. Width 0: structs of another table. */
 typedef struct {
     uint32_t offset; /**< of the first, in its struct */
     uint32_t count;
@@ -30,7 +30,7 @@ typedef struct {
     uint8_t width;
     uint8_t table; /**< of a struct */
     uint8_t parts; /**< 0: always */
-    bool finite;   /**< reals, none of which may be infinite or NaN */
+    bool finite;   /**< reals; none may be infinite or NaN */
 } auvid_checkpoint_row_t;
 
 /** A struct's rows, in the order of the stream. */
@@ -39,7 +39,7 @@ typedef struct {
     uint32_t rows;
 } auvid_checkpoint_table_t;
 
-/** The tables. One holds structs of earlier ones only. */
+/** The tables. A table contains only structs of earlier tables. */
 enum {
     TABLE_SEARCH,
     TABLE_VELOCITY_SAMPLE,
@@ -72,23 +72,23 @@ enum {
 };
 extern const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT];
 
-/** Bytes that each struct takes in the stream. */
+/** Bytes of each struct in the stream. */
 typedef struct {
     uint32_t parts;
     uint32_t of[TABLE_COUNT];
 } auvid_checkpoint_sizes_t;
 
-/** What a checkpoint with these parts (PART_...) has. */
+/** Compute the sizes for a checkpoint with these parts (PART_...). */
 void auvid_checkpoint_measure(auvid_checkpoint_sizes_t *sizes, uint32_t parts);
 
-/** Bytes of one of a row's `count`. */
+/** Bytes of one element of a row. */
 static inline uint32_t auvid_checkpoint_element(const auvid_checkpoint_sizes_t *sizes,
                                                 const auvid_checkpoint_row_t *row)
 {
     return row->width != 0 ? row->width : sizes->of[row->table];
 }
 
-/** Bytes of a row; 0: it is not there. */
+/** Bytes of a row; 0: it is absent. */
 static inline uint32_t auvid_checkpoint_bytes(const auvid_checkpoint_sizes_t *sizes,
                                               const auvid_checkpoint_row_t *row)
 {
@@ -96,20 +96,20 @@ static inline uint32_t auvid_checkpoint_bytes(const auvid_checkpoint_sizes_t *si
     return there ? row->count * auvid_checkpoint_element(sizes, row) : 0u;
 }
 
-/** Scalars that lie in memory at equal distances. */
+/** Scalars at equal distances in memory. */
 typedef struct {
     bool stored; /**< in the storage of rows, else in the identifier */
     uint8_t table;
     size_t offset;
     const auvid_checkpoint_row_t *row;
     uint32_t count;
-    uint32_t skip; /**< bytes of the first that are done */
+    uint32_t skip; /**< bytes of the first scalar that are already processed */
 } auvid_checkpoint_run_t;
 
-/** Byte `at` of the body and what follows. */
+/** The run of scalars that begins with byte `at` of the body. */
 auvid_checkpoint_run_t auvid_checkpoint_locate(const auvid_checkpoint_sizes_t *sizes, uint32_t at);
 
-/** Where byte k of a scalar, from the lowest, stands in the `stride` bytes it has in memory. */
+/** Index of byte k of a scalar, from the lowest, among its `stride` bytes in memory. */
 static inline uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
 {
     const uint16_t one = 1;
@@ -118,21 +118,21 @@ static inline uint32_t auvid_checkpoint_byte(uint32_t stride, uint32_t k)
     return lowest == 1 ? k : stride - 1u - k;
 }
 
-/** Which values scalars of a struct may have. */
+/** Range of the scalars of a struct. */
 typedef struct {
     uint8_t table;
-    bool same;              /**< those that the identifier has already; low and high are not read */
+    bool same;              /**< must equal the identifier's; low and high are not read */
     uint32_t first, end;    /**< bytes of the struct */
-    auvid_real_t low, high; /**< low < 0 in whole numbers: they have a sign */
+    auvid_real_t low, high; /**< low < 0 of integers: they are signed */
 } auvid_checkpoint_limit_t;
 extern const auvid_checkpoint_limit_t auvid_checkpoint_limit[];
 extern const size_t auvid_checkpoint_limits;
 
-/** Could a body with these sizes be that of an identifier of id's model, with id's storage: is
- * every number finite, every index, enumeration, flag, count and size possible, and do they go
- * together? @return AUVID_OK; AUVID_ERR_RANGE. */
+/** Check that a body with these sizes could be of an identifier of id's model with id's storage:
+ * every number is finite, every index, enumeration, flag, count and size is in range, and they are
+ * consistent with each other. @return AUVID_OK; AUVID_ERR_RANGE. */
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
-                                         const auvid_checkpoint_sizes_t *sizes,
-                                         const uint8_t *body, uint32_t bytes);
+                                         const auvid_checkpoint_sizes_t *sizes, const uint8_t *body,
+                                         uint32_t bytes);
 
 #endif

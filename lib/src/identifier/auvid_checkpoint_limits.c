@@ -1,7 +1,7 @@
 /*
- * The checkpoint: which values the members of each struct may have, in the order of
- * auvid_checkpoint_layout.c. What is not named may have any value, reals any finite one. What has
- * to go together: auvid_checkpoint_validate.c.
+ * The checkpoint: the range of the members of each struct, in the order of
+ * auvid_checkpoint_layout.c. A member that is not listed may have any value, a real any finite one.
+ * Conditions between members are in auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
@@ -16,23 +16,22 @@
         table, same, (uint32_t)offsetof(type, first),                                              \
             (uint32_t)(offsetof(type, last) + sizeof((type *)0)->last), low, high                  \
     }
-/* `first` .. `last`, one after the other: low .. high, -most .. most, 0 .. most. */
+/* Ranges of `first` .. `last`: low .. high; -max .. max; 0 .. max. */
 #define RANGE(table, type, first, last, low, high)                                                 \
     LIMIT(table, false, type, first, last, low, (auvid_real_t)(high))
-#define WITHIN(table, type, first, last, most) RANGE(table, type, first, last, -(most), most)
-#define UP_TO(table, type, first, last, most)                                                      \
-    RANGE(table, type, first, last, AUVID_C(0.0), most)
+#define WITHIN(table, type, first, last, max) RANGE(table, type, first, last, -(max), max)
+#define UP_TO(table, type, first, last, max) RANGE(table, type, first, last, AUVID_C(0.0), max)
 #define FLAG(table, type, first, last) UP_TO(table, type, first, last, 1)
 #define DOF_BITS(table, type, member) UP_TO(table, type, member, member, (1 << AUVID_DOF_COUNT) - 1)
 /* Bit i: velocity i. */
 #define AXES(table, type, member) UP_TO(table, type, member, member, AUVID_DVL_ALL)
-/* Of the model, and so of this identifier. */
+/* Determined by the model, so equal to this identifier's. */
 #define SAME(table, type, first, last)                                                             \
     LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
 
-/* Parameters, bounds, steps: squares are finite. Costs (crs.h). Sums of squares of rows, which are
- * within 1e15. Lengths and speeds. Six of the longest cells. Costs
- * told: they do not come round to none. */
+/* Parameters, bounds, steps: their squares are finite. Costs (crs.h). Sums of squares of rows,
+ * which are within 1e15. Lengths and speeds. Counts of evaluations: they do not wrap around.
+ * Delays: six of the longest cells. */
 #define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
 #define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
@@ -41,7 +40,7 @@
 #define DELAY(table, type, first, last)                                                            \
     RANGE(table, type, first, last, AUVID_C(-2.01), AUVID_C(6.01))
 
-enum { MOST_ROWS = 60000 }; /* of all sets */
+enum { MAX_ROWS = 60000 }; /* of all sets */
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_SEARCH, auvid_search_config_t, lower, good),
@@ -126,7 +125,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_METRIC, auvid_metric_t, weight, weight, AUVID_C(1e24)),
     FLAG(TABLE_METRIC, auvid_metric_t, window_weight, window_weight),
     UP_TO(TABLE_METRIC, auvid_metric_t, window_of, window_of, AUVID_METRIC_WINDOW),
-    UP_TO(TABLE_METRIC, auvid_metric_t, at_row, at_row, MOST_ROWS + AUVID_METRIC_WINDOW),
+    UP_TO(TABLE_METRIC, auvid_metric_t, at_row, at_row, MAX_ROWS + AUVID_METRIC_WINDOW),
     RANGE(TABLE_METRIC, auvid_metric_t, window_length, window_length, AUVID_C(1.0),
           AUVID_METRIC_WINDOW),
     UP_TO(TABLE_METRIC, auvid_metric_t, at_band, at_band, AUVID_METRIC_BANDS - 1),
@@ -136,7 +135,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_METRIC, auvid_metric_t, held, ring_changed),
     DELAY(TABLE_METRIC, auvid_metric_t, linear_delay_s, linear_delay_s),
     DOF_BITS(TABLE_METRIC, auvid_metric_t, excited),
-    UP_TO(TABLE_METRIC, auvid_metric_t, dof_rows, dof_rows, MOST_ROWS),
+    UP_TO(TABLE_METRIC, auvid_metric_t, dof_rows, dof_rows, MAX_ROWS),
     DELAY(TABLE_METRIC, auvid_metric_t, delay_s, delay_s),
     DOF_BITS(TABLE_METRIC, auvid_metric_t, first_order_lag),
     UP_TO(TABLE_METRIC, auvid_metric_t, change_rank, change_rank, AUVID_MAX_PARAMETERS),

@@ -1,7 +1,7 @@
 /*
- * The checkpoint: where a byte of the stream lies in memory. It follows from its place by the
- * tables alone: from the outermost struct inwards, the row is sought that the place falls into, and
- * the element of the row.
+ * The checkpoint: the address of a byte of the stream. The tables give it from the byte's position:
+ * from the outermost struct inwards, find the row that contains the position, then the element of
+ * the row.
  */
 #include "auvid_checkpoint_layout_internal.h"
 #include "../base/auvid_math_internal.h"

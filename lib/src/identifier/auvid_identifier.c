@@ -1,6 +1,6 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): its configuration. The tick is in
- * auvid_identifier_step.c, optimizing in auvid_identifier_work.c.
+ * auvid_identifier_step.c, the optimization in auvid_identifier_work.c.
  */
 #include "auvid_identifier_internal.h"
 
@@ -41,8 +41,8 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg)
     }
 }
 
-/* Would the search over all free parameters be taken? One over fewer of them is, too. */
-static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
+/* Check the search over all free parameters. A search over fewer of them is valid too. */
+static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg)
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
@@ -76,9 +76,10 @@ static auvid_status_t check_search(const auvid_identifier_config_t *cfg)
     return auvid_crs_check(&search);
 }
 
-static auvid_status_t check_uncertainty(const auvid_uncertainty_t *told)
+static auvid_status_t identifier_check_uncertainty(const auvid_uncertainty_t *uncertainty)
 {
-    const auvid_real_t all[] = {told->thrust_scale, told->dvl_scale, told->delay_s};
+    const auvid_real_t all[] = {uncertainty->thrust_scale, uncertainty->dvl_scale,
+                                uncertainty->delay_s};
     enum { ALL = sizeof all / sizeof all[0] };
     if (!auvid_all_finite(all, ALL)) {
         return AUVID_ERR_NOT_FINITE;
@@ -98,19 +99,20 @@ static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
         status = auvid_vehicle_check(cfg->vehicle);
     }
     if (status >= 0) {
-        status = check_search(cfg);
+        status = identifier_check_search(cfg);
     }
-    /* in every tick there is the filter's velocity only, and that is over ground */
+    /* only the filter has a velocity in every tick, and that is over ground */
     bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
                     (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
     bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
     if (status >= 0) {
-        status = check_uncertainty(&cfg->uncertainty);
+        status = identifier_check_uncertainty(&cfg->uncertainty);
     }
     return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
-static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+static auvid_status_t identifier_init_excitation(auvid_identifier_t *id,
+                                                 const auvid_identifier_config_t *cfg)
 {
     auvid_status_t status = AUVID_OK;
     if (cfg->allocation.thrusters > 0) {
@@ -127,7 +129,8 @@ static auvid_status_t init_excitation(auvid_identifier_t *id, const auvid_identi
     return status;
 }
 
-static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier_config_t *cfg)
+static auvid_status_t identifier_init_metric(auvid_metric_t *metric,
+                                             const auvid_identifier_config_t *cfg)
 {
     metric->cfg = cfg->metric;
     metric->cfg.vehicle = cfg->vehicle;
@@ -136,7 +139,8 @@ static auvid_status_t init_metric(auvid_metric_t *metric, const auvid_identifier
     return auvid_metric_init(metric, &metric->cfg);
 }
 
-static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
+                                              const auvid_identifier_config_t *cfg)
 {
     auvid_status_t status = auvid_nav_init(&id->nav, &cfg->nav);
     if (status >= 0) {
@@ -147,12 +151,12 @@ static auvid_status_t init_modules(auvid_identifier_t *id, const auvid_identifie
         status = auvid_recorder_init(&id->recorder, &recorder);
     }
     if (status >= 0) {
-        status = init_metric(&id->metric, cfg);
+        status = identifier_init_metric(&id->metric, cfg);
     }
     if (status >= 0) {
         status = auvid_guard_init(&id->guard, &cfg->guard);
     }
-    return status < 0 ? status : init_excitation(id, cfg);
+    return status < 0 ? status : identifier_init_excitation(id, cfg);
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
@@ -170,7 +174,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(id, 0, offsetof(auvid_identifier_t, config)); /* where cfg may be */
+    memset(id, 0, offsetof(auvid_identifier_t, config)); /* cfg may be id->config */
     auvid_status_t status = identifier_check(cfg);
     if (status >= 0) {
         id->search = cfg->search;
@@ -179,8 +183,8 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
-        id->listening = cfg->listener_context;
-        status = init_modules(id, cfg);
+        id->listener_context = cfg->listener_context;
+        status = identifier_init_modules(id, cfg);
     }
     if (status < 0) {
         memset(id, 0, sizeof *id);

@@ -1,5 +1,5 @@
 /*
- * The identifier's acting half: guard and excitation.
+ * The active half of the identifier: guard and excitation.
  */
 #include "auvid_identifier_internal.h"
 
@@ -7,15 +7,16 @@
 
 #include "../base/auvid_math_internal.h"
 
-static auvid_guard_seen_t seen_by(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
+static auvid_guard_seen_t identifier_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
     auvid_guard_seen_t seen = {nav->diagnostics[sensor].good_us,
                                nav->diagnostics[sensor].has_sample};
     return seen;
 }
 
-/* What the guard looks at, from the filter and what else is known. */
-static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_guard_input_t *in)
+/* Collect the guard's input from the filter and the other sensors. */
+static void identifier_fill_guard_input(const auvid_identifier_t *id, bool saturated,
+                                        auvid_guard_input_t *in)
 {
     auvid_nav_state_t state;
     memset(in, 0, sizeof *in);
@@ -24,7 +25,7 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
     in->altitude_m = id->altitude_m;
     in->applied = id->applied;
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
-        return; /* no IMU yet, and so no other */
+        return; /* without IMU samples there are no others */
     }
     in->imu.t_us = state.t_us;
     in->imu.known = true;
@@ -33,7 +34,7 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
     if (id->excitation.heaves) {
         in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
     }
-    in->depth = seen_by(&id->nav, AUVID_NAV_DEPTH);
+    in->depth = identifier_last_seen(&id->nav, AUVID_NAV_DEPTH);
     const auvid_nav_velocity_sample_t *water = &id->nav.water;
     if (id->guard.cfg.water_lock && water->sequence > 0 &&
         (!in->velocity.known || water->t_us > in->velocity.t_us)) {
@@ -42,13 +43,13 @@ static void identifier_look(const auvid_identifier_t *id, bool saturated, auvid_
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = id->nav.attitude[0]; /* not unwrapped: a whole turn is level, too */
+    in->roll = id->nav.attitude[0]; /* not unwrapped: a full turn is level */
     in->pitch = state.attitude[1];
 }
 
-/* A step of the guard. @return may the excitation act? *events: what it has to tell. */
-static bool watch(auvid_identifier_t *id, uint64_t t_us, const auvid_guard_input_t *in,
-                  uint32_t *events)
+/* Step the guard and add its events to *events. @return whether the excitation may act */
+static bool identifier_step_guard(auvid_identifier_t *id, uint64_t t_us,
+                                  const auvid_guard_input_t *in, uint32_t *events)
 {
     auvid_guard_state_t before = id->guard.state;
     bool may = auvid_guard_step(&id->guard, t_us, in);
@@ -59,7 +60,7 @@ static bool watch(auvid_identifier_t *id, uint64_t t_us, const auvid_guard_input
     return may;
 }
 
-static void take_altitude(auvid_identifier_t *id, const auvid_input_t *in)
+static void identifier_take_altitude(auvid_identifier_t *id, const auvid_input_t *in)
 {
     if (!in->altitude.present) {
         return;
@@ -78,7 +79,7 @@ static void take_altitude(auvid_identifier_t *id, const auvid_input_t *in)
 }
 
 /* Displacement since the excitation began: d = R' (position - home), angles as differences. */
-static void steer(auvid_identifier_t *id)
+static void identifier_set_displacement(auvid_identifier_t *id)
 {
     auvid_nav_state_t state;
     auvid_real_t moved[AUVID_DOF_COUNT], d[AUVID_DOF_COUNT], r[3][3];
@@ -100,23 +101,23 @@ static void steer(auvid_identifier_t *id)
     (void)auvid_excitation_set_displacement(&id->excitation, d);
 }
 
-static void end_excitation(auvid_identifier_t *id)
+static void identifier_end_excitation(auvid_identifier_t *id)
 {
     (void)auvid_guard_finished(&id->guard, id->t_us);
     id->starting = false;
     id->events |= AUVID_EVENT_EXCITATION_DONE;
 }
 
-static void excite(auvid_identifier_t *id, auvid_output_t *out)
+static void identifier_play_excitation(auvid_identifier_t *id, auvid_output_t *out)
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
     if (id->starting) {
         (void)auvid_excitation_start(&id->excitation, id->t_us);
     }
-    steer(id);
+    identifier_set_displacement(id);
     id->starting = false;
     if (auvid_excitation_step(&id->excitation, id->t_us, wrench) != AUVID_OK) {
-        end_excitation(id);
+        identifier_end_excitation(id);
         return;
     }
     if (id->adapt != NULL) {
@@ -144,15 +145,15 @@ static void identifier_publish_state(const auvid_identifier_t *id, auvid_output_
 void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
 {
     bool may;
-    take_altitude(id, in);
-    { /* its own block: what the guard sees need not stay on the stack while exciting */
+    identifier_take_altitude(id, in);
+    { /* a block, so that the guard's input is not on the stack during the excitation */
         auvid_guard_input_t seen;
-        identifier_look(id, in->saturated, &seen);
+        identifier_fill_guard_input(id, in->saturated, &seen);
         id->saturated = false;
-        may = watch(id, id->t_us, &seen, &id->events);
+        may = identifier_step_guard(id, id->t_us, &seen, &id->events);
     }
     if (may) {
-        excite(id, out);
+        identifier_play_excitation(id, out);
     }
     identifier_publish_state(id, out);
 }
@@ -165,9 +166,9 @@ void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, a
     }
     memset(&nothing, 0, sizeof nothing);
     if (in == NULL || out == NULL) {
-        (void)watch(id, id->t_us, NULL, out == NULL ? &id->events : &out->events);
+        (void)identifier_step_guard(id, id->t_us, NULL, out == NULL ? &id->events : &out->events);
     } else {
-        (void)watch(id, in->t_us, &nothing, &out->events);
+        (void)identifier_step_guard(id, in->t_us, &nothing, &out->events);
     }
     if (out != NULL) {
         identifier_publish_state(id, out);
@@ -183,9 +184,9 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     if (!identifier_is_ready(id) || id->excitation.config.segments == 0) {
         return AUVID_ERR_STATE;
     }
-    identifier_look(id, false, &seen);
+    identifier_fill_guard_input(id, false, &seen);
     auvid_status_t status = auvid_guard_arm(&id->guard, id->t_us, &seen);
-    if (status == AUVID_OK) { /* the time of arming has been stepped: again, it stands still */
+    if (status == AUVID_OK) { /* a step at the time of arming exists: the next must be later */
         id->guard.stepped = id->started;
     }
     return status;
@@ -210,7 +211,7 @@ auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
         return AUVID_ERR_STATE;
     }
     if (id->starting) {
-        end_excitation(id);
+        identifier_end_excitation(id);
         return AUVID_OK;
     }
     return auvid_excitation_stop(&id->excitation, id->t_us);

@@ -1,6 +1,6 @@
 /*
- * The identifier: has the search converged? The cost of a model with regressor is convex, and the
- * merged factor gives its least value within the bounds. A search that ends above it has not
+ * The identifier: convergence of the search. The cost of a model with regressor is convex, and the
+ * merged R factor gives its minimum within the bounds. A search that ends above the minimum has not
  * converged, whatever its own criterion says.
  */
 #include "../search/auvid_bounded_ls_internal.h"
@@ -8,10 +8,10 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-/* Largest excess of a result's cost, relative to the least cost. Of data without noise, where that
- * is next to nothing: relative to the cost of parameters that are all zero. */
-#define EXCESS AUVID_C(1e-3)
-#define EXCESS_OF_ALL AUVID_C(1e-8)
+/* Largest excess of a result's cost, relative to the minimum. For data without noise the minimum
+ * is almost zero: then relative to the cost of all-zero parameters. */
+#define EXCESS_OF_MINIMUM AUVID_C(1e-3)
+#define EXCESS_OF_ZERO AUVID_C(1e-8)
 
 void auvid_identifier_begin_optimum(auvid_identifier_t *id)
 {
@@ -53,7 +53,8 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         }
     }
     if (status != AUVID_PENDING) {
-        auvid_real_t allowed = EXCESS * (ls->cost + m->constant) + EXCESS_OF_ALL * ls->zero;
+        auvid_real_t allowed =
+            EXCESS_OF_MINIMUM * (ls->cost + m->constant) + EXCESS_OF_ZERO * ls->zero;
         id->not_converged |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;

@@ -1,6 +1,6 @@
 /*
- * The identifier (Karras et al. 2013, Fig. 2): the tick. What acts is in auvid_identifier_act.c,
- * optimizing in auvid_identifier_work.c.
+ * The identifier (Karras et al. 2013, Fig. 2): the tick. Guard and excitation are in
+ * auvid_identifier_act.c, the optimization is in auvid_identifier_work.c.
  */
 #include "auvid_identifier_internal.h"
 
@@ -8,12 +8,12 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* Cells that have become complete, `most` of them, go to the metric and to whoever is attached. */
-static void take_cells(auvid_identifier_t *id, int most)
+/* Pass complete cells, at most max_cells, to the metric and the attached validation. */
+static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {
     auvid_sample_t cell;
     uint32_t dropped = id->metric.rows_dropped;
-    for (int i = 0; i < most; ++i) {
+    for (int i = 0; i < max_cells; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
             auvid_metric_gap(&id->metric);
@@ -36,66 +36,68 @@ static void take_cells(auvid_identifier_t *id, int most)
     }
 }
 
-/* Velocity goes into the recorder when a DVL update has just corrected it: between updates a
- * constant-velocity filter lags. */
-static void record_velocity(auvid_identifier_t *id)
+/* Record the velocity only after a DVL update: between updates a constant-velocity filter lags. */
+static void identifier_record_velocity(auvid_identifier_t *id)
 {
     bool water = id->velocity == AUVID_VELOCITY_WATER;
-    const auvid_nav_velocity_sample_t *knot = water ? &id->nav.water : &id->nav.ground;
-    if (!id->velocity_every_tick && knot->sequence != id->last_sample) {
-        id->last_sample = knot->sequence;
-        (void)auvid_recorder_velocity(&id->recorder, knot->t_us, knot->velocity, knot->measured);
+    const auvid_nav_velocity_sample_t *sample = water ? &id->nav.water : &id->nav.ground;
+    if (!id->velocity_every_tick && sample->sequence != id->last_sample) {
+        id->last_sample = sample->sequence;
+        (void)auvid_recorder_velocity(&id->recorder, sample->t_us, sample->velocity,
+                                      sample->measured);
     }
 }
 
-static void identifier_note(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
+static void identifier_flag_rejected(auvid_identifier_t *id, auvid_status_t status, uint32_t event)
 {
     id->events |= status < 0 || status == AUVID_GATED ? event : 0u;
 }
 
-/* What became of samples that were held for the IMU. */
-static void note_held(auvid_identifier_t *id)
+/* Flag the rejected ones among the samples that waited for the IMU. */
+static void identifier_flag_held(auvid_identifier_t *id)
 {
     const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
-    unsigned refused = id->nav.held_rejected;
-    id->events |= (refused & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
-    id->events |= (refused >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
-    id->events |= (refused >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
-    record_velocity(id); /* another one may follow in this step */
+    unsigned rejected = id->nav.held_rejected;
+    id->events |= (rejected & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
+    id->events |= (rejected >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
+    id->events |= (rejected >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
+    identifier_record_velocity(id); /* another update may follow in this step */
 }
 
-/* Sensors into the filter; what it refuses becomes an event. */
-static void navigate(auvid_identifier_t *id, const auvid_input_t *in)
+/* Pass the sensors to the filter; what it rejects becomes an event. */
+static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
     id->nav.until_us = in->t_us + id->nav.future_us;
     if (in->imu.present) {
-        /* The filter follows the IMU's time: one sample far ahead would shut out all others. */
+        /* The filter follows the IMU's time: a sample far ahead would exclude all others. */
         if (in->imu.t_us > id->nav.until_us ||
             auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
             id->events |= AUVID_EVENT_IMU_DROPPED;
         } else {
-            note_held(id);
+            identifier_flag_held(id);
         }
     }
     if (in->dvl.present) {
-        identifier_note(id, auvid_nav_dvl(&id->nav, &in->dvl.sample), AUVID_EVENT_DVL_DROPPED);
+        identifier_flag_rejected(id, auvid_nav_dvl(&id->nav, &in->dvl.sample),
+                                 AUVID_EVENT_DVL_DROPPED);
     }
     if (in->dvl_water.present) {
-        identifier_note(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample),
-                        AUVID_EVENT_DVL_DROPPED);
+        identifier_flag_rejected(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample),
+                                 AUVID_EVENT_DVL_DROPPED);
     }
     if (in->depth.present) {
-        identifier_note(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
-                        AUVID_EVENT_DEPTH_DROPPED);
+        identifier_flag_rejected(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
+                                 AUVID_EVENT_DEPTH_DROPPED);
     }
     if (in->gps.present) {
-        identifier_note(id, auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
-                        AUVID_EVENT_GPS_DROPPED);
+        identifier_flag_rejected(id,
+                                 auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
+                                 AUVID_EVENT_GPS_DROPPED);
     }
 }
 
-/* The filter's state into the recorder: attitude in every tick. */
-static void identifier_record(auvid_identifier_t *id, const auvid_input_t *in)
+/* Record the filter's state: the attitude in every tick. */
+static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t *in)
 {
     auvid_nav_state_t state;
     if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
@@ -110,29 +112,30 @@ static void identifier_record(auvid_identifier_t *id, const auvid_input_t *in)
         (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity,
                                       id->nav.ground.measured);
     }
-    record_velocity(id);
+    identifier_record_velocity(id);
     if (!(state.flags & fresh)) {
         id->events |= AUVID_EVENT_VELOCITY_STALE;
     }
 }
 
 /* Are rows of this time dropped? */
-static bool is_deaf(const auvid_identifier_t *id, uint64_t t_us)
+static bool identifier_drops_rows(const auvid_identifier_t *id, uint64_t t_us)
 {
     const auvid_metric_t *m = &id->metric;
     return identifier_residual_path(id) && m->held && (m->full || t_us > m->until_us);
 }
 
-/* The wrench recorded is known from t_us on. */
-static auvid_status_t record_input(auvid_identifier_t *id, uint64_t t_us,
-                                   const auvid_real_t *wrench, const auvid_real_t *command)
+/* Record a wrench that is known from t_us on. */
+static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t_us,
+                                              const auvid_real_t *wrench,
+                                              const auvid_real_t *command)
 {
     auvid_status_t status = auvid_recorder_input(&id->recorder, t_us, wrench, command);
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
-        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL && !is_deaf(id, t_us)) {
-            id->listener->command(id->listening, t_us, command);
+        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL && !identifier_drops_rows(id, t_us)) {
+            id->listener->command(id->listener_context, t_us, command);
         }
     }
     return status;
@@ -158,13 +161,13 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
     }
     id->started = true;
     id->t_us = in->t_us;
-    navigate(id, in);
-    identifier_record(id, in);
+    identifier_navigate(id, in);
+    identifier_record_state(id, in);
     if (in->applied.present &&
-        record_input(id, in->t_us, in->applied.wrench, in->applied.command) < 0) {
+        identifier_record_input(id, in->t_us, in->applied.wrench, in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
-    take_cells(id, AUVID_CELLS_PER_STEP);
+    identifier_take_cells(id, AUVID_CELLS_PER_STEP);
     auvid_identifier_act(id, in, out);
     out->events = id->events;
     id->events = 0;
@@ -182,7 +185,7 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     }
     auvid_status_t status = auvid_recorder_motion(&id->recorder, t_us, attitude, nu);
     if (status == AUVID_OK) {
-        take_cells(id, AUVID_RECORDER_CELLS);
+        identifier_take_cells(id, AUVID_RECORDER_CELLS);
     }
     return status;
 }
@@ -196,8 +199,8 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = record_input(id, t_us, wrench, command);
-    take_cells(id, AUVID_CELLS_PER_STEP);
+    auvid_status_t status = identifier_record_input(id, t_us, wrench, command);
+    identifier_take_cells(id, AUVID_CELLS_PER_STEP);
     return status;
 }
 
@@ -209,7 +212,7 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id)
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    take_cells(id, AUVID_RECORDER_CELLS);
+    identifier_take_cells(id, AUVID_RECORDER_CELLS);
     auvid_status_t status = auvid_metric_close(&id->metric);
     identifier_take_set(id, status);
     return status;

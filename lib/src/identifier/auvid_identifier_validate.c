@@ -1,12 +1,12 @@
 /*
- * The identifier: judgement of estimates by sets they have not seen.
+ * The identifier: validation of estimates by sets that they have not seen.
  *
- *     FORESEE -> PREDICT -> COMPARE -> JUDGE, set by set, before the new sets are merged
+ *     PREPARE -> PREDICT -> COMPARE -> CHANGE_TEST, set by set, before the new sets are merged
  *
- * An estimate becomes the trusted one when the next set confirms it; one that foretells that set
- * worse than the trusted one does is taken back. Whether the vehicle has changed is decided by
- * Chow's F of all DoF (auvid_metric_change) with the noise that counts (confidence.h), so that
- * neither a strong disturbance nor a set with other motion raises an alarm.
+ * An estimate becomes the accepted one when the next set confirms it. If it predicts that set worse
+ * than the accepted estimate does, it is withdrawn. Chow's F of all DoF (auvid_metric_change) with
+ * the effective noise (confidence.h) decides whether the vehicle has changed. So neither a strong
+ * disturbance nor a set with other motion raises an alarm.
  */
 #include <string.h>
 
@@ -14,16 +14,16 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-/* Worse is worse by more than this part of the cost. */
+/* A prediction is worse only if its cost is larger by this factor. */
 #define MARGIN AUVID_C(1.1)
 
-/* Chow's F is about 1 in each DoF while nothing changes. A payload is felt in all of them: a change
- * is a sum of the DoF's F - 1 beyond LIMIT_ONE - 1 (for one new set; LIMIT_TWO for two), or one F
- * beyond LIMIT_DOF, among ENOUGH sets or more. Few large F make a large sum, so the same limits do
- * for two DoF as for four. Of 17570 unchanged sets at disturbances of 1 and 3 N the largest sum for
- * any of the DoF was 11.2 - 1 (10.7 - 1 for two), the largest F 9.2; the tails have a set in 1e5
- * beyond each limit. With four older sets, one new one came up to 20.8; and so it is when the
- * estimate, whose noise it is, is of four, as where the search takes longer than a set. */
+/* Chow's F is about 1 in each DoF if nothing has changed. A payload affects all DoF, so there are
+ * two criteria: the sum of F - 1 over the DoF exceeds LIMIT_ONE - 1 (LIMIT_TWO - 1 for two new
+ * sets), or one F exceeds LIMIT_DOF. Both need ENOUGH sets. A few large F dominate the sum, so the
+ * same limits hold for two DoF as for four. Of 17570 unchanged sets at disturbances of 1 and 3 N:
+ * largest sum for any of the DoF 11.2 - 1 (10.7 - 1 for two), largest F 9.2. By the tails, one set
+ * in 1e5 exceeds each limit. With four older sets one new set reached 20.8. The same holds for an
+ * estimate of four sets, whose noise is used; it occurs if the search takes longer than a set. */
 #define LIMIT_DOF AUVID_C(10.0)
 #define LIMIT_ONE AUVID_C(12.0)
 #define LIMIT_TWO AUVID_C(11.0)
@@ -34,7 +34,7 @@ auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
 {
     auvid_real_t delay_s = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT && identifier_residual_path(id); ++j) {
-        delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all driven ones */
+        delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all excited DoF */
     }
     return delay_s;
 }
@@ -44,41 +44,42 @@ void auvid_identifier_simulate(auvid_identifier_t *id)
     const auvid_estimate_t *e = &id->estimate;
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
     memset(&id->prediction, 0, sizeof id->prediction);
-    if (e->number > 0) { /* a model without acceleration, or such masses: no simulation */
+    if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
         (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->excited,
                                     e->delay_s, e->first_order_lag, cell_s);
     }
 }
 
-/* Longest time between the first row of a set and its last [us]. */
-static uint64_t set_us(const auvid_metric_config_t *cfg)
+/* Longest time from the first row of a set to its last [us]. */
+static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
 {
     return (uint64_t)cfg->cell_us * cfg->row_cells * cfg->set_rows;
 }
 
 void auvid_identifier_begin_sets(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     auvid_metric_t *m = &id->metric;
     bool simulated = id->prediction.vehicle != NULL && m->waiting == 1 &&
-                     auvid_validation_r2(&id->prediction, to->r2_velocity) == AUVID_OK;
-    to->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
+                     auvid_validation_r2(&id->prediction, test->r2_velocity) == AUVID_OK;
+    test->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
     auvid_identifier_simulate(id);
     if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
-        id->listener->set(id->listening, m);
+        id->listener->set(id->listener_context, m);
     }
     id->sets = m->sets_recorded;
     id->untested = id->estimate.number == 0 ? 0u : m->waiting;
     bool limited = identifier_residual_path(id) && id->listener != NULL;
-    auvid_metric_hold(m, limited ? id->applied.t_us + set_us(&m->cfg) : UINT64_MAX);
+    auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
+                                 : UINT64_MAX);
     m->from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
     auvid_identifier_begin_change_test(id);
 }
 
 void auvid_identifier_rest(auvid_identifier_t *id)
 {
-    bool logs = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = logs ? id->listener->lead_us(id->listening) : 0u;
+    bool has_log = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
+    uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
     id->searching = false;
     id->phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
@@ -86,7 +87,7 @@ void auvid_identifier_rest(auvid_identifier_t *id)
 
 void auvid_identifier_begin_merge(auvid_identifier_t *id)
 {
-    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: what waits is next */
+    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: the waiting sets are next */
         auvid_identifier_rest(id);
         return;
     }
@@ -95,12 +96,12 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id)
     id->phase = AUVID_WORK_MERGE;
 }
 
-/* metric.from: the set to be judged is the newest that counts. */
+/* metric.from makes the set under validation the newest one in use. */
 void auvid_identifier_begin_change_test(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
     const auvid_estimate_t *e = &id->estimate;
-    while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before it was judged */
+    while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before its validation */
         --id->untested;
         m->from = (uint8_t)(id->untested > 0 ? m->from - 1u : m->from);
     }
@@ -116,21 +117,22 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
     id->phase = AUVID_WORK_PREPARE;
 }
 
-/* A set has been judged: on to the next newer one. */
-static void next_set(auvid_identifier_t *id)
+/* A set is validated: continue with the next newer one. */
+static void identifier_next_set(auvid_identifier_t *id)
 {
     id->metric.from = (uint8_t)(--id->untested > 0 ? id->metric.from - 1u : id->metric.from);
     auvid_identifier_begin_change_test(id);
 }
 
-static void identifier_predict(auvid_identifier_t *id, const auvid_estimate_t *e, uint8_t phase)
+static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_estimate_t *e,
+                                        uint8_t phase)
 {
     auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(id, e));
     id->phase = phase;
 }
 
-/* Cost of what was predicted, over the DoF that both estimates know. */
-static auvid_real_t predicted_cost(const auvid_identifier_t *id)
+/* Cost of the prediction, over the DoF that both estimates identify. */
+static auvid_real_t identifier_predicted_cost(const auvid_identifier_t *id)
 {
     auvid_real_t cost = AUVID_C(0.0);
     uint8_t both = id->estimate.excited & id->accepted_estimate.excited;
@@ -141,31 +143,31 @@ static auvid_real_t predicted_cost(const auvid_identifier_t *id)
     return cost;
 }
 
-/* The new set as the last estimate foretold it. */
-static void note_prediction(auvid_identifier_t *id)
+/* Record how the last estimate predicted the new set. */
+static void identifier_record_prediction(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     const auvid_metric_t *m = &id->metric;
     const auvid_set_t *set = auvid_metric_newest(m);
-    to->set = set->number;
-    to->estimate = id->estimate.number;
-    to->excited = set->excited & id->estimate.excited;
-    to->changed = 0;
+    test->set = set->number;
+    test->estimate = id->estimate.number;
+    test->excited = set->excited & id->estimate.excited;
+    test->changed = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t residual = id->estimate.confidence.residual_rms[j];
         auvid_real_t rows = (auvid_real_t)set->rows_of[j];
         auvid_real_t ratio = m->predicted[j] / (rows * residual * residual);
-        to->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
-        to->change[j] = AUVID_C(0.0);
+        test->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
+        test->change[j] = AUVID_C(0.0);
     }
-    id->predicted = predicted_cost(id);
+    id->predicted = identifier_predicted_cost(id);
 }
 
-/* The trusted estimate's turn is over: which of the two stays? One that knows other DoF is no
- * substitute: its parameters of the rest are not estimates. */
-static void identifier_compare(auvid_identifier_t *id)
+/* The accepted estimate's prediction is complete: keep one of the two. An estimate of other DoF is
+ * no substitute: its parameters of the remaining DoF are not estimates. */
+static void identifier_compare_estimates(auvid_identifier_t *id)
 {
-    bool worse = id->predicted > MARGIN * predicted_cost(id);
+    bool worse = id->predicted > MARGIN * identifier_predicted_cost(id);
     if (worse && id->estimate.excited != id->accepted_estimate.excited) {
         return;
     }
@@ -182,14 +184,14 @@ static void identifier_compare(auvid_identifier_t *id)
     }
 }
 
-/* Each DoF's F - 1 for the newest `newest` sets over its limit; 0: no verdict.
- * @return the largest, or their sum over its limit, if that is more */
-static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
-                          auvid_real_t share[AUVID_DOF_COUNT])
+/* F - 1 of each DoF for the newest `newest` sets, relative to its limit; 0: no test possible.
+ * @return the largest, or their sum relative to its limit, if that is larger */
+static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int newest,
+                                              auvid_real_t evidence[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
-    auvid_real_t most = AUVID_C(0.0), sum = AUVID_C(0.0);
+    auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.effective_noise[j];
         auvid_real_t f =
@@ -197,32 +199,33 @@ static auvid_real_t weigh(const auvid_identifier_t *id, int newest,
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
-        share[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
-        most = auvid_max(most, share[j]);
+        evidence[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
+        max_evidence = auvid_max(max_evidence, evidence[j]);
         sum += excess;
     }
-    return auvid_max(most, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
+    return auvid_max(max_evidence, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
 }
 
-/* All is known about the new set: has the vehicle changed? */
-static void conclude(auvid_identifier_t *id)
+/* Decide whether the vehicle has changed. */
+static void identifier_conclude_test(auvid_identifier_t *id)
 {
-    auvid_change_test_t *to = &id->change_test;
+    auvid_change_test_t *test = &id->change_test;
     auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
-    auvid_real_t by_one = weigh(id, 1, one), by_two = weigh(id, 2, two);
-    const auvid_real_t *share = by_one > by_two ? one : two;
-    int most = 0;
+    auvid_real_t by_one = identifier_weigh_evidence(id, 1, one),
+                 by_two = identifier_weigh_evidence(id, 2, two);
+    const auvid_real_t *evidence = by_one > by_two ? one : two;
+    int clearest = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        to->change[j] = auvid_max(share[j], AUVID_C(0.0));
-        most = share[j] > share[most] ? j : most;
+        test->change[j] = auvid_max(evidence[j], AUVID_C(0.0));
+        clearest = evidence[j] > evidence[clearest] ? j : clearest;
     }
-    to->change[most] = auvid_max(by_one, by_two);
-    to->changed = (uint8_t)((to->change[most] > AUVID_C(1.0)) << most);
+    test->change[clearest] = auvid_max(by_one, by_two);
+    test->changed = (uint8_t)((test->change[clearest] > AUVID_C(1.0)) << clearest);
     id->straddles_change = false;
     id->events |= AUVID_EVENT_VALIDATED;
-    if (to->changed != 0) {
-        /* It may have happened in the middle of a set: the newest, if that alone gave the alarm,
-         * else the one before. */
+    if (test->changed != 0) {
+        /* The change may be in the middle of a set: of the newest, if that set by itself raised the
+         * alarm, else of the one before. */
         for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
             (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
@@ -241,20 +244,20 @@ auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *bu
     case AUVID_WORK_PREPARE:
         status = auvid_metric_linearise(m, budget);
         if (status == AUVID_OK) {
-            identifier_predict(id, &id->estimate, AUVID_WORK_PREDICT);
+            identifier_begin_prediction(id, &id->estimate, AUVID_WORK_PREDICT);
         }
         break;
     case AUVID_WORK_PREDICT:
         status = auvid_metric_measure(m, budget);
         if (status == AUVID_OK) {
-            note_prediction(id);
-            identifier_predict(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
+            identifier_record_prediction(id);
+            identifier_begin_prediction(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
         }
         break;
     case AUVID_WORK_COMPARE:
         status = id->accepted_estimate.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
         if (status == AUVID_OK) {
-            identifier_compare(id);
+            identifier_compare_estimates(id);
             auvid_metric_change_begin(m);
             id->phase = AUVID_WORK_CHANGE_TEST;
         }
@@ -262,8 +265,8 @@ auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *bu
     default:
         status = auvid_metric_change(m, budget);
         if (status == AUVID_OK) {
-            conclude(id);
-            next_set(id);
+            identifier_conclude_test(id);
+            identifier_next_set(id);
         }
         break;
     }

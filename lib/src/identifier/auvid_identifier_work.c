@@ -1,15 +1,14 @@
 /*
- * The identifier (Karras et al. 2013, Fig. 2): optimizing, a few units at a time.
+ * The identifier (Karras et al. 2013, Fig. 2): optimization, a few units at a time.
  *
- *     sets complete -> judge -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
- *           ^                                                                          |
- *           +------------------- sets that were completed meanwhile <------ estimate --+
+ *     sets complete -> validate -> MERGE -> ASK <-> COST -> MEASURE -> LINEARISE -> CONFIDENCE
+ *           ^                                                                             |
+ *           +--------------------- sets that were completed meanwhile <------ estimate ---+
  *
- * From judging to the estimate the ring is held (auvid_metric_hold): the search ends on the sets it
- * began with, however slow it is. A set that enters the ring meanwhile takes the place of the
- * oldest: what reads the ring begins again with those that are left. Judging is in
- * auvid_identifier_validate.c, what LINEARISE does for a model with regressor in
- * auvid_identifier_optimum.c.
+ * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
+ * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
+ * then the phases that read the ring restart with the remaining sets. The validation is in
+ * auvid_identifier_validate.c, LINEARISE for a model with regressor in auvid_identifier_optimum.c.
  */
 #include <string.h>
 
@@ -18,30 +17,30 @@
 #include "../metric/auvid_metric_internal.h"
 #include "../search/auvid_optimizer_internal.h"
 
-/* Is the delay one of the parameters of the search? It is the last one then. */
-static bool searches_delay(const auvid_identifier_t *id)
+/* Is the delay one of the parameters of the search? Then it is the last one. */
+static bool identifier_searches_delay(const auvid_identifier_t *id)
 {
     return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
 }
 
-/* A point for the optimizer: the active parameters of pi, clipped to the box. It is made in the
- * place of the scale, which the optimizer has taken. */
-static void add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg, const auvid_real_t *pi,
-                      auvid_real_t delay_s)
+/* Add a point to the optimizer: the active parameters of pi, clipped to the box. It overwrites the
+ * scale, which the optimizer has copied. */
+static void identifier_add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg,
+                                 const auvid_real_t *pi, auvid_real_t delay_s)
 {
     auvid_real_t *theta = cfg->scale;
-    int n = cfg->crs.n - (searches_delay(id) ? 1 : 0);
+    int n = cfg->crs.n - (identifier_searches_delay(id) ? 1 : 0);
     for (int i = 0; i < n; ++i) {
         theta[i] = auvid_clamp(pi[id->parameter_of[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
     }
-    if (searches_delay(id)) {
+    if (identifier_searches_delay(id)) {
         theta[n] = delay_s;
     }
     (void)auvid_optimizer_add_point(&id->optimizer, theta);
 }
 
-/* The box and the scale of the search over the active parameters. */
-static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search)
+/* Configure the search over the active parameters: box, scale and options. */
+static void identifier_make_search_config(auvid_identifier_t *id, auvid_optimizer_config_t *search)
 {
     const auvid_search_config_t *cfg = &id->search;
     auvid_real_t *scale =
@@ -53,7 +52,7 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
             id->parameter_of[n++] = i;
         }
     }
-    auvid_optimizer_defaults(search, (uint8_t)(n + searches_delay(id)));
+    auvid_optimizer_defaults(search, (uint8_t)(n + identifier_searches_delay(id)));
     auvid_metric_scale(&id->metric, scale);
     for (int i = 0; i < n; ++i) {
         int p = id->parameter_of[i];
@@ -63,7 +62,7 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
         scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
     }
     memset(scale + n, 0, (size_t)(AUVID_MAX_PARAMETERS - n) * sizeof *scale);
-    if (searches_delay(id)) {
+    if (identifier_searches_delay(id)) {
         search->crs.upper[n] = auvid_metric_longest_delay(&id->metric);
     }
     if (cfg->population > 0) {
@@ -76,27 +75,28 @@ static void pose_search(auvid_identifier_t *id, auvid_optimizer_config_t *search
     search->line_search.paper = cfg->paper;
 }
 
-static auvid_status_t begin_search(auvid_identifier_t *id)
+static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
 {
     auvid_optimizer_config_t search;
-    pose_search(id, &search);
+    identifier_make_search_config(id, &search);
     auvid_status_t status = auvid_optimizer_begin(&id->optimizer, &search);
     if (status < 0) {
         return status;
     }
     ++id->searches;
     if (id->search.has_good) {
-        add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
+        identifier_add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
     }
     if (id->estimate.number > 0 && !id->cold_start) {
-        add_point(id, &search, id->estimate.pi, auvid_identifier_common_delay(id, &id->estimate));
+        identifier_add_point(id, &search, id->estimate.pi,
+                             auvid_identifier_common_delay(id, &id->estimate));
     }
     id->cold_start = false;
     return AUVID_OK;
 }
 
-/* All parameters of the model from the optimizer's: the others keep their fixed value. */
-static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
+/* All parameters of the model from those of the optimizer; the others have their fixed value. */
+static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
     int k = 0;
     memcpy(id->candidate, id->metric.cfg.fixed, sizeof id->candidate);
@@ -105,43 +105,43 @@ static void expand(auvid_identifier_t *id, const auvid_real_t *theta)
             id->candidate[i] = theta[k++];
         }
     }
-    id->delay_s = searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
+    id->delay_s = identifier_searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
 }
 
-/* The result's residuals, on the sets that are left. */
-static void begin_measure(auvid_identifier_t *id)
+/* Begin to measure the result's residuals, on the remaining sets. */
+static void identifier_begin_measure(auvid_identifier_t *id)
 {
     auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
     id->phase = AUVID_WORK_MEASURE;
 }
 
-static AUVID_NOINLINE void ask(auvid_identifier_t *id)
+static AUVID_NOINLINE void identifier_ask(auvid_identifier_t *id)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
     if (status == AUVID_OK) {
-        expand(id, theta);
+        identifier_expand(id, theta);
         auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
-        expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
+        identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
         id->searched = auvid_optimizer_work(&id->optimizer);
         id->not_converged = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
-        begin_measure(id);
+        identifier_begin_measure(id);
     }
 }
 
-/* Largest speeds of the sets that the estimate is of. */
-static void gather_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
+/* Largest speeds in the sets of the estimate. */
+static void identifier_collect_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
 {
     for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
-        uint16_t most = 0;
+        uint16_t max_speed = 0;
         for (int age = 0; age < auvid_metric_sets(m); ++age) {
             const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
             uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
-            most = speed > most ? speed : most;
+            max_speed = speed > max_speed ? speed : max_speed;
         }
-        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)most;
+        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)max_speed;
     }
 }
 
@@ -161,7 +161,7 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     }
     e->first_order_lag = id->metric.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
-    gather_speeds(&id->metric, e);
+    identifier_collect_speeds(&id->metric, e);
     e->not_converged = id->not_converged;
     e->evaluations_crs = id->searched.crs;
     e->evaluations_line = id->searched.line_search;
@@ -173,9 +173,9 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     auvid_identifier_rest(id);
 }
 
-/* The result's residuals; their derivatives or, where the model is linear, the optimum; and what
- * they say. */
-static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
+/* Assess the result: its residuals, then their derivatives or (regressor path) the minimum, then
+ * the standard errors. */
+static auvid_status_t identifier_assess(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_metric_t *m = &id->metric;
     auvid_status_t status = AUVID_OK;
@@ -208,8 +208,8 @@ static auvid_status_t assess(auvid_identifier_t *id, uint32_t *budget)
     return status;
 }
 
-/* Merge, then pay for a population, then search. */
-static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
+/* Merge, then spend the start cost of a search, then begin it. */
+static auvid_status_t identifier_finish_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
     if (id->spent == 0) {
@@ -217,8 +217,8 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
         id->spent = status == AUVID_OK;
     } else {
         --*budget;
-        if (id->spent++ == BEGIN_PRICE) {
-            status = begin_search(id);
+        if (id->spent++ == SEARCH_START_COST) {
+            status = identifier_begin_search(id);
             id->searching = true;
             id->phase = AUVID_WORK_ASK;
         }
@@ -229,8 +229,8 @@ static auvid_status_t finish_merge(auvid_identifier_t *id, uint32_t *budget)
     return status;
 }
 
-/* A set has taken the place of the oldest: begin again what was reading the ring. */
-static void begin_again(auvid_identifier_t *id)
+/* A set has replaced the oldest: restart the phase that reads the ring. */
+static void identifier_restart_phase(auvid_identifier_t *id)
 {
     id->metric.ring_changed = false;
     switch ((auvid_work_phase_t)id->phase) {
@@ -248,27 +248,27 @@ static void begin_again(auvid_identifier_t *id)
     case AUVID_WORK_MEASURE:
     case AUVID_WORK_LINEARISE:
     case AUVID_WORK_CONFIDENCE:
-        begin_measure(id);
+        identifier_begin_measure(id);
         break;
     case AUVID_WORK_IDLE:
     case AUVID_WORK_ASK:
     case AUVID_WORK_COST:
-    default: /* the search works on what was merged */
+    default: /* the search uses the merged sets */
         break;
     }
 }
 
-/* One stretch of work in the present phase. */
-static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
+/* Continue the present phase. */
+static auvid_status_t identifier_advance(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
     switch ((auvid_work_phase_t)id->phase) {
     case AUVID_WORK_MERGE:
-        status = finish_merge(id, budget);
+        status = identifier_finish_merge(id, budget);
         break;
     case AUVID_WORK_ASK:
         --*budget;
-        ask(id);
+        identifier_ask(id);
         break;
     case AUVID_WORK_COST:
         status = auvid_metric_cost(&id->metric, budget);
@@ -280,7 +280,7 @@ static auvid_status_t advance(auvid_identifier_t *id, uint32_t *budget)
     case AUVID_WORK_MEASURE:
     case AUVID_WORK_LINEARISE:
     case AUVID_WORK_CONFIDENCE:
-        status = assess(id, budget);
+        status = identifier_assess(id, budget);
         break;
     case AUVID_WORK_PREPARE:
     case AUVID_WORK_PREDICT:
@@ -307,14 +307,14 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
     if (budget > 0 && id->metric.ring_changed) {
-        begin_again(id);
+        identifier_restart_phase(id);
     }
     if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {
         id->set_pending = false;
         auvid_identifier_begin_sets(id);
     }
     while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
-        status = advance(id, &left);
+        status = identifier_advance(id, &left);
     }
     id->work_last = budget - left;
     id->max_work = id->work_last > id->max_work ? id->work_last : id->max_work;

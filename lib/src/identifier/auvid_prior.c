@@ -1,15 +1,15 @@
 /*
- * The warm record. Little-endian words:
+ * The prior record. Little-endian words:
  *
  *     byte 0  "avw1"
  *          4  checksum of the model: names, and what is free or fixed at what
  *          8  parameters whose standard error is known, bit i
- *         12  colour of the DoF [6], see auvid_prior_t, single precision
+ *         12  variance inflation of the DoF [6], see auvid_prior_t, single precision
  *         36  parameters [32], single precision
- *        164  standard errors with thrust and DVL scale as told [32], upper halves of single
+ *        164  standard errors if thrust and DVL scale are exact [32], upper halves of single
  *             precision, not rounded down
  *        228  0
- *        232  CRC-32 of all before
+ *        232  CRC-32 of all bytes before
  */
 #include "auvid/prior.h"
 
@@ -23,38 +23,38 @@
 
 #define RECORD_MAGIC 0x31777661u
 
-/* What a dive ago was known within sigma is known within this times sigma: half of its weight. */
+/* Factor of the standard errors of the previous dive: it halves their weight. */
 #define AGED AUVID_C(1.4142136)
 
-/* Colour that is typical: of runs at 0 to 3 N, 1 to 3.5. */
+/* Typical variance inflation: of runs at 0 to 3 N, 1 to 3.5. */
 #define COMMON_VARIANCE_INFLATION AUVID_C(2.0)
 
-/* Standard errors of known parameters are below it. */
-#define MOST_SIGMA AUVID_C(1e30)
+/* Upper bound of the standard errors of known parameters. */
+#define MAX_SIGMA AUVID_C(1e30)
 
 enum {
     RECORD_MODEL = 4,
     RECORD_KNOWN = 8,
-    RECORD_COLOUR = 12,
+    RECORD_VARIANCE_INFLATION = 12,
     RECORD_VALUE = 36,
     RECORD_SIGMA = 164,
     RECORD_CHECK = 232
 };
 
-static auvid_real_t real_of(uint32_t bits)
+static auvid_real_t prior_real(uint32_t bits)
 {
     float single;
     memcpy(&single, &bits, sizeof single);
     return (auvid_real_t)single;
 }
 
-static uint32_t checksum_of_record(const uint8_t *record)
+static uint32_t prior_checksum(const uint8_t *record)
 {
     return ~auvid_checksum(UINT32_MAX, record, RECORD_CHECK);
 }
 
-/* 0: the DoF is not known. */
-static auvid_real_t colour(const auvid_confidence_t *confidence, int j)
+/* Variance inflation of a DoF; 0: not known. */
+static auvid_real_t prior_variance_inflation(const auvid_confidence_t *confidence, int j)
 {
     bool known = confidence->residual_rms[j] > AUVID_C(0.0);
     auvid_real_t ratio =
@@ -80,15 +80,16 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record)
     auvid_put_word(record, RECORD_MAGIC);
     auvid_put_word(record + RECORD_MODEL, auvid_checksum_of_model(&id->metric.cfg));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_put_word(record + RECORD_COLOUR + 4 * j,
-                       auvid_single_bits(colour(&e->confidence, j)));
+        auvid_put_word(record + RECORD_VARIANCE_INFLATION + 4 * j,
+                       auvid_single_bits(prior_variance_inflation(&e->confidence, j)));
     }
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
         auvid_real_t total = e->confidence.sigma[i];
-        bool has = (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < AUVID_LARGEST &&
-                   sigma > AUVID_C(0.0) &&
-                   colour(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
+        bool has =
+            (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < AUVID_LARGEST &&
+            sigma > AUVID_C(0.0) &&
+            prior_variance_inflation(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;
         auvid_put_word(record + RECORD_VALUE + 4 * i, auvid_single_bits(e->pi[i]));
@@ -96,59 +97,61 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record)
         record[RECORD_SIGMA + 2 * i + 1] = (uint8_t)(upper >> 8);
     }
     auvid_put_word(record + RECORD_KNOWN, known);
-    auvid_put_word(record + RECORD_CHECK, checksum_of_record(record));
+    auvid_put_word(record + RECORD_CHECK, prior_checksum(record));
     return AUVID_OK;
 }
 
-static void read_memory(const uint8_t *record, int parameters, auvid_prior_t *memory)
+static void prior_read(const uint8_t *record, int parameters, auvid_prior_t *prior)
 {
-    memset(memory, 0, sizeof *memory);
-    memory->known = auvid_get_word(record + RECORD_KNOWN);
+    memset(prior, 0, sizeof *prior);
+    prior->known = auvid_get_word(record + RECORD_KNOWN);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        memory->variance_inflation[j] = real_of(auvid_get_word(record + RECORD_COLOUR + 4 * j));
+        prior->variance_inflation[j] =
+            prior_real(auvid_get_word(record + RECORD_VARIANCE_INFLATION + 4 * j));
     }
     for (int i = 0; i < parameters; ++i) {
         uint32_t upper = record[RECORD_SIGMA + 2 * i] | (uint32_t)record[RECORD_SIGMA + 2 * i + 1]
                                                             << 8;
-        memory->pi[i] = real_of(auvid_get_word(record + RECORD_VALUE + 4 * i));
-        memory->sigma[i] = AGED * real_of(upper << 16);
+        prior->pi[i] = prior_real(auvid_get_word(record + RECORD_VALUE + 4 * i));
+        prior->sigma[i] = AGED * prior_real(upper << 16);
     }
 }
 
-/* What parameter i of a record was known to: with the thrust as told, by the same thrusters. */
-static void add_considered(auvid_identifier_t *id, int i)
+/* Add the scale errors of parameter i of a record. The thrusters are those of the last dive. */
+static void prior_add_scale_errors(auvid_identifier_t *id, int i)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
-    const auvid_uncertainty_t *told = &id->uncertainty;
+    const auvid_uncertainty_t *uncertainty = &id->uncertainty;
     auvid_confidence_t *c = &id->estimate.confidence;
     auvid_real_t pi = id->estimate.pi[i], sigma = c->sigma[i];
-    auvid_real_t thrust = told->thrust_scale * auvid_confidence_thrust_degree(vehicle, i) * pi;
-    auvid_real_t dvl = told->dvl_scale * auvid_confidence_dvl_degree(vehicle, i) * pi;
+    auvid_real_t thrust =
+        uncertainty->thrust_scale * auvid_confidence_thrust_degree(vehicle, i) * pi;
+    auvid_real_t dvl = uncertainty->dvl_scale * auvid_confidence_dvl_degree(vehicle, i) * pi;
     c->thrust_error[i] = thrust;
     c->dvl_error[i] = dvl;
     c->sigma[i] = auvid_sqrt(sigma * sigma + thrust * thrust + dvl * dvl);
 }
 
-/* Not identifiable: that nobody has changed the vehicle since is for the first set to say. */
-static void warm_publish(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
+/* Not identifiable: only the first set shows whether the vehicle has been changed since. */
+static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bool scale_errors)
 {
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     int parameters = vehicle->parameters;
     e->confidence.uncertainty = id->uncertainty;
     e->number = 1;
-    e->identified = memory->known;
-    memcpy(e->pi, memory->pi, sizeof e->pi);
+    e->identified = prior->known;
+    memcpy(e->pi, prior->pi, sizeof e->pi);
     for (int i = 0; i < vehicle->parameters; ++i) {
-        bool known = (memory->known >> i & 1u) != 0;
+        bool known = (prior->known >> i & 1u) != 0;
         e->excited = (uint8_t)(e->excited | (unsigned)known << vehicle->parameter[i].dof);
         e->confidence.sigma[i] = AUVID_LARGEST;
-        if (known && memory->sigma[i] <= AUVID_LARGEST_SIGMA) {
+        if (known && prior->sigma[i] <= AUVID_LARGEST_SIGMA) {
             int diagonal = i * parameters - i * (i - 1) / 2;
-            e->covariance[diagonal] = memory->sigma[i] * memory->sigma[i];
-            e->confidence.sigma[i] = memory->sigma[i];
-            if (told) {
-                add_considered(id, i);
+            e->covariance[diagonal] = prior->sigma[i] * prior->sigma[i];
+            e->confidence.sigma[i] = prior->sigma[i];
+            if (scale_errors) {
+                prior_add_scale_errors(id, i);
             }
         }
     }
@@ -156,18 +159,19 @@ static void warm_publish(auvid_identifier_t *id, const auvid_prior_t *memory, bo
     id->events |= AUVID_EVENT_ESTIMATE;
 }
 
-/* Is it before the first set? */
-static bool warm_is_fresh(const auvid_identifier_t *id)
+/* Is this before the first set? */
+static bool prior_is_allowed(const auvid_identifier_t *id)
 {
     return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
 }
 
-/* told: known with the thrust as told, not in SI. */
-static auvid_status_t warm_begin(auvid_identifier_t *id, const auvid_prior_t *memory, bool told)
+/* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */
+static auvid_status_t prior_begin(auvid_identifier_t *id, const auvid_prior_t *prior,
+                                  bool scale_errors)
 {
-    auvid_status_t status = auvid_metric_set_prior(&id->metric, memory);
-    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path takes the point */
-        warm_publish(id, memory, told);
+    auvid_status_t status = auvid_metric_set_prior(&id->metric, prior);
+    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path uses the point */
+        prior_publish(id, prior, scale_errors);
         status = AUVID_OK;
     }
     return status;
@@ -178,22 +182,22 @@ auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, u
     if (id == NULL || record == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!warm_is_fresh(id)) {
+    if (!prior_is_allowed(id)) {
         return AUVID_ERR_STATE;
     }
     if (bytes != AUVID_PRIOR_BYTES) {
         return AUVID_ERR_SIZE;
     }
     if (auvid_get_word(record) != RECORD_MAGIC ||
-        auvid_get_word(record + RECORD_CHECK) != checksum_of_record(record)) {
+        auvid_get_word(record + RECORD_CHECK) != prior_checksum(record)) {
         return AUVID_ERR_CHECKSUM;
     }
     if (auvid_get_word(record + RECORD_MODEL) != auvid_checksum_of_model(&id->metric.cfg)) {
         return AUVID_ERR_MODEL;
     }
-    auvid_prior_t memory;
-    read_memory(record, identifier_vehicle(id)->parameters, &memory);
-    return warm_begin(id, &memory, true);
+    auvid_prior_t prior;
+    prior_read(record, identifier_vehicle(id)->parameters, &prior);
+    return prior_begin(id, &prior, true);
 }
 
 auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
@@ -202,27 +206,27 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
     if (id == NULL || pi == NULL || sigma == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!warm_is_fresh(id)) {
+    if (!prior_is_allowed(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_prior_t memory;
-    memset(&memory, 0, sizeof memory);
-    memory.known = auvid_metric_free_of(&id->metric, UINT8_MAX);
-    memcpy(memory.pi, id->metric.cfg.fixed, sizeof memory.pi);
+    auvid_prior_t prior;
+    memset(&prior, 0, sizeof prior);
+    prior.known = auvid_metric_free_of(&id->metric, UINT8_MAX);
+    memcpy(prior.pi, id->metric.cfg.fixed, sizeof prior.pi);
     for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
-        if ((memory.known >> i & 1u) == 0) {
+        if ((prior.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior looks at the rest */
+        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior checks the rest */
             return AUVID_ERR_NOT_FINITE;
         }
-        if (!(sigma[i] < MOST_SIGMA)) {
+        if (!(sigma[i] < MAX_SIGMA)) {
             return AUVID_ERR_RANGE;
         }
-        memory.pi[i] = pi[i];
-        memory.sigma[i] = sigma[i];
-        memory.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
+        prior.pi[i] = pi[i];
+        prior.sigma[i] = sigma[i];
+        prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
             COMMON_VARIANCE_INFLATION;
     }
-    return warm_begin(id, &memory, false);
+    return prior_begin(id, &prior, false);
 }

@@ -3,10 +3,10 @@
  * [R P | z - R x] are rotated into
  *
  *     [ A B | a ]          f rows: the free columns' step d solves A d = a and gains ||a||^2
- *     [ 0 C | c ]          of the others, column k alone gains (C_k'c)^2 / ||C_k||^2
+ *     [ 0 C | c ]          of the fixed columns, column k by itself gains (C_k'c)^2 / ||C_k||^2
  *
- * so that what a change gains is known before it is made, free of the rounding of the columns that
- * are free already.
+ * So the gain of a change is known before the change is made, without the rounding errors of the
+ * columns that are already free.
  */
 #include "auvid_bounded_ls_internal.h"
 
@@ -15,9 +15,9 @@
 #include "../base/auvid_linalg_internal.h"
 
 #define RESOLVED AUVID_C(1e-4) /* smallest pivot, relative to its column: rows have 15 bits */
-#define RELEASED AUVID_C(2e-4) /* smallest that is freed again: not to be held at once */
-#define GAIN AUVID_C(1e-7)     /* smallest, relative to the cost, */
-#define BOUNDED_LS_ROUNDED AUVID_C(1e-11) /* and to ||z||^2 */
+#define RELEASED AUVID_C(2e-4) /* smallest pivot to free a column again: larger, as hysteresis */
+#define GAIN AUVID_C(1e-7)     /* smallest gain, relative to the cost, */
+#define BOUNDED_LS_ROUNDED AUVID_C(1e-11) /* plus this part of ||z||^2 */
 
 void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 {
@@ -27,11 +27,11 @@ void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n)
 
 void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row)
 {
-    auvid_qr_update(ls->triangle, ls->n + 1, 0, row);
+    auvid_qr_update(ls->qr_factor, ls->n + 1, 0, row);
 }
 
-/* The columns' order: free ones first. Free at the start is what is not at a bound. */
-static void sort(auvid_bounded_ls_t *ls)
+/* Order the columns, the free ones first. At the start a column not at a bound is free. */
+static void bounded_ls_sort(auvid_bounded_ls_t *ls)
 {
     int f = 0, b = ls->n;
     for (int i = 0; i < ls->n; ++i) {
@@ -44,11 +44,11 @@ static void sort(auvid_bounded_ls_t *ls)
     memset(ls->work, 0, sizeof ls->work);
 }
 
-/* Row i of [R P | z - R x]. */
+/* Rotate row i of [R P | z - R x] into the work array. */
 static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
-    const auvid_real_t *r = ls->triangle + auvid_qr_row(ls->n + 1, i);
+    const auvid_real_t *r = ls->qr_factor + auvid_qr_row(ls->n + 1, i);
     int n = ls->n;
     row[n] = r[n - i];
     for (int k = 0; k < n; ++k) {
@@ -59,37 +59,37 @@ static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
     auvid_qr_update(ls->work, n + 1, 0, row);
 }
 
-/* The bound of the column in place k on the side of d. */
-static auvid_real_t bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
+/* The bound of the k-th column in the direction of d. */
+static auvid_real_t bounded_ls_bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
 {
     return (d > AUVID_C(0.0) ? ls->upper : ls->lower)[ls->order[k]];
 }
 
-/* The free columns' step d, which comes as a, as far as the first bound. If some are not resolved,
- * these are held instead. */
-static void move(auvid_bounded_ls_t *ls, auvid_real_t *d)
+/* Move the free columns along their step d (in: a) up to the first bound. If some of them are not
+ * resolved, fix these instead. */
+static void bounded_ls_move(auvid_bounded_ls_t *ls, auvid_real_t *d)
 {
     int f = ls->fixed_from, stop = f;
     int lost = auvid_qr_solve(ls->work, ls->n + 1, f, RESOLVED, d);
-    auvid_real_t part = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
+    auvid_real_t fraction = lost > 0 ? AUVID_C(0.0) : AUVID_C(1.0);
     for (int k = 0; k < f; ++k) {
-        auvid_real_t room = bound(ls, k, d[k]) - ls->x[ls->order[k]];
-        if (auvid_abs(room) < part * auvid_abs(d[k])) {
-            part = room / d[k];
+        auvid_real_t room = bounded_ls_bound(ls, k, d[k]) - ls->x[ls->order[k]];
+        if (auvid_abs(room) < fraction * auvid_abs(d[k])) {
+            fraction = room / d[k];
             stop = k;
         }
     }
     for (int k = 0; k < f; ++k) {
         int i = ls->order[k];
-        auvid_real_t x = k == stop ? bound(ls, k, d[k]) : ls->x[i] + part * d[k];
-        bool held = k == stop || !(auvid_abs(d[k]) > AUVID_C(0.0));
+        auvid_real_t x = k == stop ? bounded_ls_bound(ls, k, d[k]) : ls->x[i] + fraction * d[k];
+        bool fixed = k == stop || !(auvid_abs(d[k]) > AUVID_C(0.0));
         ls->x[i] = auvid_clamp(x, ls->lower[i], ls->upper[i]);
-        ls->free &= ~((uint32_t)held << i);
+        ls->free &= ~((uint32_t)fixed << i);
     }
 }
 
-/* Free the column that gains most by it. @return one gains more than `least` */
-static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t least)
+/* Free the column that gains most. @return whether one gains more than `min_gain` */
+static bool bounded_ls_release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t min_gain)
 {
     uint32_t before = ls->free, best = 0;
     for (int k = ls->fixed_from; k < ls->n; ++k) {
@@ -101,9 +101,9 @@ static bool release(auvid_bounded_ls_t *ls, const auvid_real_t *c, auvid_real_t 
             square += r * r;
         }
         auvid_real_t pivot = RELEASED * auvid_qr_column_norm(ls->work, ls->n + 1, k);
-        bool room = auvid_abs(bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
-        if (room && square > pivot * pivot && slope * slope > least * square) {
-            least = slope * slope / square;
+        bool room = auvid_abs(bounded_ls_bound(ls, k, slope) - ls->x[i]) > AUVID_C(0.0);
+        if (room && square > pivot * pivot && slope * slope > min_gain * square) {
+            min_gain = slope * slope / square;
             best = 1u << i;
         }
     }
@@ -115,7 +115,7 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
 {
     int n = ls->n;
     if (ls->at == 0) {
-        sort(ls);
+        bounded_ls_sort(ls);
     }
     if (ls->at <= n) {
         bounded_ls_rotate(ls, ls->at++);
@@ -129,15 +129,15 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
         gain = i < ls->fixed_from ? ls->cost : gain;
     }
     if (ls->changes == 0) {
-        auvid_real_t z = auvid_qr_column_norm(ls->triangle, n + 1, n);
+        auvid_real_t z = auvid_qr_column_norm(ls->qr_factor, n + 1, n);
         ls->start = ls->cost;
         ls->zero = z * z;
     }
     ls->at = 0;
-    auvid_real_t least = GAIN * (ls->cost + constant) + BOUNDED_LS_ROUNDED * ls->zero;
-    if (gain > least) {
-        move(ls, c);
-    } else if (!release(ls, c, least)) {
+    auvid_real_t min_gain = GAIN * (ls->cost + constant) + BOUNDED_LS_ROUNDED * ls->zero;
+    if (gain > min_gain) {
+        bounded_ls_move(ls, c);
+    } else if (!bounded_ls_release(ls, c, min_gain)) {
         return AUVID_OK;
     }
     return ++ls->changes < 4 * (n + 1) ? AUVID_PENDING : AUVID_EVALUATION_LIMIT;

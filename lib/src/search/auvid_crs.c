@@ -8,7 +8,7 @@
  *     c     = sum w_j theta_ij                       over all n + 1 points drawn
  *     alpha = 1 - (d_0 - sum w_j d_j) / (D + phi)    the same as with J, as sum w_j = 1
  *     trial = c - alpha (theta_i0 - c)               i0 the worst of those drawn
- * Differences of costs are used throughout: in float32 the costs' common part would swamp them.
+ * Only differences of costs are used: in float32 the costs' common part would hide them.
  */
 #include "auvid_crs_internal.h"
 
@@ -16,16 +16,15 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* Smallest spread that is worked with: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite
- * in float32. */
+/* Minimum spread: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite in float32. */
 #define SPREAD_MIN AUVID_C(1e-28)
-/* phi <= omega D RATIO_MAX <= 1e9 * 2e24 * 1e3, finite in float32. D exceeds D0 only while J_min
- * falls and the worst initial point is still there. */
+/* phi <= omega D RATIO_MAX <= 1e9 * 2e24 * 1e3, finite in float32. D exceeds D0 only if J_min
+ * falls while the worst initial point is still in S. */
 #define RATIO_MAX AUVID_C(1e3)
 #define OMEGA_MAX AUVID_C(1e9)
-/* A box this wide still has a finite width and finite trials. */
+/* A box of this width has a finite width and finite trials. */
 #define BOUND_MAX AUVID_C(1e18)
-/* Costs closer than this many units in the last place cannot be told apart. */
+/* Costs closer than this many units in the last place are indistinguishable. */
 #define SPREAD_ULPS AUVID_C(4.0)
 
 void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
@@ -39,7 +38,7 @@ void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
     config->seed = 1u;
 }
 
-static uint32_t default_population(uint32_t n)
+static uint32_t crs_default_population(uint32_t n)
 {
     uint32_t m = 4u * n > n + 2u ? 4u * n : n + 2u;
     return m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
@@ -54,7 +53,7 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
     }
-    uint32_t m = c->population != 0 ? c->population : default_population(c->n);
+    uint32_t m = c->population != 0 ? c->population : crs_default_population(c->n);
     if (m < (uint32_t)c->n + 1u || m > AUVID_MAX_POPULATION) {
         return AUVID_ERR_POPULATION;
     }
@@ -92,7 +91,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
     crs->config = *config;
     auvid_crs_config_t *c = &crs->config;
     if (c->population == 0) {
-        c->population = (uint16_t)default_population(c->n);
+        c->population = (uint16_t)crs_default_population(c->n);
     }
     if (!(c->omega > AUVID_C(0.0))) {
         c->omega = (auvid_real_t)c->n;
@@ -116,7 +115,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config
     return AUVID_OK;
 }
 
-static bool inside(const auvid_crs_config_t *c, const auvid_real_t *theta)
+static bool crs_inside(const auvid_crs_config_t *c, const auvid_real_t *theta)
 {
     for (size_t i = 0; i < c->n; ++i) {
         if (!(theta[i] >= c->lower[i] && theta[i] <= c->upper[i])) {
@@ -140,21 +139,21 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
     if (!auvid_all_finite(theta, crs->config.n)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!inside(&crs->config, theta)) {
+    if (!crs_inside(&crs->config, theta)) {
         return AUVID_ERR_RANGE;
     }
     memcpy(crs->theta[crs->known++], theta, crs->config.n * sizeof *theta);
     return AUVID_OK;
 }
 
-/* (6) and the caps: has the search come to its end? */
-static uint8_t next_state(const auvid_crs_t *crs)
+/* (6) and the caps: the state after a cost or a rejection. */
+static uint8_t crs_next_state(const auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = crs->cost[crs->worst];
     auvid_real_t ulps = SPREAD_ULPS * AUVID_EPSILON * auvid_max(auvid_abs(low), auvid_abs(high));
     auvid_real_t limit = auvid_max(crs->last_spread, ulps);
     if (low >= AUVID_CRS_COST_FAILED) {
-        return CRS_CAPPED; /* the model failed everywhere: nothing to go by */
+        return CRS_CAPPED; /* the model failed everywhere */
     }
     if (high - low <= limit) {
         return CRS_FINISHED;
@@ -166,8 +165,8 @@ static uint8_t next_state(const auvid_crs_t *crs)
     return CRS_SEARCH;
 }
 
-/* (5) The best is kept up to date as costs come; the worst needs a scan when it is replaced. */
-static void find_worst(auvid_crs_t *crs)
+/* (5) The best is updated with each cost; the worst needs a scan when it is replaced. */
+static void crs_find_worst(auvid_crs_t *crs)
 {
     const auvid_real_t *worst = crs->cost, *end = worst + crs->config.population;
     auvid_real_t high = *worst;
@@ -180,8 +179,8 @@ static void find_worst(auvid_crs_t *crs)
     crs->worst = (uint16_t)(worst - crs->cost);
 }
 
-/* All of S has its cost: take D0 over the points that did not fail. */
-static void complete(auvid_crs_t *crs)
+/* All of S is evaluated: take D0 over the points that did not fail. */
+static void crs_complete_population(auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = low;
     for (uint16_t k = 0; k < crs->config.population; ++k) {
@@ -195,11 +194,11 @@ static void complete(auvid_crs_t *crs)
             auvid_max(crs->config.epsilon, crs->config.reduction * crs->initial_spread);
         crs->last_spread = auvid_max(crs->last_spread, SPREAD_MIN);
     }
-    find_worst(crs);
-    crs->state = next_state(crs);
+    crs_find_worst(crs);
+    crs->state = crs_next_state(crs);
 }
 
-/* The n + 1 points drawn; point and weight side by side, as the inner loop reads them. */
+/* The n + 1 points drawn, each with its weight, because the inner loop reads both. */
 typedef struct {
     struct {
         const auvid_real_t *point;
@@ -207,12 +206,12 @@ typedef struct {
     } of[AUVID_MAX_PARAMETERS + 1];
     auvid_real_t sum;     /* of eta */
     auvid_real_t d_worst; /* d of theta_i0 */
-    uint32_t worst;       /* its place among the points */
-} family_t;
+    uint32_t worst;       /* its index among the points */
+} crs_simplex_t;
 
-/* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a lasting permutation.
- * One random number serves two picks, 16 bits each: bias < m / 2^16. */
-static void draw(auvid_crs_t *crs, auvid_real_t phi, family_t *f)
+/* (9) n + 1 distinct points: the first steps of a Fisher-Yates shuffle of a permutation that is
+ * kept. One random number serves two picks, 16 bits each: bias < m / 2^16. */
+static void crs_draw(auvid_crs_t *crs, auvid_real_t phi, crs_simplex_t *f)
 {
     const auvid_real_t low = crs->cost[crs->best];
     const uint32_t n = crs->config.n, m = crs->config.population;
@@ -242,9 +241,9 @@ static void draw(auvid_crs_t *crs, auvid_real_t phi, family_t *f)
     f->worst = worst;
 }
 
-/* trial_i = factor sum_j eta_j theta_ij, i = first..first+3: four at a time halve the loads. */
-static void combine_four(const family_t *f, size_t n, size_t first, auvid_real_t factor,
-                         auvid_real_t *trial)
+/* trial_i = factor sum_j eta_j theta_ij, i = first..first+3: four sums at once halve the loads. */
+static void crs_combine_four(const crs_simplex_t *f, size_t n, size_t first, auvid_real_t factor,
+                             auvid_real_t *trial)
 {
     auvid_real_t a = AUVID_C(0.0), b = a, c = a, d = a;
     for (size_t j = 0; j <= n; ++j) {
@@ -260,8 +259,8 @@ static void combine_four(const family_t *f, size_t n, size_t first, auvid_real_t
     trial[first + 3] = factor * d;
 }
 
-static void combine_one(const family_t *f, size_t n, size_t i, auvid_real_t factor,
-                        auvid_real_t *trial)
+static void crs_combine_one(const crs_simplex_t *f, size_t n, size_t i, auvid_real_t factor,
+                            auvid_real_t *trial)
 {
     auvid_real_t a = AUVID_C(0.0);
     for (size_t j = 0; j <= n; ++j) {
@@ -270,52 +269,52 @@ static void combine_one(const family_t *f, size_t n, size_t i, auvid_real_t fact
     trial[i] = factor * a;
 }
 
-/* (10, 11) Write the trial; is it in the box? With eta_j d_j = 1 - phi eta_j the mean of the d_j
- * is (n + 1) / sum - phi. Centroid and reflection are one weighted sum:
+/* (10, 11) Write the trial and return whether it is in the box. Since eta_j d_j = 1 - phi eta_j,
+ * the mean of the d_j is (n + 1) / sum - phi. Centroid and reflection are one weighted sum:
  *     c - alpha (theta_i0 - c) = factor sum eta_j theta_ij,   factor = (1 + alpha) / sum,
- * when alpha / factor is taken from eta_0. d_0 <= D, hence alpha >= 0 and factor > 0. */
-static bool reflect(auvid_crs_t *crs)
+ * with eta_0 reduced by alpha / factor. d_0 <= D, hence alpha >= 0 and factor > 0. */
+static bool crs_reflect(auvid_crs_t *crs)
 {
-    family_t f;
+    crs_simplex_t f;
     const size_t n = crs->config.n;
     const auvid_real_t d = crs->cost[crs->worst] - crs->cost[crs->best];
     const auvid_real_t ratio = auvid_min(d / crs->initial_spread, RATIO_MAX);
     const auvid_real_t phi = auvid_max(crs->config.omega * d * ratio, AUVID_EPSILON * d);
 
-    draw(crs, phi, &f);
+    crs_draw(crs, phi, &f);
     const auvid_real_t mean = (auvid_real_t)(int32_t)(n + 1u) / f.sum - phi;
     const auvid_real_t alpha = AUVID_C(1.0) - (f.d_worst - mean) / (d + phi);
     const auvid_real_t factor = (AUVID_C(1.0) + alpha) / f.sum;
     f.of[f.worst].eta -= alpha / factor;
     size_t i = 0;
     for (; i + 4 <= n; i += 4) {
-        combine_four(&f, n, i, factor, crs->trial);
+        crs_combine_four(&f, n, i, factor, crs->trial);
     }
     for (; i < n; ++i) {
-        combine_one(&f, n, i, factor, crs->trial);
+        crs_combine_one(&f, n, i, factor, crs->trial);
     }
-    return inside(&crs->config, crs->trial);
+    return crs_inside(&crs->config, crs->trial);
 }
 
-/* (12) A trial outside the box is drawn again, by the next ask. */
-static auvid_status_t make_trial(auvid_crs_t *crs)
+/* (12) Make a trial. If it is outside the box, the next ask makes another one. */
+static auvid_status_t crs_make_trial(auvid_crs_t *crs)
 {
     ++crs->attempts;
-    if (!reflect(crs)) {
+    if (!crs_reflect(crs)) {
         ++crs->rejections;
         if (crs->rejections > crs->max_rejections_seen) {
             crs->max_rejections_seen = crs->rejections;
         }
-        crs->state = next_state(crs);
+        crs->state = crs_next_state(crs);
         return crs->state == CRS_SEARCH ? AUVID_PENDING : AUVID_EVALUATION_LIMIT;
     }
     crs->rejections = 0;
     return AUVID_OK;
 }
 
-/* S is evaluated in order; again after auvid_crs_reevaluate, then from the best one on, so that
- * the best is always a point whose cost is known. */
-static uint16_t fill_index(const auvid_crs_t *crs)
+/* Index of the next point of S to evaluate: in order, after auvid_crs_reevaluate from the best one
+ * on, so that the best always has a known cost. */
+static uint16_t crs_fill_index(const auvid_crs_t *crs)
 {
     uint32_t k = (uint32_t)crs->first + crs->filled;
     return (uint16_t)(k < crs->config.population ? k : k - crs->config.population);
@@ -337,14 +336,14 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
             return AUVID_EVALUATION_LIMIT;
         }
         if (crs->state == CRS_SEARCH) {
-            auvid_status_t status = make_trial(crs);
+            auvid_status_t status = crs_make_trial(crs);
             if (status != AUVID_OK) {
                 return status;
             }
         } else {
             crs->state = CRS_FILL;
             ++crs->attempts;
-            memcpy(crs->trial, crs->theta[fill_index(crs)], sizeof crs->trial);
+            memcpy(crs->trial, crs->theta[crs_fill_index(crs)], sizeof crs->trial);
         }
         crs->asked = true;
     }
@@ -366,12 +365,12 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
     crs->asked = false;
     ++crs->evaluations;
     if (crs->state == CRS_FILL) {
-        uint16_t k = fill_index(crs);
+        uint16_t k = crs_fill_index(crs);
         crs->cost[k] = cost;
         crs->best = crs->filled == 0 || cost < crs->cost[crs->best] ? k : crs->best;
         crs->extra_evaluations += crs->reevaluating ? 1u : 0u;
         if (++crs->filled == crs->config.population) {
-            complete(crs);
+            crs_complete_population(crs);
         }
         return AUVID_OK;
     }
@@ -379,9 +378,9 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
         memcpy(crs->theta[crs->worst], crs->trial, sizeof crs->trial);
         crs->cost[crs->worst] = cost;
         crs->best = cost < crs->cost[crs->best] ? crs->worst : crs->best;
-        find_worst(crs);
+        crs_find_worst(crs);
     }
-    crs->state = next_state(crs);
+    crs->state = crs_next_state(crs);
     return AUVID_OK;
 }
 
@@ -393,7 +392,7 @@ auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs)
     if (crs->state == CRS_NONE) {
         return AUVID_ERR_STATE;
     }
-    /* Before S was complete there is nothing to do twice: start over, not as an extra. */
+    /* If S was not complete, the evaluation starts over and is not an extra. */
     crs->reevaluating = crs->reevaluating || crs->state > CRS_FILL;
     crs->asked = false;
     crs->rejections = 0;

@@ -1,6 +1,6 @@
 /**
  * @file auvid_crs_internal.h
- * Private: where a global search is.
+ * Private: the states of a global search.
  */
 #ifndef AUVID_CRS_INTERNAL_H
 #define AUVID_CRS_INTERNAL_H

@@ -2,13 +2,13 @@
  * Coordinate search with line-search expansions, Algorithm 2 of Karras et al., IROS 2013, after
  * Lucidi and Sciandrone 2002. Numbers in parentheses are the lines of Algorithm 2.
  *
- * One line search serves the 2n directions and the pattern step: from base along d,
+ * The same line search serves the 2n directions and the pattern step: from base along d,
  *     trial(t) = base + t d, cut at the box,   d = +-d_i  or  base - previous
  *     POLL     t = alpha_i (pattern: 1); must pass both tests:
  *                  J(trial) <= J(base) - gamma t^2   and   J(trial) < J(theta)
  *     EXPAND   t = delta t while both hold
  *     PARABOLA q(t) = J(base) + b t + c t^2 through the points of the line; t = -b / (2 c)
- * d_i is e_i, to the letter, or made in the first line along it (auvid_line_search_directions.c):
+ * d_i is e_i (paper), or is made in the first line along it (auvid_line_search_directions.c):
  *     AXIS     the poll of e_i
  *     PROBE    once for each d_k, k < i; then POLL along d_i
  * The iterate of the paper, x^k, is theta here.
@@ -17,11 +17,11 @@
 
 #include <string.h>
 
-/* Restarts and re-evaluations begin with this part of alpha0. */
+/* Restarts and re-evaluations begin with this fraction of alpha0. */
 #define RESTART_STEP AUVID_C(0.1)
 /* Longest pattern step: 2^10 sweeps at once. */
 #define PATTERN_MAX AUVID_C(1024.0)
-/* Largest step by parameter, at which all products stay finite in float32. */
+/* Largest step of a parameter for which all products are finite in float32. */
 #define MAGNITUDE_MAX AUVID_C(1e18)
 
 void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
@@ -36,7 +36,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
     config->gamma = AUVID_C(1e-6);
 }
 
-static auvid_status_t check_box(const auvid_line_search_config_t *c)
+static auvid_status_t line_search_check_box(const auvid_line_search_config_t *c)
 {
     for (size_t i = 0; i < c->n; ++i) {
         if (!(c->lower[i] < c->upper[i])) {
@@ -50,14 +50,15 @@ static auvid_status_t check_box(const auvid_line_search_config_t *c)
     return auvid_line_search_inside(c, c->start) ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-/* alpha0, sigma, epsilon: as given, or what zero means. */
-static void resolve(const auvid_line_search_config_t *c, auvid_real_t step[3])
+/* alpha0, sigma, epsilon: as given, or the defaults for zero. */
+static void line_search_resolve_steps(const auvid_line_search_config_t *c, auvid_real_t step[3])
 {
-    static const auvid_real_t usual[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
-                                             {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
+    static const auvid_real_t defaults[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
+                                                {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
     const auvid_real_t given[3] = {c->alpha0, c->sigma, c->epsilon};
     for (size_t i = 0; i < 3; ++i) {
-        step[i] = auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : usual[line_search_is_paper(c)][i];
+        step[i] =
+            auvid_abs(given[i]) > AUVID_C(0.0) ? given[i] : defaults[line_search_is_paper(c)][i];
     }
 }
 
@@ -83,10 +84,10 @@ static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
         !(c->gamma >= AUVID_C(0.0) && c->gamma < AUVID_C(1.0))) {
         return AUVID_ERR_RANGE;
     }
-    return check_box(c);
+    return line_search_check_box(c);
 }
 
-static void set_steps(auvid_line_search_t *ls, auvid_real_t alpha)
+static void line_search_raise_steps(auvid_line_search_t *ls, auvid_real_t alpha)
 {
     for (size_t i = 0; i < 2u * ls->config.n; ++i) {
         ls->alpha[i] = auvid_max(ls->alpha[i], alpha);
@@ -100,7 +101,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
         return AUVID_ERR_NULL;
     }
     auvid_real_t step[3];
-    resolve(config, step);
+    line_search_resolve_steps(config, step);
     auvid_status_t status = line_search_check(config, step);
     if (status != AUVID_OK) {
         return status;
@@ -120,18 +121,18 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
         }
     }
     memcpy(ls->theta, c->start, sizeof ls->theta);
-    set_steps(ls, c->alpha0);
+    line_search_raise_steps(ls, c->alpha0);
     ls->restarts_left = c->restarts;
     ls->state = LINE_EVALUATE;
     return AUVID_OK;
 }
 
-static void begin_line(auvid_line_search_t *ls, uint8_t direction)
+static void line_search_begin_line(auvid_line_search_t *ls, uint8_t direction)
 {
     ls->direction = direction;
     ls->move = MOVE_POLL;
     memcpy(ls->base, ls->theta, sizeof ls->base);
-    memcpy(ls->trial, ls->theta, sizeof ls->trial); /* a line moves but some parameters */
+    memcpy(ls->trial, ls->theta, sizeof ls->trial); /* a line moves only some parameters */
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
@@ -147,7 +148,7 @@ static void begin_line(auvid_line_search_t *ls, uint8_t direction)
 }
 
 /* (3-6) At the end of a sweep, and before the first. */
-static void begin_sweep(auvid_line_search_t *ls)
+static void line_search_begin_sweep(auvid_line_search_t *ls)
 {
     const bool first = !line_search_is_paper(&ls->config) &&
                        ls->restarts_left == ls->config.restarts && ls->state == LINE_SEARCH;
@@ -156,19 +157,19 @@ static void begin_sweep(auvid_line_search_t *ls)
         longest = auvid_max(longest, ls->alpha[i]);
     }
     if (first && ls->restarts_left > 0) {
-        last = RESTART_STEP * ls->config.alpha0; /* the rest is for the restart */
+        last = RESTART_STEP * ls->config.alpha0; /* the restart does the rest */
     }
     if (ls->plain && ls->previous_cost - ls->cost > ls->config.gamma) {
-        ls->built = 0; /* the directions are not conjugate any more */
+        ls->built = 0; /* the directions are no longer conjugate */
         ls->restarts_left = ls->config.restarts;
-        set_steps(ls, RESTART_STEP * ls->config.alpha0);
+        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
     } else if (longest <= last) {
         if (ls->restarts_left == 0) {
             ls->state = LINE_FINISHED;
             return;
         }
         --ls->restarts_left;
-        set_steps(ls, RESTART_STEP * ls->config.alpha0);
+        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
         ls->built = ls->config.n; /* now along e_i */
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
@@ -177,12 +178,12 @@ static void begin_sweep(auvid_line_search_t *ls)
     ls->state = LINE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
-    begin_line(ls, 0);
+    line_search_begin_line(ls, 0);
 }
 
-/* (18-21) and the pattern step. -d_i need not be tried when +d_i has moved; else it knows what
- * +d_i has cost. */
-static void next_line(auvid_line_search_t *ls)
+/* (18-21) and the pattern step. -d_i is skipped if +d_i has moved; otherwise it uses the cost of
+ * +d_i. */
+static void line_search_next_line(auvid_line_search_t *ls)
 {
     const uint8_t pattern = (uint8_t)(2u * ls->config.n);
     const bool fast = !line_search_is_paper(&ls->config);
@@ -199,18 +200,18 @@ static void next_line(auvid_line_search_t *ls)
     }
     if (next < pattern || (next == pattern && fast && ls->cost < ls->previous_cost)) {
         const auvid_real_t cost = ls->cost_near;
-        begin_line(ls, next);
+        line_search_begin_line(ls, next);
         ls->t_far = t_far;
         ls->cost_far = cost;
     } else {
-        begin_sweep(ls);
+        line_search_begin_sweep(ls);
     }
 }
 
 /* Set t to the lowest point of the parabola. With q(t) = J(base) + b t + c t^2, the slope of the
- * chord to a point is s(t) = b + c t. c comes from the last two points, or is what an earlier line
- * along d_i found. False if no minimum is known of, or it is not worth a trial. */
-static bool aim(auvid_line_search_t *ls)
+ * chord to a point is s(t) = b + c t. c comes from the last two points, or from an earlier line
+ * along d_i. Returns false if no minimum is known, or it is not worth a trial. */
+static bool line_search_aim_parabola(auvid_line_search_t *ls)
 {
     const auvid_real_t failed = AUVID_LINE_SEARCH_COST_FAILED;
     const auvid_real_t near = (ls->cost_near - ls->base_cost) / ls->t_near;
@@ -230,14 +231,14 @@ static bool aim(auvid_line_search_t *ls)
     return auvid_abs(ls->t) > ls->config.epsilon && auvid_abs(ls->t) <= MAGNITUDE_MAX;
 }
 
-/* Make d_i: the cost along e_i, then the probes, then whether it is better than e_i. False when the
- * line is to go on with this cost. */
-static bool build(auvid_line_search_t *ls, auvid_real_t cost)
+/* Make d_i: evaluate the cost along e_i, then the probes, then compare with e_i. Returns false if
+ * the line continues with this cost. */
+static bool line_search_build_direction(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const size_t i = line_search_parameter(ls);
     if (ls->move == MOVE_AXIS) {
         ls->move = MOVE_POLL;
-        if (cost >= AUVID_LINE_SEARCH_COST_FAILED) { /* -e_i may do */
+        if (cost >= AUVID_LINE_SEARCH_COST_FAILED) { /* -e_i may succeed */
             ls->built = (uint8_t)(ls->built + ls->direction % 2u);
             return false;
         }
@@ -257,29 +258,29 @@ static bool build(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (ls->move == MOVE_POLL && auvid_abs(ls->axis_step) > AUVID_C(0.0) &&
                cost > ls->axis_cost) {
         memset(ls->shear + AUVID_SHEAR(i), 0, i * sizeof *ls->shear);
-        begin_line(ls, ls->direction);
+        line_search_begin_line(ls, ls->direction);
         return true;
     }
     ls->axis_step = AUVID_C(0.0);
     return false;
 }
 
-/* The trial at t has this cost (7-17): move on. */
-static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
+/* Process the cost of the trial at t (7-17) and choose the next move. */
+static void line_search_take_cost(auvid_line_search_t *ls, auvid_real_t cost)
 {
     const auvid_real_t before = ls->cost;
     if (cost < before) {
         memcpy(ls->theta, ls->trial, sizeof ls->theta);
         ls->cost = cost;
     }
-    if (build(ls, cost)) {
+    if (line_search_build_direction(ls, cost)) {
         return;
     }
     const auvid_real_t t = ls->t;
     const bool along = !line_search_is_pattern(ls), extra = ls->move == MOVE_PARABOLA;
-    const auvid_real_t least = along && !extra ? ls->config.gamma * t * t : AUVID_C(0.0);
+    const auvid_real_t min_decrease = along && !extra ? ls->config.gamma * t * t : AUVID_C(0.0);
     const bool accepted = cost < (ls->move == MOVE_POLL ? ls->base_cost : before) &&
-                          (extra || cost <= ls->base_cost - least);
+                          (extra || cost <= ls->base_cost - min_decrease);
     if (accepted) {
         ls->t_best = t;
     }
@@ -287,7 +288,7 @@ static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
         if (accepted && along) {
             ls->alpha[ls->direction] = auvid_max(ls->alpha[ls->direction], auvid_abs(t));
         }
-        next_line(ls);
+        line_search_next_line(ls);
         return;
     }
     if (ls->move == MOVE_EXPAND) {
@@ -301,13 +302,13 @@ static void line_search_settle(auvid_line_search_t *ls, auvid_real_t cost)
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
         ls->alpha[ls->direction] *= ls->config.sigma;
     }
-    if (!line_search_is_paper(&ls->config) && aim(ls)) {
+    if (!line_search_is_paper(&ls->config) && line_search_aim_parabola(ls)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
         ls->t = ls->config.delta * t;
     } else {
-        next_line(ls);
+        line_search_next_line(ls);
     }
 }
 
@@ -331,8 +332,8 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         if (ls->state == LINE_EVALUATE) {
             memcpy(ls->trial, ls->theta, sizeof ls->trial);
         } else if (!auvid_line_search_place(ls)) {
-            line_search_settle(ls,
-                               ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
+            line_search_take_cost(ls,
+                                  ls->move >= MOVE_AXIS ? AUVID_LINE_SEARCH_COST_FAILED : ls->cost);
             return AUVID_PENDING;
         }
         ls->asked = true;
@@ -356,9 +357,9 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
     ++ls->evaluations;
     if (ls->state == LINE_EVALUATE) {
         ls->cost = cost;
-        begin_sweep(ls);
+        line_search_begin_sweep(ls);
     } else {
-        line_search_settle(ls, cost);
+        line_search_take_cost(ls, cost);
     }
     return AUVID_OK;
 }
@@ -372,7 +373,7 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
         return AUVID_ERR_STATE;
     }
     ls->asked = false;
-    set_steps(ls, RESTART_STEP * ls->config.alpha0);
+    line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
     ls->plain = false;
     if (!line_search_is_paper(&ls->config)) {
         ls->restarts_left = ls->config.restarts;

@@ -1,21 +1,21 @@
 /*
- * Line search, directions: where a trial lies, and how d_i is made conjugate (Smith 1962, Powell
- * 1964: the minima of parallel subspaces).
+ * Line search, directions: the position of a trial, and how d_i is made conjugate (Smith 1962,
+ * Powell 1964: the minima of parallel subspaces).
  *
- * On a quadratic with half second derivatives c_k along d_k, slope g_k at the line's start, and all
- * d_k, k < i, conjugate to each other: from p = base + a e_i the slope along d_k is
+ * Consider a quadratic with half second derivatives c_k along d_k, slope g_k at the line's start,
+ * and all d_k, k < i, conjugate to each other. From p = base + a e_i the slope along d_k is
  *     s_k = (J(p + t d_k) - J(p)) / t - c_k t
- * so the minimum over the span of all d_k has gone by t_k = -(s_k - g_k) / (2 c_k) for the step a,
- * and d_i = e_i + sum (t_k / a) d_k is conjugate to all of them. One trial for each k:
- * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has nothing of
- * e_k, k > i: the d_i span the space whatever the probes have told.
+ * So with the step a, the minimum over the span of all d_k moves by t_k = -(s_k - g_k) / (2 c_k),
+ * and d_i = e_i + sum (t_k / a) d_k is conjugate to all of them. One trial for each k,
+ * n (n - 1) / 2 in all, and four or five for each line, minimize a quadratic. d_i has no component
+ * along e_k, k > i: the d_i span the space whatever the probes return.
  */
 #include "auvid_line_search_directions_internal.h"
 
 #include <string.h>
 
-/* More of d_k for one of e_i is rounding. */
-#define SHARE_MAX AUVID_C(1e6)
+/* A larger part of d_k per unit of e_i is rounding. */
+#define PART_MAX AUVID_C(1e6)
 
 bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_real_t *theta)
 {
@@ -27,22 +27,22 @@ bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_r
     return true;
 }
 
-/* Of d_i, along parameter k <= i [parameter's unit]. */
-static auvid_real_t component(const auvid_line_search_t *ls, size_t i, size_t k)
+/* Component of d_i along parameter k <= i [parameter's unit]. */
+static auvid_real_t line_search_component(const auvid_line_search_t *ls, size_t i, size_t k)
 {
     const auvid_real_t unit = ls->config.scale[k];
     return k == i ? unit : unit * ls->shear[AUVID_SHEAR(i) + k];
 }
 
-/* trial = base + axis_step e_i + t d_probe, or with -t. False if neither is in the box. */
-static bool place_probe(auvid_line_search_t *ls)
+/* trial = base + axis_step e_i + t d_probe, or with -t. Returns false if neither is in the box. */
+static bool line_search_place_probe(auvid_line_search_t *ls)
 {
     const size_t i = line_search_parameter(ls);
     for (int side = 0; side < 2; ++side) {
         memcpy(ls->trial, ls->base, i * sizeof *ls->trial);
         ls->trial[i] = ls->base[i] + ls->axis_step * ls->config.scale[i];
         for (size_t k = 0; k <= ls->probe; ++k) {
-            ls->trial[k] += ls->t * component(ls, ls->probe, k);
+            ls->trial[k] += ls->t * line_search_component(ls, ls->probe, k);
         }
         if (auvid_line_search_inside(&ls->config, ls->trial)) {
             return true;
@@ -52,8 +52,8 @@ static bool place_probe(auvid_line_search_t *ls)
     return false;
 }
 
-/* trial = base + t d_i; t becomes the step that the box leaves. False if the iterate is there. */
-static bool place_along(auvid_line_search_t *ls)
+/* trial = base + t d_i; the box limits t. Returns false if the trial equals the iterate. */
+static bool line_search_place_along(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
     const size_t i = line_search_parameter(ls), first = line_search_is_paper(c) ? i : 0;
@@ -62,7 +62,7 @@ static bool place_along(auvid_line_search_t *ls)
     size_t bound = AUVID_MAX_PARAMETERS;
     bool moved = false;
     for (size_t k = first; k <= i; ++k) {
-        d = sign * component(ls, i, k);
+        d = sign * line_search_component(ls, i, k);
         const auvid_real_t x = ls->base[k] + t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             bound = k;
@@ -71,7 +71,7 @@ static bool place_along(auvid_line_search_t *ls)
         }
     }
     for (size_t k = first; k <= i; ++k) {
-        const auvid_real_t x = ls->base[k] + t * (sign * component(ls, i, k));
+        const auvid_real_t x = ls->base[k] + t * (sign * line_search_component(ls, i, k));
         ls->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
         moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
     }
@@ -79,8 +79,8 @@ static bool place_along(auvid_line_search_t *ls)
     return moved;
 }
 
-/* The same, d the displacement of the sweep. */
-static bool place_pattern(auvid_line_search_t *ls)
+/* The same with d the displacement of the sweep. */
+static bool line_search_place_pattern(auvid_line_search_t *ls)
 {
     const auvid_line_search_config_t *c = &ls->config;
     bool moved = false;
@@ -95,9 +95,9 @@ static bool place_pattern(auvid_line_search_t *ls)
 bool auvid_line_search_place(auvid_line_search_t *ls)
 {
     if (ls->move == MOVE_PROBE) {
-        return place_probe(ls);
+        return line_search_place_probe(ls);
     }
-    return line_search_is_pattern(ls) ? place_pattern(ls) : place_along(ls);
+    return line_search_is_pattern(ls) ? line_search_place_pattern(ls) : line_search_place_along(ls);
 }
 
 void auvid_line_search_release(auvid_line_search_t *ls)
@@ -105,7 +105,7 @@ void auvid_line_search_release(auvid_line_search_t *ls)
     const auvid_line_search_config_t *c = &ls->config;
     const size_t i = line_search_parameter(ls);
     for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
-        const auvid_real_t d = line_search_sign(ls) * component(ls, i, k);
+        const auvid_real_t d = line_search_sign(ls) * line_search_component(ls, i, k);
         const auvid_real_t x = ls->base[k] + c->sigma * ls->t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             ls->shear[AUVID_SHEAR(i) + k] = AUVID_C(0.0);
@@ -114,7 +114,7 @@ void auvid_line_search_release(auvid_line_search_t *ls)
     }
 }
 
-/* That of the chord to a point of the line, and the bend on the way. */
+/* From the slope of the chord to a point of the line and the curvature in between. */
 void auvid_line_search_note_slope(auvid_line_search_t *ls)
 {
     const size_t i = line_search_parameter(ls);
@@ -145,12 +145,12 @@ void auvid_line_search_learn(auvid_line_search_t *ls, auvid_real_t cost)
     const size_t i = line_search_parameter(ls), k = ls->probe;
     const auvid_real_t c = ls->curvature[k];
     const auvid_real_t slope = (cost - ls->axis_cost) / ls->t - c * ls->t - ls->slope[k];
-    const auvid_real_t share = AUVID_C(-0.5) * slope / (c * ls->axis_step);
-    if (cost < AUVID_LINE_SEARCH_COST_FAILED && auvid_abs(share) <= SHARE_MAX) {
+    const auvid_real_t part = AUVID_C(-0.5) * slope / (c * ls->axis_step);
+    if (cost < AUVID_LINE_SEARCH_COST_FAILED && auvid_abs(part) <= PART_MAX) {
         auvid_real_t *u = ls->shear + AUVID_SHEAR(i), *v = ls->shear + AUVID_SHEAR(k);
         for (size_t j = 0; j < k; ++j) {
-            u[j] = auvid_clamp(u[j] + share * v[j], -SHARE_MAX, SHARE_MAX);
+            u[j] = auvid_clamp(u[j] + part * v[j], -PART_MAX, PART_MAX);
         }
-        u[k] = share;
+        u[k] = part;
     }
 }

@@ -9,9 +9,9 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_optimizer_internal.h"
 
-/* The global phase has to find the region, no more: a small phi makes it quick. 45 % of the
- * evaluations that omega = n takes to a spread of 1e-2; of functions with many minima it finds the
- * lowest no less often. */
+/* The global phase only has to find the region, so a small phi makes it fast. It takes 45 % of the
+ * evaluations of omega = n to a spread of 1e-2. For functions with many minima it finds the lowest
+ * at least as often. */
 #define OMEGA AUVID_C(2.0)
 #define REDUCTION AUVID_C(0.05)
 
@@ -46,8 +46,8 @@ auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimiz
     memcpy(local->lower, config->crs.lower, sizeof local->lower);
     memcpy(local->upper, config->crs.upper, sizeof local->upper);
     memcpy(local->scale, config->scale, sizeof local->scale);
-    memcpy(local->start, config->crs.lower, sizeof local->start); /* until there is a better one */
-    status = auvid_line_search_init(&optimizer->line_search, local); /* refuses what is wrong */
+    memcpy(local->start, config->crs.lower, sizeof local->start); /* until a better one is known */
+    status = auvid_line_search_init(&optimizer->line_search, local); /* only to check it */
     if (status != AUVID_OK) {
         return status;
     }
@@ -66,7 +66,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
     return optimizer == NULL ? AUVID_ERR_NULL : auvid_crs_add_point(&optimizer->crs, theta);
 }
 
-static auvid_status_t ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
+static auvid_status_t optimizer_ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
 {
     auvid_status_t status = auvid_line_search_ask(&optimizer->line_search, theta);
     if (status == AUVID_FINISHED || status == AUVID_EVALUATION_LIMIT) {
@@ -81,23 +81,23 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
         return AUVID_ERR_NULL;
     }
     if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL) {
-        return ask_local(optimizer, theta);
+        return optimizer_ask_local(optimizer, theta);
     }
     auvid_status_t status = auvid_crs_ask(&optimizer->crs, theta);
     if (status != AUVID_FINISHED && status != AUVID_EVALUATION_LIMIT) {
         return status;
     }
-    /* S is complete in either case, so there is a best point, and it is in the box. */
+    /* In both cases S is complete, so there is a best point in the box. */
     optimizer->evaluations = optimizer->crs.evaluations;
     optimizer->attempts = optimizer->crs.attempts;
     memcpy(optimizer->local.start, auvid_crs_best(&optimizer->crs, &optimizer->cost),
            optimizer->local.n * sizeof *theta);
     status = auvid_line_search_init(&optimizer->line_search, &optimizer->local);
     if (status != AUVID_OK) {
-        return status; /* damaged since init: the global phase's best stays */
+        return status; /* damaged since init: the best point of the global phase stays */
     }
     optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    return ask_local(optimizer, theta);
+    return optimizer_ask_local(optimizer, theta);
 }
 
 auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost)

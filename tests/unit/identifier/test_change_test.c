@@ -1,6 +1,6 @@
 /*
- * Judgement of sets and estimates by the identifier: sets that lie, estimates that are wrong, sets
- * that come while a search is under way, budgets. Campaigns of changed vehicles are in
+ * Validation of sets and estimates by the identifier: misleading sets, wrong estimates, sets that
+ * complete during a search, budgets. Campaigns of changed vehicles are in
  * tests/reference/test_change.cpp.
  */
 #include <math.h>
@@ -16,12 +16,12 @@ enum { LYING_SET = 8, SEEDS = 6 };
 static chain_t chain;
 static chain_config_t config;
 
-/* What was told, by number of the set. */
+/* Results by number of the set. */
 typedef struct {
     uint32_t events[LYING_SET + 4];
     double square[LYING_SET + 4]; /* mean square error of the estimate, after its search */
     bool accepted[LYING_SET + 4];
-    int off[LYING_SET + 4]; /* parameters called identifiable, but more than 20 % off */
+    int off[LYING_SET + 4]; /* parameters flagged identifiable, but more than 20 % off */
 } event_log_t;
 static event_log_t story;
 
@@ -49,7 +49,7 @@ static void note(chain_t *c, const auvid_output_t *out)
     }
 }
 
-/* For ten seconds of one set a force acts that nobody was told of. */
+/* An unmodelled force acts for ten seconds of one set. */
 static void push(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
     double in_set_s = c->tick * 0.02 - CHAIN_SET_S * (LYING_SET - 1);
@@ -60,11 +60,12 @@ static void push(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     }
 }
 
-/* The set looks like another vehicle: the older ones are dropped, and its estimate is not worth
- * much, which its not being accepted tells; nor is what is far off called identifiable. The next
- * set takes it back; two sets later the estimate rests on good sets again (two: 4 % rms is usual;
- * over the seeds, a mean of 7 % is refused). */
-static void test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next(void)
+/* The set looks like another vehicle, so the older ones are dropped. Its estimate is poor: it is
+ * not accepted, and parameters that are far off are not flagged identifiable. The next set corrects
+ * it.
+ * Two sets later the estimate is from good sets again (two: 4 % rms is usual; a mean of 7 % over
+ * the seeds fails the test). */
+static void test_the_next_set_corrects_a_set_with_an_unmodelled_force(void)
 {
     double later = 0.0;
     for (uint64_t seed = 21; seed < 21 + SEEDS; ++seed) {
@@ -90,7 +91,7 @@ static void test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next(void)
     TEST_ASSERT_TRUE(sqrt(later) < 0.07);
 }
 
-/* After set 5 somebody spoils the estimate; at the next set the one before stands again. */
+/* After set 5 the test corrupts the estimate; at the next set the accepted one replaces it. */
 static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
     auvid_identifier_t *id = &c->id;
@@ -102,10 +103,10 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     if (out->events & AUVID_EVENT_RESTORED) {
         TEST_ASSERT_EQUAL_UINT32(6, id->change_test.set);
         TEST_ASSERT_EQUAL_UINT32(4, id->accepted_estimate.sets);
-        TEST_ASSERT_EQUAL_UINT32(6, id->estimate.number); /* the spoilt one was number 5 */
+        TEST_ASSERT_EQUAL_UINT32(6, id->estimate.number); /* the corrupted one was number 5 */
         TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->estimate.pi,
                                  sizeof id->accepted_estimate.pi);
-        /* and velocity is simulated with it from now on */
+        /* from now on it simulates the velocity */
         TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->prediction.pi,
                                  13 * sizeof id->accepted_estimate.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
@@ -113,7 +114,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     }
 }
 
-static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_back(void)
+static void test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn(void)
 {
     chain_defaults(&config, 31, 6, 1.0);
     config.budget = 2000;
@@ -126,15 +127,15 @@ static void test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_b
     TEST_ASSERT_EQUAL_UINT32(7, chain.id.estimate.number);
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.1);
     TEST_ASSERT_EQUAL_UINT32(6, chain.id.change_test.set);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) { /* by an estimate of four sets: no verdict */
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) { /* an estimate of four sets: no test */
         TEST_ASSERT_TRUE(chain.id.change_test.change[j] == AUVID_C(0.0));
     }
 }
 
-/* What came back instead of what. */
+/* The restored estimates. */
 typedef struct {
-    double square;  /* of the errors of the last estimate */
-    uint8_t driven; /* its DoF */
+    double square;        /* of the errors of the last estimate */
+    uint8_t excited_then; /* its DoF */
     int restored, lacking, worse;
 } restored_t;
 
@@ -145,17 +146,17 @@ static void watch_restored(chain_t *c, auvid_status_t status, const auvid_output
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_RESTORED) {
         ++w->restored;
-        w->lacking += (w->driven & ~e->excited) != 0;
+        w->lacking += (w->excited_then & ~e->excited) != 0;
         w->worse += chain_mean_square(c) > w->square;
     }
     if (e->number > 0) {
-        w->driven = e->excited;
+        w->excited_then = e->excited;
         w->square = chain_mean_square(c);
     }
 }
 
-/* Ten sets, another choice of degrees of freedom in each. */
-static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watch)
+/* Ten sets, each with other degrees of freedom excited. */
+static void excite_in_turns(uint64_t seed, double disturbance_N, restored_t *watch)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     static const unsigned others[] = {1, 1 | 32, 1 | 2 | 32, 1 | 2 | 4 | 32};
@@ -166,7 +167,7 @@ static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watc
     chain_set_driver(&config);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     for (unsigned k = 0; k < 10; ++k) {
-        /* one after the other joins in; or, with odd seeds, at random */
+        /* one DoF is added after the other; with odd seeds, at random */
         unsigned random = (unsigned)(seed * 2654435761u >> (3 * k)) * 2246822519u >> 16;
         unsigned dofs = seed % 2 == 0 ? others[k < 3 ? k : 3] : random % 64 | 1u << k % 3;
         auvid_real_t some[AUVID_DOF_COUNT];
@@ -182,13 +183,13 @@ static void drive_in_turns(uint64_t seed, double disturbance_N, restored_t *watc
     chain_run(&chain, 10);
 }
 
-static void test_what_is_restored_lacks_no_degree_of_freedom(void)
+static void test_a_restored_estimate_lacks_no_degree_of_freedom(void)
 {
     uint32_t runs = campaign_is_long() ? 75 : campaign_runs(24);
     restored_t watch = {0};
     for (uint64_t seed = 1; seed <= runs; ++seed) {
-        watch.driven = 0;
-        drive_in_turns(seed, (double)(seed % 3), &watch);
+        watch.excited_then = 0;
+        excite_in_turns(seed, (double)(seed % 3), &watch);
     }
     printf("  %u runs: %d estimates restored, %d with fewer degrees of freedom, %d worse\n",
            (unsigned)runs, watch.restored, watch.lacking, watch.worse);
@@ -204,7 +205,7 @@ static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
     TEST_ASSERT_EQUAL_UINT32(3, to->set);
     TEST_ASSERT_EQUAL_UINT32(2, to->estimate);
     TEST_ASSERT_EQUAL_UINT32(2, chain.id.accepted_estimate.number);
-    TEST_ASSERT_FALSE(chain.id.estimate.accepted); /* number 3 has not foretold anything yet */
+    TEST_ASSERT_FALSE(chain.id.estimate.accepted); /* number 3 has not predicted a set yet */
     TEST_ASSERT_EQUAL_HEX8(0x27, to->excited);
     TEST_ASSERT_EQUAL_HEX8(0, to->changed);
     TEST_ASSERT_EQUAL_HEX8(0x27, to->simulated);
@@ -216,35 +217,35 @@ static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
         } else {
             TEST_ASSERT_TRUE(to->variance_ratio[j] == AUVID_C(0.0));
         }
-        TEST_ASSERT_TRUE(to->change[j] == AUVID_C(0.0)); /* three sets: no verdict */
+        TEST_ASSERT_TRUE(to->change[j] == AUVID_C(0.0)); /* three sets: no test */
     }
 }
 
-/* Sets come faster than searches end: what is told must fit together all the same. */
+/* Sets complete faster than searches end; the results must be consistent even so. */
 static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    static uint32_t judged, number;
+    static uint32_t validated, number;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (c->tick == 1) {
-        judged = number = 0;
+        validated = number = 0;
     }
     TEST_ASSERT_TRUE(id->estimate.number >= number);
     TEST_ASSERT_TRUE(id->estimate.number <= number + 2);
     TEST_ASSERT_TRUE(id->estimate.number == number ||
                      (out->events & (AUVID_EVENT_ESTIMATE | AUVID_EVENT_RESTORED)));
     if (out->events & AUVID_EVENT_VALIDATED) {
-        TEST_ASSERT_TRUE(id->change_test.set > judged);
+        TEST_ASSERT_TRUE(id->change_test.set > validated);
         TEST_ASSERT_TRUE(id->change_test.set <= id->metric.sets_recorded);
         TEST_ASSERT_TRUE(id->change_test.estimate <= id->estimate.number);
-        judged = id->change_test.set;
+        validated = id->change_test.set;
     }
     TEST_ASSERT_FALSE(out->events & AUVID_EVENT_CHANGED);
     TEST_ASSERT_TRUE(id->accepted_estimate.number <= id->estimate.number);
     number = id->estimate.number;
 }
 
-static void test_sets_judged_during_a_search_keep_everything_consistent(void)
+static void test_sets_validated_during_a_search_keep_everything_consistent(void)
 {
     static const uint32_t budget[] = {3, 20, 60};
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
@@ -260,7 +261,7 @@ static void test_sets_judged_during_a_search_keep_everything_consistent(void)
     }
 }
 
-/* Seven sets, each worked through before the next one begins. */
+/* Seven sets; the work for each is complete before the next one begins. */
 static void work_through(uint32_t budget)
 {
     chain_defaults(&config, 61, 7, 1.0);
@@ -275,15 +276,15 @@ static void work_through(uint32_t budget)
     }
 }
 
-static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
+static void test_any_budget_gives_the_same_bits_of_estimate_and_change_test(void)
 {
     static const uint32_t budget[] = {1, 7, 200};
     static auvid_estimate_t estimate;
-    static auvid_change_test_t judgement;
+    static auvid_change_test_t change_test;
     work_through(100000);
     estimate = chain.id.estimate;
-    judgement = chain.id.change_test;
-    TEST_ASSERT_EQUAL_UINT32(7, judgement.set);
+    change_test = chain.id.change_test;
+    TEST_ASSERT_EQUAL_UINT32(7, change_test.set);
     TEST_ASSERT_TRUE(estimate.confidence.identifiable != 0);
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
         const auvid_estimate_t *e = &chain.id.estimate;
@@ -293,38 +294,40 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_judgement(void)
         TEST_ASSERT_EQUAL_MEMORY(&estimate.confidence, &e->confidence, sizeof e->confidence);
         TEST_ASSERT_EQUAL(estimate.number, e->number);
         TEST_ASSERT_EQUAL(estimate.accepted, e->accepted);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.variance_ratio, to->variance_ratio,
+        TEST_ASSERT_EQUAL_MEMORY(change_test.variance_ratio, to->variance_ratio,
                                  sizeof to->variance_ratio);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.change, to->change, sizeof to->change);
-        TEST_ASSERT_EQUAL_MEMORY(judgement.r2_velocity, to->r2_velocity, sizeof to->r2_velocity);
-        TEST_ASSERT_EQUAL(judgement.changed, to->changed);
-        TEST_ASSERT_EQUAL(judgement.set, to->set);
+        TEST_ASSERT_EQUAL_MEMORY(change_test.change, to->change, sizeof to->change);
+        TEST_ASSERT_EQUAL_MEMORY(change_test.r2_velocity, to->r2_velocity, sizeof to->r2_velocity);
+        TEST_ASSERT_EQUAL(change_test.changed, to->changed);
+        TEST_ASSERT_EQUAL(change_test.set, to->set);
     }
 }
 
-/* With noise on it, what the newest set and the newest two add to what no parameters explain is
- * positive: evidence, if weak, about the three parameters of each DoF. Five sets give none. */
-static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed(void)
+/* With noise, the newest set and the newest two increase the part that no parameters explain: weak
+ * evidence about the three parameters of each DoF. Five sets give none. */
+static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
 {
     chain_defaults(&config, 61, 6, 1.0);
     config.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     for (uint32_t set = 1; set <= 6; ++set) {
-        auvid_real_t most = 0;
+        auvid_real_t max_change = 0;
         while (chain.id.metric.sets_recorded < set) {
             chain_tick(&chain);
         }
         TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             bool compared = set >= 3 && (chain.id.change_test.excited >> j & 1) != 0;
-            most = chain.id.change_test.change[j] > most ? chain.id.change_test.change[j] : most;
+            max_change = chain.id.change_test.change[j] > max_change
+                             ? chain.id.change_test.change[j]
+                             : max_change;
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
             TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
-            int together = j == AUVID_YAW ? 1 : 0; /* it knows m_u and m_v by their difference */
+            int together = j == AUVID_YAW ? 1 : 0; /* it depends on m_u - m_v */
             TEST_ASSERT_TRUE(!compared ||
                              chain.id.metric.change_rank[j] + together == chain.id.metric.count[j]);
         }
-        TEST_ASSERT_EQUAL(set == 6, most > 0);
+        TEST_ASSERT_EQUAL(set == 6, max_change > 0);
         TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.changed);
     }
 }
@@ -332,12 +335,12 @@ static void test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_ch
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_set_with_a_force_nobody_told_of_is_undone_by_the_next);
-    RUN_TEST(test_an_estimate_that_foretells_worse_than_the_one_before_is_taken_back);
-    RUN_TEST(test_what_is_restored_lacks_no_degree_of_freedom);
+    RUN_TEST(test_the_next_set_corrects_a_set_with_an_unmodelled_force);
+    RUN_TEST(test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn);
+    RUN_TEST(test_a_restored_estimate_lacks_no_degree_of_freedom);
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
-    RUN_TEST(test_sets_judged_during_a_search_keep_everything_consistent);
-    RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_judgement);
-    RUN_TEST(test_the_sixth_set_is_the_first_that_says_whether_the_vehicle_has_changed);
+    RUN_TEST(test_sets_validated_during_a_search_keep_everything_consistent);
+    RUN_TEST(test_any_budget_gives_the_same_bits_of_estimate_and_change_test);
+    RUN_TEST(test_the_sixth_set_is_the_first_that_is_tested_for_a_change);
     return UNITY_END();
 }

@@ -1,5 +1,5 @@
-/* The checkpoint: what it takes, what it refuses, and that an identifier goes on from it. That the
- * same holds in another process, with sensors and excitation: test_checkpoint_process.c. */
+/* The checkpoint: what it accepts, what it refuses, and that an identifier continues from it. The
+ * same in another process, with sensors and excitation: test_checkpoint_process.c. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -29,7 +29,7 @@ void tearDown(void)
 {
 }
 
-/* Motion made of sines, and the wrench that it takes; a cell. */
+/* A cell of sinusoidal motion, with the wrench that causes it. */
 static void record(auvid_identifier_t *to, int cell)
 {
     auvid_sample_t s;
@@ -64,7 +64,7 @@ static void move_from_to(auvid_identifier_t *to, int first, int last)
     }
 }
 
-/* In chunks of up to `chunk` bytes. @return bytes of the checkpoint */
+/* Save in chunks of up to `chunk` bytes. @return bytes of the checkpoint */
 static uint32_t save(const auvid_identifier_t *from, uint8_t *to, uint32_t chunk)
 {
     auvid_checkpoint_t cursor;
@@ -81,7 +81,7 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to, uint32_t chunk
     return at;
 }
 
-/* One of an identifier that is in the middle of its second search. */
+/* Save an identifier in the middle of its second search. */
 static void make(void)
 {
     for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
@@ -126,9 +126,9 @@ static void test_after_the_last_byte_there_is_none(void)
     TEST_ASSERT_EQUAL_UINT32(0, part);
 }
 
-/* At many places of a run: restored into another identifier, which was initialised otherwise, both
- * go on alike, to the same bytes. */
-static void test_an_identifier_goes_on_where_it_was_saved(void)
+/* At many ticks of a run: restore into another identifier, initialised differently. Both continue
+ * identically, to the same bytes. */
+static void test_an_identifier_continues_where_it_was_saved(void)
 {
     static auvid_identifier_config_t plain;
     uint32_t phases = 0;
@@ -139,7 +139,7 @@ static void test_an_identifier_goes_on_where_it_was_saved(void)
             bytes = save(&id, saved, 333);
             auvid_identifier_defaults(&plain, &auvid_girona500);
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &plain));
-            move_from_to(&other, 1, 100); /* it may even have something else aboard */
+            move_from_to(&other, 1, 100); /* with a state of its own */
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
             static auvid_identifier_t twin;
             twin = id;
@@ -153,11 +153,11 @@ static void test_an_identifier_goes_on_where_it_was_saved(void)
     TEST_ASSERT_TRUE(id.estimate.number >= 2 && phases != 1u);
 }
 
-/* Into one that has an estimate, and is in the middle of a search. */
-static void test_nothing_is_left_of_what_was_aboard_before(void)
+/* Restore into an identifier that has an estimate and is in the middle of a search. */
+static void test_nothing_is_left_of_the_previous_state(void)
 {
     static auvid_identifier_t twin;
-    config.search.lower[0] = AUVID_C(-900.1); /* what is saved first */
+    config.search.lower[0] = AUVID_C(-900.1); /* the first number saved */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &config));
     move_from_to(&twin, 1, 9);
     bytes = save(&twin, saved, sizeof saved);
@@ -176,7 +176,7 @@ static void test_nothing_is_left_of_what_was_aboard_before(void)
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
 }
 
-static void test_what_was_known_before_the_dive_goes_with_it(void)
+static void test_a_prior_record_is_part_of_it(void)
 {
     static uint8_t record[AUVID_PRIOR_BYTES];
     move_from_to(&id, 1, 240);
@@ -188,7 +188,7 @@ static void test_what_was_known_before_the_dive_goes_with_it(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
     TEST_ASSERT_TRUE(other.metric.apply_prior == id.metric.apply_prior &&
                      id.metric.apply_prior != NULL);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and back to none */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and restore an empty one */
     bytes = save(&id, saved, sizeof saved);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
     TEST_ASSERT_TRUE(other.metric.apply_prior == NULL);
@@ -205,9 +205,9 @@ static void test_what_is_attached_stays(void)
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.prediction.vehicle);
 }
 
-/* All positions (of eleven one in double, but in the long form); in the head and the tail all other
- * values, else one of them. */
-static void test_every_damaged_byte_is_noticed(void)
+/* All positions (in double every eleventh, except in the long form). In head and tail all other
+ * values, elsewhere one of them. */
+static void test_every_damaged_byte_is_detected(void)
 {
 #ifdef __linux__
     const uint32_t stride = campaign_is_long() || sizeof(auvid_real_t) == 4 ? 1 : 11;
@@ -229,7 +229,7 @@ static void test_every_damaged_byte_is_noticed(void)
         TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &id, sizeof id));
         k += k < AUVID_CHECKPOINT_HEAD || k + stride >= bytes - AUVID_CHECKPOINT_TAIL ? 1 : stride;
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes)); /* it was not void */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes)); /* it was valid */
 }
 
 static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
@@ -246,7 +246,7 @@ static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
     check_refused(AUVID_ERR_CHECKSUM, again, bytes);
 }
 
-/* What is not damaged, but of others: with a checksum of theirs. */
+/* Undamaged checkpoints from elsewhere, with a correct checksum. */
 static void forge(uint32_t at)
 {
     saved[at] ^= 1u;
@@ -273,10 +273,10 @@ static void test_one_of_another_version_or_other_sizes_is_refused(void)
 {
     make();
     for (uint32_t byte = 0; byte < 4; ++byte) {
-        check_forged(AUVID_ERR_CHECKSUM, 0 + byte); /* the format */
-        check_forged(AUVID_ERR_SIZE, 4 + byte);     /* the checksum of the layout */
-        check_forged(AUVID_ERR_MODEL, 8 + byte);    /* that of the model */
-        check_forged(AUVID_ERR_SIZE, 16 + byte);    /* the storage of a model without regressor */
+        check_forged(AUVID_ERR_CHECKSUM, 0 + byte);  /* the format */
+        check_forged(AUVID_ERR_SIZE, 4 + byte);      /* the checksum of the layout */
+        check_forged(AUVID_ERR_MODEL, 8 + byte);     /* that of the model */
+        check_forged(AUVID_ERR_SIZE, 16 + byte);     /* the storage of a model without regressor */
         check_forged(AUVID_ERR_CHECKSUM, 20 + byte); /* the length */
     }
     check_forged(AUVID_ERR_CHECKSUM, 12); /* parts that this model cannot have */
@@ -319,7 +319,7 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     config.metric.rows = store[0];
     config.metric.sets = 8;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
-    make(); /* and its storage holds what it held */
+    make(); /* with the same contents of its storage */
     config.metric.rows = store[1];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -337,8 +337,8 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
-/* Stages of a run, whatever led there. */
-static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(void)
+/* Stages of a run, set directly. */
+static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 {
     for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
         bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
@@ -356,7 +356,7 @@ static void test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched(
     }
 }
 
-/* The plan and the guard's limits decide on forces: a file has no say in them. */
+/* The plan and the guard's limits decide on forces: a file must not change them. */
 static void test_plan_thrusters_and_limits_are_those_of_init(void)
 {
     const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
@@ -381,7 +381,7 @@ static void test_work_in_an_unknown_phase_ends(void)
     TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.phase);
 }
 
-/* As auvid_checkpoint_begin would write them, had memory been damaged before. */
+/* As auvid_checkpoint_begin writes them if memory is damaged. */
 static auvid_identifier_t good;
 #define IMPOSSIBLE(assignment)                                                                     \
     other = good;                                                                                  \
@@ -395,7 +395,7 @@ static void check_good(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
-static void test_what_cannot_be_is_refused(void)
+static void test_impossible_values_are_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
     IMPOSSIBLE(phase = UINT8_MAX);
@@ -408,7 +408,7 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(metric.channel_at[2] = 500);
     IMPOSSIBLE(metric.index[0] = 200);
     IMPOSSIBLE(metric.set[3].exponent[0] = 100);
-    IMPOSSIBLE(metric.set[3].excited = 1); /* and not a row */
+    IMPOSSIBLE(metric.set[3].excited = 1); /* without a row */
     IMPOSSIBLE(metric.factor[0][0] = AUVID_C(1e30));
     IMPOSSIBLE(nav.gps_count = 200);
     IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
@@ -421,14 +421,14 @@ static void test_what_cannot_be_is_refused(void)
     IMPOSSIBLE(metric.missing[0][1] = 64);
     IMPOSSIBLE(metric.successive[0] = AUVID_METRIC_LAGS + 1);
     IMPOSSIBLE(metric.window_of[0] = AUVID_METRIC_WINDOW + 1);
-    IMPOSSIBLE(metric.rows_of[0] = 1);       /* of no row */
-    IMPOSSIBLE(metric.set[3].number = 1);    /* and none was recorded */
+    IMPOSSIBLE(metric.rows_of[0] = 1);        /* of no row */
+    IMPOSSIBLE(metric.set[3].number = 1);     /* none was recorded */
     IMPOSSIBLE(metric.set[3].windows[0] = 1); /* of no row */
-    IMPOSSIBLE(metric.from = 1);             /* and the ring is not held */
+    IMPOSSIBLE(metric.from = 1);              /* the ring is not held */
     IMPOSSIBLE(metric.least = 1);
     IMPOSSIBLE(metric.full = true);
     IMPOSSIBLE(metric.ring_changed = true);
-    IMPOSSIBLE(metric.held = true); /* and there is no work */
+    IMPOSSIBLE(metric.held = true); /* no work is under way */
     IMPOSSIBLE(metric.waiting = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(metric.sets_merged = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(untested = 1);
@@ -448,7 +448,7 @@ static void test_what_cannot_be_is_refused(void)
 
 static void test_a_note_that_names_no_parameter_is_refused(void)
 {
-    static auvid_vehicle_t vehicle; /* of less parameters than there is room for */
+    static auvid_vehicle_t vehicle; /* with fewer parameters than there is room for */
     vehicle = auvid_girona500;
     --vehicle.parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -467,8 +467,8 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
     check_good();
 }
 
-/* A ring of the recorder that does not reach from its oldest cell to the newest: it would be walked
- * through for hours. */
+/* The recorder's ring does not reach from its oldest cell to the newest: a walk through it would
+ * take hours. */
 static void test_a_record_of_too_many_cells_is_refused(void)
 {
     move_from_to(&id, 1, 9);
@@ -483,7 +483,7 @@ static void test_a_record_of_too_many_cells_is_refused(void)
     check_good();
 }
 
-/* Until the work is in this phase; a few units at a time. */
+/* Work until this phase, a few units at a time. */
 static void move_to_phase(uint8_t phase)
 {
     for (int cell = 1; cell < CELLS && id.phase != phase; ++cell) {
@@ -496,7 +496,7 @@ static void move_to_phase(uint8_t phase)
     good = id;
 }
 
-static void test_an_optimum_that_cannot_be_is_refused(void)
+static void test_an_impossible_optimum_is_refused(void)
 {
     move_to_phase(AUVID_WORK_LINEARISE);
     TEST_ASSERT_TRUE(good.optimum.n > 1);
@@ -509,10 +509,10 @@ static void test_an_optimum_that_cannot_be_is_refused(void)
     IMPOSSIBLE(optimum.dof = AUVID_DOF_COUNT + 1);
     IMPOSSIBLE(optimum.row = UINT8_MAX);
     IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
-    IMPOSSIBLE(optimum.triangle[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(optimum.qr_factor[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(active = 0);
     IMPOSSIBLE(metric.held = false);
-    IMPOSSIBLE(metric.waiting = 1); /* which would not count */
+    IMPOSSIBLE(metric.waiting = 1); /* it would not be used */
     check_good();
 }
 
@@ -535,22 +535,22 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
     check_good();
 }
 
-static void test_sets_that_do_not_go_with_the_work_are_refused(void)
+static void test_sets_that_contradict_the_phase_of_work_are_refused(void)
 {
     move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
     TEST_ASSERT_EQUAL(1, good.untested);
     IMPOSSIBLE(untested = 0);
     IMPOSSIBLE(untested = 2);
     IMPOSSIBLE(metric.from = 1);
-    IMPOSSIBLE(metric.full = true); /* of a model with regressor */
+    IMPOSSIBLE(metric.full = true); /* with a regressor */
     IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(metric.set[0].rows_of[0] = SET_ROWS + 1);
-    IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of a DoF that is driven */
+    IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of an excited DoF */
     IMPOSSIBLE(prediction.compared[0] = UINT32_MAX);
     check_good();
 }
 
-static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
+static void test_a_held_sample_not_ahead_of_the_imu_is_refused(void)
 {
     const auvid_real_t still[3] = {0};
     const auvid_dvl_sample_t ahead = {.t_us = 200000, .valid = AUVID_DVL_ALL};
@@ -564,7 +564,7 @@ static void test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused(void)
 }
 #undef IMPOSSIBLE
 
-static void test_an_identifier_that_steps_while_it_is_saved_is_noticed(void)
+static void test_an_identifier_that_steps_while_it_is_saved_is_detected(void)
 {
     auvid_checkpoint_t cursor;
     auvid_input_t in = {.t_us = 20000};
@@ -601,26 +601,26 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_bytes_do_not_depend_on_the_chunks);
     RUN_TEST(test_after_the_last_byte_there_is_none);
-    RUN_TEST(test_an_identifier_goes_on_where_it_was_saved);
-    RUN_TEST(test_nothing_is_left_of_what_was_aboard_before);
-    RUN_TEST(test_what_was_known_before_the_dive_goes_with_it);
+    RUN_TEST(test_an_identifier_continues_where_it_was_saved);
+    RUN_TEST(test_nothing_is_left_of_the_previous_state);
+    RUN_TEST(test_a_prior_record_is_part_of_it);
     RUN_TEST(test_what_is_attached_stays);
-    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
     RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
-    RUN_TEST(test_a_guard_that_watched_comes_back_disarmed_a_latched_one_latched);
+    RUN_TEST(test_an_armed_guard_is_restored_disarmed_a_latched_one_latched);
     RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
     RUN_TEST(test_work_in_an_unknown_phase_ends);
-    RUN_TEST(test_what_cannot_be_is_refused);
+    RUN_TEST(test_impossible_values_are_refused);
     RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
     RUN_TEST(test_a_record_of_too_many_cells_is_refused);
-    RUN_TEST(test_an_optimum_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_optimum_is_refused);
     RUN_TEST(test_a_probe_along_a_direction_not_before_its_own_is_refused);
-    RUN_TEST(test_sets_that_do_not_go_with_the_work_are_refused);
-    RUN_TEST(test_a_sample_held_that_is_not_ahead_of_the_imu_is_refused);
-    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_noticed);
+    RUN_TEST(test_sets_that_contradict_the_phase_of_work_are_refused);
+    RUN_TEST(test_a_held_sample_not_ahead_of_the_imu_is_refused);
+    RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_detected);
     RUN_TEST(test_calls_out_of_order_are_refused);
     return UNITY_END();
 }

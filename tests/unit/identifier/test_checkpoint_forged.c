@@ -1,7 +1,7 @@
-/* Checkpoints whose content somebody has changed and whose checksum is right: refused, or harmless.
- * Genuine ones come from five worlds: one with regressor, guarded and excited, begun with a prior
- * record; one with adaptive excitation; one without regressor; and the first and the last of these
- * again with budgets so small that sets wait, and an IMU so late that samples are held. */
+/* Checkpoints with forged content and a correct checksum: refused, or harmless. The genuine ones
+ * are of five worlds: one with regressor, guarded and excited, started with a prior record; one
+ * with adaptive excitation; one without regressor. The first and the last of these are repeated
+ * with budgets so small that sets wait, and an IMU so late that samples are held. */
 #define _POSIX_C_SOURCE 200809L /* alarm() */
 #include <math.h>
 #include <stdio.h>
@@ -24,7 +24,7 @@ enum {
     STORE = (SETS + 1) * SET_ROWS,
     MOST = AUVID_CHECKPOINT_MAX(STORE),
     PHASES = AUVID_WORK_CONFIDENCE + 1,
-    KINDS = 4 * PHASES, /* of moments: phases of work, with a set that waits, a sample held */
+    KINDS = 4 * PHASES, /* of moments: phases of work, with a waiting set, a held sample */
     TAKEN = 2 * KINDS,  /* checkpoints of a world: two of each */
     LATE_US = 50000,    /* the IMU in the slow worlds */
     HANG_S = 60
@@ -41,14 +41,14 @@ typedef struct {
 
 static moment_t moment[WORLDS][TAKEN];
 static uint32_t moments[WORLDS];
-static auvid_identifier_t fresh[WORLDS]; /* as the program that restores begins */
+static auvid_identifier_t fresh[WORLDS]; /* as in a program that restores */
 static chain_config_t config;
 static chain_t chain;
 static auvid_row_t store[STORE];
 static auvid_vehicle_t vehicle;
 static auvid_rng_t rng;
 static uint8_t forged[MOST];
-static char what[200]; /* has been forged, for a message */
+static char what[200]; /* was forged, for a message */
 
 void setUp(void)
 {
@@ -127,7 +127,7 @@ static uint32_t kind_of(const auvid_identifier_t *id)
     return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
 }
 
-/* Two moments of each kind that there is in `seconds` of the world, which is excited. */
+/* Save two moments of each kind that occurs in `seconds` of the world, which is excited. */
 static void run(world_t world, double seconds)
 {
     static const auvid_real_t guess[AUVID_MAX_PARAMETERS] = {[AUVID_G500_M_U] = 500};
@@ -200,18 +200,19 @@ static void correct_checksum(uint32_t bytes)
     auvid_put_word(forged + bytes - 4, ~auvid_checksum(UINT32_MAX, forged, bytes - 4));
 }
 
-/* Another value for a scalar: any, or one that tells. */
+/* Another value for a scalar: any, or a critical one. */
 static void change_scalar(uint8_t *at, uint32_t width)
 {
-    static const float tells[] = {0, -1, 1, NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-40f, 1e20f};
+    static const float critical[] = {0,         -1,    1,      NAN,    INFINITY,
+                                     -INFINITY, 3e38f, -3e38f, 1e-40f, 1e20f};
     static const uint8_t bytes[] = {0x00, 0xff, 0x7f, 0x80, 0x01};
-    float single = tells[auvid_rng_below(&rng, sizeof tells / sizeof tells[0])];
+    float single = critical[auvid_rng_below(&rng, sizeof critical / sizeof critical[0])];
     double wide = (double)single;
     switch (auvid_rng_below(&rng, 4)) {
     case 0: /* one byte, any */
         at[auvid_rng_below(&rng, width)] = (uint8_t)auvid_rng_below(&rng, 256);
         break;
-    case 1: /* one byte of those that tell */
+    case 1: /* one critical byte */
         at[auvid_rng_below(&rng, width)] = bytes[auvid_rng_below(&rng, sizeof bytes)];
         break;
     case 2: /* a little more or less */
@@ -229,7 +230,7 @@ static void change_scalar(uint8_t *at, uint32_t width)
     }
 }
 
-/* One to three changes: of any bytes, and as often in any member of a struct, however short. */
+/* One to three changes: half of them of any byte, half of any member of a struct. */
 static void forge(const moment_t *m)
 {
     static uint32_t start[MOST];
@@ -287,7 +288,7 @@ static void check_published(const chain_t *c)
     TEST_ASSERT_TRUE_MESSAGE(finite, what);
 }
 
-/* Ticks with work; the wrench is zero, or within what is planned. */
+/* Ticks with work; the wrench is zero, or within the plan. */
 static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
@@ -298,14 +299,14 @@ static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
         chain_tick(c);
         TEST_ASSERT_FALSE_MESSAGE(c->over_budget, what);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            auvid_real_t most = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
-            TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= most, what);
+            auvid_real_t max_N = may_act ? peak[j] * AUVID_C(1.000001) : AUVID_C(0.0);
+            TEST_ASSERT_TRUE_MESSAGE(auvid_abs(c->out.excitation[j]) <= max_N, what);
         }
         check_published(c);
     }
 }
 
-/* One in so many that are taken goes on for a set and a search, too. */
+/* One in so many accepted forgeries also runs for a set and a search. */
 static void test_a_forged_checkpoint_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : campaign_runs(3000), stride = 64;
@@ -322,9 +323,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         forge(m);
         chain.id = fresh[world];
         (void)alarm(HANG_S);
-        auvid_status_t status =
-            (resumes ? auvid_checkpoint_resume : auvid_checkpoint_restore)(&chain.id, forged,
-                                                                           m->bytes);
+        auvid_status_t status = (resumes ? auvid_checkpoint_resume
+                                         : auvid_checkpoint_restore)(&chain.id, forged, m->bytes);
         if (status != AUVID_OK) {
             TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world], sizeof chain.id));
             ++refused;
@@ -338,7 +338,7 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         check_published(&chain);
         bool longer = ++taken % stride == 0;
         check_ticks(&chain, world, 8, resumes);
-        chain.waiting = true; /* and now it may */
+        chain.waiting = true; /* now it may excite */
         check_ticks(&chain, world, longer ? 800 : 8, true);
     }
     (void)alarm(0);

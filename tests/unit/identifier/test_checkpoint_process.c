@@ -1,7 +1,7 @@
-/* The checkpoint across processes: a run is saved at random ticks, and from each of these another
- * process goes on to its end. Every tick must answer as in the uninterrupted run, and the last
- * checkpoint be the same, byte for byte. Two worlds: one with regressor, begun with a warm record,
- * guarded and excited, and one without. */
+/* The checkpoint across processes: a run is saved at random ticks, and another process continues it
+ * from each of them to its end. Every tick must have the same output as in the uninterrupted run,
+ * and the last checkpoint must be equal, byte for byte. Two worlds: one with regressor, started
+ * with a prior record, guarded and excited, and one without. */
 #define _POSIX_C_SOURCE 200809L /* mkstemp() */
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +26,7 @@ enum {
     MOST = AUVID_CHECKPOINT_MAX(STORE)
 };
 
-/* What an identifier is given in a tick, and what it answers. */
+/* Input and output of an identifier in a tick. */
 typedef struct {
     auvid_input_t in;
     auvid_real_t wrench[AUVID_DOF_COUNT]; /* applied */
@@ -37,7 +37,7 @@ typedef struct {
     bool late;       /* a set waits for the search to end */
 } tick_t;
 
-/* A run, as another process reads it. */
+/* A run, as the other process reads it. */
 typedef struct {
     bool residual;
     uint32_t ticks;
@@ -79,7 +79,7 @@ static void configure(bool residual)
 {
     chain_defaults(&config, 1, CHAIN_SETS, 1.0);
     config.id.metric.set_rows = SET_ROWS;
-    if (residual) { /* surge alone, with its delay */
+    if (residual) { /* only surge, with its delay */
         vehicle = auvid_girona500;
         vehicle.regressor = NULL;
         vehicle.residual = predict;
@@ -104,12 +104,12 @@ static uint32_t hash(uint32_t h, const void *data, size_t size)
 
 #define HASH(member) h = hash(h, &(member), sizeof(member))
 
-/* All that is published in a tick. */
+/* Hash of all outputs of a tick. */
 static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
 {
     uint32_t h = 2166136261u;
     const auvid_estimate_t *e = &of->estimate;
-    const auvid_change_test_t *judgement = &of->change_test;
+    const auvid_change_test_t *test = &of->change_test;
     HASH(out->events);
     HASH(out->excitation);
     HASH(out->thruster_N);
@@ -137,15 +137,15 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
     HASH(e->confidence.partner);
     HASH(e->confidence.effective_noise);
     HASH(e->confidence.residual_rms);
-    HASH(judgement->set);
-    HASH(judgement->changed);
-    HASH(judgement->variance_ratio);
-    HASH(judgement->change);
-    HASH(judgement->r2_velocity);
+    HASH(test->set);
+    HASH(test->changed);
+    HASH(test->variance_ratio);
+    HASH(test->change);
+    HASH(test->r2_velocity);
     return h;
 }
 
-/* In chunks of random length. */
+/* Save in chunks of random length. */
 static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
 {
     auvid_checkpoint_t cursor;
@@ -193,7 +193,7 @@ static void record(bool residual)
     uint32_t seconds = CHAIN_SETS * CHAIN_SET_S + 4;
     for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
         tick_t *tick = &run.tick[run.ticks];
-        /* so that sets find the search at work, now and then, and a tick may end in any phase */
+        /* so that some sets complete during a search, and a tick may end in any phase */
         uint32_t usual = residual ? 120 : 60;
         tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain.config.budget = tick->budget;
@@ -221,19 +221,19 @@ static void step(auvid_identifier_t *of, const tick_t *tick, auvid_output_t *out
     (void)auvid_identifier_work(of, tick->budget);
 }
 
-static bool read_file(const char *name, void *to, size_t most, size_t *size)
+static bool read_file(const char *name, void *to, size_t max, size_t *size)
 {
     FILE *file = fopen(name, "rb");
     if (file == NULL) {
         return false;
     }
-    *size = fread(to, 1, most, file);
+    *size = fread(to, 1, max, file);
     return fclose(file) == 0;
 }
 
-/* Restore the file's identifier after tick `from` and go on to the end of the run.
- * @return tick whose answer is another, at the end the run's length; 0: as it should be */
-static int go_on(const char *run_file, const char *saved_file, uint32_t from)
+/* Restore the file's identifier after tick `from` and continue to the end of the run.
+ * @return first tick with another output, the run's length for another end; 0: no difference */
+static int continue_run(const char *run_file, const char *saved_file, uint32_t from)
 {
     size_t size = 0;
     auvid_output_t out;
@@ -241,7 +241,7 @@ static int go_on(const char *run_file, const char *saved_file, uint32_t from)
         return -1;
     }
     configure(run.residual);
-    config.id.search.seed = 99; /* the checkpoint knows better */
+    config.id.search.seed = 99; /* the checkpoint overrides it */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
         auvid_identifier_init(&id, &config.id) != AUVID_OK ||
         auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
@@ -263,7 +263,7 @@ static void write_file(const char *name, const void *data, size_t size)
     TEST_ASSERT_TRUE(file != NULL && fwrite(data, 1, size, file) == size && fclose(file) == 0);
 }
 
-/* The run once more, saved at the ticks that are marked. */
+/* Repeat the run and save at the marked ticks. */
 static void check_ticks(const bool *marked)
 {
     auvid_output_t out;
@@ -288,19 +288,18 @@ static void check_ticks(const bool *marked)
     }
 }
 
-/* Random ticks, `most` of them: two of each phase of work that there is, the others of all, the
- * last of those at which a set waits.
- * @return phases among them */
-static uint32_t mark(uint32_t most, bool *marked)
+/* Mark `max` random ticks: two of each phase of work that occurs, then any, and the last ones
+ * among those at which a set waits. @return number of phases among them */
+static uint32_t mark(uint32_t max, bool *marked)
 {
     uint32_t count[PHASES] = {0}, phases = 0, late = 0;
     memset(marked, 0, TICKS * sizeof *marked);
-    for (uint32_t n = 0; n < most; ++n) {
+    for (uint32_t n = 0; n < max; ++n) {
         uint32_t k = 1 + auvid_rng_below(&rng, run.ticks - 1);
         for (uint32_t i = 1; n < 2 * PHASES && i < run.ticks && run.tick[k].phase != n / 2; ++i) {
             k = 1 + k % (run.ticks - 1); /* the next */
         }
-        for (uint32_t i = 1; n + 3 > most && i < run.ticks && !run.tick[k].late; ++i) {
+        for (uint32_t i = 1; n + 3 > max && i < run.ticks && !run.tick[k].late; ++i) {
             k = 1 + k % (run.ticks - 1);
         }
         count[run.tick[k].phase] += !marked[k];
@@ -308,7 +307,7 @@ static uint32_t mark(uint32_t most, bool *marked)
         late += run.tick[k].late && !marked[k];
         marked[k] = true;
     }
-    printf("%s regressor, ticks saved in phases IDLE, FORESEE ..:", run.residual ? "no" : "with");
+    printf("%s regressor, ticks saved in phases IDLE, PREPARE ..:", run.residual ? "no" : "with");
     for (int i = 0; i < PHASES; ++i) {
         printf(" %u", (unsigned)count[i]);
     }
@@ -317,7 +316,7 @@ static uint32_t mark(uint32_t most, bool *marked)
     return phases;
 }
 
-static void test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit(void)
+static void test_a_run_saved_at_random_ticks_continues_in_a_new_process_bit_for_bit(void)
 {
     static bool marked[TICKS];
     bool all = campaign_is_long();
@@ -330,7 +329,7 @@ static void test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bi
     TEST_ASSERT_EQUAL_HEX32((1u << PHASES) - 1, phases);
 }
 
-/* A long way into the excitation the power fails: whatever is applied, nobody knows. */
+/* The power fails far into the excitation: the applied wrench is unknown. */
 static void test_an_excitation_that_was_interrupted_is_aborted(void)
 {
     auvid_output_t out;
@@ -349,12 +348,12 @@ static void test_an_excitation_that_was_interrupted_is_aborted(void)
     TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
                              sizeof out.excitation);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
-    step(&id, &run.tick[1], &out); /* a clock that began anew */
+    step(&id, &run.tick[1], &out); /* a clock that restarted */
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, out.guard);
 }
 
-/* Armed, exciting, settling: a program that restores has not been asked to act. */
-static void test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew(void)
+/* Armed, exciting, settling: a program that restores has no permission to act. */
+static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_armed_again(void)
 {
     auvid_output_t out;
     uint32_t states = 0;
@@ -399,9 +398,9 @@ int main(int count, char **argument)
     self = argument[0];
     if (count == 4) {
         setUp();
-        int tick = go_on(argument[1], argument[2], (uint32_t)atoi(argument[3]));
+        int tick = continue_run(argument[1], argument[2], (uint32_t)atoi(argument[3]));
         if (tick != 0) {
-            printf("saved after tick %s: another answer in tick %d\n", argument[3], tick);
+            printf("saved after tick %s: output differs in tick %d\n", argument[3], tick);
         }
         return tick != 0;
     }
@@ -411,9 +410,9 @@ int main(int count, char **argument)
     }
     (void)snprintf(saved_path, sizeof saved_path, "%s_", path);
     UNITY_BEGIN();
-    RUN_TEST(test_a_run_saved_at_random_ticks_goes_on_in_a_new_process_bit_for_bit);
+    RUN_TEST(test_a_run_saved_at_random_ticks_continues_in_a_new_process_bit_for_bit);
     RUN_TEST(test_an_excitation_that_was_interrupted_is_aborted);
-    RUN_TEST(test_what_was_acting_comes_back_disarmed_and_acts_only_when_armed_anew);
+    RUN_TEST(test_an_active_identifier_is_restored_disarmed_and_acts_only_when_armed_again);
     int status = UNITY_END();
     (void)remove(path);
     (void)remove(saved_path);

@@ -1,6 +1,6 @@
 /*
- * Drag force at speed: exact numbers of a made-up covariance, what makes a force unknown, and which
- * speeds an estimate has seen.
+ * Drag force at a speed: exact numbers for an invented covariance, what makes a force unknown, and
+ * the largest speeds of an estimate.
  */
 #include <math.h>
 #include <string.h>
@@ -16,13 +16,13 @@ static auvid_estimate_t estimate;
 static auvid_drag_t drag;
 static chain_t chain;
 
-/* Where entry i <= j stands in the packed covariance of the model's parameters. */
+/* Index of entry i <= j in the packed covariance of the model's parameters. */
 static int entry(int i, int j)
 {
     return i * N - i * (i - 1) / 2 + j - i;
 }
 
-/* X_u = -40 +- 10, X_uu = -120 +- 20 move against each other: the sum at 0.6 m/s is known. */
+/* X_u = -40 +- 10, X_uu = -120 +- 20 are correlated: the sum at 0.6 m/s is known. */
 void setUp(void)
 {
     cells_defaults();
@@ -63,7 +63,7 @@ static void close_to(double expected, auvid_real_t got)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5 * fabs(expected), expected, (double)got);
 }
 
-/* Known no more: neither flagged nor given a half-width. */
+/* Unknown: neither flagged nor with a half-width. */
 static void assert_unknown(double speed)
 {
     ask(speed);
@@ -96,7 +96,7 @@ static void test_its_variance_is_that_of_the_sum(void)
 }
 
 /* 2.1 * 10 of 40, 2.1 * 20 of 120; at 0.6: 2.1 * 3.8 of 67. */
-static void test_a_force_is_known_where_neither_of_its_coefficients_is(void)
+static void test_a_force_may_be_known_although_neither_of_its_coefficients_is(void)
 {
     double half = (double)AUVID_CONFIDENCE_HALF_WIDTH;
     double allowed = (double)AUVID_CONFIDENCE_IDENTIFIABLE;
@@ -124,9 +124,9 @@ static void test_it_is_identifiable_up_to_the_same_relative_half_width_as_a_para
     }
 }
 
-/* A scale of thrust moves both alike, that of the DVL against each other: the errors of the two
- * coefficients are added with their signs, then squared. */
-static void test_what_scales_cost_is_added_with_its_sign(void)
+/* A thrust scale changes both in the same direction, a DVL scale in opposite ones: the errors of
+ * the two coefficients are added with their signs, then squared. */
+static void test_errors_of_scales_are_added_with_their_signs(void)
 {
     auvid_confidence_t *c = &estimate.confidence;
     ask(0.6);
@@ -168,7 +168,7 @@ static void test_at_rest_the_force_is_zero_and_nothing_is_claimed(void)
 
 /* ---- not identifiable ---- */
 
-static void test_beyond_the_speeds_seen_in_its_direction_it_is_not_identifiable(void)
+static void test_beyond_the_recorded_speeds_of_its_direction_it_is_not_identifiable(void)
 {
     static const struct {
         double speed;
@@ -180,11 +180,11 @@ static void test_beyond_the_speeds_seen_in_its_direction_it_is_not_identifiable(
     for (unsigned k = 0; k < sizeof at / sizeof *at; ++k) {
         ask(at[k].speed);
         TEST_ASSERT_EQUAL(at[k].seen, drag.identifiable);
-        TEST_ASSERT_TRUE(drag.half_width < AUVID_LARGEST); /* it is given all the same */
+        TEST_ASSERT_TRUE(drag.half_width < AUVID_LARGEST); /* it is known even so */
     }
 }
 
-static void test_a_force_that_drives_is_not_identifiable(void)
+static void test_a_force_along_the_motion_is_not_identifiable(void)
 {
     ask(0.6);
     TEST_ASSERT_TRUE(drag.identifiable);
@@ -203,7 +203,7 @@ static void test_an_implausible_parameter_of_its_equation_discredits_the_force(v
         ask(0.6);
         TEST_ASSERT_FALSE(drag.identifiable);
     }
-    estimate.confidence.implausible = 1u << AUVID_G500_Y_V; /* another equation's */
+    estimate.confidence.implausible = 1u << AUVID_G500_Y_V; /* of another equation */
     ask(0.6);
     TEST_ASSERT_TRUE(drag.identifiable);
 }
@@ -215,7 +215,7 @@ static void test_a_search_that_has_not_converged_identifies_no_force(void)
     TEST_ASSERT_FALSE(drag.identifiable);
 }
 
-static void test_the_force_of_a_dof_that_was_not_driven_is_not_identifiable(void)
+static void test_the_force_of_a_dof_that_was_not_excited_is_not_identifiable(void)
 {
     estimate.excited = (uint8_t)~estimate.excited;
     ask(0.6);
@@ -261,7 +261,7 @@ static void test_refusals_are_named_and_write_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&untouched, &drag, sizeof drag);
 }
 
-/* ---- which speeds were seen ---- */
+/* ---- largest speeds ---- */
 
 /* One set of cells, with velocity j at `speed` in cell 200 of it. */
 static void record_set(double t, int j, double speed, uint8_t missing)
@@ -290,12 +290,12 @@ static void test_a_set_keeps_its_largest_speed_in_each_direction(void)
                      newest()->fastest[AUVID_SURGE][BACKWARD] < 1000);
     record_set(100, AUVID_YAW, -3.5, 0);
     TEST_ASSERT_UINT_WITHIN(1, 3500, newest()->fastest[AUVID_YAW][BACKWARD]);
-    TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000); /* it begins again */
+    TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000); /* it starts again */
     record_set(200, AUVID_HEAVE, -1e6, 0);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, newest()->fastest[AUVID_HEAVE][BACKWARD]);
 }
 
-static void test_a_velocity_that_was_not_measured_was_not_seen(void)
+static void test_a_velocity_that_was_not_measured_does_not_count(void)
 {
     start();
     record_set(0, AUVID_SWAY, 2.5, 1u << AUVID_SWAY);
@@ -304,8 +304,8 @@ static void test_a_velocity_that_was_not_measured_was_not_seen(void)
     TEST_ASSERT_UINT_WITHIN(1, 2500, newest()->fastest[AUVID_SWAY][FORWARD]);
 }
 
-/* Half a set, then at 3 m/s while no row is taken, then at 2 m/s while they are again. */
-static void test_a_speed_of_which_no_row_is_taken_was_not_seen(void)
+/* Half a set; then 3 m/s without rows; then 2 m/s with rows again. */
+static void test_a_speed_without_a_row_does_not_count(void)
 {
     cfg.sets = 2;
     use_residual_path(1, 120);
@@ -332,8 +332,8 @@ static double fastest_of(const auvid_set_t *set, int j, int backward)
     return (set->excited >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
 }
 
-/* Yaw is not driven. */
-static void test_an_estimate_has_seen_the_speeds_of_its_sets(void)
+/* Yaw is not excited. */
+static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 0};
     chain_config_t config;
@@ -365,21 +365,21 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_force_is_the_sum_of_both_drags_against_the_motion);
     RUN_TEST(test_its_variance_is_that_of_the_sum);
-    RUN_TEST(test_a_force_is_known_where_neither_of_its_coefficients_is);
+    RUN_TEST(test_a_force_may_be_known_although_neither_of_its_coefficients_is);
     RUN_TEST(test_it_is_identifiable_up_to_the_same_relative_half_width_as_a_parameter);
-    RUN_TEST(test_what_scales_cost_is_added_with_its_sign);
+    RUN_TEST(test_errors_of_scales_are_added_with_their_signs);
     RUN_TEST(test_a_coefficient_that_is_fixed_is_exact);
     RUN_TEST(test_at_rest_the_force_is_zero_and_nothing_is_claimed);
-    RUN_TEST(test_beyond_the_speeds_seen_in_its_direction_it_is_not_identifiable);
-    RUN_TEST(test_a_force_that_drives_is_not_identifiable);
+    RUN_TEST(test_beyond_the_recorded_speeds_of_its_direction_it_is_not_identifiable);
+    RUN_TEST(test_a_force_along_the_motion_is_not_identifiable);
     RUN_TEST(test_an_implausible_parameter_of_its_equation_discredits_the_force);
     RUN_TEST(test_a_search_that_has_not_converged_identifies_no_force);
-    RUN_TEST(test_the_force_of_a_dof_that_was_not_driven_is_not_identifiable);
+    RUN_TEST(test_the_force_of_a_dof_that_was_not_excited_is_not_identifiable);
     RUN_TEST(test_a_coefficient_without_standard_error_makes_the_force_unknown);
     RUN_TEST(test_refusals_are_named_and_write_nothing);
     RUN_TEST(test_a_set_keeps_its_largest_speed_in_each_direction);
-    RUN_TEST(test_a_velocity_that_was_not_measured_was_not_seen);
-    RUN_TEST(test_a_speed_of_which_no_row_is_taken_was_not_seen);
-    RUN_TEST(test_an_estimate_has_seen_the_speeds_of_its_sets);
+    RUN_TEST(test_a_velocity_that_was_not_measured_does_not_count);
+    RUN_TEST(test_a_speed_without_a_row_does_not_count);
+    RUN_TEST(test_an_estimate_has_the_largest_speeds_of_its_sets);
     return UNITY_END();
 }

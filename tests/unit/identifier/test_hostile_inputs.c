@@ -1,8 +1,8 @@
 /*
- * Whatever comes in, a tick stays short: work never uses more units than it was given, whether a
- * node is fed frames or an identifier samples, sensible ones, none, too many, of chance or made to
- * harm. On a microcontroller, tests/firmware/test_instructions.sh counts the instructions of every
- * tick of the node besides.
+ * A tick stays short for any input: work never uses more units than its budget. A node gets frames,
+ * an identifier gets samples: sensible ones, none, too many, random or malicious ones. On a
+ * microcontroller, tests/firmware/test_instructions.sh also counts the instructions of every tick
+ * of the node.
  */
 #include <math.h>
 #include <string.h>
@@ -13,18 +13,18 @@
 #include "unity.h"
 
 #if defined(__arm__) || defined(__riscv)
-/* Some of the node's ticks do not come: ten thousand are left, which the firmware's test counts. */
+/* Some of the node's ticks are left out. The firmware's test counts the remaining ten thousand. */
 enum { TICKS = 11000, LONG_TICKS = 11000 };
 #else
 enum { TICKS = 20000, LONG_TICKS = 1000000 };
 #endif
 
-/* What comes, for some hundreds of ticks each. */
+/* Kinds of input, for some hundreds of ticks each. */
 typedef enum {
-    CALM,   /* a vehicle that swings about, its sensors at their usual rates */
+    CALM,   /* a vehicle that oscillates, its sensors at their usual rates */
     FLOOD,  /* the same, every sensor in every tick, all work at once */
-    CHANCE, /* values of chance, samples missing, too old, ahead of time */
-    HARM,   /* frames of chance bits; numbers that are none; clocks set; orders */
+    CHANCE, /* random values, samples missing, too old, ahead of time */
+    HARM,   /* frames of random bits; NaN and infinities; clocks set; orders */
     MODES
 } manner_t;
 
@@ -48,7 +48,7 @@ static auvid_real_t chance(void)
     return (auvid_real_t)draw(2001) / 1000 - 1;
 }
 
-/* Sets of 6 s: sets complete in every phase of a search. The guard lets nearly everything pass. */
+/* Sets of 6 s: sets complete in every phase of a search. The guard's limits are wide. */
 void setUp(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
@@ -73,7 +73,7 @@ static uint32_t ticks(void)
     return campaign_is_long() ? LONG_TICKS : TICKS;
 }
 
-/* The next tick's time and manner. Half the ticks are calm, else nothing is ever identified. */
+/* The next tick's time and kind. Half the ticks are CALM, else nothing is ever identified. */
 static void next_tick(void)
 {
     if (tick++ % 700 == 0) {
@@ -85,14 +85,14 @@ static void next_tick(void)
     }
 }
 
-/* How the vehicle swings: a value between -1 and 1, each channel with a period of its own. */
+/* Oscillation of the vehicle: a value between -1 and 1; each channel has its own period. */
 static auvid_real_t swing(int channel)
 {
     uint32_t period = 150 + 37 * (uint32_t)channel, at = tick % period;
     return manner >= CHANCE ? chance() : (auvid_real_t)sin(6.283185307 * at / period);
 }
 
-/* Is a sensor's sample due that comes every so many ticks? */
+/* Is a sample due from a sensor with this period in ticks? */
 static bool due(uint32_t every)
 {
     return manner == FLOOD || (manner == CALM ? tick % every == 0 : draw(every) == 0);
@@ -136,7 +136,7 @@ static void give(const auvid_can_message_t *message)
     if (auvid_can_pack(&sender, message, &frame) < 0) {
         return;
     }
-    if (manner == HARM && draw(3) == 0) { /* bits of chance, most with the right checksum */
+    if (manner == HARM && draw(3) == 0) { /* random bits, most with a correct checksum */
         for (int i = 1; i < AUVID_CAN_BYTES; ++i) {
             frame.data[i] = (uint8_t)draw(256);
         }
@@ -225,7 +225,7 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
         give_sensors();
         give_orders();
     }
-    /* It was at work all the time, and excited. */
+    /* It worked all the time, and excited. */
     TEST_ASSERT_TRUE(node.counters.ticks > end / 2);
     TEST_ASSERT_TRUE(node.id.metric.sets_recorded > end / 1000);
     TEST_ASSERT_TRUE(node.id.searches > end / 2000);
@@ -235,7 +235,7 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
 
 /* ---- an identifier and samples ---- */
 
-/* In HARM: infinite, no number, huge, tiny. */
+/* In HARM: infinite, NaN, huge, tiny. */
 static auvid_real_t value(auvid_real_t good)
 {
     static const auvid_real_t bad[] = {AUVID_C(1e30), AUVID_C(-1e30), AUVID_C(1e-40), AUVID_C(1e9)};

@@ -1,12 +1,12 @@
 /*
- * The identifier in the simulated world: does it find the vehicle, and does it say so rightly?
+ * The identifier in the simulated world: does it identify the vehicle, and are its flags correct?
  *
  * Bounds are the project's goals: rms error over all 13 parameters, 8 sets of 30 s, 1.3 %
- * undisturbed, 2.4 % with 1 N of unmodelled force; 1.25 times that with a thruster lag nobody told
- * of. A run's mean square error q is one draw; over K runs its mean has the standard error
- * s / sqrt(K). The short form fails when the goal lies below mean - 3 s / sqrt(K), so once in a
- * thousand times when it is just met; the long form (AUVID_TEST_LONG) wants mean + 2 s / sqrt(K)
- * below the goal. A run has failed when a mass is off by more than 10 %.
+ * undisturbed, 2.4 % with 1 N of unmodelled force; 1.25 times that with an unmodelled thruster
+ * lag. A run's mean square error q is one draw; over K runs its mean has the standard error
+ * s / sqrt(K). The short form fails if the goal is below mean - 3 s / sqrt(K), which happens once
+ * in a thousand times if the goal is just met. The long form (AUVID_TEST_LONG) requires
+ * mean + 2 s / sqrt(K) below the goal. A run has failed if a mass is off by more than 10 %.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@
 
 enum { SETS = 8 };
 static const double goal_calm = 0.013, goal_disturbed = 0.024, lag_factor = 1.25;
-static const uint32_t driven_dofs =
+static const uint32_t excited_dofs =
     1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW;
 
 static chain_t chain;
@@ -86,13 +86,13 @@ static void identify(void)
     TEST_ASSERT_FALSE(chain.over_budget);
 }
 
-/* DoF whose thruster lag was taken for a pure delay, which costs little. Heave has least to tell
- * them apart by: 23 of 400 runs in the long form. */
-static uint32_t taken_for_delay(uint8_t lagged)
+/* Number of DoF whose thruster lag was taken for a pure delay, which costs little. The two are
+ * hardest to distinguish in heave: 23 of 400 runs in the long form. */
+static uint32_t lag_taken_for_delay(uint8_t first_order_lag)
 {
     uint32_t count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        count += (driven_dofs & ~(uint32_t)lagged) >> j & 1u;
+        count += (excited_dofs & ~(uint32_t)first_order_lag) >> j & 1u;
     }
     return count;
 }
@@ -108,7 +108,7 @@ static void campaign(const char *name, uint32_t runs, double disturbance_N, doub
         identify();
         TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
         TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
-        mistaken += lag_s > 0.0 ? taken_for_delay(chain.id.estimate.first_order_lag) : 0u;
+        mistaken += lag_s > 0.0 ? lag_taken_for_delay(chain.id.estimate.first_order_lag) : 0u;
         check_masses();
         draw(&square, chain_mean_square(&chain));
     }
@@ -126,7 +126,7 @@ static void test_all_13_parameters_are_found_under_an_unmodelled_force(void)
     campaign("1 N", runs_of(24), 1.0, 0.0, goal_disturbed);
 }
 
-static void test_a_thruster_lag_nobody_told_of_does_little_harm(void)
+static void test_an_unmodelled_thruster_lag_does_little_harm(void)
 {
     campaign("lag 0.15 s", runs_of(16), 0.0, 0.15, lag_factor * goal_calm);
     campaign("lag 0.15 s, 1 N", runs_of(16), 1.0, 0.15, lag_factor * goal_disturbed);
@@ -144,7 +144,7 @@ static void is_not_exciting(chain_t *c, auvid_status_t status, const auvid_outpu
     }
 }
 
-/* Somebody else drives: no excitation is configured, no thrusters are known. */
+/* The identifier is passive: no excitation is configured, no thrusters are known. */
 static void test_passive_use_finds_them_too(void)
 {
     mean_t square = {0, 0, 0};
@@ -170,7 +170,7 @@ static void water_world(uint64_t seed)
     config.sim.current[1] = -0.2;
 }
 
-static void test_water_lock_alone_serves_under_a_current(void)
+static void test_water_lock_suffices_in_a_current(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
@@ -186,13 +186,13 @@ static void test_water_lock_alone_serves_under_a_current(void)
 static void test_the_other_lock_is_not_taken_for_the_one_configured(void)
 {
     water_world(1);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config)); /* wants the ground's */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config)); /* expects bottom lock */
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
 
     chain_defaults(&config, 1, SETS, 0.0);
-    config.id.velocity = AUVID_VELOCITY_WATER; /* gets the ground's */
+    config.id.velocity = AUVID_VELOCITY_WATER; /* gets bottom lock */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
@@ -208,10 +208,10 @@ static void arm_again(chain_t *c, auvid_status_t status, const auvid_output_t *o
     }
 }
 
-/* A tenth of all samples is lost. Up to four DVL samples lost in a row are bridged; five break the
- * record, and make the guard abort; the operator arms again. The error's variance goes as one over
- * the number of samples: sets / 8 of the usual, and nine tenths of these. */
-static void test_drop_outs_cost_data_and_nothing_else(void)
+/* A tenth of all samples is lost. Up to four DVL samples lost in a row are bridged. Five break the
+ * record and make the guard abort; the operator arms again. The error's variance is proportional to
+ * one over the number of samples: sets / 8 of the usual, and nine tenths of these. */
+static void test_drop_outs_cost_only_data(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
@@ -228,7 +228,7 @@ static void test_drop_outs_cost_data_and_nothing_else(void)
     check_rms("drop-outs, for as many samples", &square, goal_calm);
 }
 
-/* A DVL behind a slow gateway, depth samples in between: every sample counts, at its own time. */
+/* A DVL behind a slow gateway, depth samples in between: every sample is used at its own time. */
 static void test_late_velocities_are_used_at_their_time(void)
 {
     mean_t square = {0, 0, 0};
@@ -248,11 +248,11 @@ static void test_the_estimate_says_what_it_is(void)
     chain_defaults(&config, 3, SETS, 0.0);
     identify();
     const auvid_estimate_t *e = &chain.id.estimate;
-    TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget serves for one search a set */
+    TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget suffices for one search a set */
     TEST_ASSERT_EQUAL_UINT32(e->number, chain.id.searches);
     TEST_ASSERT_EQUAL_UINT32(SETS, e->sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, e->identified);
-    TEST_ASSERT_EQUAL_HEX32(driven_dofs, e->excited);
+    TEST_ASSERT_EQUAL_HEX32(excited_dofs, e->excited);
     TEST_ASSERT_TRUE(e->t_us > 0 && e->t_us <= chain.t_us);
     TEST_ASSERT_TRUE(e->cost >= 0 && e->cost < 1);
     TEST_ASSERT_TRUE(e->evaluations_crs > 0);
@@ -260,17 +260,17 @@ static void test_the_estimate_says_what_it_is(void)
     TEST_ASSERT_FALSE(e->not_converged);
     TEST_ASSERT_EQUAL_HEX32(0, e->first_order_lag);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (driven_dofs >> j & 1) != 0;
-        TEST_ASSERT_TRUE(driven ? e->r2_force[j] > AUVID_C(0.98) && e->r2_force[j] <= 1
-                                : e->r2_force[j] == 0);
+        bool excited = (excited_dofs >> j & 1) != 0;
+        TEST_ASSERT_TRUE(excited ? e->r2_force[j] > AUVID_C(0.98) && e->r2_force[j] <= 1
+                                 : e->r2_force[j] == 0);
         TEST_ASSERT_TRUE(fabs((double)e->delay_s[j]) < 0.02); /* a tick */
     }
     for (int i = SIM_PARAMETERS; i < AUVID_MAX_PARAMETERS; ++i) {
-        TEST_ASSERT_TRUE(e->pi[i] == 0); /* not free: as fixed */
+        TEST_ASSERT_TRUE(e->pi[i] == 0); /* not free: its fixed value */
     }
 }
 
-static void test_each_estimate_is_told_of_once(void)
+static void test_each_estimate_is_reported_once(void)
 {
     chain_defaults(&config, 4, 3, 0.0);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 3));
@@ -279,8 +279,8 @@ static void test_each_estimate_is_told_of_once(void)
     TEST_ASSERT_EQUAL_UINT32(3, chain.estimates);
 }
 
-/* Only surge is driven: the others' parameters keep the values they were given. */
-static void test_what_is_not_driven_is_not_identified(void)
+/* Only surge is excited: the parameters of the other DoF keep their fixed values. */
+static void test_what_is_not_excited_is_not_identified(void)
 {
     const uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
@@ -304,8 +304,8 @@ static void test_what_is_not_driven_is_not_identified(void)
 
 /* ---- consistency of the navigation on vehicle motion ---- */
 
-/* NIS per degree of freedom of the samples that entered. The very first of a sensor only sets the
- * filter's value (depth: 50 m against a guess), which is not an innovation. */
+/* NIS per degree of freedom of the accepted samples. The first one of a sensor only initialises the
+ * filter (depth: 50 m against a guess), which is not an innovation. */
 typedef struct {
     uint32_t accepted[2];
     mean_t nis[2];
@@ -357,15 +357,15 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_all_13_parameters_are_found_within_the_goal);
     RUN_TEST(test_all_13_parameters_are_found_under_an_unmodelled_force);
-    RUN_TEST(test_a_thruster_lag_nobody_told_of_does_little_harm);
+    RUN_TEST(test_an_unmodelled_thruster_lag_does_little_harm);
     RUN_TEST(test_passive_use_finds_them_too);
-    RUN_TEST(test_water_lock_alone_serves_under_a_current);
+    RUN_TEST(test_water_lock_suffices_in_a_current);
     RUN_TEST(test_the_other_lock_is_not_taken_for_the_one_configured);
-    RUN_TEST(test_drop_outs_cost_data_and_nothing_else);
+    RUN_TEST(test_drop_outs_cost_only_data);
     RUN_TEST(test_late_velocities_are_used_at_their_time);
     RUN_TEST(test_the_estimate_says_what_it_is);
-    RUN_TEST(test_each_estimate_is_told_of_once);
-    RUN_TEST(test_what_is_not_driven_is_not_identified);
+    RUN_TEST(test_each_estimate_is_reported_once);
+    RUN_TEST(test_what_is_not_excited_is_not_identified);
     RUN_TEST(test_mean_nis_on_vehicle_motion_is_at_most_one);
     return UNITY_END();
 }

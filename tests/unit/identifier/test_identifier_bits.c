@@ -1,5 +1,5 @@
 /*
- * The same inputs give the same bits, however they are brought, and identifiers do not interact.
+ * The same inputs give the same bits, whatever their path, and identifiers do not interact.
  */
 #include <string.h>
 
@@ -25,25 +25,25 @@ static void test_same_inputs_give_the_same_bits(void)
 
 static void test_interleaved_identifiers_do_not_interact(void)
 {
-    static chain_t alone[2];
+    static chain_t single[2];
     chain_config_t second;
     chain_defaults(&second, 12, SETS, 0.0);
     config.budget = 500;
     second.budget = 1000;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[0], &config, SETS));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&alone[1], &second, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[0], &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[1], &second, SETS));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &second));
-    while (chain.tick < alone[0].tick) {
+    while (chain.tick < single[0].tick) {
         chain_tick(&chain);
         chain_tick(&other);
     }
-    TEST_ASSERT_TRUE(alone[0].id.estimate.number > 0 && alone[1].id.estimate.number > 0);
-    TEST_ASSERT_EQUAL_MEMORY(&alone[0].id, &chain.id, sizeof chain.id);
-    TEST_ASSERT_EQUAL_MEMORY(&alone[1].id, &other.id, sizeof other.id);
+    TEST_ASSERT_TRUE(single[0].id.estimate.number > 0 && single[1].id.estimate.number > 0);
+    TEST_ASSERT_EQUAL_MEMORY(&single[0].id, &chain.id, sizeof chain.id);
+    TEST_ASSERT_EQUAL_MEMORY(&single[1].id, &other.id, sizeof other.id);
 }
 
-static void test_a_copy_of_an_identifier_goes_on_identically(void)
+static void test_a_copy_of_an_identifier_continues_identically(void)
 {
     config.budget = 20;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -51,32 +51,32 @@ static void test_a_copy_of_an_identifier_goes_on_identically(void)
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
     memcpy(&other, &chain, sizeof other);
     chain_run(&chain, 30.0);
-    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* nothing points there */
+    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* no pointer refers to it */
     chain_run(&other, 30.0);
     TEST_ASSERT_EQUAL_MEMORY(&chain.id, &other.id, sizeof chain.id);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
 }
 
-static void give_applied_apart(chain_t *c, auvid_input_t *in)
+static void give_applied_separately(chain_t *c, auvid_input_t *in)
 {
     in->applied.present = false;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&c->id, in->t_us, in->applied.wrench,
                                                          in->applied.command));
 }
 
-static void test_the_applied_wrench_may_come_with_the_step_or_apart(void)
+static void test_the_applied_wrench_may_come_with_the_step_or_separately(void)
 {
     chain_set_driver(&config);
     run(&other);
-    config.before = give_applied_apart;
+    config.before = give_applied_separately;
     run(&chain);
     check_same_estimate();
 }
 
-/* A navigation of one's own, its state recorded in every tick. */
+/* The test's own navigation filter; its state is recorded in every tick. */
 static auvid_nav_t own_nav;
 
-static void navigate_apart(chain_t *c, auvid_input_t *in)
+static void navigate_separately(chain_t *c, auvid_input_t *in)
 {
     auvid_nav_state_t state;
     TEST_ASSERT_EQUAL(AUVID_OK,
@@ -98,13 +98,13 @@ static void navigate_apart(chain_t *c, auvid_input_t *in)
     in->imu.present = in->dvl.present = in->depth.present = false;
 }
 
-static void test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from(void)
+static void test_motion_from_another_source_gives_the_same_as_the_sensors_it_came_from(void)
 {
     chain_set_driver(&config);
     config.id.velocity_every_tick = true;
     run(&other);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &config.id.nav));
-    config.before = navigate_apart;
+    config.before = navigate_separately;
     run(&chain);
     check_same_estimate();
 }
@@ -123,9 +123,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_same_inputs_give_the_same_bits);
     RUN_TEST(test_interleaved_identifiers_do_not_interact);
-    RUN_TEST(test_a_copy_of_an_identifier_goes_on_identically);
-    RUN_TEST(test_the_applied_wrench_may_come_with_the_step_or_apart);
-    RUN_TEST(test_motion_from_elsewhere_gives_the_same_as_the_sensors_it_came_from);
+    RUN_TEST(test_a_copy_of_an_identifier_continues_identically);
+    RUN_TEST(test_the_applied_wrench_may_come_with_the_step_or_separately);
+    RUN_TEST(test_motion_from_another_source_gives_the_same_as_the_sensors_it_came_from);
     RUN_TEST(test_the_clock_may_begin_anywhere);
     return UNITY_END();
 }

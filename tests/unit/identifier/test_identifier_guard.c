@@ -1,6 +1,7 @@
 /*
- * The guard within the identifier, on the simulated vehicle: whatever goes wrong while it excites,
- * the excitation and the thruster forces are exactly zero in that very tick and in all later ones.
+ * The guard within the identifier, on the simulated vehicle: after any failure during the
+ * excitation, the excitation and the thruster forces are exactly zero in that same tick and in all
+ * later ones.
  */
 #include <math.h>
 #include <string.h>
@@ -9,7 +10,7 @@
 #include "chain.h"
 #include "unity.h"
 
-#define BEFORE_S 12.0 /* of excitation before anything goes wrong */
+#define BEFORE_S 12.0 /* of excitation before the failure */
 
 enum {
     NO_IMU = 1,
@@ -18,14 +19,14 @@ enum {
     NO_ALTITUDE = 8,
     SATURATED = 16,
     NAN_IMU = 32,
-    HEAVE_ONLY = 64, /* of the DVL's axes one is valid */
+    HEAVE_ONLY = 64, /* one axis of the DVL is valid */
     NO_HEAVE = 128,
     WATER = 256 /* the DVL has no bottom lock */
 };
 
 static chain_t chain;
 static chain_config_t config;
-static unsigned wrong; /* what goes wrong, now */
+static unsigned wrong; /* the present failures */
 
 static void spoil(chain_t *c, auvid_input_t *in)
 {
@@ -87,7 +88,7 @@ static void begin(void)
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
 
-/* Zero for ten seconds, whatever is well again, and nobody can excite. */
+/* Zero for ten seconds after the failure has ended; excite is refused. */
 static void check_stays_zero(auvid_guard_cause_t cause)
 {
     wrong = 0;
@@ -96,7 +97,7 @@ static void check_stays_zero(auvid_guard_cause_t cause)
         TEST_ASSERT_TRUE(is_zero(&chain.out));
         TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
         TEST_ASSERT_EQUAL(cause, chain.out.cause);
-        TEST_ASSERT_EQUAL_HEX32(0, chain.out.events & AUVID_EVENT_ABORTED); /* told once */
+        TEST_ASSERT_EQUAL_HEX32(0, chain.out.events & AUVID_EVENT_ABORTED); /* reported once */
         TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
         TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
         TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
@@ -112,8 +113,7 @@ static void check_aborted(const auvid_output_t *out, auvid_guard_cause_t cause)
     TEST_ASSERT_TRUE(out->events & AUVID_EVENT_ABORTED);
 }
 
-/* Goes on until it aborts, in less than so many seconds; exciting in every tick before.
- * Returns the ticks it took. */
+/* Run until it aborts, within so many seconds; it excites in every tick before. @return ticks */
 static int check_aborts(auvid_guard_cause_t cause, double seconds)
 {
     int ticks = 0;
@@ -138,7 +138,7 @@ static void test_the_imu_is_lost(void)
     TEST_ASSERT_EQUAL(11, check_aborts(AUVID_GUARD_IMU_STALE, 1)); /* 0.2 s */
 }
 
-static void test_the_imu_tells_what_is_not_finite(void)
+static void test_the_imu_sends_values_that_are_not_finite(void)
 {
     begin();
     wrong = NAN_IMU;
@@ -160,8 +160,8 @@ static void test_the_dvl_loses_the_bottom(void)
     (void)check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
 }
 
-/* One axis of the DVL goes on measuring, in a current. The excitation ends before dead reckoning
- * has led the vehicle far from where it is taken to be. */
+/* One axis of the DVL continues to measure, in a current. The excitation ends before the error of
+ * dead reckoning is large. */
 static void check_one_axis_in_a_current(double current, double within_m, double within_m_s)
 {
     config.sim.current[0] = current;
@@ -170,7 +170,7 @@ static void check_one_axis_in_a_current(double current, double within_m, double 
     wrong = HEAVE_ONLY;
     int ticks = check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
     TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
-    chain_begin(&chain, &config); /* again, to look at the truth where it ends */
+    chain_begin(&chain, &config); /* again, to compare with the truth at the end */
     wrong = 0;
     chain_run(&chain, 3.0);
     wrong = HEAVE_ONLY;
@@ -211,8 +211,8 @@ static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
     check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
 }
 
-/* The adaptive excitation takes the place of a plan without heave. */
-static void test_heave_must_be_measured_where_the_adaptive_excitation_drives_it(void)
+/* The adaptive excitation replaces a plan without heave. */
+static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
     auvid_adaptive_config_t adaptive;
@@ -247,7 +247,7 @@ static void test_water_lock_leaves_speed_and_distance_over_ground_unknown(void)
     wrong = WATER;
     chain_run(&chain, 20.0);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
-    wrong = WATER | NO_HEAVE; /* a part of a water lock is none */
+    wrong = WATER | NO_HEAVE; /* a partial water lock does not count */
     check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
 }
 
@@ -365,7 +365,7 @@ static void test_lasting_saturation(void)
 static void test_lasting_saturation_by_the_excitation_itself(void)
 {
     begin();
-    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* thrusters that wear out: init checked them whole */
+    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
         chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
         chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
     }
@@ -396,7 +396,7 @@ static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
     check_stays_zero(AUVID_GUARD_OPERATOR);
 }
 
-static void test_the_operator_falls_silent(void)
+static void test_the_operators_heartbeat_stops(void)
 {
     config.id.guard.heartbeat_timeout_us = 15000000;
     begin();
@@ -445,7 +445,7 @@ static void test_a_step_without_input_or_output(void)
     check_aborted(&chain.out, AUVID_GUARD_NO_INPUT);
 }
 
-/* Armed, or exciting; a tick after that, or none yet; all that can be switched off is. */
+/* Armed or exciting; with or without a tick after that; all optional limits are off. */
 static void begin_unlimited(bool exciting, bool stepped)
 {
     config.id.guard.off = AUVID_GUARD_SWITCHABLE;
@@ -489,7 +489,7 @@ static void test_a_tick_that_stalled(void)
     auvid_output_t out;
     begin();
     memset(&in, 0, sizeof in);
-    in.t_us = chain.t_us + 250001u; /* all sensors of that time: only the loop was late */
+    in.t_us = chain.t_us + 250001u; /* all sensors at that time: only the loop was late */
     in.imu.present = in.depth.present = in.dvl.present = true;
     in.imu.t_us = in.depth.t_us = in.dvl.sample.t_us = in.t_us;
     in.depth.depth_m = (auvid_real_t)chain.sim.truth.position[2];
@@ -498,7 +498,7 @@ static void test_a_tick_that_stalled(void)
     check_aborted(&out, AUVID_GUARD_TICK);
 }
 
-static void test_nobody_records_what_is_applied(void)
+static void test_the_applied_wrench_is_not_recorded(void)
 {
     sim_output_t seen;
     auvid_input_t in;
@@ -518,7 +518,7 @@ static void test_nobody_records_what_is_applied(void)
 
 /* ---- arming ---- */
 
-static void test_arming_before_the_sensors_have_spoken_is_refused_and_says_why(void)
+static void test_arming_before_the_first_sensor_samples_is_refused_with_a_reason(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
@@ -560,7 +560,7 @@ static void test_a_breach_while_armed_keeps_it_from_exciting(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
 }
 
-static void test_after_an_abort_disarm_arm_and_excite_begin_anew(void)
+static void test_after_an_abort_disarm_arm_and_excite_start_again(void)
 {
     begin();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
@@ -575,11 +575,11 @@ static void test_after_an_abort_disarm_arm_and_excite_begin_anew(void)
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
 
-/* What saturates the thrusters has ended with the disarm. */
+/* The saturation ends with the disarm. */
 static void test_saturation_ends_with_the_excitation(void)
 {
     begin();
-    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* thrusters that wear out: init checked them whole */
+    for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
         chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
         chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
     }
@@ -618,10 +618,10 @@ static void test_stop_fades_settles_and_is_done(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_ABORTED);
 }
 
-/* ---- the leash ---- */
+/* ---- the excursion limit ---- */
 
-/* A current of 0.3 m/s carries the vehicle 70 m in this run, unless the leash holds it. */
-static void test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current(void)
+/* A current of 0.3 m/s carries the vehicle 70 m in this run without the excursion limit. */
+static void test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current(void)
 {
     for (int leash = 0; leash < 2; ++leash) {
         chain_defaults(&config, 5, 8, 3.0);
@@ -646,8 +646,8 @@ static auvid_identifier_t *const id = &chain.id;
 static auvid_input_t in;
 static auvid_output_t out;
 
-/* Without thrusters; a step of 10 N in surge, for long; of the guard nothing that can be switched
- * off but what is kept. The clock begins with the first tick. */
+/* Without thrusters; a long step of 10 N in surge; of the guard's optional limits only those kept.
+ * The clock begins with the first tick. */
 static void begin_by_hand(uint32_t kept, uint64_t first_us)
 {
     auvid_identifier_defaults(&config.id, &auvid_girona500);
@@ -657,10 +657,10 @@ static void begin_by_hand(uint32_t kept, uint64_t first_us)
     config.id.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
     memset(&in, 0, sizeof in);
-    in.t_us = first_us - SIM_TICK_US; /* the first tick brings it there */
+    in.t_us = first_us - SIM_TICK_US; /* the first tick advances it to first_us */
 }
 
-/* The input of the next tick: an IMU and what else there was. */
+/* The input of the next tick: an IMU sample and the others as they are. */
 static void next_by_hand(void)
 {
     in.t_us += SIM_TICK_US;
@@ -680,9 +680,9 @@ static void excite_by_hand(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
 }
 
-/* A vehicle that rolls, pitches and turns through pi while it moves: every tick the excitation is
- * told R' (position - home), with R of Fossen's (2.18), and the angles turned since. */
-static void test_the_excitation_is_told_the_displacement_in_present_body_axes(void)
+/* A vehicle rolls, pitches and turns through pi while it moves. In every tick the excitation gets
+ * R' (position - home), with R of Fossen's (2.18), and the change of the angles. */
+static void test_the_excitation_gets_the_displacement_in_present_body_axes(void)
 {
     double home[6] = {0};
     begin_by_hand(0, 1000000);
@@ -743,7 +743,7 @@ static void test_without_thrusters_the_excitation_is_not_limited_by_them(void)
     }
 }
 
-static void test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning(void)
+static void test_a_refused_excite_does_not_cancel_the_one_before(void)
 {
     begin_by_hand(0, 1000000);
     tick_by_hand();
@@ -756,7 +756,7 @@ static void test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beg
     TEST_ASSERT_EQUAL_FLOAT(10.0f, (float)out.excitation[AUVID_SURGE]);
 }
 
-static void test_an_abort_is_told_once_however_often_it_is_called(void)
+static void test_an_abort_is_reported_once_however_often_it_is_called(void)
 {
     begin_by_hand(0, 1000000);
     for (int k = 0; k < 3; ++k) {
@@ -766,7 +766,7 @@ static void test_an_abort_is_told_once_however_often_it_is_called(void)
     }
 }
 
-static void test_water_lock_may_be_all_there_is_from_time_zero_on(void)
+static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
 {
     const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE);
     for (int water = 0; water < 2; ++water) {
@@ -825,8 +825,8 @@ static void test_a_vehicle_that_has_rolled_over_once_is_level_again(void)
     }
 }
 
-/* What one with sensors has seen the other, without, does not: it cannot be armed where they are
- * asked for, and with all limits off its excitation is told no displacement. */
+/* One identifier has sensors, the other has none. The other cannot be armed if they are required.
+ * With all limits off its excitation gets no displacement. */
 static void test_an_identifier_without_sensors_takes_nothing_from_another_one(void)
 {
     static auvid_identifier_t blind;
@@ -874,7 +874,7 @@ static void check_altitude(uint64_t now_us, uint64_t ahead_us, double altitude, 
     }
 }
 
-/* The least altitude that arms is 2 m. */
+/* The minimum altitude for arming is 2 m. */
 static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 {
     uint64_t future_us = config.id.nav.future_us;
@@ -888,7 +888,7 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
     }
 }
 
-static void test_altitudes_that_cannot_be_are_dropped(void)
+static void test_impossible_altitudes_are_dropped(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     memset(&in, 0, sizeof in);
@@ -911,7 +911,7 @@ static void test_altitudes_that_cannot_be_are_dropped(void)
 
 /* ---- data ---- */
 
-/* The abort comes while a search is going on, and 20 s into the second set. */
+/* The abort comes during a search, 20 s into the second set. */
 static void test_an_abort_loses_neither_the_search_nor_the_data(void)
 {
     config.budget = 20;
@@ -936,14 +936,14 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_imu_is_lost);
-    RUN_TEST(test_the_imu_tells_what_is_not_finite);
+    RUN_TEST(test_the_imu_sends_values_that_are_not_finite);
     RUN_TEST(test_the_dvl_is_lost);
     RUN_TEST(test_the_dvl_loses_the_bottom);
     RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_0_8_m_s);
     RUN_TEST(test_one_axis_of_the_dvl_is_no_velocity_in_a_current_of_1_2_m_s);
     RUN_TEST(test_heave_must_be_measured_where_it_is_excited);
     RUN_TEST(test_heave_need_not_be_measured_where_it_is_not_excited);
-    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_drives_it);
+    RUN_TEST(test_heave_must_be_measured_where_the_adaptive_excitation_excites_it);
     RUN_TEST(test_water_lock_leaves_speed_and_distance_over_ground_unknown);
     RUN_TEST(test_depth_is_lost);
     RUN_TEST(test_altitude_is_lost);
@@ -961,32 +961,32 @@ int main(void)
     RUN_TEST(test_lasting_saturation_by_the_excitation_itself);
     RUN_TEST(test_the_operator_aborts);
     RUN_TEST(test_the_operator_aborts_between_excite_and_the_first_tick);
-    RUN_TEST(test_the_operator_falls_silent);
+    RUN_TEST(test_the_operators_heartbeat_stops);
     RUN_TEST(test_time_goes_back);
     RUN_TEST(test_time_stands_still);
     RUN_TEST(test_a_step_without_input_or_output);
     RUN_TEST(test_every_refused_step_aborts_whatever_limits_are_off);
     RUN_TEST(test_a_tick_that_stalled);
-    RUN_TEST(test_nobody_records_what_is_applied);
-    RUN_TEST(test_arming_before_the_sensors_have_spoken_is_refused_and_says_why);
+    RUN_TEST(test_the_applied_wrench_is_not_recorded);
+    RUN_TEST(test_arming_before_the_first_sensor_samples_is_refused_with_a_reason);
     RUN_TEST(test_arming_beyond_a_limit_is_refused);
     RUN_TEST(test_a_breach_while_armed_keeps_it_from_exciting);
-    RUN_TEST(test_after_an_abort_disarm_arm_and_excite_begin_anew);
+    RUN_TEST(test_after_an_abort_disarm_arm_and_excite_start_again);
     RUN_TEST(test_saturation_ends_with_the_excitation);
     RUN_TEST(test_disarming_while_exciting_ends_it_at_once);
     RUN_TEST(test_stop_fades_settles_and_is_done);
-    RUN_TEST(test_the_leash_keeps_the_vehicle_within_its_distance_in_a_current);
-    RUN_TEST(test_the_excitation_is_told_the_displacement_in_present_body_axes);
+    RUN_TEST(test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current);
+    RUN_TEST(test_the_excitation_gets_the_displacement_in_present_body_axes);
     RUN_TEST(test_without_thrusters_the_excitation_is_not_limited_by_them);
-    RUN_TEST(test_an_excite_that_is_refused_does_not_keep_the_one_before_from_beginning);
-    RUN_TEST(test_an_abort_is_told_once_however_often_it_is_called);
-    RUN_TEST(test_water_lock_may_be_all_there_is_from_time_zero_on);
+    RUN_TEST(test_a_refused_excite_does_not_cancel_the_one_before);
+    RUN_TEST(test_an_abort_is_reported_once_however_often_it_is_called);
+    RUN_TEST(test_water_lock_may_be_the_only_lock_from_time_zero_on);
     RUN_TEST(test_bottom_lock_counts_where_a_water_lock_was_before);
     RUN_TEST(test_roll_and_pitch_each_have_their_limit);
     RUN_TEST(test_a_vehicle_that_has_rolled_over_once_is_level_again);
     RUN_TEST(test_an_identifier_without_sensors_takes_nothing_from_another_one);
     RUN_TEST(test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken);
-    RUN_TEST(test_altitudes_that_cannot_be_are_dropped);
+    RUN_TEST(test_impossible_altitudes_are_dropped);
     RUN_TEST(test_an_abort_loses_neither_the_search_nor_the_data);
     return UNITY_END();
 }

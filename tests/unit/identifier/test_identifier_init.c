@@ -1,5 +1,5 @@
 /*
- * What the identifier refuses to begin with.
+ * Configurations that the identifier refuses.
  */
 #include <fenv.h>
 #include <math.h>
@@ -36,7 +36,7 @@ static void test_bounds_reversed_or_equal_are_refused(void)
     check_init(AUVID_ERR_NOT_FINITE);
     config.id.search.upper[3] = AUVID_C(1e30);
     check_init(AUVID_ERR_RANGE);
-    config.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not looked at */
+    config.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not checked */
     config.id.search.upper[AUVID_G500_X_0] = -10;
     check_init(AUVID_OK);
 }
@@ -54,7 +54,7 @@ static void test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused(vo
     check_init(AUVID_OK);
     config.id.dry_mass_kg = 300;
     config.id.search.upper[AUVID_G500_M_W] = 200;
-    config.id.metric.free &= ~(1u << AUVID_G500_M_W); /* not free: not looked at */
+    config.id.metric.free &= ~(1u << AUVID_G500_M_W); /* not free: not checked */
     check_init(AUVID_OK);
     config.id.search.upper[AUVID_G500_M_U] = -1; /* no dry mass is known */
     check_init(AUVID_OK);
@@ -72,7 +72,7 @@ static void test_a_dry_mass_below_zero_or_not_finite_is_refused(void)
 
 static void test_a_population_too_small_or_too_large_is_refused(void)
 {
-    config.id.search.population = 13; /* 13 parameters want 14 */
+    config.id.search.population = 13; /* 13 parameters need 14 */
     check_init(AUVID_ERR_POPULATION);
     config.id.search.population = AUVID_MAX_POPULATION + 1;
     check_init(AUVID_ERR_POPULATION);
@@ -82,7 +82,7 @@ static void test_a_population_too_small_or_too_large_is_refused(void)
     check_init(AUVID_OK);
 }
 
-static void test_an_omega_or_a_good_point_that_cannot_be_is_refused(void)
+static void test_an_impossible_omega_or_good_point_is_refused(void)
 {
     config.id.search.omega = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
@@ -118,7 +118,7 @@ static void test_too_many_parameters_or_none_are_refused(void)
                                .residual = no_residual};
     auvid_identifier_defaults(&config.id, &vehicle);
     check_init(AUVID_ERR_PARAMETERS);
-    for (int delay = 0; delay < 2; ++delay) { /* the delay is one more */
+    for (int delay = 0; delay < 2; ++delay) { /* the delay is one more parameter */
         vehicle.parameters = AUVID_MAX_PARAMETERS;
         auvid_identifier_defaults(&config.id, &vehicle);
         config.id.metric.sets = 1;
@@ -166,7 +166,7 @@ static void test_another_arithmetic_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
 }
 
-static void test_a_velocity_source_that_cannot_be_is_refused(void)
+static void test_an_impossible_velocity_source_is_refused(void)
 {
     config.id.velocity = (auvid_velocity_source_t)2;
     check_init(AUVID_ERR_RANGE);
@@ -205,11 +205,11 @@ static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
     memset(&chain.id, 0, sizeof chain.id);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    config.id.search.omega = -1; /* refused first of all */
+    config.id.search.omega = -1; /* the first check */
     check_init(AUVID_ERR_RANGE);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* refused last */
+    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* the last check */
     check_init(AUVID_ERR_SIZE);
     check_refuses_all();
 }
@@ -228,12 +228,12 @@ int main(void)
     RUN_TEST(test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused);
     RUN_TEST(test_a_dry_mass_below_zero_or_not_finite_is_refused);
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
-    RUN_TEST(test_an_omega_or_a_good_point_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_omega_or_good_point_is_refused);
     RUN_TEST(test_too_many_parameters_or_none_are_refused);
     RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
     RUN_TEST(test_what_the_modules_refuse_is_refused);
     RUN_TEST(test_another_arithmetic_is_refused);
-    RUN_TEST(test_a_velocity_source_that_cannot_be_is_refused);
+    RUN_TEST(test_an_impossible_velocity_source_is_refused);
     RUN_TEST(test_an_identifier_that_is_not_initialised_refuses_everything);
     RUN_TEST(test_the_metric_has_the_recorders_cell);
     return UNITY_END();

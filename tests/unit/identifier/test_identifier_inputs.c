@@ -1,6 +1,6 @@
 /*
- * What the identifier is fed: refused or dropped with the right status or event, nothing else
- * disturbed.
+ * Bad inputs of the identifier are refused or dropped with the right status or event, without any
+ * other effect.
  */
 #include <math.h>
 #include <string.h>
@@ -12,7 +12,7 @@
     (AUVID_EVENT_IMU_DROPPED | AUVID_EVENT_DVL_DROPPED | AUVID_EVENT_DEPTH_DROPPED |               \
      AUVID_EVENT_GPS_DROPPED | AUVID_EVENT_INPUT_DROPPED | AUVID_EVENT_TIME)
 
-enum { SPOILT_EVERY = 250 }; /* ticks; a multiple of what lies between DVL samples */
+enum { SPOILT_EVERY = 250 }; /* ticks; a multiple of the DVL's period */
 
 void setUp(void)
 {
@@ -69,7 +69,7 @@ static const uint32_t expected_event[SPOILS] = {
 typedef struct {
     spoil_t what;
     auvid_real_t value;
-    bool absent; /* leave the sample out instead */
+    bool absent; /* omit the sample instead */
     int element;
     int spoilt;
 } spoiler_t;
@@ -98,7 +98,7 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
     case DVL_FUTURE:
         in->dvl.sample.t_us += 3600000000u;
         break;
-    case DVL_SOON: /* within what it might be held for */
+    case DVL_SOON: /* within the time for which it may be held */
         in->dvl.sample.t_us += 2 * SIM_TICK_US;
         break;
     case DEPTH_SOON:
@@ -138,7 +138,7 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
     }
 }
 
-/* Every so often: spoil the sample, or leave it out. */
+/* Spoil the sample periodically, or omit it. */
 static void spoil(chain_t *c, auvid_input_t *in)
 {
     spoiler_t *s = c->config.context;
@@ -163,7 +163,7 @@ static void spoil(chain_t *c, auvid_input_t *in)
     }
 }
 
-/* The event in the very tick, no other one for it, and all else as if it had not been there. */
+/* The event comes in the same tick, and only that one; all else is as without the sample. */
 static void expect_event(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
     const spoiler_t *s = c->config.context;
@@ -224,7 +224,7 @@ static void test_an_applied_wrench_that_is_not_finite_is_dropped(void)
     check_not_finite(INPUT_WRENCH);
 }
 
-static void test_an_applied_wrench_out_of_all_proportion_is_dropped(void)
+static void test_an_excessive_applied_wrench_is_dropped(void)
 {
     check_spoilt(INPUT_WRENCH, AUVID_C(1e30)); /* its square is not finite in single precision */
 }
@@ -240,7 +240,7 @@ static void test_an_imu_sample_from_the_past_or_of_the_same_time_is_dropped(void
     check_spoilt(IMU_SAME, 0);
 }
 
-static void test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow(void)
+static void test_an_imu_sample_from_far_ahead_does_not_block_those_that_follow(void)
 {
     check_spoilt(IMU_FUTURE, 0);
 }
@@ -267,7 +267,7 @@ static void test_outliers_are_dropped(void)
 
 /* ---- time ---- */
 
-/* A second step of the same time, or an earlier one, between two good ones. */
+/* A step of the same or an earlier time between two good ones. */
 static void repeat_steps(chain_t *c, auvid_status_t status, const auvid_output_t *good)
 {
     static auvid_identifier_t before;
@@ -293,7 +293,7 @@ static void repeat_steps(chain_t *c, auvid_status_t status, const auvid_output_t
 
 static void test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing(void)
 {
-    chain_set_driver(&config); /* while it excites, the guard takes it amiss */
+    chain_set_driver(&config); /* during an excitation the guard would abort */
     run(&other);
     config.after = repeat_steps;
     run(&chain);
@@ -306,11 +306,11 @@ static void test_a_step_of_zero_dt_at_the_very_beginning_is_refused(void)
     auvid_output_t out;
     memset(&in, 0, sizeof in);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out)); /* time 0 is a time */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out)); /* time 0 is valid */
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_step(&chain.id, &in, &out));
 }
 
-static void test_news_wait_for_a_step_that_is_taken(void)
+static void test_events_wait_for_the_next_accepted_step(void)
 {
     auvid_input_t in;
     auvid_output_t out;
@@ -352,8 +352,8 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
-/* Beside steps with sensors one of the two may have got further than the other. */
-static void test_motion_is_refused_as_a_whole_where_one_half_is(void)
+/* With steps in between, one of the two may be further ahead than the other. */
+static void test_motion_is_refused_as_a_whole_if_one_half_is(void)
 {
     static auvid_identifier_t before;
     const auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0};
@@ -381,7 +381,7 @@ static void test_motion_is_refused_as_a_whole_where_one_half_is(void)
 enum { LATE_TICKS = 5 };
 
 typedef struct {
-    uint32_t dvl; /* samples given */
+    uint32_t dvl; /* samples sent */
     struct {
         bool present;
         uint64_t t_us;
@@ -389,7 +389,7 @@ typedef struct {
     } past[LATE_TICKS];
 } late_t;
 
-/* What the IMU measured five ticks ago. */
+/* The IMU's sample of five ticks ago. */
 static void delay_imu(chain_t *c, auvid_input_t *in)
 {
     late_t *late = c->config.context;
@@ -413,7 +413,7 @@ static void test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others(void)
     config.context = &late;
     config.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    chain_run(&chain, 0.15); /* before the first IMU sample no other is taken */
+    chain_run(&chain, 0.15); /* before the first IMU sample no other is accepted */
     chain.events = late.dvl = 0;
     chain_run(&chain, 30.1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
@@ -426,7 +426,7 @@ static void test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others(void)
     TEST_ASSERT_EQUAL_UINT32(nav->ground.sequence, chain.id.last_sample);
 }
 
-/* A step with an IMU sample of this time, and a DVL sample of another if that is not 0. */
+/* A step with an IMU sample of imu_us, and a DVL sample of dvl_us if that is not 0. */
 static uint32_t step_at(uint64_t t_us, uint64_t imu_us, uint64_t dvl_us, double u)
 {
     auvid_input_t in;
@@ -450,14 +450,13 @@ static void test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1000000, 1000000, 1000000, 0) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1100000, 1020000, 1100000, 2.9) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1120000, 1040000, 0, 0) & ALL_DROPPED);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_DVL_DROPPED,
-                            step_at(1180000, 1100000, 0, 0) & ALL_DROPPED);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_DVL_DROPPED, step_at(1180000, 1100000, 0, 0) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_UINT(1, chain.id.nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1200000, 1120000, 0, 0) & ALL_DROPPED);
 }
 
-/* The IMU catches up at once: a held sample and one of this tick enter in one step. Without the
- * first of them the record would have a gap. */
+/* The IMU catches up in one step: a held sample and one of this tick are used together. Without the
+ * held one the record would have a gap. */
 static void test_a_held_sample_and_the_next_one_are_both_recorded(void)
 {
     uint32_t events = 0;
@@ -480,8 +479,8 @@ static void test_a_held_sample_and_the_next_one_are_both_recorded(void)
 
 typedef enum { GAP_DVL, GAP_IMU, GAP_INPUT, GAP_ALL, GAPS } gap_t;
 
-/* Silence from 20 s to 25 s. */
-static void be_silent(chain_t *c, auvid_input_t *in)
+/* No samples from 20 s to 25 s. */
+static void drop_all_samples(chain_t *c, auvid_input_t *in)
 {
     gap_t gap = *(const gap_t *)c->config.context;
     if (c->tick >= 1000 && c->tick < 1250) {
@@ -494,7 +493,7 @@ static void be_silent(chain_t *c, auvid_input_t *in)
 
 static auvid_validation_t cells;
 
-/* Compare every cell from here on with the simulated truth. */
+/* Compare every subsequent cell with the simulated truth. */
 static void attach(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK,
@@ -503,14 +502,14 @@ static void attach(void)
     auvid_identifier_attach(&chain.id, &cells);
 }
 
-/* No row may be made of cells from both sides, and no integration run across. */
-static void test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on(void)
+/* No row may contain cells from both sides of the gap, and no integration may cross it. */
+static void test_a_gap_of_5_s_breaks_the_record_and_identification_continues(void)
 {
     for (gap_t gap = GAP_DVL; gap < GAPS; ++gap) {
         auvid_real_t r2[AUVID_DOF_COUNT];
         chain_defaults(&config, 11, SETS + 1, 0.0);
         chain_set_driver(&config);
-        config.before = be_silent;
+        config.before = drop_all_samples;
         config.context = &gap;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
         attach();
@@ -529,13 +528,13 @@ static void test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on(void)
         check_masses(&chain);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&cells, r2));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            bool driven = j != AUVID_ROLL && j != AUVID_PITCH;
-            TEST_ASSERT_TRUE(!driven || r2[j] > AUVID_C(0.98));
+            bool excited = j != AUVID_ROLL && j != AUVID_PITCH;
+            TEST_ASSERT_TRUE(!excited || r2[j] > AUVID_C(0.98));
         }
     }
 }
 
-/* No tick at all for 5 s, while the vehicle goes on. */
+/* No tick for 5 s, while the vehicle continues to move. */
 static void test_ticks_left_out_for_5_s_are_a_gap(void)
 {
     sim_output_t seen;
@@ -550,12 +549,12 @@ static void test_ticks_left_out_for_5_s_are_a_gap(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_GAP, chain.events & AUVID_EVENT_GAP);
     chain_run(&chain, 55.0);
     finish(&chain);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.id.guard.state); /* what follows is idle */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.id.guard.state); /* no excitation from now on */
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.sets);
     check_masses(&chain);
 }
 
-/* ---- null pointers ---- */
+/* ---- NULL pointers ---- */
 
 static void test_null_pointers_are_refused_and_outputs_written(void)
 {
@@ -618,7 +617,7 @@ static void test_a_step_takes_no_more_cells_than_it_says(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     attach();
     chain_run(&chain, 30.0);
-    TEST_ASSERT_TRUE(cells.cells > 270); /* and it keeps up: of 300, less both ends */
+    TEST_ASSERT_TRUE(cells.cells > 270); /* it keeps up: of 300, less both ends */
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_GAP);
     auvid_identifier_attach(&chain.id, NULL);
     chain_run(&chain, 1.0);
@@ -634,22 +633,22 @@ int main(void)
     RUN_TEST(test_a_depth_that_is_not_finite_is_dropped);
     RUN_TEST(test_a_gps_fix_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_applied_wrench_that_is_not_finite_is_dropped);
-    RUN_TEST(test_an_applied_wrench_out_of_all_proportion_is_dropped);
+    RUN_TEST(test_an_excessive_applied_wrench_is_dropped);
     RUN_TEST(test_a_thruster_command_that_is_not_finite_is_dropped);
     RUN_TEST(test_an_imu_sample_from_the_past_or_of_the_same_time_is_dropped);
-    RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_shut_out_those_that_follow);
+    RUN_TEST(test_an_imu_sample_from_far_ahead_does_not_block_those_that_follow);
     RUN_TEST(test_dvl_and_depth_samples_of_a_wrong_time_are_dropped);
     RUN_TEST(test_a_dvl_velocity_beyond_the_speed_limit_is_dropped);
     RUN_TEST(test_outliers_are_dropped);
     RUN_TEST(test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing);
     RUN_TEST(test_a_step_of_zero_dt_at_the_very_beginning_is_refused);
-    RUN_TEST(test_news_wait_for_a_step_that_is_taken);
+    RUN_TEST(test_events_wait_for_the_next_accepted_step);
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
-    RUN_TEST(test_motion_is_refused_as_a_whole_where_one_half_is);
+    RUN_TEST(test_motion_is_refused_as_a_whole_if_one_half_is);
     RUN_TEST(test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others);
     RUN_TEST(test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to_it);
     RUN_TEST(test_a_held_sample_and_the_next_one_are_both_recorded);
-    RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_goes_on);
+    RUN_TEST(test_a_gap_of_5_s_breaks_the_record_and_identification_continues);
     RUN_TEST(test_ticks_left_out_for_5_s_are_a_gap);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);
     RUN_TEST(test_a_step_takes_no_more_cells_than_it_says);

@@ -1,6 +1,5 @@
 /*
- * What sets come to when nothing, or too little, moves the vehicle, and the excitation from its
- * beginning to its end.
+ * Sets in which nothing, or too little, moves the vehicle; and the excitation from start to end.
  */
 #include <math.h>
 #include <string.h>
@@ -17,7 +16,7 @@ void tearDown(void)
 {
 }
 
-/* ---- nothing to work on ---- */
+/* ---- no work to do ---- */
 
 static void test_an_empty_set_cannot_be_closed(void)
 {
@@ -44,7 +43,7 @@ static void test_a_set_may_be_closed_early(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET | AUVID_EVENT_ESTIMATE, chain.out.events);
 }
 
-/* One more set is recorded, and left out. */
+/* One more set is recorded, and not used. */
 static void check_idle_set(void)
 {
     uint32_t number = chain.id.estimate.number;
@@ -58,7 +57,7 @@ static void check_idle_set(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.out.events);
 }
 
-static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
+static void test_sets_without_excitation_are_not_searched(void)
 {
     auvid_excitation_defaults(&config.id.excitation); /* hovers */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -67,7 +66,7 @@ static void test_sets_in_which_nothing_is_driven_are_not_searched(void)
     TEST_ASSERT_EQUAL(AUVID_SET_IDLE, auvid_identifier_close(&chain.id));
 }
 
-static void test_an_idle_vehicle_keeps_what_it_has_learnt(void)
+static void test_an_idle_vehicle_keeps_its_estimate(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
     chain_run(&chain, 40.0); /* the set in which the excitation ends */
@@ -81,10 +80,10 @@ static void test_an_idle_vehicle_keeps_what_it_has_learnt(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, auvid_metric_active(&chain.id.metric));
 }
 
-static void test_drive_without_a_free_parameter_is_not_searched(void)
+static void test_excitation_without_a_free_parameter_is_not_searched(void)
 {
-    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* yaw's alone */
-    config.id.excitation.segments = 2;                                   /* surge alone */
+    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* only of yaw */
+    config.id.excitation.segments = 2;                                   /* only surge */
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[0].dof);
     TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[1].dof);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -97,7 +96,7 @@ static void stand_still(chain_t *c, auvid_input_t *in)
     memset(in->dvl.sample.velocity, 0, sizeof in->dvl.sample.velocity);
 }
 
-static void test_a_velocity_that_stands_at_zero_identifies_nothing(void)
+static void test_a_velocity_stuck_at_zero_identifies_nothing(void)
 {
     const uint32_t yaw = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R | 1u << AUVID_G500_N_RR;
     config.before = stand_still;
@@ -109,14 +108,14 @@ static void test_a_velocity_that_stands_at_zero_identifies_nothing(void)
 
 /* ---- excitation ---- */
 
-static void test_excitation_is_zero_until_it_is_asked_for(void)
+static void test_excitation_is_zero_until_it_is_requested(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     chain.waiting = false;
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id)); /* before it has begun */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id)); /* before its start */
     chain_tick(&chain);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_EXCITATION_DONE);
     for (int k = 0; k < 250; ++k) {
@@ -130,21 +129,21 @@ static void test_excitation_is_zero_until_it_is_asked_for(void)
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
 
-/* Largest change of the excitation from tick to tick, as a part of the amplitude. */
+/* Largest change of the excitation from tick to tick, relative to the amplitude. */
 static double step_of(const auvid_real_t *before, const auvid_real_t *now)
 {
     static const double amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 1, 1, 40};
-    double most = 0.0;
+    double max_change = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (j != AUVID_ROLL && j != AUVID_PITCH) {
-            most = fmax(most, fabs((double)now[j] - (double)before[j]) / amplitude[j]);
+            max_change = fmax(max_change, fabs((double)now[j] - (double)before[j]) / amplitude[j]);
         }
     }
-    return most;
+    return max_change;
 }
 
-/* The run's fade is a raised cosine of fade_s: its steepest part is pi / 2 / fade_s. Sines move by
- * 2 pi 0.28 Hz at most besides (the segments' own changes are not in this set). */
+/* The run's fade is a raised cosine of fade_s: its steepest slope is pi / 2 / fade_s. Sines add at
+ * most 2 pi 0.28 Hz (the changes between segments are not in this set). */
 static void test_stop_fades_the_excitation_out(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
@@ -165,9 +164,9 @@ static void test_stop_fades_the_excitation_out(void)
     TEST_ASSERT_TRUE(is_zero(&chain.out));
     TEST_ASSERT_TRUE(chain.events & AUVID_EVENT_EXCITATION_DONE);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id)); /* not waiting for calm */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_disarm(&chain.id)); /* without waiting for rest */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* it may begin again */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&chain.id)); /* it may start again */
     chain_run(&chain, 5.0);
     TEST_ASSERT_FALSE(is_zero(&chain.out));
 }
@@ -192,11 +191,11 @@ static void test_a_passive_identifier_cannot_excite(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
 }
 
-static void test_the_wrench_told_is_that_of_the_thrusters_told(void)
+static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(void)
 {
     auvid_real_t wrench[AUVID_DOF_COUNT];
     double roll = 0.0;
-    /* a side thruster above the centre: roll comes along with sway */
+    /* a side thruster above the centre: sway causes roll */
     config.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
     config.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -217,14 +216,14 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_an_empty_set_cannot_be_closed);
     RUN_TEST(test_a_set_may_be_closed_early);
-    RUN_TEST(test_sets_in_which_nothing_is_driven_are_not_searched);
-    RUN_TEST(test_an_idle_vehicle_keeps_what_it_has_learnt);
-    RUN_TEST(test_a_velocity_that_stands_at_zero_identifies_nothing);
-    RUN_TEST(test_drive_without_a_free_parameter_is_not_searched);
-    RUN_TEST(test_excitation_is_zero_until_it_is_asked_for);
+    RUN_TEST(test_sets_without_excitation_are_not_searched);
+    RUN_TEST(test_an_idle_vehicle_keeps_its_estimate);
+    RUN_TEST(test_a_velocity_stuck_at_zero_identifies_nothing);
+    RUN_TEST(test_excitation_without_a_free_parameter_is_not_searched);
+    RUN_TEST(test_excitation_is_zero_until_it_is_requested);
     RUN_TEST(test_stop_fades_the_excitation_out);
     RUN_TEST(test_the_excitation_ends_by_itself);
     RUN_TEST(test_a_passive_identifier_cannot_excite);
-    RUN_TEST(test_the_wrench_told_is_that_of_the_thrusters_told);
+    RUN_TEST(test_the_wrench_returned_is_that_of_the_thruster_forces_returned);
     return UNITY_END();
 }

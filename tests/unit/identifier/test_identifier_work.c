@@ -1,6 +1,6 @@
 /*
- * The identifier's work: never more than the budget, always an end, the same result however it is
- * portioned, and nothing stale when sets change on the way.
+ * The identifier's work: it keeps to the budget, it always ends, the result does not depend on the
+ * budget, and nothing is stale when sets change during a search.
  */
 #include <math.h>
 #include <string.h>
@@ -23,9 +23,9 @@ void tearDown(void)
 {
 }
 
-/* Most units that a search can take: the caps of crs.h (40 m evaluations, and 50 m trials outside
- * the box before each) and of line_search.h (1000 n evaluations, of which none without room lasts),
- * an evaluation being `rows` units, three passes of the merge, and the measurement. */
+/* Upper bound of the units of a search: the caps of crs.h (40 m evaluations, and 50 m trials
+ * outside the box before each) and of line_search.h (1000 n evaluations; trials without room are
+ * bounded), `rows` units for an evaluation, three passes of the merge, and the measurement. */
 static uint32_t units_at_most(uint32_t n, uint32_t m, uint32_t rows)
 {
     uint32_t evaluations = 40 * m + 1000 * n;
@@ -44,23 +44,23 @@ static uint32_t rows_of_girona500(void)
     return rows;
 }
 
-/* Of a search for the 13 with a population m. */
+/* The same for the 13 parameters with a population m. */
 static uint32_t units_of_13(uint32_t m)
 {
     return units_at_most(13, m, rows_of_girona500());
 }
 
-/* Work to the end with a budget; every call is checked. */
+/* Work to the end with a budget; check every call. */
 static void finish(uint32_t budget, uint32_t units)
 {
-    chain.most_units = 0;
+    chain.max_units = 0;
     TEST_ASSERT_TRUE(chain_finish(&chain, budget, units / budget + 1) <= units / budget + 1);
     TEST_ASSERT_EQUAL(AUVID_OK, chain.work);
     TEST_ASSERT_FALSE(chain.over_budget);
-    TEST_ASSERT_TRUE(chain.most_units <= budget);
+    TEST_ASSERT_TRUE(chain.max_units <= budget);
 }
 
-/* Record `sets` sets without working. */
+/* Record `sets` sets without work. */
 static void record(uint32_t sets)
 {
     config.budget = 0;
@@ -69,7 +69,7 @@ static void record(uint32_t sets)
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
 }
 
-/* The cost of any pi on what is merged, on a copy of the metric. */
+/* The cost of any pi on the merged sets, with a copy of the metric. */
 static double cost_on(const auvid_metric_t *merged, const auvid_real_t *pi)
 {
     static auvid_metric_t metric;
@@ -91,9 +91,9 @@ static void check_optimum(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&chain.id.metric, AUVID_G500_FREE, pi));
-    double least = cost_of(pi), found = cost_of(chain.id.estimate.pi);
-    TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)chain.id.metric.constant);
-    TEST_ASSERT_TRUE(chain.id.estimate.cost == (auvid_real_t)found); /* not a stale one */
+    double optimum = cost_of(pi), found = cost_of(chain.id.estimate.pi);
+    TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)chain.id.metric.constant);
+    TEST_ASSERT_TRUE(chain.id.estimate.cost == (auvid_real_t)found); /* not stale */
 }
 
 /* ---- budgets ---- */
@@ -105,8 +105,8 @@ static void test_work_keeps_to_its_budget_in_every_tick(void)
         config.budget = budgets[k];
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
         TEST_ASSERT_FALSE(chain.over_budget);
-        TEST_ASSERT_TRUE(chain.most_units <= budgets[k]);
-        TEST_ASSERT_TRUE(budgets[k] > 200 || chain.most_units == budgets[k]); /* and uses it */
+        TEST_ASSERT_TRUE(chain.max_units <= budgets[k]);
+        TEST_ASSERT_TRUE(budgets[k] > 200 || chain.max_units == budgets[k]); /* all used */
         finish(budgets[k], units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
         check_optimum();
@@ -130,8 +130,8 @@ static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
     }
 }
 
-/* Rows and points, those without room too. */
-static void test_rows_and_trial_points_are_what_is_counted(void)
+/* Rows and points, including those without room. */
+static void test_rows_and_trial_points_are_counted(void)
 {
     uint32_t units = 0, turns = 0;
     chain_defaults(&config, 2, 1, 0.0);
@@ -148,12 +148,12 @@ static void test_rows_and_trial_points_are_what_is_counted(void)
     }
     auvid_optimizer_work_t done = auvid_optimizer_work(&chain.id.optimizer);
     TEST_ASSERT_EQUAL_UINT32(rows_of_girona500() * (done.crs + done.line_search) + done.attempts +
-                                 1, /* to learn that the search has ended */
+                                 1, /* to find that the search has ended */
                              units);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.max_work);
 }
 
-static void test_a_budget_of_zero_does_nothing_and_says_that_work_waits(void)
+static void test_a_budget_of_zero_does_nothing_and_reports_waiting_work(void)
 {
     chain_defaults(&config, 2, 1, 0.0);
     record(1);
@@ -174,7 +174,7 @@ static void test_the_default_budget_searches_in_about_ten_seconds(void)
 
 /* ---- boxes ---- */
 
-/* The box in which every parameter lies between its truth times low and its truth times high. */
+/* The box from low times the truth to high times the truth, for every parameter. */
 static void box(double low, double high)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
@@ -184,7 +184,7 @@ static void box(double low, double high)
     }
 }
 
-/* In the box, and no worse than the box's point next to the truth. */
+/* In the box, and no worse than the box's nearest point to the truth. */
 static void check_in_box(void)
 {
     auvid_real_t near[AUVID_MAX_PARAMETERS] = {0};
@@ -244,10 +244,11 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
             config.id.search.has_good = kind > 0;
             for (int i = 0; i < SIM_PARAMETERS; ++i) {
                 double truth = config.sim.parameter[i];
-                /* within a tenth; a corner, far off; far outside the box: clipped to it */
-                config.id.search.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
-                                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
-                                                               : -1e30);
+                /* within a tenth; a distant corner; far outside the box: clipped to it */
+                config.id.search.good[i] =
+                    (auvid_real_t)(kind == 1   ? 1.1 * truth
+                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
+                                               : -1e30);
             }
             record(2);
             finish(200, units_of_13(52));
@@ -257,7 +258,7 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
     }
 }
 
-/* Work until the first point of a search is out. */
+/* Work until a search asks for its first point. */
 static void ask_first(void)
 {
     uint32_t searches = chain.id.searches;
@@ -313,16 +314,16 @@ static void test_the_search_is_the_one_configured(void)
     TEST_ASSERT_TRUE(chain.id.optimizer.local.scale[0] == 0); /* half the width of the box */
 }
 
-/* ---- sets that change on the way ---- */
+/* ---- sets that change during a search ---- */
 
-/* What happens while sets complete in the middle of searches. */
+/* Events while sets complete during searches. */
 typedef struct {
-    uint32_t begun, ended;   /* searches */
-    uint32_t judged, newest; /* number of the last set judged; of the newest of the search */
-    uint32_t told;           /* how often rows were said to be dropped */
+    uint32_t begun, ended;      /* searches */
+    uint32_t validated, newest; /* number of the last set validated; of the newest in the search */
+    uint32_t drops;             /* number of events for dropped rows */
 } watch_t;
 
-/* A search ends on the sets that it began with, and each of these has been judged before. */
+/* A search uses the sets that it began with, and each of these was validated before. */
 static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
     static auvid_metric_t began;
@@ -330,25 +331,26 @@ static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_VALIDATED) {
-        TEST_ASSERT_TRUE(id->change_test.set > w->judged);
-        TEST_ASSERT_TRUE(id->change_test.set == w->judged + 1 || w->judged < 2 || w->told > 0);
-        w->judged = id->change_test.set;
+        TEST_ASSERT_TRUE(id->change_test.set > w->validated);
+        TEST_ASSERT_TRUE(id->change_test.set == w->validated + 1 || w->validated < 2 ||
+                         w->drops > 0);
+        w->validated = id->change_test.set;
     }
     if (id->searches > w->begun) {
         w->begun = id->searches;
         w->newest = auvid_metric_newest(&id->metric)->number;
-        TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->judged);
+        TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->validated);
         began = id->metric;
     }
-    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (out->events & AUVID_EVENT_ESTIMATE) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
         ++w->ended;
         TEST_ASSERT_EQUAL_UINT32(w->begun, w->ended);
         TEST_ASSERT_EQUAL_UINT32(w->newest, id->estimate.sets);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&began, AUVID_G500_FREE, pi));
-        double least = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
-        TEST_ASSERT_TRUE(found - least <= 1e-3 * (double)began.constant);
+        double optimum = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
+        TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)began.constant);
         TEST_ASSERT_TRUE(id->estimate.cost == (auvid_real_t)found);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             TEST_ASSERT_TRUE(id->estimate.confidence.sigma[i] > 0);
@@ -371,10 +373,10 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
-        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* so some took several */
-        TEST_ASSERT_EQUAL_UINT32(watch.told * 60, chain.id.metric.rows_dropped);
-        TEST_ASSERT_TRUE(tiny[k] > 1 || watch.told > 0);
-        TEST_ASSERT_TRUE(tiny[k] < 8 || watch.told == 0);
+        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
+        TEST_ASSERT_EQUAL_UINT32(watch.drops * 60, chain.id.metric.rows_dropped);
+        TEST_ASSERT_TRUE(tiny[k] > 1 || watch.drops > 0);
+        TEST_ASSERT_TRUE(tiny[k] < 8 || watch.drops == 0);
         finish(tiny[k], 3 * units_of_13(52));
         TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
@@ -383,9 +385,9 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
     }
 }
 
-/* Surge alone is driven in the first set, all DoF in the second, which comes while the first is
- * searched: what may be found has changed. */
-static void test_a_dof_driven_anew_is_searched_anew(void)
+/* Only surge is excited in the first set, all DoF in the second. The second completes during the
+ * search over the first: the parameters to search have changed. */
+static void test_a_newly_excited_dof_is_searched(void)
 {
     const auvid_real_t surge[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_config_t full;
@@ -406,7 +408,7 @@ static void test_a_dof_driven_anew_is_searched_anew(void)
     check_optimum();
 }
 
-/* How far the search over vehicle A's set is when B's come: all the ways it can be caught. */
+/* Progress of the search over vehicle A's set when B's sets come: every phase. */
 typedef enum { IN_MERGE, IN_FILL, IN_GLOBAL, IN_LOCAL, IN_MEASURE, ENDED, CATCHES } catch_t;
 
 static bool is_there(catch_t where)
@@ -430,8 +432,8 @@ static bool is_there(catch_t where)
     }
 }
 
-/* One set in the ring. The vehicle grows half as heavy again and half as draggy after the first;
- * its own set comes while the search over the first is caught somewhere. */
+/* One set in the ring. After the first set the vehicle has 1.5 times the mass and the drag;
+ * its next set completes in some phase of the search over the first. */
 static void test_no_cost_of_an_earlier_vehicle_survives(void)
 {
     for (catch_t where = IN_MERGE; where < CATCHES; ++where) {
@@ -471,7 +473,7 @@ static void test_an_estimate_stays_whole_until_the_next_is_ready(void)
     chain.config.budget = 0;
     chain_run(&chain, 20.0);
     for (int k = 0; k < 100000 && chain.id.estimate.number == 1; ++k) {
-        before.accepted = chain.id.estimate.accepted; /* that is about the next set */
+        before.accepted = chain.id.estimate.accepted; /* that concerns the next set */
         TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id.estimate, sizeof before);
         (void)auvid_identifier_work(&chain.id, 3);
     }
@@ -487,7 +489,7 @@ static const auvid_parameter_t user_parameter[USER_PARAMETERS] = {
     {"X_u", "N s/m", AUVID_SURGE, AUVID_PARAMETER_OTHER},
     {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
 
-/* Coupling, tilt and weight are left out of it: surge alone is driven. */
+/* It has no coupling, tilt and weight: only surge is excited. */
 static uint32_t residual_calls;
 
 static void user_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
@@ -532,7 +534,7 @@ static void configure_user(void)
     config.id.metric.set_rows = USER_ROWS;
 }
 
-/* As finish(); what takes the time is the user's function: a call of it is a unit at least. */
+/* As finish(). The user's function takes the time: a call of it is at least one unit. */
 static void finish_counting(uint32_t budget, uint32_t units)
 {
     uint32_t turns = 0;
@@ -552,7 +554,7 @@ static void test_a_users_model_keeps_to_the_budget_and_ends(void)
     auvid_estimate_t once;
     configure_user();
     record(USER_SETS);
-    recorded = chain; /* the rows stay where they are: nothing is recorded from here on */
+    recorded = chain; /* the rows stay in place: nothing is recorded from now on */
     for (int k = 0; k < BUDGETS; ++k) {
         chain = recorded;
         finish_counting(budgets[k], units_at_most(4, 16, USER_SETS * USER_ROWS));
@@ -569,7 +571,7 @@ static void test_a_users_model_keeps_to_the_budget_and_ends(void)
     TEST_ASSERT_TRUE((double)once.cost == cost_of(once.pi));
 }
 
-/* The rows that a search began with, and the place of those recorded meanwhile. */
+/* The rows that a search began with, and the index of those recorded meanwhile. */
 static auvid_row_t began_rows[sizeof store / sizeof store[0]];
 
 static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *out)
@@ -577,7 +579,7 @@ static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *
     watch_t *w = c->config.context;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
-    w->told += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
+    w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (id->searches > w->begun) {
         w->begun = id->searches;
         w->newest = id->metric.sets_stored % (USER_SETS + 1) * USER_ROWS;
@@ -600,8 +602,8 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     watch_t watch = {0};
     configure_user();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S,
-                                                      LONG, 9));
+    TEST_ASSERT_EQUAL(
+        AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, LONG, 9));
     config.budget = 5;
     config.after = watch_rows;
     config.context = &watch;
@@ -609,7 +611,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     uint32_t kept = chain.id.metric.sets_recorded * USER_ROWS + chain.id.metric.rows;
     TEST_ASSERT_TRUE(watch.ended >= 1);
     TEST_ASSERT_TRUE(chain.id.metric.sets_recorded < LONG);
-    TEST_ASSERT_EQUAL_UINT32(watch.told, chain.id.metric.rows_dropped);
+    TEST_ASSERT_EQUAL_UINT32(watch.drops, chain.id.metric.rows_dropped);
     TEST_ASSERT_UINT32_WITHIN(2 * USER_ROWS / 10, LONG * USER_ROWS,
                               kept + chain.id.metric.rows_dropped);
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
@@ -619,7 +621,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
                               (double)chain.id.estimate.pi[USER_M]);
 }
 
-static void test_a_model_that_fails_everywhere_ends_and_says_so(void)
+static void test_a_model_that_fails_everywhere_ends_and_is_reported(void)
 {
     user_vehicle.residual = failing_residual;
     configure_user();
@@ -636,8 +638,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_work_keeps_to_its_budget_in_every_tick);
     RUN_TEST(test_the_result_does_not_depend_on_how_work_is_portioned);
-    RUN_TEST(test_rows_and_trial_points_are_what_is_counted);
-    RUN_TEST(test_a_budget_of_zero_does_nothing_and_says_that_work_waits);
+    RUN_TEST(test_rows_and_trial_points_are_counted);
+    RUN_TEST(test_a_budget_of_zero_does_nothing_and_reports_waiting_work);
     RUN_TEST(test_the_default_budget_searches_in_about_ten_seconds);
     RUN_TEST(test_a_search_with_the_truth_on_the_bounds_ends);
     RUN_TEST(test_a_search_with_the_truth_outside_the_box_ends);
@@ -647,11 +649,11 @@ int main(void)
     RUN_TEST(test_the_last_estimate_is_tried_first);
     RUN_TEST(test_the_search_is_the_one_configured);
     RUN_TEST(test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with);
-    RUN_TEST(test_a_dof_driven_anew_is_searched_anew);
+    RUN_TEST(test_a_newly_excited_dof_is_searched);
     RUN_TEST(test_no_cost_of_an_earlier_vehicle_survives);
     RUN_TEST(test_an_estimate_stays_whole_until_the_next_is_ready);
     RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
     RUN_TEST(test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted);
-    RUN_TEST(test_a_model_that_fails_everywhere_ends_and_says_so);
+    RUN_TEST(test_a_model_that_fails_everywhere_ends_and_is_reported);
     return UNITY_END();
 }

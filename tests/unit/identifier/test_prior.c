@@ -1,4 +1,4 @@
-/* The warm record, from one dive to the next, and parameters that are known from elsewhere. */
+/* The prior record, from one dive to the next, and known parameters from other sources. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static void dive(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
     memset(record, 0xFF, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
-    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* of any machine, and of any build */
+    TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* the same on any machine, in any build */
     TEST_ASSERT_EQUAL_HEX32(0, auvid_get_word(record + 228));
 }
 
@@ -60,8 +60,8 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
         double colour = (double)chain.id.metric.prior.variance_inflation[j];
         TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
     }
-    for (int i = 0; i < N; ++i) { /* the error is that of before, aged, and kept in 8 binary digits
-                                     that are not rounded down */
+    for (int i = 0; i < N; ++i) { /* the previous error, aged, with 8 binary digits, not rounded
+                                     down */
         float single = (float)known.pi[i];
         auvid_real_t sigma = known.confidence.sigma[i] * (auvid_real_t)1.4142136;
         TEST_ASSERT_EQUAL_FLOAT(single, (float)chain.id.estimate.pi[i]);
@@ -72,9 +72,9 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_ESTIMATE, chain.out.events & AUVID_EVENT_ESTIMATE);
 }
 
-/* The next dive has the same thrusters and DVL: their scales do not make the record weaker. What is
- * known from elsewhere does not depend on them. */
-static void test_a_record_holds_errors_with_the_thrust_as_told(void)
+/* The next dive has the same thrusters and DVL: their scales do not weaken the record. Parameters
+ * from other sources do not depend on them. */
+static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
 {
     static auvid_real_t plain[N], dvl[N];
     dive();
@@ -91,11 +91,11 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
     TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
-        double told = (double)chain.id.metric.prior.sigma[i];
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], told);
+        double prior = (double)chain.id.metric.prior.sigma[i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], prior);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(told, scale), (double)dvl[i]),
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(prior, scale), (double)dvl[i]),
                                   (double)c->sigma[i]);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -105,7 +105,7 @@ static void test_a_record_holds_errors_with_the_thrust_as_told(void)
     }
 }
 
-/* Save the dive and begin the next with the record. */
+/* Save the dive and start the next one with the record. */
 static void next_dive(const auvid_identifier_t *dived)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(dived, record));
@@ -113,7 +113,7 @@ static void next_dive(const auvid_identifier_t *dived)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
 }
 
-/* What was not identified, or has no error or noise to go with it, is as unknown as before. */
+/* A parameter that was not identified, or has no error or noise, stays unknown. */
 static void test_a_record_brings_only_what_was_identified_with_an_error(void)
 {
     enum { LEFT = AUVID_G500_M_U, WAYS = 7 };
@@ -133,7 +133,7 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         c->sigma[LEFT] = way == 1 ? 0 : way == 2 ? AUVID_LARGEST : c->sigma[LEFT];
         c->effective_noise[AUVID_SURGE] = way == 3 ? 0 : c->effective_noise[AUVID_SURGE];
         c->residual_rms[AUVID_SURGE] = way == 4 ? 0 : c->residual_rms[AUVID_SURGE];
-        c->residual_rms[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the noise that counts */
+        c->residual_rms[AUVID_SURGE] *= way == 5 ? 10 : 1; /* more than the effective noise */
         e->covariance[LEFT] *= way == 6 ? 0 : 1;           /* the variance of the first parameter */
         next_dive(&spoilt);
         TEST_ASSERT_EQUAL_HEX32(dived.estimate.identified & ~left[way],
@@ -146,8 +146,8 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
     }
 }
 
-/* Of the first parameter, when a dive ends with that error. */
-static double remembered(const auvid_identifier_t *dived, double sigma)
+/* Prior standard error of the first parameter after a dive that ends with this sigma. */
+static double sigma_after_reload(const auvid_identifier_t *dived, double sigma)
 {
     static auvid_identifier_t ended;
     ended = *dived;
@@ -156,21 +156,21 @@ static double remembered(const auvid_identifier_t *dived, double sigma)
     return (double)chain.id.metric.prior.sigma[0];
 }
 
-/* It has the upper halves of single precision: 1 and 1 + 1/128 are kept, what is above 1 is rounded
- * up. */
+/* The record has upper halves of single precision: 1 and 1 + 1/128 are exact, values between them
+ * are rounded up. */
 static void test_a_record_never_makes_an_error_smaller(void)
 {
     static auvid_identifier_t dived;
     const double next = 1 + ldexp(1, -7), above = 1 + ldexp(1, -23);
     dive();
     dived = chain.id;
-    double one = remembered(&dived, 1);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, next));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, remembered(&dived, above));
+    double one = sigma_after_reload(&dived, 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, sigma_after_reload(&dived, next));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * one, next * one, sigma_after_reload(&dived, above));
 }
 
-/* A degree of freedom of which the record holds nothing counts as not driven. */
-static void test_a_record_counts_as_driven_what_it_holds(void)
+/* A degree of freedom without parameters in the record counts as not excited. */
+static void test_a_record_counts_the_dof_that_it_holds_as_excited(void)
 {
     static auvid_identifier_t dived;
     dive();
@@ -199,7 +199,7 @@ static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
     }
 }
 
-static void test_saved_again_it_says_the_same(void)
+static void test_a_record_saved_again_is_the_same(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES];
     dive();
@@ -207,8 +207,8 @@ static void test_saved_again_it_says_the_same(void)
     TEST_ASSERT_EQUAL_MEMORY(record, again, sizeof again);
 }
 
-/* A dive without a set leaves nothing better than the record that it began with. */
-static void test_what_was_only_remembered_is_not_saved_again(void)
+/* A dive without a set has nothing better than its initial record. */
+static void test_a_prior_by_itself_is_not_saved_again(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
     dive();
@@ -218,7 +218,7 @@ static void test_what_was_only_remembered_is_not_saved_again(void)
     TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
 }
 
-static void test_every_damaged_byte_is_noticed(void)
+static void test_every_damaged_byte_is_detected(void)
 {
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -244,7 +244,7 @@ static void test_a_record_of_another_model_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
     config.id.metric.fixed[AUVID_G500_M_R] = 80;
-    dive(); /* a record with yaw's inertia given */
+    dive(); /* a record with a fixed inertia of yaw */
     config.id.metric.fixed[AUVID_G500_M_R] = 81;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
@@ -269,7 +269,7 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, record));
     dive();
-    check_refused(AUVID_ERR_STATE, record, sizeof record); /* it knows better by now */
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* it has an estimate of its own */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     check_refused(AUVID_ERR_SIZE, record, sizeof record - 1);
     check_refused(AUVID_ERR_NULL, NULL, sizeof record);
@@ -282,7 +282,7 @@ static void test_calls_out_of_order_are_refused(void)
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
 }
 
-/* ---- a record whose content is wrong and whose checksum is right ---- */
+/* ---- a record with wrong content and a correct checksum ---- */
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
 
@@ -320,7 +320,7 @@ static void check_forged(auvid_status_t status, int at, uint32_t word)
     correct_checksum();
 }
 
-static void test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor(void)
+static void test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor(void)
 {
     const uint32_t nan = 0x7fc00000u, infinite = 0x7f800000u, huge = 0x7f000000u;
     dive();
@@ -358,7 +358,7 @@ static bool publishes_finite_numbers(const auvid_identifier_t *id)
            auvid_all_finite(to->r2_velocity, AUVID_DOF_COUNT);
 }
 
-/* One to four bytes, also those that make a number NaN, infinite or huge. */
+/* Change one to four bytes, also so that a number is NaN, infinite or huge. */
 static void forge(auvid_rng_t *rng)
 {
     static const uint8_t telling[] = {0x00, 0xff, 0x7f, 0x80, 0xfe, 0x01};
@@ -371,12 +371,12 @@ static void forge(auvid_rng_t *rng)
     correct_checksum();
 }
 
-/* Of those taken, one in so many goes through a set, which is held against it. */
+/* One in so many accepted records runs through a set, which is tested against it. */
 static void test_a_forged_record_is_refused_or_harmless(void)
 {
     const uint32_t forgeries = campaign_is_long() ? 100000 : 4000, stride = forgeries / 13;
     static uint8_t genuine[AUVID_PRIOR_BYTES];
-    uint32_t taken = 0, driven = 0;
+    uint32_t taken = 0, run_through = 0;
     auvid_rng_t rng;
     auvid_rng_seed(&rng, 1);
     dive();
@@ -394,7 +394,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         }
         TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
         if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
-            ++driven;
+            ++run_through;
             TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
             while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
@@ -406,11 +406,11 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
     }
     printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
-           (unsigned)taken, (unsigned)driven);
-    TEST_ASSERT_TRUE(taken > forgeries / 20 && driven > 0);
+           (unsigned)taken, (unsigned)run_through);
+    TEST_ASSERT_TRUE(taken > forgeries / 20 && run_through > 0);
 }
 
-/* The paper's vehicle, as a towing tank might have told of it. */
+/* The paper's vehicle, as measured in a towing tank. */
 static void tank(auvid_real_t *pi, auvid_real_t *sigma)
 {
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -448,7 +448,7 @@ static void test_known_parameters_are_the_first_estimate(void)
     check_unknown(AUVID_ERR_STATE, pi, sigma);
 }
 
-static void test_parameters_known_without_sense_are_refused(void)
+static void test_impossible_known_parameters_are_refused(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
@@ -490,7 +490,7 @@ static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t 
     TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
 }
 
-static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
+static void test_known_parameters_are_accepted_up_to_the_limits_of_the_header(void)
 {
     const auvid_real_t value = 300, error = 10;
     check_limit(AUVID_OK, AUVID_C(1e18), error);
@@ -504,26 +504,26 @@ static void test_known_parameters_are_taken_up_to_the_limits_of_the_header(void)
     check_limit(AUVID_ERR_RANGE, value, AUVID_C(1e30));
 }
 
-static void test_memory_that_makes_no_sense_is_refused(void)
+static void test_an_impossible_prior_is_refused(void)
 {
-    auvid_prior_t memory = {.known = 1};
+    auvid_prior_t prior = {.known = 1};
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     auvid_metric_t *metric = &chain.id.metric;
-    memory.sigma[0] = memory.variance_inflation[AUVID_SURGE] = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &memory));
-    memory.sigma[0] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
-    memory.sigma[0] = 1;
-    memory.variance_inflation[AUVID_SURGE] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &memory));
-    memory.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &memory));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &memory));
+    prior.sigma[0] = prior.variance_inflation[AUVID_SURGE] = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &prior));
+    prior.sigma[0] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    prior.sigma[0] = 1;
+    prior.variance_inflation[AUVID_SURGE] = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    prior.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &prior));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(metric, NULL));
     TEST_ASSERT_EQUAL_HEX32(1, metric->prior.known);
 }
 
-/* ---- what it is worth ---- */
+/* ---- benefit ---- */
 
 typedef struct {
     double square;  /* of the error after the first set, summed over parameters and dives */
@@ -531,10 +531,10 @@ typedef struct {
     uint32_t kept;  /* dives in which the record was kept */
 } worth_t;
 
-/* What a dive begins with. */
+/* The prior of a dive. */
 typedef enum { COLD, RECORD, TANK } start_t;
 
-/* A dive of four sets, in which the vehicle is `heavier` times the one that is known. */
+/* A dive of four sets; the vehicle is `heavier` times as heavy as the known one. */
 static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *worth)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
@@ -564,7 +564,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
     worth->kept += chain.id.metric.prior.known != 0;
 }
 
-/* @return how many dives */
+/* @return number of dives */
 static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
 {
     uint32_t dives = campaign_is_long() ? 100 : campaign_runs(8);
@@ -587,7 +587,7 @@ static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *w
     return dives;
 }
 
-static void test_the_same_vehicle_is_known_in_half_the_time(void)
+static void test_the_same_vehicle_is_identified_in_half_the_time(void)
 {
     worth_t cold, warm;
     uint32_t dives = compare(RECORD, 1.0, &cold, &warm);
@@ -596,7 +596,7 @@ static void test_the_same_vehicle_is_known_in_half_the_time(void)
     TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
 }
 
-/* What was known exactly, to the tank's 5 %, helps likewise. */
+/* Parameters known to the tank's 5 % also help. */
 static void test_known_parameters_help(void)
 {
     worth_t cold, warm;
@@ -608,7 +608,7 @@ static void test_known_parameters_help(void)
 
 static void test_a_record_of_another_vehicle_does_no_harm(void)
 {
-    static const double heavier[] = {1.03, 1.1}; /* near enough to be confounded, and not */
+    static const double heavier[] = {1.03, 1.1}; /* one close enough to be confounded, one not */
     for (size_t k = 0; k < sizeof heavier / sizeof heavier[0]; ++k) {
         worth_t cold, warm;
         uint32_t dives = compare(RECORD, heavier[k], &cold, &warm);
@@ -618,7 +618,7 @@ static void test_a_record_of_another_vehicle_does_no_harm(void)
     }
 }
 
-static void test_parameters_known_wrongly_do_no_harm(void)
+static void test_wrong_known_parameters_do_no_harm(void)
 {
     worth_t cold, warm;
     (void)compare(TANK, 1.3, &cold, &warm);
@@ -630,27 +630,27 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_record_brings_the_estimate_into_the_next_dive);
-    RUN_TEST(test_a_record_holds_errors_with_the_thrust_as_told);
+    RUN_TEST(test_a_record_holds_errors_for_an_exact_thrust_scale);
     RUN_TEST(test_a_record_brings_only_what_was_identified_with_an_error);
     RUN_TEST(test_a_record_never_makes_an_error_smaller);
-    RUN_TEST(test_a_record_counts_as_driven_what_it_holds);
+    RUN_TEST(test_a_record_counts_the_dof_that_it_holds_as_excited);
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
-    RUN_TEST(test_saved_again_it_says_the_same);
-    RUN_TEST(test_what_was_only_remembered_is_not_saved_again);
-    RUN_TEST(test_every_damaged_byte_is_noticed);
+    RUN_TEST(test_a_record_saved_again_is_the_same);
+    RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
+    RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_a_record_of_numbers_that_cannot_be_is_refused_with_and_without_regressor);
+    RUN_TEST(test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor);
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);
-    RUN_TEST(test_parameters_known_without_sense_are_refused);
+    RUN_TEST(test_impossible_known_parameters_are_refused);
     RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
-    RUN_TEST(test_known_parameters_are_taken_up_to_the_limits_of_the_header);
-    RUN_TEST(test_memory_that_makes_no_sense_is_refused);
-    RUN_TEST(test_the_same_vehicle_is_known_in_half_the_time);
+    RUN_TEST(test_known_parameters_are_accepted_up_to_the_limits_of_the_header);
+    RUN_TEST(test_an_impossible_prior_is_refused);
+    RUN_TEST(test_the_same_vehicle_is_identified_in_half_the_time);
     RUN_TEST(test_known_parameters_help);
     RUN_TEST(test_a_record_of_another_vehicle_does_no_harm);
-    RUN_TEST(test_parameters_known_wrongly_do_no_harm);
+    RUN_TEST(test_wrong_known_parameters_do_no_harm);
     return UNITY_END();
 }

@@ -1,7 +1,8 @@
 /*
- * A user's own model through the public headers alone: thrusters with a dead band and a different
+ * A user's own model, with public headers only: thrusters with a dead band and a different
  * gain in each direction, acting on the commands. It is neither linear in its parameters nor
- * differentiable. The mass is known (only the ratio of mass, drag and gain can be seen otherwise).
+ * differentiable. The mass is known (otherwise only the ratio of mass, drag and gain is
+ * observable).
  */
 #include <math.h>
 #include <string.h>
@@ -39,7 +40,7 @@ static void test_dead_band_and_gains_are_identified_within_5_percent_over_20_see
     }
 }
 
-/* A delay that nobody told of is found, and does no harm. */
+/* An unmodelled delay is found, and does no harm. */
 static void test_a_delay_of_the_thrusters_is_searched_with_the_parameters(void)
 {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
@@ -63,7 +64,7 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
     }
 }
 
-/* At 1 N, at speeds forward and backward that it has seen. */
+/* At 1 N, at recorded speeds forward and backward. */
 static void test_the_drag_force_of_a_model_without_regressor_is_known(void)
 {
     identify(3, SETS, 2000, 1.0, 0.0);

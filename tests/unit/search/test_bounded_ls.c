@@ -1,7 +1,7 @@
 /*
- * Least squares within bounds (private header): what the rows do not determine keeps its value,
- * what is at a bound leaves it only for a lower cost. Optima are compared with Eigen's in
- * tests/reference/test_bounded_ls.cpp.
+ * Least squares within bounds (private header): a parameter that the rows do not determine keeps
+ * its value, a parameter at a bound leaves it only for a lower cost. Optima are compared with
+ * Eigen's in tests/reference/test_bounded_ls.cpp.
  */
 #include <math.h>
 
@@ -57,7 +57,7 @@ static void test_inside_the_bounds_the_rows_are_solved(void)
     expect(1, 2, 2);
 }
 
-static void test_a_parameter_stops_at_its_bound_and_the_others_make_the_best_of_it(void)
+static void test_a_parameter_stops_at_its_bound_and_the_others_are_optimal(void)
 {
     ls.upper[0] = AUVID_C(0.5);
     add(1, 0, 0, 1);
@@ -93,8 +93,8 @@ static void test_a_parameter_without_rows_keeps_its_value(void)
     TEST_ASSERT_EQUAL_HEX32(5, ls.free);
 }
 
-/* Columns that differ by rounding: their difference is not resolved, and nothing runs away. */
-static void test_of_two_equal_columns_one_keeps_its_value(void)
+/* Columns that differ by rounding: their difference is not resolved, and no parameter diverges. */
+static void test_one_of_two_equal_columns_keeps_its_value(void)
 {
     ls.x[0] = ls.x[1] = AUVID_C(1.0);
     add(1, 1.000001, 0, 3.0);
@@ -107,7 +107,7 @@ static void test_of_two_equal_columns_one_keeps_its_value(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 5, (double)ls.x[2]);
 }
 
-static void test_a_gain_that_is_nothing_beside_the_constant_is_left(void)
+static void test_a_gain_negligible_beside_the_constant_is_not_made(void)
 {
     ls.x[0] = AUVID_C(1.0);
     add(1, 0, 0, 1.001);
@@ -119,7 +119,7 @@ static void test_a_gain_that_is_nothing_beside_the_constant_is_left(void)
     TEST_ASSERT_TRUE(ls.start == ls.cost);
 }
 
-static void test_rows_that_do_not_agree_are_in_the_cost(void)
+static void test_contradicting_rows_add_to_the_cost(void)
 {
     add(1, 0, 0, 1);
     add(1, 0, 0, 3);
@@ -134,11 +134,11 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_inside_the_bounds_the_rows_are_solved);
-    RUN_TEST(test_a_parameter_stops_at_its_bound_and_the_others_make_the_best_of_it);
+    RUN_TEST(test_a_parameter_stops_at_its_bound_and_the_others_are_optimal);
     RUN_TEST(test_a_parameter_leaves_the_bound_that_it_starts_at);
     RUN_TEST(test_a_parameter_without_rows_keeps_its_value);
-    RUN_TEST(test_of_two_equal_columns_one_keeps_its_value);
-    RUN_TEST(test_a_gain_that_is_nothing_beside_the_constant_is_left);
-    RUN_TEST(test_rows_that_do_not_agree_are_in_the_cost);
+    RUN_TEST(test_one_of_two_equal_columns_keeps_its_value);
+    RUN_TEST(test_a_gain_negligible_beside_the_constant_is_not_made);
+    RUN_TEST(test_contradicting_rows_add_to_the_cost);
     return UNITY_END();
 }

@@ -69,12 +69,12 @@ static auvid_real_t on_a_high_floor(const auvid_real_t *x)
     return sphere(x) + AUVID_C(1e6);
 }
 
-/* Until it ends; fails if that takes more asks than the caps allow. */
+/* Run to the end; fails if that takes more asks than the caps allow. */
 static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
 {
     uint64_t m = crs.config.population;
-    uint64_t most = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
-    for (uint64_t k = 0; k <= most + 1u; ++k) {
+    uint64_t max_asks = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
+    for (uint64_t k = 0; k <= max_asks + 1u; ++k) {
         auvid_status_t status = auvid_crs_ask(&crs, theta);
         if (status == AUVID_OK) {
             for (int i = 0; i < config.n; ++i) {
@@ -202,8 +202,8 @@ static void test_a_known_point_enters_the_population_and_bad_ones_are_refused(vo
     TEST_ASSERT_TRUE(cost == AUVID_C(0.25));
 }
 
-/* Lines 9-11 in double from the state before the trial. Which points were drawn is read from the
- * state; that they are n + 1 distinct ones is checked. */
+/* Lines 9-11 in double from the state before the trial. The points drawn are read from
+ * the state; they must be n + 1 distinct ones. */
 static void test_the_trial_is_the_weighted_reflection_of_algorithm_1(void)
 {
     int trials = 0;
@@ -326,7 +326,7 @@ static void test_it_finishes_when_the_spread_is_epsilon(void)
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_crs_ask(&crs, theta));
 }
 
-static void test_it_finishes_when_the_spread_is_reduced_as_asked(void)
+static void test_it_finishes_when_the_spread_is_reduced_as_configured(void)
 {
     config.reduction = AUVID_C(0.1);
     config.epsilon = 0;
@@ -347,7 +347,7 @@ static void test_it_finishes_when_the_spread_is_reduced_as_asked(void)
     TEST_ASSERT_TRUE(spread <= first / 10 && spread > first / 100);
 }
 
-/* m = n + 1, an optimum in a corner: the paper's loops do not end. */
+/* With m = n + 1 or an optimum in a corner, the paper's loops do not end. */
 static void test_it_ends_whatever_the_cost_and_the_population(void)
 {
     auvid_real_t (*const costs[])(const auvid_real_t *) = {
@@ -401,7 +401,7 @@ static void test_a_trial_in_the_box_ends_the_run_of_rejections(void)
     TEST_ASSERT_TRUE(ended > 0);
 }
 
-static void test_a_trial_as_dear_as_the_worst_is_not_taken(void)
+static void test_a_trial_of_the_same_cost_as_the_worst_is_not_accepted(void)
 {
     static auvid_real_t before[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS];
     uint32_t turns = 0;
@@ -430,7 +430,7 @@ static void test_evaluations_are_capped(void)
     TEST_ASSERT_EQUAL_UINT32(30, crs.evaluations);
 }
 
-static void test_a_plateau_is_finished_and_a_model_that_always_fails_is_not(void)
+static void test_a_plateau_converges_and_a_model_that_always_fails_does_not(void)
 {
     auvid_real_t cost;
     init();
@@ -444,7 +444,7 @@ static void test_a_plateau_is_finished_and_a_model_that_always_fails_is_not(void
 static void test_points_where_the_model_fails_leave_the_population(void)
 {
     config.epsilon = AUVID_C(1e-4);
-    config.population = 60; /* 4 n = 16 points may collapse early: that is what phase 2 is for */
+    config.population = 60; /* 4 n = 16 points may collapse early: phase 2 handles that */
     config.omega = AUVID_C(4e6);
     config.max_evaluations = 100000;
     init();
@@ -454,7 +454,7 @@ static void test_points_where_the_model_fails_leave_the_population(void)
     }
 }
 
-static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart(void)
+static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_separately(void)
 {
     auvid_real_t points[16][4], cost;
     int found[16] = {0};
@@ -466,7 +466,7 @@ static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_the
             auvid_crs_tell(&crs, sphere(theta));
         }
     }
-    (void)auvid_crs_ask(&crs, theta); /* a point is out: it is dropped */
+    (void)auvid_crs_ask(&crs, theta); /* a point without its cost is dropped */
     for (int k = 0; k < 16; ++k) {
         memcpy(points[k], crs.theta[k], sizeof points[k]);
     }
@@ -482,7 +482,7 @@ static void test_reevaluation_asks_for_the_same_points_best_first_and_counts_the
         for (int j = 0; j < 16; ++j) {
             found[j] += memcmp(asked, points[j], sizeof points[j]) == 0;
         }
-        auvid_crs_tell(&crs, 1000 + sphere(asked)); /* all dearer than before */
+        auvid_crs_tell(&crs, 1000 + sphere(asked)); /* all costs are higher than before */
         auvid_crs_best(&crs, &cost);
         TEST_ASSERT_TRUE(cost >= 1000);
     }
@@ -531,15 +531,15 @@ int main(void)
     RUN_TEST(test_every_point_is_drawn_equally_often);
     RUN_TEST(test_the_population_is_the_best_m_points_ever_evaluated);
     RUN_TEST(test_it_finishes_when_the_spread_is_epsilon);
-    RUN_TEST(test_it_finishes_when_the_spread_is_reduced_as_asked);
+    RUN_TEST(test_it_finishes_when_the_spread_is_reduced_as_configured);
     RUN_TEST(test_it_ends_whatever_the_cost_and_the_population);
     RUN_TEST(test_consecutive_rejections_are_capped);
     RUN_TEST(test_a_trial_in_the_box_ends_the_run_of_rejections);
-    RUN_TEST(test_a_trial_as_dear_as_the_worst_is_not_taken);
+    RUN_TEST(test_a_trial_of_the_same_cost_as_the_worst_is_not_accepted);
     RUN_TEST(test_evaluations_are_capped);
-    RUN_TEST(test_a_plateau_is_finished_and_a_model_that_always_fails_is_not);
+    RUN_TEST(test_a_plateau_converges_and_a_model_that_always_fails_does_not);
     RUN_TEST(test_points_where_the_model_fails_leave_the_population);
-    RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_apart);
+    RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_separately);
     RUN_TEST(test_same_seed_same_bits_and_another_seed_another_population);
     return UNITY_END();
 }

@@ -31,7 +31,7 @@ void tearDown(void)
 {
 }
 
-/* J = |A x - b|^2 with A = I + lower diagonal k: the larger k, the worse for single parameters */
+/* J = |A x - b|^2 with A = I + lower diagonal k; a larger k couples the parameters more */
 static auvid_real_t chain(const auvid_real_t *x, auvid_real_t k)
 {
     auvid_real_t sum = 0;
@@ -62,7 +62,7 @@ static auvid_real_t absolute(const auvid_real_t *x)
     return sum;
 }
 
-/* flat within +-0.5 of the optimum, a kink at its edge, as a dead band makes */
+/* flat within +-0.5 of the optimum with a kink at the edge, like a dead band */
 static auvid_real_t dead_band(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
@@ -209,9 +209,9 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_reevaluate(NULL));
 }
 
-/* Algorithm 2 as printed, line by line, with the points it evaluates written down. Steps are
+/* Algorithm 2 as printed, line by line; it records the points that it evaluates. Steps are
  * powers of two and the box is far away, so both sides compute without rounding. */
-static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
+static int algorithm_2(cost_t cost, auvid_real_t *visited, int max_points)
 {
     enum { N = 4 };
     auvid_real_t y[N] = {0}, x[N], step[2 * N], trial[N];
@@ -235,7 +235,7 @@ static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
             for (;;) {
                 memcpy(trial, y, sizeof trial);
                 trial[i % N] += sign * a;
-                if (count < most) {
+                if (count < max_points) {
                     memcpy(visited + N * count++, trial, sizeof trial);
                 }
                 auvid_real_t j = cost(trial);
@@ -252,7 +252,7 @@ static int algorithm_2(cost_t cost, auvid_real_t *visited, int most)
     }
 }
 
-static void test_literal_asks_for_the_very_points_of_algorithm_2(void)
+static void test_paper_asks_for_the_points_of_algorithm_2(void)
 {
     static auvid_real_t visited[4 * 2000];
     const cost_t costs[] = {coupled, absolute, dead_band};
@@ -289,7 +289,7 @@ static void test_it_finds_the_optimum_of_coupled_quadratics(void)
     }
 }
 
-static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void)
+static void test_pattern_step_and_parabola_save_evaluations_if_parameters_are_coupled(void)
 {
     const double optimum[4] = {1.0, -0.25, 1.3125, -0.640625};
     init();
@@ -303,7 +303,7 @@ static void test_pattern_step_and_parabola_pay_where_parameters_are_coupled(void
     TEST_ASSERT_TRUE(2 * accelerated < ls.evaluations);
 }
 
-/* n^2 / 2 + 5 n, for the largest n, coupled as badly as before; the bound is of line_search.h. */
+/* n^2 / 2 + 5 n, for the largest n, with the same coupling; line_search.h states the bound. */
 static void test_a_quadratic_is_at_its_minimum_after_one_sweep(void)
 {
     const uint8_t sizes[] = {1, 2, 6, AUVID_MAX_PARAMETERS};
@@ -322,7 +322,7 @@ static void test_a_quadratic_is_at_its_minimum_after_one_sweep(void)
     }
 }
 
-static void test_a_direction_stays_a_direction_whatever_the_cost_says(void)
+static void test_directions_stay_valid_for_any_cost(void)
 {
     const cost_t costs[] = {absolute, dead_band, fails_beyond, corner, edge};
     for (int c = 0; c < 5; ++c) {
@@ -364,7 +364,7 @@ static void test_it_follows_a_curved_valley(void)
     near(optimum, 0.02);
 }
 
-static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly(void)
+static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_reached_exactly(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         config.paper = literal != 0;
@@ -444,7 +444,7 @@ static void test_evaluations_are_capped(void)
     TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, auvid_line_search_ask(&ls, theta));
 }
 
-static void test_each_restart_takes_the_steps_down_once_more(void)
+static void test_each_restart_reduces_the_steps_again(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         uint32_t evaluations[4];
@@ -461,7 +461,7 @@ static void test_each_restart_takes_the_steps_down_once_more(void)
     }
 }
 
-static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found(void)
+static void test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optimum_is_found(void)
 {
     const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
     auvid_real_t before[4];
@@ -472,7 +472,7 @@ static void test_after_a_change_of_data_the_iterate_comes_first_and_the_new_opti
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_ask(&ls, theta));
     TEST_ASSERT_EQUAL_INT(0, memcmp(theta, before, sizeof before));
     auvid_line_search_tell(&ls, absolute(theta));
-    TEST_ASSERT_TRUE(ls.cost > 0); /* dearer than before, and yet taken */
+    TEST_ASSERT_TRUE(ls.cost > 0); /* higher than before, and still accepted */
     for (int i = 0; i < 8; ++i) {
         TEST_ASSERT_TRUE(ls.alpha[i] >= AUVID_C(0.005));
     }
@@ -486,19 +486,19 @@ int main(void)
     RUN_TEST(test_init_names_what_is_wrong_and_changes_nothing);
     RUN_TEST(test_zeros_of_the_configuration_mean_what_the_header_says);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_literal_asks_for_the_very_points_of_algorithm_2);
+    RUN_TEST(test_paper_asks_for_the_points_of_algorithm_2);
     RUN_TEST(test_it_finds_the_optimum_of_coupled_quadratics);
-    RUN_TEST(test_pattern_step_and_parabola_pay_where_parameters_are_coupled);
+    RUN_TEST(test_pattern_step_and_parabola_save_evaluations_if_parameters_are_coupled);
     RUN_TEST(test_a_quadratic_is_at_its_minimum_after_one_sweep);
-    RUN_TEST(test_a_direction_stays_a_direction_whatever_the_cost_says);
+    RUN_TEST(test_directions_stay_valid_for_any_cost);
     RUN_TEST(test_it_finds_the_optimum_of_costs_with_kinks);
     RUN_TEST(test_it_follows_a_curved_valley);
-    RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_met_exactly);
+    RUN_TEST(test_a_step_is_cut_at_the_box_so_that_a_corner_is_reached_exactly);
     RUN_TEST(test_units_of_the_parameters_do_not_matter);
     RUN_TEST(test_the_last_steps_are_no_longer_than_epsilon);
     RUN_TEST(test_plateaus_and_failing_models_end);
     RUN_TEST(test_evaluations_are_capped);
-    RUN_TEST(test_each_restart_takes_the_steps_down_once_more);
-    RUN_TEST(test_after_a_change_of_data_the_iterate_comes_first_and_the_new_optimum_is_found);
+    RUN_TEST(test_each_restart_reduces_the_steps_again);
+    RUN_TEST(test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optimum_is_found);
     return UNITY_END();
 }

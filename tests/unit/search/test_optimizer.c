@@ -1,4 +1,4 @@
-/* Both phases together: composition, bookkeeping and a zoo of costs. */
+/* Both phases together: composition, counts and various cost functions. */
 #include <math.h>
 #include <string.h>
 
@@ -120,11 +120,11 @@ static void init(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
 }
 
-/* Up to `most` asks; the best must never rise. AUVID_PENDING: not at its end. */
-static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long most)
+/* Up to `max_asks` asks; the best cost must never rise. @return AUVID_PENDING: not ended */
+static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long max_asks)
 {
     auvid_real_t last = AUVID_LARGEST, best = 0, x[AUVID_MAX_PARAMETERS];
-    for (long k = 0; k < most; ++k) {
+    for (long k = 0; k < max_asks; ++k) {
         auvid_status_t status = auvid_optimizer_ask(o, x);
         if (status == AUVID_OK) {
             for (int i = 0; i < n; ++i) {
@@ -190,7 +190,7 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_add_point(NULL, theta));
 }
 
-static void test_the_global_phase_is_a_short_one_unless_told_otherwise(void)
+static void test_the_global_phase_is_short_unless_configured_otherwise(void)
 {
     init();
     TEST_ASSERT_TRUE(optimizer.crs.config.omega == 2);
@@ -231,7 +231,7 @@ static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void
 
 static void test_work_counts_every_evaluation_and_every_point_made(void)
 {
-    uint32_t told = 0, asked = 0;
+    uint32_t received = 0, asked = 0;
     config.crs.population = 6; /* n + 1: many rejections */
     init();
     for (uint32_t turns = 0;;) {
@@ -242,14 +242,14 @@ static void test_work_counts_every_evaluation_and_every_point_made(void)
         }
         ++asked;
         if (status == AUVID_OK) {
-            ++told;
+            ++received;
             auvid_optimizer_tell(&optimizer, sphere(theta));
         }
     }
     auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
-    TEST_ASSERT_EQUAL_UINT32(told, work.crs + work.line_search);
+    TEST_ASSERT_EQUAL_UINT32(received, work.crs + work.line_search);
     TEST_ASSERT_TRUE(work.crs >= 6 && work.line_search > 50);
-    /* the rejection that meets the cap is handed over to the local phase within the same ask */
+    /* after the rejection that reaches the cap, the same ask starts the local phase */
     TEST_ASSERT_TRUE(work.attempts >= asked && work.attempts <= asked + 1);
 }
 
@@ -258,7 +258,7 @@ static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &config));
     (void)run(ill_scaled);
-    for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks, ending between an ask and its tell */
+    for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks that end between an ask and its tell */
         (void)steps(&other, ill_scaled, 1 + k % 7);
         (void)auvid_optimizer_ask(&other, theta);
     }
@@ -268,20 +268,20 @@ static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
 
 static void test_two_instances_do_not_interact(void)
 {
-    static auvid_optimizer_t alone;
+    static auvid_optimizer_t single;
     auvid_optimizer_config_t second = config;
     second.crs.seed = 99;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &second));
-    memset(&alone, 0, sizeof alone);
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&alone, &config));
-    (void)steps(&alone, kinks, 1000000);
+    memset(&single, 0, sizeof single);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&single, &config));
+    (void)steps(&single, kinks, 1000000);
     for (int k = 0; k < 3000; ++k) {
         (void)steps(&optimizer, kinks, 1);
         (void)steps(&other, sphere, 1);
     }
     (void)run(kinks);
-    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &alone, sizeof alone));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&optimizer, &single, sizeof single));
     TEST_ASSERT_TRUE(memcmp(&optimizer, &other, sizeof other) != 0);
 }
 
@@ -334,10 +334,10 @@ static void test_it_finds_the_end_of_rosenbrocks_valley(void)
     }
 }
 
-/* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and the omega that keeps S from
+/* 11^2 local minima; m = 34 n (Brachetti et al. use 25 n) and an omega that keeps S from
  * collapsing. Measured over 2000 seeds: 99.1 %. Asserted: the lower end of the 95 % interval
  * (Clopper and Pearson) of 400 seeds is at least 95 %. */
-static void test_it_finds_the_global_one_of_many_minima(void)
+static void test_it_finds_the_global_minimum_among_many(void)
 {
     enum { SEEDS = 400 };
     int found = 0;
@@ -354,7 +354,7 @@ static void test_it_finds_the_global_one_of_many_minima(void)
     TEST_ASSERT_TRUE(binomial_lower(found, SEEDS, 0.025) >= 0.95);
 }
 
-static void test_it_meets_an_optimum_in_a_corner_exactly(void)
+static void test_it_reaches_an_optimum_in_a_corner_exactly(void)
 {
     for (uint64_t seed = 0; seed < 50; ++seed) {
         box(5, 10);
@@ -393,7 +393,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
         (void)steps(&optimizer, sphere, when[k]);
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_reevaluate(&optimizer));
         TEST_ASSERT_TRUE(auvid_optimizer_phase(&optimizer) != AUVID_OPTIMIZER_DONE);
-        for (uint32_t turns = 0;;) { /* the old cost of the best stands until its new one is told */
+        for (uint32_t turns = 0;;) { /* the best keeps its old cost until tell */
             finish_turn(&turns, 10000000);
             auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
             if (status == AUVID_OK) {
@@ -410,7 +410,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
     }
 }
 
-/* As of memory that was damaged: nothing of the global phase is taken for a line search. */
+/* With damaged memory, no data of the global phase is used as a line search. */
 static void test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best(void)
 {
     auvid_real_t cost = 0;
@@ -433,7 +433,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_the_global_phase_is_a_short_one_unless_told_otherwise);
+    RUN_TEST(test_the_global_phase_is_short_unless_configured_otherwise);
     RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);
     RUN_TEST(test_work_counts_every_evaluation_and_every_point_made);
     RUN_TEST(test_a_split_run_and_a_single_run_give_the_same_bits);
@@ -441,8 +441,8 @@ int main(void)
     RUN_TEST(test_it_finds_smooth_and_kinked_optima_in_all_sizes);
     RUN_TEST(test_it_finds_an_ill_scaled_optimum);
     RUN_TEST(test_it_finds_the_end_of_rosenbrocks_valley);
-    RUN_TEST(test_it_finds_the_global_one_of_many_minima);
-    RUN_TEST(test_it_meets_an_optimum_in_a_corner_exactly);
+    RUN_TEST(test_it_finds_the_global_minimum_among_many);
+    RUN_TEST(test_it_reaches_an_optimum_in_a_corner_exactly);
     RUN_TEST(test_it_ends_on_plateaus_and_where_the_model_fails);
     RUN_TEST(test_a_change_of_data_in_any_phase_leads_to_the_new_optimum);
     RUN_TEST(test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best);

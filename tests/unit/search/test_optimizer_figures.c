@@ -15,7 +15,7 @@
 
 enum { MOST = 1000 };
 
-/* Goals; a quantile's goal holds when the upper end of its 95 % interval does. */
+/* Goals; a quantile meets its goal if the upper end of its 95 % interval does. */
 static const double goal_median = 550.0, goal_p95 = 700.0;
 
 static auvid_optimizer_t optimizer;
@@ -114,7 +114,7 @@ static void campaign(double *evaluations, bool column, bool literal, known_t kno
     }
 }
 
-static void test_every_seed_reaches_the_least_squares_optimum_within_the_evaluations_aimed_at(void)
+static void test_every_seed_reaches_the_least_squares_optimum_within_the_target_evaluations(void)
 {
     static double x[MOST];
     for (int column = 0; column < 2; ++column) {
@@ -129,14 +129,14 @@ static void test_every_seed_reaches_the_least_squares_optimum_within_the_evaluat
     }
 }
 
-static void test_the_paper_to_the_letter_reaches_it_too(void)
+static void test_the_papers_algorithms_reach_it_too(void)
 {
     static double x[MOST];
     campaign(x, false, true, NOTHING);
-    printf("literal: median <= %.0f\n", upper_end(x, 0.5));
+    printf("paper: median <= %.0f\n", upper_end(x, 0.5));
 }
 
-/* The upper end of the 95 % interval of the mean paired difference; and the sample's p95. */
+/* Upper end of the 95 % interval of the mean paired difference, and the sample's p95. */
 static void no_worse(const double *known, const double *none, const char *name)
 {
     static double a[MOST], b[MOST];
@@ -188,8 +188,8 @@ int main(void)
     }
     UNITY_BEGIN();
     RUN_TEST(test_the_problems_are_normalised_and_those_of_two_seeds_differ);
-    RUN_TEST(test_every_seed_reaches_the_least_squares_optimum_within_the_evaluations_aimed_at);
-    RUN_TEST(test_the_paper_to_the_letter_reaches_it_too);
+    RUN_TEST(test_every_seed_reaches_the_least_squares_optimum_within_the_target_evaluations);
+    RUN_TEST(test_the_papers_algorithms_reach_it_too);
     RUN_TEST(test_a_known_point_helps_or_does_no_harm);
     return UNITY_END();
 }
