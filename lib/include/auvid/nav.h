@@ -187,8 +187,8 @@ typedef struct {
 } auvid_nav_state_t;
 
 /** The filter. The caller owns it; only the functions below write it. `ground`, `water`,
- * `horizontal`, `complete` and their times, `diagnostics`, the imu_ counters and `held_rejected` may
- * be read at any time. All other fields are private. */
+ * `horizontal`, `complete` and their times, `diagnostics`, the imu_ counters and `held_rejected`
+ * may be read at any time. All other fields are private. */
 typedef struct {
     auvid_nav_velocity_sample_t ground; /**< the filter's velocity just after the last accepted
                                              bottom lock */
