@@ -13,13 +13,13 @@
  * an excursion limit it also depends on the displacement set by auvid_excitation_set_displacement.
  *
  * Net drift: random signs make the vehicle wander. Beyond its excursion limit the excitation brings
- * a degree of freedom back: random steps take the sign that does so, and a constant bias is added.
- * The bias grows to the segment's amplitude at twice the limit; the sum is clipped to the peak.
+ * a degree of freedom back: random steps take the sign that does so, and a bias is added. The
+ * bias grows to the segment's amplitude at twice the limit; the sum is clipped to the peak.
  * This holds a vehicle only if the amplitude overcomes the current. Girona500, excursion limit of
  * the plan (5 m in surge and sway) and its amplitudes, 8 sets of 30 s, 40 seeds, largest horizontal
  * distance, median (worst):
- *     disturbance 3 N, still water:     14 m (37 m) without, 10 m (16 m) by signs, 8 m (13 m)
- *     disturbance 3 N, current 0.3 m/s: 74 m (93 m) without, 52 m (73 m) by signs, 11 m (15 m)
+ *     disturbance 3 N, still water:     14 m (37 m) without, 10 m (16 m) by signs, 8 m (13 m) both
+ *     disturbance 3 N, current 0.3 m/s: 74 m (93 m) without, 52 m (73 m) by signs, 11 m (15 m) both
  *
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. The tick in
  * which a sum of sines begins also searches its peak: up to 8 points per period of the highest
@@ -74,8 +74,7 @@ typedef enum {
 /** One segment of one degree of freedom. Segments of the same DoF follow one another in the order
  * of the table; different DoFs run in parallel. All zero is a pause of length zero. Written by the
  * user or by auvid_excitation_plan. Fields that a kind does not use are ignored, but must be
- * finite.
- */
+ * finite. */
 typedef struct {
     auvid_dof_t dof;           /**< which degree of freedom */
     auvid_segment_kind_t kind; /**< its signal */

@@ -53,8 +53,9 @@ typedef enum {
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
     uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
-                                 <= 1e9. Default 0: in the identifier auvid_recorder_gap() of the metric's
-                                 velocity_us (1 s for a DVL at 5 Hz), else 500000 */
+                                 <= 1e9. Default 0: in the identifier
+                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
+                                 5 Hz), else 500000 */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
