@@ -61,8 +61,8 @@ typedef struct {
      * at most 0.3 of the guard's distance_max_m is used, unless that limit is off: otherwise the
      * vehicle would wander until the guard aborts. */
     auvid_real_t excursion_limit[AUVID_DOF_COUNT];
-    auvid_real_t max_s;  /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
-    uint64_t seed;       /**< of signs and holds, any value; default 1 */
+    auvid_real_t max_s; /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
+    uint64_t seed;      /**< of signs and holds, any value; default 1 */
 } auvid_adaptive_config_t;
 
 #define auvid_adaptive_defaults AUVID_SIZED0(auvid_adaptive_defaults)

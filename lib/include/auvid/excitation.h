@@ -78,10 +78,10 @@ typedef enum {
 typedef struct {
     auvid_dof_t dof;           /**< which degree of freedom */
     auvid_segment_kind_t kind; /**< its signal */
-    auvid_real_t pause_s;    /**< zero wrench before the segment [s], 0..LONGEST_S */
-    auvid_real_t duration_s; /**< T [s], 0..AUVID_EXCITATION_LONGEST_S; zero skips the segment */
-    auvid_real_t amplitude;  /**< A [N or Nm], within +-EXCITATION_LARGEST; never exceeded */
-    auvid_real_t from;       /**< RAMP: initial value [N or Nm], within +-EXCITATION_LARGEST */
+    auvid_real_t pause_s;      /**< zero wrench before the segment [s], 0..LONGEST_S */
+    auvid_real_t duration_s;   /**< T [s], 0..AUVID_EXCITATION_LONGEST_S; zero skips the segment */
+    auvid_real_t amplitude;    /**< A [N or Nm], within +-EXCITATION_LARGEST; never exceeded */
+    auvid_real_t from;         /**< RAMP: initial value [N or Nm], within +-EXCITATION_LARGEST */
     /** Raised-cosine fade [s], 0..T/2; zero: jumps. STEPS: duration of each change of level and of
      * the final one to zero, 0..hold_min_s. Others: fade-in at the start and fade-out at the end of
      * the segment. */

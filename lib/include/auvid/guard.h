@@ -134,14 +134,14 @@ typedef struct {
     uint32_t heartbeat_timeout_us; /**< dead man's switch: longest time without
                                         auvid_guard_heartbeat() [us]; default 0: off (the only field
                                         where zero switches off) */
-    auvid_real_t rest_speed;     /**< at rest: largest speed over ground [m/s]; default 0.1 */
-    auvid_real_t rest_rate;      /**< at rest: largest norm of the rates [rad/s]; default 0.1 */
-    uint32_t rest_dwell_us;      /**< SETTLING ends after the vehicle is at rest for this time [us];
+    auvid_real_t rest_speed;       /**< at rest: largest speed over ground [m/s]; default 0.1 */
+    auvid_real_t rest_rate;        /**< at rest: largest norm of the rates [rad/s]; default 0.1 */
+    uint32_t rest_dwell_us;     /**< SETTLING ends after the vehicle is at rest for this time [us];
                                       default 2000000 */
-    uint32_t settle_timeout_us;  /**< SETTLING ends at the latest after this time [us]; default
+    uint32_t settle_timeout_us; /**< SETTLING ends at the latest after this time [us]; default
                                       30000000. In a current the vehicle is never at rest over
                                       ground */
-    uint32_t off;                /**< AUVID_GUARD_BIT() of the limits switched off; default 0 */
+    uint32_t off;               /**< AUVID_GUARD_BIT() of the limits switched off; default 0 */
     /** False (default): the altitude limit is not watched until an altitude is known (deep water,
      * no altimeter); losing it then is a breach. True: arming is refused without an altitude. */
     bool altitude_required;
@@ -161,8 +161,8 @@ typedef struct {
  * on. */
 typedef struct {
     auvid_guard_seen_t imu, depth, altitude, applied;
-    auvid_guard_seen_t velocity; /**< newest sample that measured the required velocities */
-    auvid_guard_seen_t ground;   /**< newest sample of the horizontal velocity over ground */
+    auvid_guard_seen_t velocity;     /**< newest sample that measured the required velocities */
+    auvid_guard_seen_t ground;       /**< newest sample of the horizontal velocity over ground */
     auvid_real_t position[3];        /**< north, east, down [m] */
     auvid_real_t roll, pitch;        /**< [rad] */
     auvid_real_t velocity_ground[3]; /**< u v w over ground [m/s] */
@@ -188,17 +188,17 @@ typedef struct {
                                      successful one */
 
     auvid_guard_config_t cfg;
-    uint64_t t_us;         /* last step, or arm */
-    uint64_t excite_us;    /* time of excite */
-    uint64_t settling_us;  /* start of SETTLING */
-    uint64_t at_rest_us;   /* start of being at rest */
-    uint64_t saturated_us; /* start of saturation */
-    uint64_t heartbeat_us; /* last heartbeat */
-    auvid_real_t home[2];  /* north and east at arming */
-    bool stepped;          /* a step since arm */
+    uint64_t t_us;           /* last step, or arm */
+    uint64_t excite_us;      /* time of excite */
+    uint64_t settling_us;    /* start of SETTLING */
+    uint64_t at_rest_us;     /* start of being at rest */
+    uint64_t saturated_us;   /* start of saturation */
+    uint64_t heartbeat_us;   /* last heartbeat */
+    auvid_real_t home[2];    /* north and east at arming */
+    bool stepped;            /* a step since arm */
     bool at_rest, saturated; /* the times above are valid */
-    bool altitude_known;   /* an altitude was fresh since arm */
-    bool ready;            /* initialised */
+    bool altitude_known;     /* an altitude was fresh since arm */
+    bool ready;              /* initialised */
 } auvid_guard_t;
 
 #define auvid_guard_defaults AUVID_SIZED0(auvid_guard_defaults)

@@ -94,14 +94,14 @@ typedef struct {
     auvid_real_t max_acceleration; /**< largest acceleration of the vehicle, including rotation
         (v r, u r), in addition to the process noise [m/s2]. The DVL gate widens by
         max_acceleration dt, dt since its last accepted sample. Default 3; 0..100 */
-    auvid_real_t speed_limit;    /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
+    auvid_real_t speed_limit;      /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
         0: 100 m/s, above which samples are always rejected */
-    auvid_real_t dvl_euler[3];   /**< phi theta psi of the rotation from the body frame to the DVL's
+    auvid_real_t dvl_euler[3]; /**< phi theta psi of the rotation from the body frame to the DVL's
         frame [rad]; default 0 (aligned); |.| <= 10 */
-    auvid_real_t dvl_lever[3];   /**< position of the DVL from the body's origin, body frame [m];
+    auvid_real_t dvl_lever[3]; /**< position of the DVL from the body's origin, body frame [m];
         default 0; |.| <= 1e3 */
-    auvid_real_t density;        /**< of the water [kg/m3]; default 1025; 1..1e5 */
-    auvid_real_t gravity;        /**< [m/s2]; default 9.80665; 0.1..100 */
+    auvid_real_t density;      /**< of the water [kg/m3]; default 1025; 1..1e5 */
+    auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used only if the filter's depth is at most this [m];
         default 0.5; |.| <= 1e5 */
@@ -119,7 +119,7 @@ typedef struct {
     /** After this many consecutive rejections by the gate the sample is applied and the components
      * that it measures are re-initialised from it; default 10; 0: never. */
     uint16_t max_consecutive_rejections;
-    uint8_t gps_start;         /**< number of fixes whose median initialises the position; default
+    uint8_t gps_start; /**< number of fixes whose median initialises the position; default
         4; <= AUVID_NAV_GPS_START_MAX, 0: the first fix is an ordinary update */
 } auvid_nav_config_t;
 
@@ -139,7 +139,7 @@ typedef struct {
     uint16_t consecutive_rejections; /**< current number of consecutive rejections by the gate */
     uint8_t innovation_count;        /**< values in innovation and variance, 1..3; 0: no sample was
                                           tested by the gate yet */
-    bool has_sample;            /**< a sample was accepted: good_us is valid */
+    bool has_sample;                 /**< a sample was accepted: good_us is valid */
     auvid_real_t innovation[3]; /**< nu = z - H x of the last sample tested by the gate [m/s or m]:
         body axes for a complete DVL sample, the valid axes of the instrument in order for a partial
         one */
@@ -194,8 +194,8 @@ typedef struct {
                                              bottom lock */
     auvid_nav_velocity_sample_t water;  /**< velocity of the last accepted water lock with all axes
                                              valid */
-    uint64_t horizontal_us;  /**< last accepted bottom lock that measured u and v [us] */
-    uint64_t complete_us;    /**< last accepted bottom lock that measured u, v and w [us] */
+    uint64_t horizontal_us;             /**< last accepted bottom lock that measured u and v [us] */
+    uint64_t complete_us;      /**< last accepted bottom lock that measured u, v and w [us] */
     bool horizontal, complete; /**< the time above is valid */
     auvid_nav_diagnostics_t diagnostics[AUVID_NAV_SENSOR_COUNT]; /**< by auvid_nav_sensor_t */
     uint16_t imu_time;    /**< rejections by auvid_nav_imu: time not increasing */
@@ -203,30 +203,30 @@ typedef struct {
     uint16_t imu_gaps;    /**< ticks longer than gap_us */
 
     uint16_t max_consecutive_rejections; /* from the configuration */
-    uint8_t gps_start;           /* from the configuration; 0 once the position is initialised */
-    uint8_t gps_count;           /* fixes collected so far */
-    uint16_t flags;              /* all of auvid_nav_state_t.flags but FRESH */
-    uint8_t ready;               /* 0 not initialised, 1 no tick yet, 2 running */
+    uint8_t gps_start;     /* from the configuration; 0 once the position is initialised */
+    uint8_t gps_count;     /* fixes collected so far */
+    uint16_t flags;        /* all of auvid_nav_state_t.flags but FRESH */
+    uint8_t ready;         /* 0 not initialised, 1 no tick yet, 2 running */
     uint8_t held_rejected; /**< bit i: the last accepted auvid_nav_imu() released the held sample of
                                sensor i, and the filter rejected it (AUVID_GATED or < 0) */
-    uint8_t holding;             /* bit i: a sample of sensor i is held */
+    uint8_t holding;       /* bit i: a sample of sensor i is held */
     uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* its valid axes, if of a DVL */
     uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
     uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* its time */
-    uint64_t until_us;           /* no sample after this is held; 0: no such limit */
-    uint64_t t_us;               /* time of the last tick */
-    uint64_t last_update_us;     /* tick at which a measurement was last applied */
-    auvid_real_t position[3];    /* the position is position + position_lo */
-    auvid_real_t position_lo[3]; /* compensation term, and corrections of this tick */
-    auvid_real_t velocity[3];    /* body */
-    auvid_real_t pp[6];          /* covariance of position: xx xy xz yy yz zz */
-    auvid_real_t pv[3][3];       /* of position (row) and velocity (column) */
-    auvid_real_t vv[6];          /* of velocity: uu uv uw vv vw ww */
-    auvid_real_t rotation[3][3]; /* R(phi, theta, psi) at t_us */
-    auvid_real_t attitude[3];    /* as measured, not unwrapped */
-    auvid_real_t rates[3];       /* p q r */
-    int32_t yaw_revolutions[3];  /* revolutions to add to phi and psi; theta has none */
-    auvid_real_t q[3];           /* sigma^2 reference_tick [m2/s3] */
+    uint64_t until_us;                        /* no sample after this is held; 0: no such limit */
+    uint64_t t_us;                            /* time of the last tick */
+    uint64_t last_update_us;                  /* tick at which a measurement was last applied */
+    auvid_real_t position[3];                 /* the position is position + position_lo */
+    auvid_real_t position_lo[3];              /* compensation term, and corrections of this tick */
+    auvid_real_t velocity[3];                 /* body */
+    auvid_real_t pp[6];                       /* covariance of position: xx xy xz yy yz zz */
+    auvid_real_t pv[3][3];                    /* of position (row) and velocity (column) */
+    auvid_real_t vv[6];                       /* of velocity: uu uv uw vv vw ww */
+    auvid_real_t rotation[3][3];              /* R(phi, theta, psi) at t_us */
+    auvid_real_t attitude[3];                 /* as measured, not unwrapped */
+    auvid_real_t rates[3];                    /* p q r */
+    int32_t yaw_revolutions[3];             /* revolutions to add to phi and psi; theta has none */
+    auvid_real_t q[3];                      /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water: with current */
     auvid_real_t gate;
     auvid_real_t max_acceleration;
@@ -240,9 +240,9 @@ typedef struct {
     uint32_t future_us;
     uint32_t stale_us;
     uint32_t gap_us;
-    uint32_t past_us[AUVID_NAV_PAST]; /* ring: times of past ticks, lower halves */
-    auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* and their p q r */
-    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* velocity, or depth, or x y */
+    uint32_t past_us[AUVID_NAV_PAST];             /* ring: times of past ticks, lower halves */
+    auvid_real_t past_rates[AUVID_NAV_PAST][3];   /* and their p q r */
+    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3]; /* velocity, or depth, or x y */
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
 } auvid_nav_t;
 

@@ -73,9 +73,9 @@ typedef struct {
     auvid_recorder_stream_t stream[5];
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
-    uint64_t origin_us; /* start of cell 0 */
-    uint32_t opened;    /* cells begun so far */
-    uint32_t next;      /* next cell to pop */
+    uint64_t origin_us;                     /* start of cell 0 */
+    uint32_t opened;                        /* cells begun so far */
+    uint32_t next;                          /* next cell to pop */
     uint8_t measured[AUVID_RECORDER_CELLS]; /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
 } auvid_recorder_t;

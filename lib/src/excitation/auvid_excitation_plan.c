@@ -19,9 +19,9 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config)
 }
 
 /* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
-static void excitation_add(auvid_excitation_config_t *config, auvid_dof_t dof,
-                           auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
-                           auvid_real_t between_s)
+static void excitation_add_sets(auvid_excitation_config_t *config, auvid_dof_t dof,
+                                auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
+                                auvid_real_t between_s)
 {
     auvid_segment_t *s = &config->segment[config->segments];
     bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
@@ -55,9 +55,9 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one)
 {
-    static const auvid_real_t leash[AUVID_DOF_COUNT] = {AUVID_C(5.0), AUVID_C(5.0),
-                                                        AUVID_C(3.0), AUVID_C(0.0),
-                                                        AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
+    static const auvid_real_t excursion_limit[AUVID_DOF_COUNT] = {
+        AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0),
+        AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
     uint8_t n = 0;
     if (config == NULL || amplitude == NULL) {
         return AUVID_ERR_NULL;
@@ -91,12 +91,12 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
         if (amplitude[dof] > AUVID_C(0.0)) {
             uint32_t turn = one_by_one ? config->segments / 2u : 0u;
-            excitation_add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
-                           pause_s + (auvid_real_t)turn * turn_s,
-                           pause_s + (auvid_real_t)(turns - 1u) * turn_s);
+            excitation_add_sets(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+                                pause_s + (auvid_real_t)turn * turn_s,
+                                pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
-    memcpy(config->excursion_limit, leash, sizeof leash);
+    memcpy(config->excursion_limit, excursion_limit, sizeof excursion_limit);
     config->duration_s = duration_s;
     config->seed = seed;
     return AUVID_OK;

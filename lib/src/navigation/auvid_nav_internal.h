@@ -20,7 +20,7 @@ enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
 /** Raise a counter that stops at its largest value. */
-static inline void nav_count(uint16_t *counter)
+static inline void nav_increment(uint16_t *counter)
 {
     *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
 }
@@ -49,7 +49,7 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
 }
 
 /** Has a sample of this sensor passed the gate within stale_us? */
-static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
+static inline bool nav_is_fresh(const auvid_nav_t *nav, int sensor)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
     return d->has_sample && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
@@ -57,7 +57,7 @@ static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
 
 /** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
  * exact while |position| >= |step|; else the loss is a rounding of step, once). */
-AUVID_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
+AUVID_INLINE void nav_move_position(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
     auvid_real_t d = nav->position_lo[axis] + step;
     auvid_real_t sum = nav->position[axis] + d;
@@ -81,14 +81,14 @@ typedef struct {
 
 /* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
  * must stay well above the rounding of P. It acts as a larger R. */
-#define NAV_SMALLEST_REST (AUVID_C(16.0) * AUVID_EPSILON)
+#define NAV_MIN_VARIANCE_RATIO (AUVID_C(16.0) * AUVID_EPSILON)
 
 /* S, of what H P H' is once the noise since is out of it. */
 AUVID_INLINE auvid_real_t nav_variance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
                                        auvid_real_t hph)
 {
-    auvid_real_t r = nav->r[m->sensor], least = NAV_SMALLEST_REST * hph;
-    return hph + (r > least ? r : least);
+    auvid_real_t r = nav->r[m->sensor], min_r = NAV_MIN_VARIANCE_RATIO * hph;
+    return hph + (r > min_r ? r : min_r);
 }
 
 /* y = s x, s a symmetric block */
@@ -113,7 +113,7 @@ AUVID_INLINE void nav_subtract(auvid_real_t p[6], const auvid_real_t k[3], const
 /* Eq. 6 for one scalar of variance s and covariance c with the state; returns nu^2 / s. Position is
  * moved through its residue, which the next prediction carries over. */
 AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s,
-                                auvid_real_t nu)
+                                    auvid_real_t nu)
 {
     auvid_real_t inverse = AUVID_C(1.0) / s;
     const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
@@ -129,7 +129,7 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
 }
 
 /** The sample of t_us has passed. */
-static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
+static inline void nav_record_accepted(auvid_nav_diagnostics_t *d, uint64_t t_us)
 {
     d->good_us = t_us;
     d->has_sample = true;
