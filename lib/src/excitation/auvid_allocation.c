@@ -2,13 +2,13 @@
  * Thruster allocation (Fossen 2011, 12.3; Karras et al. 2013, III-A).
  *
  *   tau = T f        wrench of the forces; B: the controlled rows of T, r its rank
- *   f   = B+ tau     the solution of least |f|
- * B+ by a complete orthogonal decomposition, twice Gram-Schmidt ("twice is enough": each vector is
- * orthogonalised again, which makes it as good as Householder's):
+ *   f   = B+ tau     the solution of minimum |f|
+ * B+ comes from a complete orthogonal decomposition by Gram-Schmidt. Each vector is orthogonalised
+ * twice ("twice is enough"), which makes it as accurate as Householder's method:
  *   B = L Q,  L = U S    Q (r x n): orthonormal rows, chosen with pivoting; L = B Q' (6 x r);
  *                        U (6 x r): orthonormal columns; S (r x r): upper triangular
  *   B+ = Q' S^-1 U'
- * U U' projects onto the wrenches that can be made: e_i is one of them iff (U U')_ii = 1.
+ * U U' projects onto the wrenches that the thrusters can produce: e_i is one iff (U U')_ii = 1.
  */
 #include "auvid/allocation.h"
 
@@ -18,8 +18,8 @@
 
 #define DOFS AUVID_DOF_COUNT
 
-/* What is left of a row of T outside the span of others, relative to its length, below which it
- * counts as dependent; and how far (U U')_ii may be from 1. T is measured with a tape: 0.1 %. */
+/* A row of T is dependent if its component outside the span of the others, relative to its length,
+ * is below this. Also the tolerance of (U U')_ii from 1. T is measured with a tape: 0.1 %. */
 #define DEPENDENT AUVID_C(1e-3)
 #define LARGEST_ENTRY AUVID_C(1e6)
 #define LARGEST_WRENCH AUVID_C(1e9)
@@ -86,7 +86,7 @@ static auvid_real_t allocation_dot(const auvid_real_t *a, const auvid_real_t *b,
     return sum;
 }
 
-/* Row i of B: zero where the thruster does not work or the row is not controlled. */
+/* Compute row i of B: zero for a thruster that does not work or a row that is not controlled. */
 static void allocation_row(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
 {
     bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
@@ -97,8 +97,8 @@ static void allocation_row(const auvid_allocation_config_t *config, int i, auvid
     }
 }
 
-/* Take the components of v along `count` orthonormal vectors (`stride` apart) out of it, twice;
- * add them to along[] unless null. */
+/* Subtract from v its components along `count` orthonormal vectors (`stride` apart), twice; add
+ * them to along[] unless it is NULL. */
 static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride,
                                      int count, int n, auvid_real_t along[DOFS])
 {
@@ -116,8 +116,8 @@ static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis,
     }
 }
 
-/* Orthonormal rows Q that span the rows of B; the next is always the row of which the largest
- * part, relative to its own length (rows have different units), is still outside the span. */
+/* Compute orthonormal rows Q that span the rows of B. Pivoting takes the row with the largest
+ * component outside the span, relative to its length, since rows have different units. */
 static void allocation_span_rows(decomposition_t *d)
 {
     int n = d->config->thrusters;
@@ -144,7 +144,7 @@ static void allocation_span_rows(decomposition_t *d)
     }
 }
 
-/* L = B Q', column by column, and L = U S. */
+/* Compute L = B Q' column by column, and factor L = U S. */
 static void allocation_orthogonalise_columns(decomposition_t *d)
 {
     int n = d->config->thrusters;
@@ -158,7 +158,7 @@ static void allocation_orthogonalise_columns(decomposition_t *d)
         allocation_orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
         auvid_real_t left = auvid_sqrt(allocation_dot(d->u[k], d->u[k], DOFS));
         for (int i = 0; i < DOFS; ++i) {
-            d->u[k][i] /= left; /* > 0: the columns of L are independent, span_rows saw to it */
+            d->u[k][i] /= left; /* > 0: the columns of L are independent */
         }
         for (int i = 0; i < k; ++i) {
             d->s[i][k] = along[i];
@@ -167,7 +167,7 @@ static void allocation_orthogonalise_columns(decomposition_t *d)
     }
 }
 
-/* B+ = Q' S^-1 U', one wrench e_dof at a time. */
+/* Compute B+ = Q' S^-1 U' for one wrench e_dof at a time. */
 static void allocation_invert(const decomposition_t *d,
                               auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
@@ -189,8 +189,8 @@ static void allocation_invert(const decomposition_t *d,
             }
             largest = auvid_max(largest, auvid_abs(inverse[j][dof]));
         }
-        /* What rounding left is zero: a thruster at its limit must not stop a DoF it has no part
-         * in. */
+        /* Rounding errors become zero: a thruster at its limit must not block a DoF on which it has
+         * no effect. */
         for (int j = 0; j < n; ++j) {
             if (auvid_abs(inverse[j][dof]) < AUVID_C(32.0) * AUVID_EPSILON * largest) {
                 inverse[j][dof] = AUVID_C(0.0);
@@ -265,7 +265,7 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
 
 /* ---- every tick ---- */
 
-/* The largest k in 0..1 for which all base + k f keep within the limits; base does. */
+/* Return the largest k in 0..1 for which all base + k f are within the limits; base is. */
 static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvid_real_t *base,
                                          const auvid_real_t *f)
 {

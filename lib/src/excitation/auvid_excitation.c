@@ -1,16 +1,17 @@
 /*
  * Excitation (Karras et al. 2013, III-A): steps for the drags, sines for the inertias.
  *
- * With e the time since start, in repetition k of the sequence, s the time since a segment began:
+ * e: time since start, in repetition k of the sequence; s: time since the segment began.
  *   tau_dof(e) = run(e) * fade(s) * shape(s)
  *   run(e)     = w(e) w(run - e) w(stop + fade - e)       w: raised cosine, 0..1
  * A random segment seeds its generator from (seed, k, segment) when it begins, so the wrench does
- * not depend on which ticks came before.
+ * not depend on the earlier ticks.
  *
- * Drift: with d the displacement, L the leash, A the peak of the segment,
- *   strayed = clamp((|d| - L) / L, 0, 1) sign(d)
- *   shape   = clamp(shape - A strayed fade, -A, A)        and random steps choose their signs so
- * that they lead back. Steps alone cannot fight what sines and a current do.
+ * Drift: d the displacement, L the excursion limit, A the peak of the segment,
+ *   excursion = clamp((|d| - L) / L, 0, 1) sign(d)
+ *   shape     = clamp(shape - A excursion fade, -A, A)
+ * Random steps also choose the sign that brings the DoF back. Signs of steps do not suffice against
+ * sines and a current.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -31,13 +32,13 @@ static auvid_real_t excitation_to_s(uint32_t us)
     return (auvid_real_t)us * AUVID_C(1e-6);
 }
 
-/* sin(2 pi cycles + phase), cycles >= 0 */
+/* Return sin(2 pi cycles + phase), cycles >= 0. */
 static auvid_real_t excitation_sine(auvid_real_t cycles, auvid_real_t phase)
 {
     return auvid_sin_turned(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, 0);
 }
 
-/* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
+/* Return w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
 static auvid_real_t excitation_raised_cosine(uint64_t x_us, uint32_t length_us)
 {
     if (x_us >= length_us) {
@@ -55,8 +56,8 @@ static auvid_real_t excitation_steps_value(const channel_t *c, uint32_t s_us, ui
     return part < AUVID_C(1.0) ? c->before + (c->level - c->before) * part : c->level;
 }
 
-/* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the
- * signal is a staircase passed through one averaging window, so pairs leave no net impulse. */
+/* Begin the next hold. Every change of level takes fade_us, including the last one to zero at
+ * end_us. The signal is a staircase filtered by one window, so pairs have no net impulse. */
 static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
                                  uint32_t fade_us, auvid_real_t excursion)
 {
@@ -76,7 +77,7 @@ static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, u
         memcpy(rng.s, c->rng, sizeof rng.s);
         bool change = auvid_rng_uniform(&rng) < SIGN_CHANGES;
         auvid_real_t level = auvid_rng_uniform(&rng) < AUVID_C(0.5) ? LOW_LEVEL : AUVID_C(1.0);
-        /* Within pairs the sign has changed already: each begins with the first one's. */
+        /* Within pairs the sign has already changed: each pair begins with the same sign. */
         c->negative = c->negative != (change && !segment->pairs);
         if (auvid_abs(excursion) > AUVID_C(0.0)) {
             c->negative = (excursion > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
@@ -102,7 +103,7 @@ static auvid_real_t excitation_play_steps(channel_t *c, const auvid_segment_t *s
 {
     uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
-     * for the rest at the end. */
+     * for the remainder at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
         excitation_next_hold(c, segment, duration_us - fade_us, fade_us, excursion);
     }
@@ -111,7 +112,7 @@ static auvid_real_t excitation_play_steps(channel_t *c, const auvid_segment_t *s
 
 /* ---- sum of sines ---- */
 
-/* r^k */
+/* Return r^k. */
 static auvid_real_t excitation_power(auvid_real_t r, int k)
 {
     auvid_real_t p = AUVID_C(1.0);
@@ -121,9 +122,9 @@ static auvid_real_t excitation_power(auvid_real_t r, int k)
     return p;
 }
 
-/* The positive root of r^k = q, 1 <= q <= LARGEST_RATIO, by Newton's steps from above,
+/* Return the positive root of r^k = q, 1 <= q <= LARGEST_RATIO, by Newton's method from above,
  *     r <- r - (r - q / r^(k-1)) / k,
- * which fall until rounding stops them. */
+ * which decreases until rounding stops it. */
 static auvid_real_t excitation_root(auvid_real_t q, int k)
 {
     auvid_real_t r = AUVID_C(1.0);
@@ -141,15 +142,15 @@ static auvid_real_t excitation_root(auvid_real_t q, int k)
     return r;
 }
 
-/* A part of a cycle in 2^-32. */
+/* Return the fraction of a cycle in units of 2^-32. */
 static uint32_t excitation_to_phase(auvid_real_t cycles)
 {
     return (uint32_t)((cycles - (auvid_real_t)(uint32_t)cycles) * AUVID_C(4294967296.0));
 }
 
-/* sin(2 pi phase / 2^32) in 2^-15, in integers, which cores without floating point like better:
- * p (a + b p) of the parabola p = 4 y (1 - y) over half a cycle, fitted with all roundings. The
- * error is 8.6e-4, and 2e-5 are for the rounding of the phase after 256 steps. */
+/* Return sin(2 pi phase / 2^32) in units of 2^-15. Integer arithmetic is faster on cores without
+ * floating point. Over half a cycle it is p (a + b p) with the parabola p = 4 y (1 - y), fitted
+ * with all roundings. The error is 8.6e-4, plus 2e-5 for the rounded phase after 256 steps. */
 #define PHASE_SINE_ERROR AUVID_C(8.8e-4)
 static int32_t excitation_phase_sine(uint32_t phase)
 {
@@ -159,8 +160,8 @@ static int32_t excitation_phase_sine(uint32_t phase)
     return (phase >> 31) != 0 ? -sine : sine;
 }
 
-/* An upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart, ends
- * included: at an extremum inside, the slope is zero, and the nearest point is at most h / 2 away,
+/* Return an upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart,
+ * ends included. At an inner extremum the slope is zero and the nearest point at most h / 2 away:
  *   peak <= max over points + n error of a sine + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n. */
 static auvid_real_t excitation_sines_peak(const channel_t *c, uint32_t sines,
                                           auvid_real_t duration_s)
@@ -225,7 +226,7 @@ static void excitation_begin_segment(channel_t *c, const auvid_segment_t *segmen
 {
     auvid_rng_t rng;
     uint64_t id = ((uint64_t)repetition << 8) + index + 1u;
-    /* An odd factor spreads the id over all bits: neighbouring seeds share no stream. */
+    /* An odd factor distributes the id over all bits: neighbouring seeds share no stream. */
     auvid_rng_seed(&rng, seed + id * 0xD1342543DE82EF95u);
     memset(c, 0, sizeof *c);
     c->segment = (uint8_t)(index + 1u);
@@ -271,7 +272,7 @@ static auvid_real_t excitation_play_segment(channel_t *c, const auvid_segment_t 
     }
     auvid_real_t fade = excitation_raised_cosine(s_us, fade_us) *
                         excitation_raised_cosine(duration_us - s_us, fade_us);
-    y *= segment->kind == AUVID_SEGMENT_STEPS ? AUVID_C(1.0) : fade; /* steps fade by themselves */
+    y *= segment->kind == AUVID_SEGMENT_STEPS ? AUVID_C(1.0) : fade; /* steps contain their fades */
     if (auvid_abs(excursion) > AUVID_C(0.0)) {
         y -= largest * excursion * fade;
     }
@@ -313,7 +314,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
     return AUVID_OK;
 }
 
-/* How far beyond its leash, -1..1; 0 within it or without one. */
+/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
 static auvid_real_t excitation_excursion(const auvid_excitation_t *e, int dof)
 {
     auvid_real_t limit = e->config.excursion_limit[dof];

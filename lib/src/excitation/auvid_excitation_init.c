@@ -1,5 +1,5 @@
 /*
- * Checking a configuration of the excitation, and taking it.
+ * Initialisation of the excitation: checks the configuration and copies it.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -10,7 +10,7 @@ bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high)
     return x >= low && x <= high;
 }
 
-/* Whole and fraction apart: float holds 3600 s only to 0.2 ms as a product. */
+/* Whole seconds and fraction are separate: in float 3600 s has a resolution of 0.2 ms. */
 uint64_t auvid_excitation_us(auvid_real_t s)
 {
     uint32_t whole = (uint32_t)s;

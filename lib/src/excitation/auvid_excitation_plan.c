@@ -1,9 +1,9 @@
 /*
- * The usual excitation for identification: sets of steps and of sums of sines in turn.
+ * Standard excitation for identification: alternating sets of steps and of sums of sines.
  *
  * The paper gives no amplitudes or frequencies. These suit vehicles of 0.1-1 t: a step is held for
- * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse. Roll and pitch
- * are righted, and swing in 2-3 s whatever the vehicle's size: theirs are quicker.
+ * a few time constants m / |X_u + 2 X_uu u|, and the frequencies are around their inverse. Roll and
+ * pitch have restoring moments and periods of 2-3 s at any vehicle size: their signals are faster.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -18,7 +18,7 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config)
     }
 }
 
-/* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
+/* Add a segment of steps and one of sines for one degree of freedom. The segments must be zero. */
 static void excitation_add_sets(auvid_excitation_config_t *config, auvid_dof_t dof,
                                 auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
                                 auvid_real_t between_s)
@@ -79,7 +79,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     if (n == 0 || n > AUVID_MAX_SEGMENTS) {
         return n == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE;
     }
-    uint32_t turns = one_by_one ? n / 2u : 1u; /* degrees of freedom that follow one another */
+    uint32_t turns = one_by_one ? n / 2u : 1u; /* DoFs one after the other */
     auvid_real_t turn_s = set_s + pause_s;
     auvid_real_t duration_s = (auvid_real_t)(sets * turns) * turn_s;
     if (duration_s > AUVID_EXCITATION_LONGEST_RUN_S ||

@@ -1,6 +1,5 @@
 /*
- * The guard of the excitation. Every test of a limit is written !(value <= limit), so that NaN
- * breaks it.
+ * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
 #include "auvid/guard.h"
 
@@ -76,7 +75,7 @@ static bool guard_is_watching(const auvid_guard_t *g)
            g->state == AUVID_GUARD_SETTLING;
 }
 
-/* For telling only: whole and fraction apart, for any length. */
+/* For reports only. Whole seconds and fraction are converted separately, for any length. */
 static auvid_real_t guard_to_s(uint64_t us)
 {
     uint64_t whole = auvid_divide(us, 1000000u);
@@ -89,7 +88,7 @@ static uint64_t guard_abs_diff_us(uint64_t a_us, uint64_t b_us)
     return a_us > b_us ? a_us - b_us : b_us - a_us;
 }
 
-/* What is not finite stays so; the square root alone would make NaN a zero. */
+/* A value that is not finite remains so; auvid_sqrt() would convert NaN to zero. */
 static auvid_real_t guard_norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
 {
     auvid_real_t sum = x * x + y * y + z * z;
@@ -101,7 +100,7 @@ static bool guard_is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32
     return seen->known && guard_abs_diff_us(t_us, seen->t_us) <= stale_us;
 }
 
-/* Padding too: a guard compares and replays bit for bit. */
+/* Clears the padding too, so that guards compare bit for bit. */
 static void guard_init_trip(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
 {
     memset(trip, 0, sizeof *trip);
@@ -124,7 +123,7 @@ static bool guard_set_trip_time(auvid_guard_trip_t *trip, auvid_guard_cause_t ca
     return guard_set_trip(trip, cause, guard_to_s(us), guard_to_s(limit_us));
 }
 
-/* value <= limit, or a breach. */
+/* Set the trip and return true unless value <= limit. */
 static bool guard_above(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
                         auvid_real_t value, auvid_real_t limit)
 {
@@ -151,7 +150,7 @@ static bool guard_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_
                           guard_to_s(stale_us));
 }
 
-/* Is one of the sources silent that the limits, or the sense of the run, hang on? */
+/* Test the age of each source that the limits or the recording need. */
 static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                             const auvid_guard_input_t *in)
 {
@@ -161,7 +160,7 @@ static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
         guard_is_on(g, AUVID_GUARD_ALTITUDE) && (cfg->altitude_required || g->altitude_known);
     auvid_guard_seen_t applied = in->applied;
     if (!applied.known || applied.t_us < g->excite_us) {
-        applied.known = true; /* there is nothing to record before */
+        applied.known = true; /* nothing is to be recorded before excite */
         applied.t_us = g->excite_us;
     }
     return guard_stale(g, trip, AUVID_GUARD_IMU_STALE, &in->imu, cfg->imu_stale_us) ||
@@ -175,7 +174,7 @@ static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
             guard_stale(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
 }
 
-/* A limit of motion over ground: without a fresh measurement it is not known to be kept. */
+/* Test a limit of motion over ground: without a fresh measurement it is a breach. */
 static bool guard_above_ground(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                                auvid_guard_cause_t cause, bool fresh, auvid_real_t value,
                                auvid_real_t limit)
@@ -183,7 +182,7 @@ static bool guard_above_ground(const auvid_guard_t *g, auvid_guard_trip_t *trip,
     return guard_above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
 }
 
-/* Does the motion break a limit? */
+/* Test the limits of the motion. */
 static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                                const auvid_guard_input_t *in)
 {
@@ -206,7 +205,7 @@ static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                cfg->distance_max_m);
 }
 
-/* Do the time of the run and the time spent saturated break one? */
+/* Test the limits of run time and saturation time. */
 static bool guard_any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
     uint64_t run_us = trip->t_us - g->excite_us;
@@ -221,7 +220,7 @@ static bool guard_any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
            guard_set_trip_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us);
 }
 
-/* Time itself: it must advance, not by too much, and the operator be heard of. */
+/* Test that time advances, by at most max_tick_us, and that the heartbeat is recent. */
 static bool guard_timing_violation(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
     if (trip->t_us < g->t_us || (trip->t_us == g->t_us && g->stepped)) {
@@ -350,7 +349,7 @@ auvid_status_t auvid_guard_heartbeat(auvid_guard_t *g, uint64_t t_us)
     return AUVID_OK;
 }
 
-/* What has to be remembered from tick to tick. */
+/* Update the state that persists between ticks. */
 static void guard_track_inputs(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
 {
     if (in->saturated && !g->saturated) {
@@ -361,7 +360,7 @@ static void guard_track_inputs(auvid_guard_t *g, uint64_t t_us, const auvid_guar
         g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
 }
 
-/* SETTLING: calm for calm_us, or settle_us gone by. */
+/* SETTLING ends after rest_dwell_us at rest, or after settle_timeout_us. */
 static void guard_update_settling(auvid_guard_t *g, const auvid_guard_input_t *in)
 {
     const auvid_real_t *v = in->velocity_ground, *w = in->rates;

@@ -38,7 +38,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->gps_start = 4;
 }
 
-/* The ranges of nav.h; `n` reals stand at `offset` in the configuration. */
+/* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
 #define FIELD(name, n, low, high)                                                                  \
     {                                                                                              \
         (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \

@@ -1,6 +1,7 @@
 /*
- * Navigation filter, fourth part: samples of another time than the filter's. What a late one needs
- * of the past, and one that is ahead of the filter because the IMU is later still.
+ * Navigation filter, fourth part: samples whose time differs from the filter's. It stores past
+ * rates for late samples, and holds samples ahead of the filter while the IMU is later than the
+ * sensor.
  */
 #include <string.h>
 
@@ -23,7 +24,7 @@ void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t 
 {
     const auvid_real_t *later = nav->rates, *past = later;
     auvid_real_t fraction = AUVID_C(0.0);
-    uint32_t later_us = 0, next = nav->past_next; /* later_us: its age */
+    uint32_t later_us = 0, next = nav->past_next; /* later_us: age of `later` */
     uint32_t oldest = next < AUVID_NAV_PAST ? 0u : next - AUVID_NAV_PAST;
     while (next > oldest) {
         --next;
@@ -44,7 +45,7 @@ void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t 
 auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                               const auvid_real_t value[3], unsigned valid)
 {
-    uint64_t ahead_us = t_us - nav->t_us; /* huge, when it is older */
+    uint64_t ahead_us = t_us - nav->t_us; /* huge if it is older */
     bool beyond = nav->until_us != 0 && t_us > nav->until_us;
     if (ahead_us > nav->future_us && (beyond || ahead_us > nav->max_age_us[sensor])) {
         return AUVID_ERR_STALE;

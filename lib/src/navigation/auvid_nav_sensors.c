@@ -1,19 +1,20 @@
 /*
- * Navigation filter, third part: the sensors. Each brings its sample into the form that the filter
- * takes (auvid_nav_internal.h), or says why not, and counts it. The two that come all the time, a
- * velocity along all axes and a depth, both of the present, enter here by a shorter way.
+ * Navigation filter, third part: the sensors. Each converts its sample to the form of the filter
+ * (auvid_nav_internal.h), or rejects it, and counts it. The two most frequent ones, a velocity
+ * along all axes and a depth, both at the filter's time, take a fast path.
  */
 #include <string.h>
 
 #include "auvid_nav_internal.h"
 
-/* Refuse a sample out of its time, hold one ahead of it, or fill in the time of *m. */
+/* Reject a sample outside the accepted time window, hold one ahead of the filter, or set the time
+ * of *m. */
 AUVID_INLINE auvid_status_t nav_check_time(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                                            const auvid_real_t value[3], unsigned valid,
                                            auvid_nav_measurement_t *m)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    uint64_t age_us = nav->t_us - t_us; /* huge, when it is ahead */
+    uint64_t age_us = nav->t_us - t_us; /* huge if it is ahead */
     if (age_us > nav->max_age_us[sensor]) {
         auvid_status_t status = auvid_nav_hold(nav, sensor, t_us, value, valid);
         if (status != AUVID_OK) {
@@ -35,7 +36,7 @@ static void nav_set_flag(auvid_nav_t *nav, unsigned flag)
     nav->flags = (uint16_t)(nav->flags | flag);
 }
 
-/* Raise the counter that goes with a status, and hand the status on. */
+/* Increment the counter of a status; return the status for the caller. */
 static auvid_status_t nav_count_unapplied(auvid_nav_diagnostics_t *d, auvid_status_t status)
 {
     switch ((int)status) {
@@ -69,8 +70,8 @@ static inline auvid_status_t nav_count_status(auvid_nav_diagnostics_t *d, auvid_
     return status;
 }
 
-/* z in the body frame, what the lever arm adds removed: M v - omega x r; for a part of the axes the
- * directions h_j (columns of M) and v_j - h_j'(omega x r). */
+/* Set z in the body frame, without the velocity of the lever arm: M v - omega x r. For a subset of
+ * the axes: the directions h_j (columns of M) and v_j - h_j'(omega x r). */
 static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned valid,
                             auvid_nav_measurement_t *m)
 {
@@ -103,7 +104,7 @@ static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], uns
     }
 }
 
-/* Write innovation j down: is it within the gate? */
+/* Store innovation j; return whether it is within the gate. */
 AUVID_INLINE bool nav_within_gate(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j,
                                   auvid_real_t nu, auvid_real_t s)
 {
@@ -112,7 +113,7 @@ AUVID_INLINE bool nav_within_gate(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, 
     return nu * nu <= nav->gate * s;
 }
 
-/* Row i of Ppv = r W and what goes with it; w: row i of W. */
+/* Set row i of Ppv = r W and correct axis i of the position; w: row i of W. */
 AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid_real_t r,
                                                   const auvid_real_t w[3], const auvid_real_t e[3])
 {
@@ -123,14 +124,15 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
 }
 
 /*
- * All of a present velocity at once: H = [0 I], R = r I, S = Pvv + r I. With W = Ppv S^-1
+ * Apply all axes of a velocity at the filter's time: H = [0 I], R = r I, S = Pvv + r I. With
+ * W = Ppv S^-1
  *
  *     e = S^-1 nu,   p += Ppv e,   v += nu - r e
  *     Ppp -= W Ppv',   Ppv = r W,   Pvv = r Pvv S^-1 = r (I - r S^-1)
  *
- * the same as three scalars for two thirds of the work; S^-1 by S = L D L', L^-1 = [1; a 1; b c 1].
- * The last form of Pvv is for what stands off its diagonal: there it has no difference.
- * False, and the filter as before, when the sample does not pass the gate.
+ * This equals three scalar updates for two thirds of the work. S^-1 comes from S = L D L',
+ * L^-1 = [1; a 1; b c 1]. The last form of Pvv is used off the diagonal, where it needs no
+ * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate.
  */
 static bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
@@ -180,7 +182,8 @@ static bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *
     return true;
 }
 
-/* A present depth; false as above. */
+/* Apply a depth at the filter's time. Return false, with the filter unchanged, if it does not pass
+ * the gate. */
 static bool nav_apply_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_DEPTH];
@@ -195,7 +198,7 @@ static bool nav_apply_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     return true;
 }
 
-/* Let a sample in, unless it is to be kept apart; `taken`: that has been done the short way. */
+/* Apply a sample that passes the gate, unless `hold_back`. `applied`: the fast path has done so. */
 AUVID_INLINE auvid_status_t nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t *m,
                                              bool hold_back, bool applied)
 {
@@ -215,8 +218,8 @@ AUVID_INLINE auvid_status_t nav_apply_sample(auvid_nav_t *nav, auvid_nav_measure
     return AUVID_OK;
 }
 
-/* Body axes in the span of the valid axes of the instrument: bit i. The part of axis i outside the
- * span is what the others, M_ij, have of it. */
+/* Return the body axes in the span of the valid axes of the instrument: bit i. The component of
+ * axis i outside the span is that along the invalid axes, M_ij. */
 static uint8_t nav_measured_axes(const auvid_nav_t *nav, unsigned valid)
 {
     const auvid_real_t max_outside = AUVID_NAV_MEASURED_SINE * AUVID_NAV_MEASURED_SINE;
@@ -368,8 +371,8 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
                            (pressure_pa - nav->surface_pressure) * nav->metres_per_pascal);
 }
 
-/* Keep a fix for the start, as its distance from the filter's position; each axis stays sorted.
- * With the last one the position starts from the medians. */
+/* Store a fix for the start as its difference from the filter's position, each axis sorted. The
+ * last fix initialises the position with the medians. */
 static auvid_status_t nav_collect_fix(auvid_nav_t *nav, const auvid_nav_diagnostics_t *d)
 {
     for (int j = 0; j < 2; ++j) {

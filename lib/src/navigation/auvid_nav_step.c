@@ -1,5 +1,5 @@
 /*
- * Navigation filter, last part: the prediction, with each sample of the IMU.
+ * Navigation filter, last part: the prediction, for each sample of the IMU.
  *
  * Eq. 5 with R = R(phi_k, theta_k, psi_k), t the tick and n the accelerations:
  *
@@ -18,10 +18,10 @@
 
 #include "auvid_nav_internal.h"
 
-#define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
+#define LARGEST_ANGLE AUVID_C(1e4) /* limit of auvid_sincos */
 #define LARGEST_RATE AUVID_C(100.0)
 
-/* Row i of t R, N and Ppv, and the position; a: A, its upper half. */
+/* Compute row i of t R, N and Ppv, and axis i of the position; a: upper half of A. */
 AUVID_INLINE void nav_predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
                                   const auvid_real_t quarter[3], auvid_real_t tr[3],
                                   auvid_real_t n[3])
@@ -45,7 +45,7 @@ AUVID_INLINE void nav_predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const
     nav_move_position(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
 }
 
-/* Eq. 5 and the covariance that goes with it, as above. */
+/* Apply Eq. 5 to the state and its covariance, as above. */
 static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
@@ -66,7 +66,7 @@ static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
     nav->vv[5] += AUVID_C(4.0) * quarter[2];
 }
 
-/* Whole turns that an angle left behind when it jumped by more than half a turn. */
+/* Count the revolutions of an angle that jumps by more than half a revolution. */
 static inline void nav_count_revolutions(int32_t *turns, auvid_real_t from, auvid_real_t to)
 {
     if (!(auvid_abs(from - to) < AUVID_C(3.0))) {

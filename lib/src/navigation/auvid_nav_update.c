@@ -1,36 +1,36 @@
 /*
- * Navigation filter, second part: one measurement enters (Karras et al. 2013, Eq. 6-8).
+ * Navigation filter, second part: the update with one measurement (Karras et al. 2013, Eq. 6-8).
  *
- * Every scalar measurement comes down to an innovation nu, its variance S and its covariance c with
+ * Every scalar measurement is reduced to an innovation nu, its variance S and its covariance c with
  * the state; then
  *
  *     K = c / S,   x += K nu,   P -= K c'
  *
- * which is symmetric by construction, and positive as long as (c, S) is a possible covariance.
- * A sample of the present: c = P H', S = H P H' + R. A sample of age a:
+ * P stays symmetric by construction, and positive if c' P^-1 c < S.
+ * A sample at the filter's time: c = P H', S = H P H' + R. A sample of age a:
  *
  * Position i: p_i(t - a) = p_i - a R_i v, so H = [e_i, -a R_i], R_i row i of R(phi, theta, psi).
  *
- * Velocity along h: z = h'(v - w) + noise, w the noise that came in since, of variance a diag(q).
+ * Velocity along h: z = h'(v - w) + noise, w the process noise since then, of variance a diag(q).
  *     With m = a diag(q) h the covariance of x with h'w is q_x = [a/2 R m; m], and
  *     c = P H' - q_x,   S = H P H' - 2 h'm + h'm + R = H P H' - h'm + R        (Bar-Shalom's B1)
- *     The filter's velocity of the sample's time is then its present one: cov(w, nu) = m - m = 0.
- *     This holds while nothing entered since (a measurement would have told something about w) and
- *     R stood still; long ticks and fast turns can make (c, S) an impossible covariance, which is
- *     checked. Else w is taken as the part beta = h'm / H P H' of what is unknown along h:
+ *     The filter's velocity at the sample's time equals its current one: cov(w, nu) = m - m = 0.
+ *     This holds if no update was applied since (a measurement carries information on w) and R is
+ *     constant. Long ticks and fast rotation can make P - c c'/S indefinite; this is checked.
+ *     Otherwise w counts as the fraction beta = h'm / H P H' of the uncertainty along h:
  *     c = (1 - beta) P H',   S = (1 - beta) H P H' + R
- *     of which P - c c'/S is positive for any beta in [0, 1).
+ *     so that P - c c'/S is positive for any beta in [0, 1).
  */
 #include <string.h>
 
 #include "auvid_nav_internal.h"
 
-/* Other sensors may have told of w since, and then H P H' is less than h'm; taking all but a fifth
- * of it for noise keeps S a fair variance of nu (with 0.99, a quarter of DVL samples 0.4 s late
- * fell to the gate) and the gain near one. */
+/* Other sensors may have reduced H P H' below h'm since the sample. A limit of 0.8 keeps S a
+ * realistic variance of nu and the gain near one. With 0.99 the gate rejected a quarter of the DVL
+ * samples 0.4 s late. */
 #define LARGEST_BETA AUVID_C(0.8)
 
-/* P H' of a velocity along h; returns H P H'. */
+/* Compute P H' of a velocity along h; return H P H'. */
 static auvid_real_t nav_velocity_covariance(const auvid_nav_t *nav, const auvid_real_t h[3],
                                             auvid_real_t c[6])
 {
@@ -41,7 +41,7 @@ static auvid_real_t nav_velocity_covariance(const auvid_nav_t *nav, const auvid_
     return nav_dot(h, c + 3);
 }
 
-/* P H' of position axis i, `age` ago; returns H P H'. */
+/* Compute P H' of position axis i, `age` ago; return H P H'. */
 static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid_real_t age,
                                             auvid_real_t c[6])
 {
@@ -64,7 +64,7 @@ static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid
     return c[i] + nav_dot(h, c + 3);
 }
 
-/* z - p_i(t - age) */
+/* Return z - p_i(t - age). */
 static auvid_real_t nav_position_innovation(const auvid_nav_t *nav, int i, auvid_real_t age,
                                             auvid_real_t z)
 {
@@ -72,13 +72,13 @@ static auvid_real_t nav_position_innovation(const auvid_nav_t *nav, int i, auvid
     return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->rotation[i], nav->velocity) : nu;
 }
 
-/* How many scalars; never more than three, here for all to see. */
+/* Return the number of scalars. The minimum shows the compiler that it is at most three. */
 AUVID_INLINE int nav_scalar_count(const auvid_nav_measurement_t *m)
 {
     return m->n < 3 ? m->n : 3;
 }
 
-/* Scalar j of a velocity is the velocity along this. */
+/* Return the direction of scalar j of a velocity. */
 static const auvid_real_t *nav_direction(const auvid_nav_measurement_t *m, int j)
 {
     static const auvid_real_t unit[3][3] = {{AUVID_C(1.0), AUVID_C(0.0), AUVID_C(0.0)},
@@ -87,7 +87,7 @@ static const auvid_real_t *nav_direction(const auvid_nav_measurement_t *m, int j
     return m->directed ? m->h[j] : unit[j];
 }
 
-/* h'm, the variance along h of the noise since the sample; m = age diag(q) h */
+/* Compute m = age diag(q) h; return h'm, the variance along h of the noise since the sample. */
 static auvid_real_t nav_noise_since(const auvid_nav_t *nav, auvid_real_t age,
                                     const auvid_real_t h[3], auvid_real_t m[3])
 {
@@ -97,7 +97,7 @@ static auvid_real_t nav_noise_since(const auvid_nav_t *nav, auvid_real_t age,
     return nav_dot(m, h);
 }
 
-/* Is c' P^-1 c < s, so that P - c c'/s is positive definite? P = L D L', y = L^-1 c. */
+/* Return whether c' P^-1 c < s, so that P - c c'/s is positive definite. P = L D L', y = L^-1 c. */
 static bool nav_is_positive(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s)
 {
     auvid_real_t p[6][6], y[6], sum = AUVID_C(0.0);
@@ -122,7 +122,7 @@ static bool nav_is_positive(const auvid_nav_t *nav, const auvid_real_t c[6], auv
     return sum < s * (AUVID_C(1.0) - NAV_MIN_VARIANCE_RATIO);
 }
 
-/* P H' and H P H' of a velocity with the noise since the sample taken out. */
+/* Compute c of a late velocity: P H' without the noise since the sample; return S - R. */
 static auvid_real_t nav_late_covariance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
                                         int j, auvid_real_t c[6])
 {
@@ -147,7 +147,7 @@ static auvid_real_t nav_late_covariance(const auvid_nav_t *nav, const auvid_nav_
     return hph * kept;
 }
 
-/* Scalar j enters by itself. */
+/* Apply scalar j; return nu^2 / S. */
 static auvid_real_t nav_apply_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
     auvid_real_t c[6], hph, nu;
@@ -164,7 +164,7 @@ static auvid_real_t nav_apply_scalar(auvid_nav_t *nav, const auvid_nav_measureme
     return nav_apply(nav, c, nav_variance(nav, m, hph), nu);
 }
 
-/* Innovation j; returns its H P H', a velocity's with the noise since the sample taken out. */
+/* Compute innovation j; return its H P H', for a velocity without the noise since the sample. */
 static auvid_real_t nav_innovation(const auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j,
                                    auvid_real_t *nu)
 {
@@ -185,7 +185,7 @@ static auvid_real_t nav_innovation(const auvid_nav_t *nav, const auvid_nav_measu
     return hph;
 }
 
-/* Write innovation j down; returns its bit if it is outside the gate. */
+/* Store innovation j; return its bit if it is outside the gate. */
 AUVID_INLINE unsigned nav_record_innovation(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu,
                                             auvid_real_t s, auvid_real_t gate)
 {
@@ -212,11 +212,12 @@ uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     return (uint8_t)outside;
 }
 
-/* Of the scalars outside the gate, those that no manoeuvre since the last good sample explains. */
+/* Return those scalars outside the gate that no manoeuvre since the last accepted sample explains,
+ * within max_acceleration. */
 static uint8_t nav_beyond_max_acceleration(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    uint64_t us = d->has_sample ? m->t_us - d->good_us : 0; /* samples of a sensor come in order */
+    uint64_t us = d->has_sample ? m->t_us - d->good_us : 0; /* in order per sensor */
     auvid_real_t dt = AUVID_C(1e-6) * (auvid_real_t)(uint32_t)(us < 10000000u ? us : 10000000u);
     uint8_t outside = m->outside;
     for (int j = 0; j < nav_scalar_count(m); ++j) {
@@ -247,7 +248,7 @@ auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m)
     return AUVID_OK;
 }
 
-/* Set the velocity along h from a measurement, whatever was known of it, with u = [0; h], g = P u:
+/* Re-initialise the velocity along h from a measurement, with u = [0; h], g = P u:
  * P = (I - u u') P (I - u u') + variance u u' = P - g u' - u g' + (u'g + variance) u u' */
 static void nav_restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t step,
                                  auvid_real_t variance)
@@ -263,7 +264,7 @@ static void nav_restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvi
     nav_add(nav->velocity, step, h);
 }
 
-/* The filter was wrong about scalar j by far more than it thought: start that one again. */
+/* Re-initialise what scalar j measures: the error is far larger than its variance. */
 static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
     auvid_real_t step = nav->diagnostics[m->sensor].innovation[j], noise[3];

@@ -1,10 +1,10 @@
 /*
  * Recorder (Karras et al. 2013, III-B, buffers of Eq. 9).
  *
- * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps; the
- * integral of a straight line over an overlap is its value in the middle times the length. Cells
- * live in a ring; a cell is zeroed when the first stream enters it. u, v and w are a stream each;
- * one that is lost (not valid) takes part again from the next whole cell on.
+ * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps. The
+ * integral of a straight line over an overlap is its midpoint value times the length. The cells
+ * form a ring; a cell is zeroed when the first stream enters it. u, v and w are one stream each; a
+ * lost one (not valid) continues from the next whole cell.
  */
 #include "auvid/recorder.h"
 
@@ -17,8 +17,8 @@ enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
 /* Channels of each stream in a cell: phi theta psi p q r | u | v | w | tau, commands. */
 static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER_CHANNELS};
 
-/* Cells without one of the velocities, the others measured, after which it is lost: some are left
- * of the ring for the samples' delay. */
+/* A velocity component counts as lost after this many cells without it, while others are measured.
+ * The rest of the ring is for the delay of the samples. */
 enum { MAX_LAG = AUVID_RECORDER_CELLS - 8 };
 
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
@@ -60,8 +60,8 @@ static bool recorder_is_velocity(int s)
     return s >= VELOCITY && s < INPUT;
 }
 
-/* Unless there is one, begin a record at the latest of the streams' last samples, once all have one
- * that is not older than a gap; of the velocities one is enough. */
+/* Begin a record at the latest of the streams' last samples, unless one is running. All streams
+ * need a sample not older than gap_us; one velocity component is enough. */
 static void recorder_begin(auvid_recorder_t *rec)
 {
     uint64_t origin = 0;
@@ -97,8 +97,8 @@ static void recorder_begin(auvid_recorder_t *rec)
     rec->running = true;
 }
 
-/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. False
- * when it reaches a cell for which the ring has no room. At most AUVID_RECORDER_CELLS passes. */
+/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. Return
+ * false if it reaches a cell beyond the ring. At most AUVID_RECORDER_CELLS passes. */
 static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
                                const auvid_real_t *value)
 {
@@ -116,12 +116,12 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
             return false;
         }
         auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
-        for (; rec->opened <= st->cell; ++rec->opened) { /* one that was lost may be ahead */
+        for (; rec->opened <= st->cell; ++rec->opened) { /* a stream that was lost may be ahead */
             memset(rec->mean[rec->opened % AUVID_RECORDER_CELLS], 0, sizeof rec->mean[0]);
             rec->measured[rec->opened % AUVID_RECORDER_CELLS] = 0;
         }
         auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
-        /* where the middle of the overlap lies between the two samples, 0..1 */
+        /* position of the middle of the overlap between the two samples, 0..1 */
         auvid_real_t middle =
             (auvid_real_t)(uint32_t)(to - st->t_us + (st->filled_us - st->t_us)) * AUVID_C(0.5);
         auvid_real_t fraction = hold ? AUVID_C(0.0) : middle * per_segment;
@@ -139,12 +139,12 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
     return true;
 }
 
-/* A sample of a stream, checked. */
+/* Add a checked sample to a stream. */
 static void recorder_add(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
-    if (rec->running && !st->valid) {         /* a velocity that was lost */
-        bool inside = t_us >= rec->origin_us; /* or a late one of before the record */
+    if (rec->running && !st->valid) {         /* a velocity component that was lost */
+        bool inside = t_us >= rec->origin_us; /* false: sampled before the record began */
         st->cell =
             inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
         st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
@@ -218,7 +218,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
     if (status != AUVID_OK || measured == 0) {
         return status != AUVID_OK ? status : AUVID_UNUSED;
     }
-    /* after a silence of all three the record breaks, as after that of any stream */
+    /* if all three components are missing for gap_us, the record breaks as for any stream */
     bool continues = rec->running && min_us <= rec->cfg.gap_us;
     for (int i = 0; i < 3; ++i) {
         bool is_measured = (measured >> i & 1u) != 0;
@@ -242,7 +242,7 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
     if (recorder == NULL || attitude == NULL || nu == NULL) {
         return AUVID_ERR_NULL;
     }
-    /* what would refuse the velocity once the attitude is taken */
+    /* reject before the attitude is recorded if the velocity would be rejected */
     auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
     for (int i = 0; i < 3 && status == AUVID_OK; ++i) {
         status = recorder_check_time(&recorder->stream[VELOCITY + i], t_us);
