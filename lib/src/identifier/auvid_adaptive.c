@@ -1,25 +1,25 @@
 /*
  * Adaptive excitation.
  *
- * The excitation's run is an envelope: each DoF's amplitude, with the fades of the run. It is
- * multiplied by a factor of -1..1 that is chosen here, hold by hold:
+ * The excitation's run is an envelope: each DoF's amplitude, with the fades of the run. This module
+ * multiplies it by a factor of -1..1, which it chooses for each hold:
  *
- *     f_j(t) = before + (clamp(level - strayed, -1, 1) - before) w(t)     w: fade of 0.2 s
+ *     f_j(t) = before + (clamp(level - excursion, -1, 1) - before) w(t)     w: fade of 0.2 s
  *
- * Drag a u + b u^2 under white noise is known best from two speeds, the highest and 0.41 of it (the
- * extrema of the polynomial that deviates least from zero): to know a, with 0.85 of the time at the
- * low one, to know b, with 0.71 of it. A step of 0.3 leads to 0.3-0.55 of the highest speed,
- * whatever part of the drag is linear.
+ * Under white noise, drag a u + b u^2 is determined best by two speeds: the highest and 0.41 of it
+ * (the extrema of the polynomial that deviates least from zero). The optimum for a has 0.85 of the
+ * time at the low speed, that for b 0.71. A step of 0.3 leads to 0.3-0.55 of the highest speed for
+ * any fraction of linear drag.
  *
- * Around all of this the optimum is flat. In simulation, Girona500 with masses and drags halved and
- * doubled, disturbances of 0.3 to 3 N, the standard errors change by less than 5 % from three time
- * constants a hold to six, and from half of the time at the low speed to 0.8; signs that persist
- * (ADAPTIVE_SIGN_CHANGES) gain 5 % in those that are largest. Sums of sines are never better than
+ * The optimum is flat. In simulation, Girona500 with masses and drags halved and doubled,
+ * disturbances of 0.3 to 3 N: the standard errors change by less than 5 % for holds of three to six
+ * time constants, and for 0.5 to 0.8 of the time at the low speed. Persistent signs
+ * (ADAPTIVE_SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
  * steps.
  *
- * Degrees of freedom that are known go on playing: it costs no time, sharpens them, and keeps them
- * in the ring. At rest their sets leave it, and with these what was known: at 3 N 40 instead of 58
- * of 100 runs came to know all parameters at once.
+ * Known degrees of freedom continue to play: this costs no time, improves their estimates, and
+ * keeps their sets in the ring. At rest their sets leave the ring, and with them the information.
+ * At 3 N (100 runs) 40 instead of 58 runs then had all parameters known at the same time.
  */
 #include "auvid/adaptive.h"
 
@@ -29,24 +29,23 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 
-#define MAX_RATIO AUVID_C(2.25)    /* 1.5^2: of a squared half-width over what is allowed */
-#define UNKNOWN_RATIO AUVID_C(1e9) /* the same of a parameter that nothing is known about */
+#define MAX_RATIO AUVID_C(2.25)    /* 1.5^2: of the squared half-width over the allowed one */
+#define UNKNOWN_RATIO AUVID_C(1e9) /* the same for a parameter without information */
 
 #define ADAPTIVE_LOW_LEVEL AUVID_C(0.3)
 #define LOW_PART_LINEAR AUVID_C(0.67) /* of the time, where linear drag is missing */
-#define LOW_PART AUVID_C(0.4)         /* where it is not */
+#define LOW_PART AUVID_C(0.4)         /* with linear drag known */
 #define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define FADE_S AUVID_C(0.2)
-#define SWING_S AUVID_C(1.5) /* hold in roll and pitch, which are righted and swing */
-#define LIMIT_FRACTION                                                                             \
-    AUVID_C(0.3) /* of the guard's distance: what is led back goes on for a while */
+#define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
+#define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
 
-enum { MIN_SETS = 3, MIN_ROWS = 12 }; /* sets before giving up; rows in a set completed early */
+enum { MIN_SETS = 3, MIN_ROWS = 12 }; /* before abandoning; in a set completed early */
 
 /* ---- the next hold ---- */
 
-/* Sum of the estimates of DoF j's parameters of a kind. */
+/* Sum the estimates of DoF j's parameters of a kind. */
 static auvid_real_t adaptive_parameter_sum(const auvid_identifier_t *id, int j,
                                            auvid_parameter_kind_t kind)
 {
@@ -59,8 +58,8 @@ static auvid_real_t adaptive_parameter_sum(const auvid_identifier_t *id, int j,
     return sum;
 }
 
-/* How long a step of DoF j to a force F is held: with a u + b u^2 = F,
- * u = 2 F / (a + sqrt(a^2 + 4 b F)), so many times m / (a + 2 b u). */
+/* Return the hold time of a step of DoF j to a force F: TIME_CONSTANTS times m / (a + 2 b u), with
+ * a u + b u^2 = F, u = 2 F / (a + sqrt(a^2 + 4 b F)). */
 static auvid_real_t adaptive_hold_s(const auvid_identifier_t *id, int j, auvid_real_t force)
 {
     auvid_real_t m = adaptive_parameter_sum(id, j, AUVID_PARAMETER_MASS) +
@@ -78,7 +77,7 @@ static auvid_real_t adaptive_hold_s(const auvid_identifier_t *id, int j, auvid_r
     return known ? auvid_clamp(s, AUVID_C(1.5), AUVID_C(20.0)) : AUVID_C(6.0);
 }
 
-/* A leash that ends before the guard's distance; none stays none. */
+/* Reduce the excursion limit to a fraction of the guard's distance; zero (no limit) stays. */
 static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real_t *limit)
 {
     if ((guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
@@ -86,7 +85,7 @@ static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real
     }
 }
 
-/* How far beyond its leash, -1..1. */
+/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
 static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
 {
     auvid_real_t limit = id->adaptive.excursion_limit[j], d = id->excitation.displacement[j];
@@ -98,7 +97,7 @@ static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
     return d < AUVID_C(0.0) ? -part : part;
 }
 
-/* Is a parameter of DoF j missing? Of this kind; OTHER: of any. */
+/* Return whether a parameter of DoF j is missing, of this kind or, for OTHER, of any kind. */
 static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_parameter_kind_t kind)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
@@ -118,7 +117,7 @@ static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
     return peak[j];
 }
 
-/* Time in the run. */
+/* Return the time since the start of the run. */
 static uint32_t adaptive_time_us(const auvid_identifier_t *id)
 {
     return (uint32_t)(id->t_us - id->adaptive.run_us);
@@ -165,18 +164,18 @@ static auvid_real_t adaptive_factor(auvid_identifier_t *id, int j)
 
 /* ---- a new estimate ---- */
 
-/* (half-width with thrust and DVL scale as told / what is allowed)^2 of parameter i: above 1, more
- * motion is needed. */
+/* Return (half-width with thrust and DVL scale as configured / allowed half-width)^2 of parameter
+ * i: above 1 more excitation is needed. */
 static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 {
     const auvid_estimate_t *e = &id->estimate;
     auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
     auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
     auvid_real_t square = ratio * ratio * variance;
-    return square > AUVID_C(0.0) && square < UNKNOWN_RATIO ? square : UNKNOWN_RATIO; /* NaN, too */
+    return square > AUVID_C(0.0) && square < UNKNOWN_RATIO ? square : UNKNOWN_RATIO; /* or NaN */
 }
 
-/* Rows that the run may still bring, with those that there are, within the ring. */
+/* Return the rows at the end of the run: the existing ones plus those to come, within the ring. */
 static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
 {
     const auvid_metric_config_t *m = &id->metric.cfg;
@@ -187,7 +186,8 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
-/* Is parameter i worth more sets? need: raised to what its DoF needs. */
+/* Classify parameter i as known, abandoned or missing. need: raised to the variance ratio of its
+ * DoF if missing. */
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
     auvid_adaptive_t *a = &id->adaptive;
@@ -195,7 +195,7 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool known = (e->confidence.identifiable >> i & 1u) ||
                  e->confidence.note[i] == AUVID_NOTE_SMALL ||
-                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* motion does not help */
+                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
                  e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.dof_rows[j];
     a->missing &= ~(1u << i);
@@ -211,21 +211,21 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
     }
     a->missing |= 1u << i;
     need[j] = auvid_max(need[j], square);
-    if (square > AUVID_C(1.0) && e->sets > 0) { /* of a warm record there are no rows */
+    if (square > AUVID_C(1.0) && e->sets > 0) { /* a prior record has no rows */
         auvid_real_t more = auvid_min(rows * (square - AUVID_C(1.0)), AUVID_C(60000.0));
         uint16_t close = (uint16_t)auvid_max(more, (auvid_real_t)MIN_ROWS);
         a->close_rows = close > a->close_rows ? close : a->close_rows;
     }
 }
 
-/* Do the thrusters suffice for these at once? */
+/* Return whether the thrusters can produce these peaks at the same time. */
 static bool adaptive_thrusters_suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
     return id->allocation.config.thrusters == 0 ||
            auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
 }
 
-/* Who plays: by need, as far as the thrusters suffice. */
+/* Select the degrees of freedom that play: by need, as far as the thrusters suffice. */
 static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *need)
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT], peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
@@ -273,7 +273,7 @@ static void adaptive_evaluate(auvid_identifier_t *id)
         }
     }
     if (a->close_rows >= m->cfg.set_rows || a->sets >= m->cfg.sets) {
-        a->close_rows = 0; /* a short set must not drive a full one out of the ring */
+        a->close_rows = 0; /* a short set must not replace a full one in the ring */
     }
     adaptive_select_dofs(id, need);
     if (a->missing == 0) {
@@ -299,7 +299,7 @@ static void adaptive_begin_run(auvid_identifier_t *id)
     adaptive_evaluate(id);
 }
 
-/* The hook: wrench comes as the envelope. */
+/* Hook of the identifier. wrench: in the envelope, out the excitation. */
 static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
 {
     auvid_adaptive_t *a = &id->adaptive;
@@ -354,7 +354,7 @@ static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adap
            (id->allocation.config.thrusters == 0 || (id->allocation.actuated >> j & 1));
 }
 
-/* Is there something to move, and each of it within the thrusters? */
+/* Check that some DoF is excitable, and that the thrusters suffice for each of them. */
 static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
                                                const auvid_adaptive_config_t *cfg)
 {
@@ -372,7 +372,7 @@ static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
     return count == 0 ? AUVID_ERR_RANGE : count > AUVID_MAX_SEGMENTS ? AUVID_ERR_SIZE : AUVID_OK;
 }
 
-/* The amplitudes, each held through the run. Checked: the excitation has no reason to refuse. */
+/* Configure the excitation with constant amplitudes. They are checked, so init cannot fail. */
 static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
     auvid_excitation_config_t *to = &id->excitation.config;
