@@ -169,8 +169,8 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
 
 #define auvid_allocation_check AUVID_SIZED1(auvid_allocation_check, AUVID_MAX_THRUSTERS)
 /**
- * Check that the thrusters can produce every combination of signs of an excitation, in all DoFs at
- * the same time and in addition to a constant wrench. For each thruster i,
+ * Check that the thrusters can produce an excitation in all DoFs at the same time, with every
+ * combination of signs, in addition to a constant wrench. For each thruster i,
  * T+_i hold +- sum_j |T+_ij| peak_j must be within its limits.
  * @param peak 6: largest |wrench| per DoF [N, Nm], >= 0 (auvid_excitation_peak).
  * @param hold 6: constant wrench (hover thrust) [N, Nm], or NULL for none.

@@ -282,14 +282,14 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * Time: a sample up to max_age older than the filter is used at its own time. The filter
  * extrapolates its position back along its current velocity: H = [e_i, -age R_i]. For a velocity it
  * removes from the covariances the process noise since the sample (algorithm B1), if no update was
- * applied since the sample's timestamp; this is exact while the attitude is constant. Otherwise,
- * and if B1 would make the covariance indefinite (a sample from inside a long tick), it removes a
- * fraction of the covariance instead, which keeps it positive. A sample up to future_us ahead of
+ * applied since the sample's timestamp; this is exact while the attitude is constant. Otherwise it
+ * removes a fraction of the covariance, which keeps it positive. It also does so if B1 would make
+ * the covariance indefinite (a sample from inside a long tick). A sample up to future_us ahead of
  * the filter is used as if it were of the last tick. Samples of one sensor must come in order.
  *
  * IMU later than the sensor: a sample more than future_us ahead, but at most max_age, is held until
  * auvid_nav_imu() reaches its time; the function returns AUVID_PENDING. The sample is then applied
- * and counted like any late sample; held_rejected tells if the filter rejected it. One sample of
+ * and counted like any late sample; held_rejected is set if the filter rejects it. One sample of
  * each sensor is held, and a newer one does not replace it. If samples come more often than the IMU
  * is late, a replaced sample would never be reached. While one is held, other samples ahead of the
  * filter are AUVID_UNUSED, which counts the loss.

@@ -138,23 +138,23 @@ static inline void nav_record_accepted(auvid_nav_diagnostics_t *d, uint64_t t_us
 
 /** Store the innovations of *m and their variances in the diagnostics of the sensor; return a bit
  * for each one outside the gate. */
-uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
+uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
-/** Call auvid_nav_look(), then test the gate, with re-initialisation after repeated rejections.
+/** Call auvid_nav_innovations(), then test the gate, with re-initialisation after repeated rejections.
  * Return AUVID_OK or AUVID_GATED. */
-auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
-/** Apply Eq. 6 to a sample that auvid_nav_pass() accepted, one scalar after the other. */
-void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
+/** Apply Eq. 6 to a sample that auvid_nav_gate() accepted, one scalar after the other. */
+void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
 /** Store the rates of the tick, unless the last stored ones are recent. After a step of dt_us
  * longer than any late sample's age, discard the earlier ones (only the lower halves of their times
  * are stored). */
-void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us);
+void auvid_nav_store_rates(auvid_nav_t *nav, uint64_t dt_us);
 
 /** Interpolate the stored rates linearly at the time of a late sample. Before all of them use the
  * oldest. */
-void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3]);
+void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3]);
 
 /** Internal status of a held sample; the public functions return AUVID_PENDING. */
 #define NAV_HELD AUVID_EMPTY
@@ -174,6 +174,7 @@ auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
 void auvid_nav_release(auvid_nav_t *nav);
 
 /** Re-initialise one axis of the position: add `step`, set its variance, clear its correlations. */
-void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance);
+void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
+                                auvid_real_t variance);
 
 #endif

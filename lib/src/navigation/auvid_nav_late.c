@@ -7,7 +7,7 @@
 
 #include "auvid_nav_internal.h"
 
-void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us)
+void auvid_nav_store_rates(auvid_nav_t *nav, uint64_t dt_us)
 {
     const uint32_t intervals = AUVID_NAV_PAST - 1;
     uint32_t interval_us = (nav->max_age_us[AUVID_NAV_DVL_BOTTOM] + intervals - 1u) / intervals;
@@ -20,7 +20,7 @@ void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us)
     nav->past_next = (uint8_t)next;
 }
 
-void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3])
+void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3])
 {
     const auvid_real_t *later = nav->rates, *past = later;
     auvid_real_t fraction = AUVID_C(0.0);

@@ -78,7 +78,7 @@ static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], uns
     const auvid_real_t *w = nav->rates, *r = nav->lever;
     auvid_real_t past[3];
     if (m->age > AUVID_C(0.0)) {
-        auvid_nav_past_rates(nav, (uint32_t)(nav->t_us - m->t_us), past);
+        auvid_nav_rates_at(nav, (uint32_t)(nav->t_us - m->t_us), past);
         w = past;
     }
     const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
@@ -208,11 +208,11 @@ AUVID_INLINE auvid_status_t nav_apply_sample(auvid_nav_t *nav, auvid_nav_measure
         d->seen_us = m->t_us;
         nav_record_accepted(d, m->t_us);
     } else {
-        auvid_status_t status = auvid_nav_pass(nav, m);
+        auvid_status_t status = auvid_nav_gate(nav, m);
         if (status != AUVID_OK || hold_back) {
             return status;
         }
-        auvid_nav_enter(nav, m);
+        auvid_nav_apply(nav, m);
     }
     nav->last_update_us = nav->t_us;
     return AUVID_OK;
@@ -340,10 +340,10 @@ static auvid_status_t nav_update_depth(auvid_nav_t *nav, uint64_t t_us, const au
     m.first = 2;
     m.n = 1;
     if ((nav->flags & AUVID_NAV_DEPTH_KNOWN) == 0) {
-        (void)auvid_nav_look(nav, &m);
+        (void)auvid_nav_innovations(nav, &m);
         nav_record_accepted(&nav->diagnostics[AUVID_NAV_DEPTH], t_us);
-        auvid_nav_restart(nav, 2, nav->diagnostics[AUVID_NAV_DEPTH].innovation[0],
-                          nav->r[AUVID_NAV_DEPTH]);
+        auvid_nav_restart_position(nav, 2, nav->diagnostics[AUVID_NAV_DEPTH].innovation[0],
+                                   nav->r[AUVID_NAV_DEPTH]);
         nav_set_flag(nav, AUVID_NAV_DEPTH_KNOWN);
         return AUVID_OK;
     }
@@ -390,7 +390,7 @@ static auvid_status_t nav_collect_fix(auvid_nav_t *nav, const auvid_nav_diagnost
         const auvid_real_t *sorted = nav->gps_offset[j];
         int low = (nav->gps_start - 1) / 2, high = nav->gps_start / 2;
         auvid_real_t median = AUVID_C(0.5) * (sorted[low] + sorted[high]);
-        auvid_nav_restart(nav, j, median, nav->r[AUVID_NAV_GPS]);
+        auvid_nav_restart_position(nav, j, median, nav->r[AUVID_NAV_GPS]);
     }
     nav->gps_start = 0;
     nav_set_flag(nav, AUVID_NAV_POSITION_KNOWN);
@@ -417,7 +417,7 @@ static auvid_status_t nav_update_gps(auvid_nav_t *nav, uint64_t t_us, const auvi
     m.n = 2;
     if (nav->gps_start > 0) {
         auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_GPS];
-        (void)auvid_nav_look(nav, &m);
+        (void)auvid_nav_innovations(nav, &m);
         nav_record_accepted(d, t_us);
         return nav_collect_fix(nav, d);
     }

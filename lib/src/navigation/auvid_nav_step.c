@@ -119,7 +119,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
     memcpy(nav->attitude, attitude, sizeof nav->attitude);
     memcpy(nav->rates, rates, sizeof nav->rates);
-    auvid_nav_keep_rates(nav, dt_us);
+    auvid_nav_store_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
     nav->held_rejected = 0;
     if (!running) {

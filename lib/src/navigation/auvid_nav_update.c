@@ -198,7 +198,7 @@ AUVID_INLINE unsigned nav_record_innovation(auvid_nav_diagnostics_t *d, int j, a
     return ratio > gate ? 1u << j : 0u;
 }
 
-uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     unsigned outside = 0;
@@ -229,10 +229,10 @@ static uint8_t nav_beyond_max_acceleration(const auvid_nav_t *nav, const auvid_n
     return outside;
 }
 
-auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m)
+auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    m->outside = auvid_nav_look(nav, m);
+    m->outside = auvid_nav_innovations(nav, m);
     if (m->outside != 0 && m->is_velocity) {
         m->outside = nav_beyond_max_acceleration(nav, m);
     }
@@ -273,11 +273,11 @@ static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *
         const auvid_real_t *h = nav_direction(m, j);
         nav_restart_velocity(nav, h, step, variance + nav_noise_since(nav, m->age, h, noise));
     } else {
-        auvid_nav_restart(nav, m->first + j, step, variance);
+        auvid_nav_restart_position(nav, m->first + j, step, variance);
     }
 }
 
-void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_real_t nis = AUVID_C(0.0);
     for (int j = 0; m->outside != 0 && j < nav_scalar_count(m); ++j) {
@@ -295,7 +295,8 @@ void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     }
 }
 
-void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance)
+void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
+                                auvid_real_t variance)
 {
     nav_move_position(nav, axis, step);
     for (int k = 0; k < 3; ++k) {
