@@ -36,7 +36,7 @@ void tearDown()
 // What many runs show.
 struct outcome_t {
     int runs, sets, changes;
-    double square[MOST]; // mean square error of a run
+    double square[MOST];  // mean square error of a run
     double covered[MOST]; // part of its parameters within two standard errors
 };
 static outcome_t whole, part;
@@ -63,8 +63,7 @@ static void run(outcome_t *to, uint64_t seed, const sim_config_t &dvl, uint32_t 
     int covered = 0;
     for (int i = 0; i < PARAMETERS; ++i) {
         double sigma = double(chain.id.estimate.confidence.sigma[i]);
-        covered +=
-            std::fabs(chain_error(&chain, i) * chain.sim.config.parameter[i]) <= 2 * sigma;
+        covered += std::fabs(chain_error(&chain, i) * chain.sim.config.parameter[i]) <= 2 * sigma;
     }
     to->sets += int(chain.id.metric.sets_recorded);
     to->square[to->runs] = chain_mean_square(&chain);

@@ -19,8 +19,8 @@
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned
  * after three sets if its uncertainty would remain more than 1.5 times too large at the end: with
- * all data that fit into the run and the ring. auvid_identifier_t.adaptive lists the abandoned parameters;
- * estimate.confidence holds the reason.
+ * all data that fit into the run and the ring. auvid_identifier_t.adaptive lists the
+ * abandoned parameters; estimate.confidence holds the reason.
  *
  * Girona500, 100 N and 40 Nm, disturbance 1 N, 100 runs: all 13 parameters are identifiable after
  * 93 s. With the plan of excitation.h it takes 110 s with all DoFs at the same time, 425 s one by

@@ -140,8 +140,8 @@ static inline void nav_record_accepted(auvid_nav_diagnostics_t *d, uint64_t t_us
  * for each one outside the gate. */
 uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
-/** Call auvid_nav_innovations(), then test the gate, with re-initialisation after repeated rejections.
- * Return AUVID_OK or AUVID_GATED. */
+/** Call auvid_nav_innovations(), then test the gate, with re-initialisation after repeated
+ * rejections. Return AUVID_OK or AUVID_GATED. */
 auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
 /** Apply Eq. 6 to a sample that auvid_nav_gate() accepted, one scalar after the other. */

@@ -194,7 +194,7 @@ static void test_a_thruster_out_of_order_is_not_used(void)
     assert_wrench(60, 0, 0, 0, 0, 0);
 }
 
-/* In exact arithmetic the first thruster has no effect on sway: its share is proportional to the sum
+/* In exact arithmetic the first thruster does not affect sway: its share is proportional to the sum
  * of products of the columns' X and Y, -0.5 * 0.6 + 0.3 * 1.0. It works in one direction only, so
  * a rounding error would block sway in one direction. */
 static void test_a_thruster_at_its_limit_does_not_block_a_dof_it_does_not_affect(void)

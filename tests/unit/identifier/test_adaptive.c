@@ -1,4 +1,4 @@
-/* Adaptive excitation: it excites for missing information, within its limits, and ends by itself. */
+/* Adaptive excitation: it excites for missing information within its limits, and ends by itself. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -63,8 +63,7 @@ static void run(double seconds)
 
 static auvid_status_t dvl(auvid_dvl_lock_t lock, uint64_t t_us, const double v[3])
 {
-    const auvid_dvl_sample_t s = {
-        t_us, {real(v[0]), real(v[1]), real(v[2])}, lock, AUVID_DVL_ALL};
+    const auvid_dvl_sample_t s = {t_us, {real(v[0]), real(v[1]), real(v[2])}, lock, AUVID_DVL_ALL};
     return auvid_nav_dvl(&nav, &s);
 }
 
@@ -173,8 +172,8 @@ static void test_velocity_of_a_late_sample_is_along_the_axes_of_its_time(void)
             const double v[3] = {cos(psi), -sin(psi), 0};
             TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, now - 150000, v));
             TEST_ASSERT_EQUAL_UINT64(now - 150000, nav.ground.t_us);
-            double off = hypot((double)nav.ground.velocity[0] - v[0],
-                               (double)nav.ground.velocity[1] - v[1]);
+            double off =
+                hypot((double)nav.ground.velocity[0] - v[0], (double)nav.ground.velocity[1] - v[1]);
             max_error = k > 50 ? fmax(max_error, off) : max_error;
         }
     }
