@@ -35,7 +35,7 @@ POINTERS = {
     r"vehicle->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
-    r"id->adapt\(": r"auvid_adaptive\.c:adapt$",
+    r"id->adapt\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"m->apply_prior\(": r"auvid_metric_prior\.c:recall$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",

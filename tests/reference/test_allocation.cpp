@@ -32,7 +32,7 @@ static double uniform(double low, double high)
     return std::uniform_real_distribution<double>(low, high)(generator);
 }
 
-// Entries as auvid_real_t holds them, so that both sides invert the very same matrix.
+// Entries as auvid_real_t holds them, so that both sides invert the same matrix.
 static MatrixXd rounded(const MatrixXd &m)
 {
     return m.unaryExpr([](double x) { return double(auvid_real_t(x)); });

@@ -1,5 +1,5 @@
 // The covariance of the navigation filter stays symmetric and positive definite, in single
-// precision, through everything that can happen to it. 1e5 ticks, 1e6 in long mode.
+// precision, in all operating conditions. 1e5 ticks, 1e6 in long mode.
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -50,8 +50,9 @@ static double smallest_eigenvalue(const auvid_nav_t &nav)
         .minCoeff();
 }
 
-// All sensors, late and punctual, whole and in part, good and wild; drop-outs of minutes, dives,
-// long ticks; attitude anywhere.
+// All sensors, late and punctual, whole and in part, accurate and outlying; drop-outs of minutes,
+// dives,
+// long ticks; any attitude.
 static void stress(const auvid_nav_config_t &c, bool wild, unsigned seed)
 {
     std::mt19937 generator(seed);
@@ -72,9 +73,9 @@ static void stress(const auvid_nav_config_t &c, bool wild, unsigned seed)
                                           auvid_real_t(std::fmod(0.2 * t, 6.28))};
         const auvid_real_t rates[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
         TEST_ASSERT_TRUE(auvid_nav_imu(&nav, t_us, attitude, rates) >= 0);
-        bool silent = k % 10000 > 7000, surface = k / 5000 % 2 == 0;
+        bool dropped_out = k % 10000 > 7000, surface = k / 5000 % 2 == 0;
         auto age = [&] { return chance(0.5) ? 0u : unsigned(uniform(0, 450000)); };
-        if (!silent && k % 10 == 0) {
+        if (!dropped_out && k % 10 == 0) {
             auvid_real_t spread = wild && chance(0.2) ? 2 : auvid_real_t(0.05);
             auvid_dvl_sample_t s = {t_us - age(),
                                     {auvid_real_t(0.5) + uniform(-spread, spread),
@@ -112,7 +113,7 @@ static void test_default_tuning_keeps_the_covariance_positive_definite()
     stress(c, false, 1);
 }
 
-static void test_outliers_and_lockouts_keep_the_covariance_positive_definite()
+static void test_outliers_and_reinitialisation_keep_the_covariance_positive_definite()
 {
     auvid_nav_config_t c;
     auvid_nav_defaults(&c);
@@ -122,7 +123,7 @@ static void test_outliers_and_lockouts_keep_the_covariance_positive_definite()
     stress(c, true, 2);
 }
 
-// Sharp sensors against a wide start: what is left of a variance is near the rounding of it.
+// Accurate sensors, large initial variances: the remaining variance is near its rounding error.
 static void test_extreme_tuning_keeps_the_covariance_positive_definite()
 {
     auvid_nav_config_t c;
@@ -153,7 +154,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_default_tuning_keeps_the_covariance_positive_definite);
-    RUN_TEST(test_outliers_and_lockouts_keep_the_covariance_positive_definite);
+    RUN_TEST(test_outliers_and_reinitialisation_keep_the_covariance_positive_definite);
     RUN_TEST(test_extreme_tuning_keeps_the_covariance_positive_definite);
     RUN_TEST(test_coarse_tuning_keeps_the_covariance_positive_definite);
     return UNITY_END();

@@ -49,8 +49,8 @@ class Dense
 {
   public:
     struct Sensor {
-        int refusals = 0;
-        bool alive = false;
+        int rejections = 0;
+        bool has_sample = false;
         uint64_t good_us = 0;
     };
     auvid_nav_config_t c;
@@ -108,7 +108,7 @@ class Dense
     {
         bool water = s.lock == AUVID_DVL_WATER;
         Sensor &bottom = sensor[AUVID_NAV_DVL_BOTTOM];
-        bool apart = water && bottom.alive && now <= bottom.good_us + c.stale_us;
+        bool hold_back = water && bottom.has_sample && now <= bottom.good_us + c.stale_us;
         double noise = std::pow(c.sigma_dvl, 2) + (water ? std::pow(c.sigma_current, 2) : 0.0);
         Vector3d v;
         MatrixXd H = MatrixXd::Zero(0, 6);
@@ -129,7 +129,7 @@ class Dense
             z[z.size() - 1] = s.valid == 7 ? body[j] : v[j] - mount.col(j).dot(turning);
         }
         return update(water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM, s.t_us, H, z, noise, true,
-                      apart);
+                      hold_back);
     }
 
     auvid_status_t depth(uint64_t t_us, double z)
@@ -171,7 +171,7 @@ class Dense
     }
 
   private:
-    // Straight between the rates kept and the present ones.
+    // Linear between the stored rates and the current ones.
     Vector3d rates_at(uint64_t t_us) const
     {
         std::pair<uint64_t, Vector3d> later(now, rates);
@@ -233,7 +233,7 @@ class Dense
     }
 
     auvid_status_t update(int which, uint64_t t_us, const MatrixXd &H, const VectorXd &z,
-                          double noise, bool velocity, bool apart)
+                          double noise, bool velocity, bool hold_back)
     {
         Sensor &s = sensor[which];
         double a = age(t_us), S;
@@ -245,22 +245,22 @@ class Dense
             innovation(H.row(j), noise, a, velocity, clean, pxz, S);
             double nu = z[j] - H.row(j).dot(x);
             nus.push_back(nu);
-            double since = velocity && s.alive ? 1e-6 * double(t_us - s.good_us) : 0.0;
+            double since = velocity && s.has_sample ? 1e-6 * double(t_us - s.good_us) : 0.0;
             double reach = std::sqrt(c.gate * S) + c.max_acceleration * std::min(since, 10.0);
             outside[size_t(j)] = std::abs(nu) > reach;
         }
         bool any = std::find(outside.begin(), outside.end(), true) != outside.end();
-        if (any && ++s.refusals < c.max_consecutive_rejections) {
+        if (any && ++s.rejections < c.max_consecutive_rejections) {
             return AUVID_GATED;
         }
-        s.refusals = 0;
-        s.alive = true;
+        s.rejections = 0;
+        s.has_sample = true;
         s.good_us = t_us;
-        if (apart) {
+        if (hold_back) {
             return AUVID_UNUSED;
         }
         for (int j = 0; j < z.size(); ++j) {
-            if (outside[size_t(j)]) { // forget all that was known along u
+            if (outside[size_t(j)]) { // discard the information along u
                 Vector6d u = H.row(j).transpose();
                 if (!velocity) {
                     u.tail<3>().setZero();
@@ -284,7 +284,7 @@ class Dense
     }
 };
 
-// What is on its way to the filter.
+// A sample in transit to the filter.
 struct Event {
     uint64_t due_us;
     int sensor; // auvid_nav_sensor_t
@@ -371,7 +371,7 @@ class Ride
         auvid_nav_defaults(&c);
         c.speed_limit = 8;
         c.max_acceleration =
-            auvid_real_t(0.1); // so that the biased DVL gets to the end of its refusals
+            auvid_real_t(0.1); // so that the biased DVL reaches max_consecutive_rejections
         c.dvl_euler[0] = auvid_real_t(0.05);
         c.dvl_euler[2] = auvid_real_t(3.926990817);
         c.dvl_lever[0] = auvid_real_t(-0.75);
@@ -499,7 +499,7 @@ static void check_together(double max_age_s, bool with_gps)
     TEST_ASSERT_TRUE(r.worst_position < 1e-3);
     TEST_ASSERT_TRUE(r.worst_velocity < 1e-4);
     TEST_ASSERT_TRUE(r.covariance_error() < 1e-4);
-    // and all of it did happen
+    // and all cases occurred
     TEST_ASSERT_TRUE(r.statuses[AUVID_OK] > 5000);
     TEST_ASSERT_TRUE(r.statuses[AUVID_GATED] > 50);
     TEST_ASSERT_TRUE(r.statuses[AUVID_UNUSED] > 500);
@@ -669,7 +669,7 @@ class Clone
                 worst = std::max(worst, std::abs(P(i, j) - C(i, j)) / sigma[i] / sigma[j]);
             }
         }
-        for (int i = 0; i < 3; ++i) { // the knot is the estimate of the past velocity
+        for (int i = 0; i < 3; ++i) { // the velocity sample is the estimate of the past velocity
             double v = double(nav.ground.velocity[i]);
             worst = std::max(worst, std::abs(v - y[6 + i]) / sigma[3 + i]);
         }
@@ -688,12 +688,12 @@ static void check_against_clones(bool directed)
     TEST_ASSERT_TRUE(worst < 1e-3);
 }
 
-static void test_late_velocity_equals_a_filter_that_carries_the_past_velocity_along()
+static void test_late_velocity_equals_a_filter_with_the_past_velocity_as_a_state()
 {
     check_against_clones(false);
 }
 
-static void test_part_of_a_late_velocity_does_so_too()
+static void test_partial_late_velocity_equals_it_too()
 {
     check_against_clones(true);
 }
@@ -705,7 +705,7 @@ int main()
     RUN_TEST(test_ten_minutes_of_dead_reckoning_agree_with_dense_matrices);
     RUN_TEST(test_ten_minutes_with_late_samples_agree_with_dense_matrices);
     RUN_TEST(test_ten_minutes_with_very_late_samples_agree_with_dense_matrices);
-    RUN_TEST(test_late_velocity_equals_a_filter_that_carries_the_past_velocity_along);
-    RUN_TEST(test_part_of_a_late_velocity_does_so_too);
+    RUN_TEST(test_late_velocity_equals_a_filter_with_the_past_velocity_as_a_state);
+    RUN_TEST(test_partial_late_velocity_equals_it_too);
     return UNITY_END();
 }

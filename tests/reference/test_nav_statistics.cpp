@@ -1,4 +1,4 @@
-// Is the navigation filter as sure as it may be? Worlds drawn from its own model: accelerations
+// Consistency of the navigation filter. Worlds drawn from its own model: accelerations
 // Gaussian and constant over each tick, Gaussian sensors, attitude known. Then NEES must be
 // chi-square of 6 degrees of freedom, NIS of 3 (DVL), 1 (depth), 2 (GPS).
 #include <Eigen/Dense>
@@ -82,7 +82,7 @@ static double nees(const auvid_nav_t &nav, const Vector6d &truth)
     return e.dot(P.ldlt().solve(e));
 }
 
-// One run; the filter believes accelerations `belief` times as large as they are.
+// One run; the filter assumes `belief` times the true accelerations.
 class Run
 {
   public:
@@ -109,7 +109,7 @@ class Run
     void go()
     {
         const uint64_t start_us = t_us, end_us = t_us + 1000000u * seconds;
-        // NEES is looked at midway between DVL samples, where the process noise shows
+        // NEES is evaluated midway between DVL samples, where the process noise shows
         uint64_t look_us = start_us + 1100000;
         Sum over_time;
         for (; t_us <= end_us; t_us += 10000 + generator() % 20001) {
@@ -239,8 +239,8 @@ static void test_nis_is_that_of_a_consistent_filter()
     TEST_ASSERT_TRUE(in_band("NIS, GPS", r.nis[3].mean(), 2, r.nis[3].n));
 }
 
-// The bands are narrow enough to tell a filter that is wrong by a fifth.
-static void test_a_filter_that_believes_wrong_accelerations_is_told_apart()
+// The bands are narrow enough to detect a filter that is wrong by a fifth.
+static void test_a_filter_with_wrong_process_noise_is_detected()
 {
     for (double belief : {0.8, 1.25}) {
         Result r = campaign(belief);
@@ -256,6 +256,6 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(test_nees_is_that_of_a_consistent_filter);
     RUN_TEST(test_nis_is_that_of_a_consistent_filter);
-    RUN_TEST(test_a_filter_that_believes_wrong_accelerations_is_told_apart);
+    RUN_TEST(test_a_filter_with_wrong_process_noise_is_detected);
     return UNITY_END();
 }

@@ -1,16 +1,16 @@
-// Velocity that is measured now and then: what it does to sets, estimates and verdicts.
+// Velocity with gaps: its effect on sets, estimates and change tests.
 //
 // Partial samples: the DVL measures only one or two of its axes in 0 to 10 % of its samples, the
-// axes drawn at random, for one sample or for ten in a row (2 s). The vehicle stays as it is: at
-// most 1 of 1000 sets may say that it has changed.
+// axes drawn at random, for one sample or for ten in a row (2 s). The vehicle does not change: at
+// most 1 of 1000 sets may report a change.
 // Drop-outs: 20 % of the samples never arrive. At least 6 of 8 sets are complete in the time of
 // eight, the rms error of the parameters is at most 1.2 times that without drop-outs, and two
 // standard errors cover the truth in 92-98 %.
 //
-// Somebody else drives, so that the guard does not end a run in which velocity is lost for long.
+// A pilot drives, so that the guard does not end a run in which velocity is lost for long.
 //
 // Long form (AUVID_TEST_LONG): 4000 sets with partial samples, 200 runs with drop-outs, and the
-// figures themselves must hold. Short form: fails when they are refuted, at the 99.9 % level or by
+// figures themselves must hold. Short form: it fails if they are refuted at the 99.9 % level or by
 // 3.3 standard errors of the mean over runs.
 #include <cmath>
 #include <cstdio>
@@ -36,7 +36,7 @@ void tearDown()
 // What many runs show.
 struct outcome_t {
     int runs, sets, changes;
-    double square[MOST]; // mean square error of a run
+    double square[MOST];  // mean square error of a run
     double covered[MOST]; // part of its parameters within two standard errors
 };
 static outcome_t whole, part;
@@ -63,8 +63,7 @@ static void run(outcome_t *to, uint64_t seed, const sim_config_t &dvl, uint32_t 
     int covered = 0;
     for (int i = 0; i < PARAMETERS; ++i) {
         double sigma = double(chain.id.estimate.confidence.sigma[i]);
-        covered +=
-            std::fabs(chain_error(&chain, i) * chain.sim.config.parameter[i]) <= 2 * sigma;
+        covered += std::fabs(chain_error(&chain, i) * chain.sim.config.parameter[i]) <= 2 * sigma;
     }
     to->sets += int(chain.id.metric.sets_recorded);
     to->square[to->runs] = chain_mean_square(&chain);

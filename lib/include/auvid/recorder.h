@@ -1,26 +1,28 @@
 /**
  * @file recorder.h
- * Recorder: brings attitude, velocity and applied wrench, each arriving at its own irregular times,
- * onto one grid of cells (III-B, the buffers eta, nu, nu_dot, tau of Eq. 9).
+ * Recorder: averages attitude, velocity and applied wrench, which arrive at irregular times, over
+ * a common grid of cells (III-B, the buffers eta, nu, nu_dot, tau of Eq. 9).
  *
- * A cell holds the exact mean of each signal over the same interval, so that a smoothed equation of
- * motion still holds: mean acceleration and mean wrench belong together. Between its samples a
- * signal runs straight; the wrench holds (a thruster command) or runs straight. Velocity is best
- * given only when a DVL update has just corrected it: a constant-velocity filter lags in between.
- * Accelerations are central differences of the cell means, of fourth order:
+ * A cell holds the exact mean of each signal over the same interval. The equation of motion then
+ * holds for the smoothed signals: mean acceleration and mean wrench belong together. Attitude and
+ * velocity are interpolated linearly between samples. The wrench is held (a thruster command) or
+ * interpolated linearly. Feed velocity only when a DVL update has just corrected it: a
+ * constant-velocity filter lags in between. Accelerations are central differences of the cell
+ * means, of fourth order:
  *
  *     nu_dot[k] = (8 (nu[k+1] - nu[k-1]) - (nu[k+2] - nu[k-2])) / (12 T)
  *
- * Called by the identifier in the control tick: feed the three streams, then pop cells until
- * AUVID_EMPTY. A stream silent for longer than `gap_us` breaks the record: cells not popped by then
- * are lost, pop says AUVID_GAP once, and a new record begins with the next samples. (A stream that
- * says nothing at all is found out when the others have run through all cells kept.) So does a
- * stream that lags further behind than the cells kept, which must therefore span the time between
- * its samples.
+ * The identifier calls it in the control tick: feed the three streams, then pop cells until
+ * AUVID_EMPTY. Two cases break the record:
+ * - a stream has no sample for longer than `gap_us`;
+ * - a stream lags by more than the stored cells, which must span the time between its samples. This
+ *   also detects a stream that stops for good.
+ * A break discards the cells that were not popped; auvid_recorder_pop() returns AUVID_GAP once, and
+ * the next samples begin a new record.
  *
- * A velocity sample may measure a part of u, v and w. Each of them runs straight between its own
- * samples. One that is not measured for `gap_us`, or for AUVID_RECORDER_CELLS - 8 cells, while
- * another one is, does not break the record: the cells without it say so (sample.missing).
+ * A velocity sample may measure a subset of u, v and w. Each component is interpolated linearly
+ * between its own samples. A component does not break the record if another one is measured: after
+ * `gap_us`, or AUVID_RECORDER_CELLS - 8 cells, without it, cells are marked in sample.missing.
  *
  * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.8 KiB
  * with default sizes.
@@ -34,33 +36,35 @@
 extern "C" {
 #endif
 
-/** Cells kept: the slowest stream may lag behind the fastest by this many, less five. */
+/** Number of stored cells. The slowest stream may lag the fastest by this many, less five. */
 #define AUVID_RECORDER_CELLS 16
-/** Largest value taken, whatever its unit: beyond it there is a fault, and in single precision its
- * squares would stay in the data for as long as the set does. */
+/** Largest accepted magnitude, in any unit. A larger value is a fault; in single precision its
+ * square would dominate the data set. */
 #define AUVID_RECORDER_LARGEST AUVID_C(1e9)
 #define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
 
-/** How the applied wrench runs between its samples. */
+/** Interpolation of the applied wrench between its samples. */
 typedef enum {
-    AUVID_INPUT_HOLD = 0,  /**< a sample holds until the next (a command, the tick's thrust) */
-    AUVID_INPUT_LINEAR = 1 /**< straight from sample to sample (a measured force) */
+    AUVID_INPUT_HOLD = 0,  /**< constant until the next sample (command, thrust of a tick) */
+    AUVID_INPUT_LINEAR = 1 /**< linear between samples (a measured force) */
 } auvid_input_mode_t;
 
+/** Configuration; copied by auvid_recorder_init(). */
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
-    uint32_t gap_us;          /**< longest silence that is bridged [us]; >= cell_us, <= 1e9. Default
-                                 0: auvid_recorder_gap of the metric's velocity_us in the identifier
-                                 (1 s for a DVL at 5 Hz), else 500000 */
+    uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
+                                 <= 1e9. Default 0: in the identifier
+                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
+                                 5 Hz), else 500000 */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
-/** One of the streams: attitude; u, v, w; input. Private. */
+/** One stream: attitude, u, v, w, or input. Private. */
 typedef struct {
     uint64_t t_us;      /* last sample's time */
     uint64_t filled_us; /* integrated up to here */
-    uint32_t cell;      /* number of the cell being filled */
-    bool valid;         /* there is a last sample */
+    uint32_t cell;      /* index of the cell being filled */
+    bool valid;         /* t_us is valid */
 } auvid_recorder_stream_t;
 
 /** The recorder. All fields private. */
@@ -69,63 +73,74 @@ typedef struct {
     auvid_recorder_stream_t stream[5];
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
-    uint64_t origin_us; /* start of cell 0 */
-    uint32_t opened;    /* cells begun so far */
-    uint32_t next;      /* cell to be popped next */
-    uint8_t measured[AUVID_RECORDER_CELLS]; /* bit i: velocity i in all of the cell */
+    uint64_t origin_us;                     /* start of cell 0 */
+    uint32_t opened;                        /* cells begun so far */
+    uint32_t next;                          /* next cell to pop */
+    uint8_t measured[AUVID_RECORDER_CELLS]; /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
 } auvid_recorder_t;
 
-/** Fill *cfg with the defaults. Null is ignored. */
+/** Fill *cfg with the defaults stated at its fields.
+ * @param cfg written whole; NULL is a no-op. */
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 
-/** Default of gap_us for velocity samples velocity_us apart [us]: five of them are bridged, but
- * 0.5 s at least and 1 s at most. */
+/** Default of gap_us: five sample intervals, at least 0.5 s and at most 1 s.
+ * @param velocity_us interval of the velocity samples [us].
+ * @return 500000..1000000 [us]. */
 uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
 #define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_COMMANDS)
-/** Start empty. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (a field out of its range). */
+/** Initialise an empty recorder.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE if a field is outside its range. On an error
+ *         *recorder is unchanged. */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
 
 #define auvid_recorder_attitude AUVID_SIZED1(auvid_recorder_attitude, AUVID_MAX_COMMANDS)
-/** Attitude and rates at t_us.
+/** Record attitude and rates.
+ * @param t_us time of measurement [us]
  * @param attitude [3] phi theta psi [rad], psi unwrapped
  * @param rates [3] p q r [rad/s]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a value beyond
- * AUVID_RECORDER_LARGEST); AUVID_ERR_TIME_BACK and AUVID_ERR_TIME_SAME (not after this stream's
- * last sample; after a break a stream that was silent may start at any time). Refused: nothing
- * changed. Cost: O(cells overlapped), <= 16. */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a value exceeds
+ *         AUVID_RECORDER_LARGEST; AUVID_ERR_TIME_BACK or AUVID_ERR_TIME_SAME if t_us is not after
+ *         this stream's last sample. After a break the stream that stopped may restart at any time.
+ *         On an error nothing changes. Cost: O(cells overlapped), <= 16. */
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 
 #define auvid_recorder_velocity AUVID_SIZED1(auvid_recorder_velocity, AUVID_MAX_COMMANDS)
-/** Body velocity through the water at t_us.
+/** Record the body velocity through the water.
+ * @param t_us time of measurement [us]
  * @param velocity [3] u v w [m/s]
  * @param measured bit i: velocity[i] was measured, 0..7; the others are not read
- * Statuses and cost as above; AUVID_ERR_RANGE for `measured`, too; AUVID_UNUSED: nothing was
- * measured, nothing changed. */
+ * @return as auvid_recorder_attitude(); AUVID_ERR_RANGE also if `measured` exceeds 7; AUVID_UNUSED
+ *         if it is 0: nothing changes. Cost as auvid_recorder_attitude(). */
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity, unsigned measured);
 
 #define auvid_recorder_motion AUVID_SIZED1(auvid_recorder_motion, AUVID_MAX_COMMANDS)
-/** Both at t_us: attitude [3] and nu [6], u v w p q r. Statuses as above; where one of the two is
- * refused, neither is taken. */
+/** Record attitude and velocity of the same time.
+ * @param t_us time of measurement [us]
+ * @param attitude [3] phi theta psi [rad], psi unwrapped
+ * @param nu [6] u v w p q r [m/s, rad/s]
+ * @return as auvid_recorder_attitude(). If either of the two is rejected, neither is recorded. */
 auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
                                      const auvid_real_t *attitude, const auvid_real_t *nu);
 
 #define auvid_recorder_input AUVID_SIZED1(auvid_recorder_input, AUVID_MAX_COMMANDS)
-/** Applied wrench from t_us on.
- * @param tau [6] N, Nm: of all sources, not only auvid's
- * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; null: zeros
- * Statuses and cost as above. */
+/** Record the applied wrench from t_us on.
+ * @param t_us time of the wrench [us]
+ * @param tau [6] [N, Nm]: total of all sources, not only auvid's
+ * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; NULL: zeros
+ * @return as auvid_recorder_attitude(). Cost as auvid_recorder_attitude(). */
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command);
 
 #define auvid_recorder_pop AUVID_SIZED1(auvid_recorder_pop, AUVID_MAX_COMMANDS)
-/** Take the next complete cell. A cell is complete when all streams have passed the second cell
- * after it.
- * @return AUVID_OK (*sample written); AUVID_EMPTY; AUVID_GAP (once for each break; *sample
- * untouched); AUVID_ERR_NULL. */
+/** Read and remove the next complete cell. A cell is complete when all streams have passed the
+ * second cell after it.
+ * @param sample written whole on AUVID_OK, else untouched.
+ * @return AUVID_OK; AUVID_EMPTY if no cell is complete; AUVID_GAP once for each break;
+ *         AUVID_ERR_NULL. */
 auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sample);
 
 #ifdef __cplusplus

@@ -2,13 +2,13 @@
  * Thruster allocation (Fossen 2011, 12.3; Karras et al. 2013, III-A).
  *
  *   tau = T f        wrench of the forces; B: the controlled rows of T, r its rank
- *   f   = B+ tau     the solution of least |f|
- * B+ by a complete orthogonal decomposition, twice Gram-Schmidt ("twice is enough": each vector is
- * orthogonalised again, which makes it as good as Householder's):
+ *   f   = B+ tau     the solution of minimum |f|
+ * B+ comes from a complete orthogonal decomposition by Gram-Schmidt. Each vector is orthogonalised
+ * twice ("twice is enough"), which makes it as accurate as Householder's method:
  *   B = L Q,  L = U S    Q (r x n): orthonormal rows, chosen with pivoting; L = B Q' (6 x r);
  *                        U (6 x r): orthonormal columns; S (r x r): upper triangular
  *   B+ = Q' S^-1 U'
- * U U' projects onto the wrenches that can be made: e_i is one of them iff (U U')_ii = 1.
+ * U U' projects onto the wrenches that the thrusters can produce: e_i is one iff (U U')_ii = 1.
  */
 #include "auvid/allocation.h"
 
@@ -18,8 +18,8 @@
 
 #define DOFS AUVID_DOF_COUNT
 
-/* What is left of a row of T outside the span of others, relative to its length, below which it
- * counts as dependent; and how far (U U')_ii may be from 1. T is measured with a tape: 0.1 %. */
+/* A row of T is dependent if its component outside the span of the others, relative to its length,
+ * is below this. Also the tolerance of (U U')_ii from 1. T is measured with a tape: 0.1 %. */
 #define DEPENDENT AUVID_C(1e-3)
 #define LARGEST_ENTRY AUVID_C(1e6)
 #define LARGEST_WRENCH AUVID_C(1e9)
@@ -77,7 +77,7 @@ typedef struct {
     int rank;
 } decomposition_t;
 
-static auvid_real_t dot(const auvid_real_t *a, const auvid_real_t *b, int n)
+static auvid_real_t allocation_dot(const auvid_real_t *a, const auvid_real_t *b, int n)
 {
     auvid_real_t sum = AUVID_C(0.0);
     for (int i = 0; i < n; ++i) {
@@ -86,8 +86,8 @@ static auvid_real_t dot(const auvid_real_t *a, const auvid_real_t *b, int n)
     return sum;
 }
 
-/* Row i of B: zero where the thruster does not work or the row is not controlled. */
-static void row_of_b(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
+/* Compute row i of B: zero for a thruster that does not work or a row that is not controlled. */
+static void allocation_row(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
 {
     bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
     for (int j = 0; j < config->thrusters; ++j) {
@@ -97,15 +97,15 @@ static void row_of_b(const auvid_allocation_config_t *config, int i, auvid_real_
     }
 }
 
-/* Take the components of v along `count` orthonormal vectors (`stride` apart) out of it, twice;
- * add them to along[] unless null. */
-static void orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride, int count, int n,
-                          auvid_real_t along[DOFS])
+/* Subtract from v its components along `count` orthonormal vectors (`stride` apart), twice; add
+ * them to along[] unless it is NULL. */
+static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride,
+                                     int count, int n, auvid_real_t along[DOFS])
 {
     for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < count; ++k) {
             const auvid_real_t *b = basis + k * stride;
-            auvid_real_t c = dot(v, b, n);
+            auvid_real_t c = allocation_dot(v, b, n);
             for (int j = 0; j < n; ++j) {
                 v[j] -= c * b[j];
             }
@@ -116,9 +116,9 @@ static void orthogonalise(auvid_real_t *v, const auvid_real_t *basis, int stride
     }
 }
 
-/* Orthonormal rows Q that span the rows of B; the next is always the row of which the largest
- * part, relative to its own length (rows have different units), is still outside the span. */
-static void span_rows(decomposition_t *d)
+/* Compute orthonormal rows Q that span the rows of B. Pivoting takes the row with the largest
+ * component outside the span, relative to its length, since rows have different units. */
+static void allocation_span_rows(decomposition_t *d)
 {
     int n = d->config->thrusters;
     d->rank = 0;
@@ -126,10 +126,10 @@ static void span_rows(decomposition_t *d)
         auvid_real_t best = DEPENDENT;
         auvid_real_t row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            row_of_b(d->config, i, row);
-            auvid_real_t length = auvid_sqrt(dot(row, row, n));
-            orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
-            auvid_real_t left = auvid_sqrt(dot(row, row, n));
+            allocation_row(d->config, i, row);
+            auvid_real_t length = auvid_sqrt(allocation_dot(row, row, n));
+            allocation_orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
+            auvid_real_t left = auvid_sqrt(allocation_dot(row, row, n));
             if (left > best * length) {
                 best = left / length;
                 for (int j = 0; j < n; ++j) {
@@ -144,21 +144,21 @@ static void span_rows(decomposition_t *d)
     }
 }
 
-/* L = B Q', column by column, and L = U S. */
-static void orthogonalise_columns(decomposition_t *d)
+/* Compute L = B Q' column by column, and factor L = U S. */
+static void allocation_orthogonalise_columns(decomposition_t *d)
 {
     int n = d->config->thrusters;
     memset(d->s, 0, sizeof d->s);
     for (int k = 0; k < d->rank; ++k) {
         auvid_real_t along[DOFS] = {0}, row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            row_of_b(d->config, i, row);
-            d->u[k][i] = dot(row, d->q[k], n);
+            allocation_row(d->config, i, row);
+            d->u[k][i] = allocation_dot(row, d->q[k], n);
         }
-        orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
-        auvid_real_t left = auvid_sqrt(dot(d->u[k], d->u[k], DOFS));
+        allocation_orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
+        auvid_real_t left = auvid_sqrt(allocation_dot(d->u[k], d->u[k], DOFS));
         for (int i = 0; i < DOFS; ++i) {
-            d->u[k][i] /= left; /* > 0: the columns of L are independent, span_rows saw to it */
+            d->u[k][i] /= left; /* > 0: the columns of L are independent */
         }
         for (int i = 0; i < k; ++i) {
             d->s[i][k] = along[i];
@@ -167,7 +167,7 @@ static void orthogonalise_columns(decomposition_t *d)
     }
 }
 
-/* B+ = Q' S^-1 U', one wrench e_dof at a time. */
+/* Compute B+ = Q' S^-1 U' for one wrench e_dof at a time. */
 static void allocation_invert(const decomposition_t *d,
                               auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
@@ -189,8 +189,8 @@ static void allocation_invert(const decomposition_t *d,
             }
             largest = auvid_max(largest, auvid_abs(inverse[j][dof]));
         }
-        /* What rounding left is zero: a thruster at its limit must not stop a DoF it has no part
-         * in. */
+        /* Rounding errors become zero: a thruster at its limit must not block a DoF on which it has
+         * no effect. */
         for (int j = 0; j < n; ++j) {
             if (auvid_abs(inverse[j][dof]) < AUVID_C(32.0) * AUVID_EPSILON * largest) {
                 inverse[j][dof] = AUVID_C(0.0);
@@ -212,7 +212,7 @@ void auvid_allocation_defaults(auvid_allocation_config_t *config)
     }
 }
 
-static auvid_status_t check_thruster(const auvid_thruster_t *t)
+static auvid_status_t allocation_check_thruster(const auvid_thruster_t *t)
 {
     const auvid_real_t others[] = {t->min_N, t->max_N, t->gain_forward, t->gain_backward};
     if (!auvid_all_finite(t->wrench, DOFS) || !auvid_all_finite(others, 4)) {
@@ -236,17 +236,17 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
         return AUVID_ERR_SIZE;
     }
     for (int j = 0; j < config->thrusters; ++j) {
-        auvid_status_t status = check_thruster(&config->thruster[j]);
+        auvid_status_t status = allocation_check_thruster(&config->thruster[j]);
         if (status != AUVID_OK) {
             return status;
         }
     }
     d.config = config;
-    span_rows(&d);
+    allocation_span_rows(&d);
     if (d.rank == 0) {
         return AUVID_ERR_SINGULAR;
     }
-    orthogonalise_columns(&d);
+    allocation_orthogonalise_columns(&d);
     memset(a, 0, sizeof *a);
     a->config = *config;
     a->rank = (uint8_t)d.rank;
@@ -265,16 +265,16 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
 
 /* ---- every tick ---- */
 
-/* The largest k in 0..1 for which all base + k f keep within the limits; base does. */
-static auvid_real_t largest_scale(const auvid_allocation_t *a, const auvid_real_t *base,
-                                  const auvid_real_t *f)
+/* Return the largest k in 0..1 for which all base + k f are within the limits; base is. */
+static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvid_real_t *base,
+                                         const auvid_real_t *f)
 {
     auvid_real_t k = AUVID_C(1.0);
     for (int j = 0; j < a->config.thrusters; ++j) {
-        auvid_real_t room = f[j] > AUVID_C(0.0) ? a->config.thruster[j].max_N - base[j]
-                                                : a->config.thruster[j].min_N - base[j];
-        if (auvid_abs(k * f[j]) > auvid_abs(room)) {
-            k = room / f[j];
+        auvid_real_t margin = f[j] > AUVID_C(0.0) ? a->config.thruster[j].max_N - base[j]
+                                                  : a->config.thruster[j].min_N - base[j];
+        if (auvid_abs(k * f[j]) > auvid_abs(margin)) {
+            k = margin / f[j];
         }
     }
     return auvid_max(k, AUVID_C(0.0));
@@ -307,11 +307,11 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
             f[j] += a->inverse[j][i] * wrench[i];
         }
     }
-    result->scale_priority = largest_scale(a, none, first);
+    result->scale_priority = allocation_max_scale(a, none, first);
     for (int j = 0; j < a->config.thrusters; ++j) {
         first[j] *= result->scale_priority;
     }
-    result->scale = largest_scale(a, first, rest);
+    result->scale = allocation_max_scale(a, first, rest);
     for (int j = 0; j < a->config.thrusters; ++j) {
         result->force_N[j] = auvid_clamp(first[j] + result->scale * rest[j], /* against rounding */
                                          a->config.thruster[j].min_N, a->config.thruster[j].max_N);
@@ -341,7 +341,7 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
     return AUVID_OK;
 }
 
-static auvid_real_t gain(const auvid_thruster_t *t, bool backward)
+static auvid_real_t allocation_gain(const auvid_thruster_t *t, bool backward)
 {
     return backward && t->gain_backward > AUVID_C(0.0) ? t->gain_backward : t->gain_forward;
 }
@@ -358,17 +358,17 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
     for (int j = 0; j < a->config.thrusters; ++j) {
         const auvid_thruster_t *t = &a->config.thruster[j];
         bool backward = force_N[j] < AUVID_C(0.0);
-        auvid_real_t n = auvid_abs(force_N[j]) / gain(t, backward);
+        auvid_real_t n = auvid_abs(force_N[j]) / allocation_gain(t, backward);
         n = t->law == AUVID_THRUST_SQUARE ? auvid_sqrt(n) : n;
         command[j] = backward ? -n : n;
     }
     return AUVID_OK;
 }
 
-static auvid_real_t force_of(const auvid_thruster_t *t, auvid_real_t n)
+static auvid_real_t allocation_force_of(const auvid_thruster_t *t, auvid_real_t n)
 {
     auvid_real_t size = t->law == AUVID_THRUST_SQUARE ? auvid_abs(n) * n : n;
-    return gain(t, n < AUVID_C(0.0)) * size;
+    return allocation_gain(t, n < AUVID_C(0.0)) * size;
 }
 
 auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
@@ -378,12 +378,12 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
         return AUVID_ERR_NULL;
     }
     for (int j = 0; j < a->config.thrusters; ++j) {
-        if (!auvid_is_finite(force_of(&a->config.thruster[j], command[j]))) {
+        if (!auvid_is_finite(allocation_force_of(&a->config.thruster[j], command[j]))) {
             return AUVID_ERR_NOT_FINITE;
         }
     }
     for (int j = 0; j < a->config.thrusters; ++j) {
-        force_N[j] = force_of(&a->config.thruster[j], command[j]);
+        force_N[j] = allocation_force_of(&a->config.thruster[j], command[j]);
     }
     return AUVID_OK;
 }
@@ -393,7 +393,7 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
 auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_t dof,
                                          auvid_real_t *negative, auvid_real_t *positive)
 {
-    auvid_real_t most[2] = {AUVID_LARGEST, AUVID_LARGEST}; /* negative, positive */
+    auvid_real_t limit[2] = {AUVID_LARGEST, AUVID_LARGEST}; /* negative, positive */
     if (a == NULL || negative == NULL || positive == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -405,16 +405,16 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
         auvid_real_t up = a->config.thruster[j].max_N;
         auvid_real_t down = -a->config.thruster[j].min_N;
         auvid_real_t size = auvid_abs(c);
-        if (size * most[1] > (c > AUVID_C(0.0) ? up : down)) {
-            most[1] = (c > AUVID_C(0.0) ? up : down) / size;
+        if (size * limit[1] > (c > AUVID_C(0.0) ? up : down)) {
+            limit[1] = (c > AUVID_C(0.0) ? up : down) / size;
         }
-        if (size * most[0] > (c > AUVID_C(0.0) ? down : up)) {
-            most[0] = (c > AUVID_C(0.0) ? down : up) / size;
+        if (size * limit[0] > (c > AUVID_C(0.0) ? down : up)) {
+            limit[0] = (c > AUVID_C(0.0) ? down : up) / size;
         }
     }
     bool actuated = (a->actuated & AUVID_DOF_BIT(dof)) != 0;
-    *negative = actuated ? -most[0] : AUVID_C(0.0);
-    *positive = actuated ? most[1] : AUVID_C(0.0);
+    *negative = actuated ? -limit[0] : AUVID_C(0.0);
+    *positive = actuated ? limit[1] : AUVID_C(0.0);
     return AUVID_OK;
 }
 
@@ -439,7 +439,8 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
     }
     for (int j = 0; j < a->config.thrusters; ++j) {
         const auvid_thruster_t *t = &a->config.thruster[j];
-        auvid_real_t middle = hold != NULL ? dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
+        auvid_real_t middle =
+            hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
         auvid_real_t reach = AUVID_C(0.0);
         for (int i = 0; i < DOFS; ++i) {
             reach += auvid_abs(a->inverse[j][i]) * peak[i];

@@ -1,16 +1,17 @@
 /*
  * Excitation (Karras et al. 2013, III-A): steps for the drags, sines for the inertias.
  *
- * With e the time since start, in repetition k of the sequence, s the time since a segment began:
+ * e: time since start, in repetition k of the sequence; s: time since the segment began.
  *   tau_dof(e) = run(e) * fade(s) * shape(s)
  *   run(e)     = w(e) w(run - e) w(stop + fade - e)       w: raised cosine, 0..1
  * A random segment seeds its generator from (seed, k, segment) when it begins, so the wrench does
- * not depend on which ticks came before.
+ * not depend on the earlier ticks.
  *
- * Drift: with d the displacement, L the leash, A the peak of the segment,
- *   strayed = clamp((|d| - L) / L, 0, 1) sign(d)
- *   shape   = clamp(shape - A strayed fade, -A, A)        and random steps choose their signs so
- * that they lead back. Steps alone cannot fight what sines and a current do.
+ * Drift: d the displacement, L the excursion limit, A the peak of the segment,
+ *   excursion = clamp((|d| - L) / L, 0, 1) sign(d)
+ *   shape     = clamp(shape - A excursion fade, -A, A)
+ * Random steps also choose the sign that brings the DoF back. Signs of steps do not suffice against
+ * sines and a current.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -31,14 +32,14 @@ static auvid_real_t excitation_to_s(uint32_t us)
     return (auvid_real_t)us * AUVID_C(1e-6);
 }
 
-/* sin(2 pi cycles + phase), cycles >= 0 */
-static auvid_real_t sine(auvid_real_t cycles, auvid_real_t phase)
+/* Return sin(2 pi cycles + phase), cycles >= 0. */
+static auvid_real_t excitation_sine(auvid_real_t cycles, auvid_real_t phase)
 {
     return auvid_sin_turned(TWO_PI * (cycles - (auvid_real_t)(uint32_t)cycles) + phase, 0);
 }
 
-/* w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
-static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
+/* Return w = (1 - cos(pi x / length)) / 2 within the fade, 1 after it. */
+static auvid_real_t excitation_raised_cosine(uint64_t x_us, uint32_t length_us)
 {
     if (x_us >= length_us) {
         return AUVID_C(1.0);
@@ -49,20 +50,20 @@ static auvid_real_t raised_cosine(uint64_t x_us, uint32_t length_us)
 
 /* ---- random steps ---- */
 
-static auvid_real_t steps_value(const channel_t *c, uint32_t s_us, uint32_t fade_us)
+static auvid_real_t excitation_steps_value(const channel_t *c, uint32_t s_us, uint32_t fade_us)
 {
-    auvid_real_t part = raised_cosine(s_us - c->hold_from_us, fade_us);
+    auvid_real_t part = excitation_raised_cosine(s_us - c->hold_from_us, fade_us);
     return part < AUVID_C(1.0) ? c->before + (c->level - c->before) * part : c->level;
 }
 
-/* The next hold. Every change of level takes fade_us, also the last one, to zero at end_us: the
- * signal is a staircase passed through one averaging window, so pairs leave no net impulse. */
+/* Begin the next hold. Every change of level takes fade_us, including the last one to zero at
+ * end_us. The signal is a staircase filtered by one window, so pairs have no net impulse. */
 static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
-                                 uint32_t fade_us, auvid_real_t strayed)
+                                 uint32_t fade_us, auvid_real_t excursion)
 {
     auvid_rng_t rng;
     uint64_t to;
-    c->before = steps_value(c, c->hold_to_us, fade_us);
+    c->before = excitation_steps_value(c, c->hold_to_us, fade_us);
     c->hold_from_us = c->hold_to_us;
     c->hold_to_us = UINT32_MAX;
     if (c->hold_from_us >= end_us) {
@@ -76,10 +77,10 @@ static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, u
         memcpy(rng.s, c->rng, sizeof rng.s);
         bool change = auvid_rng_uniform(&rng) < SIGN_CHANGES;
         auvid_real_t level = auvid_rng_uniform(&rng) < AUVID_C(0.5) ? LOW_LEVEL : AUVID_C(1.0);
-        /* Within pairs the sign has changed already: each begins with the first one's. */
+        /* Within pairs the sign has already changed: each pair begins with the same sign. */
         c->negative = c->negative != (change && !segment->pairs);
-        if (auvid_abs(strayed) > AUVID_C(0.0)) {
-            c->negative = (strayed > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
+        if (auvid_abs(excursion) > AUVID_C(0.0)) {
+            c->negative = (excursion > AUVID_C(0.0)) == (segment->amplitude > AUVID_C(0.0));
         }
         c->level = c->negative ? -level : level;
         c->hold_us = (uint32_t)auvid_excitation_us(segment->hold_min_s +
@@ -96,22 +97,23 @@ static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, u
     c->hold_to_us = to < end_us ? (uint32_t)to : end_us;
 }
 
-static auvid_real_t play_steps(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
-                               uint32_t duration_us, auvid_real_t strayed)
+static auvid_real_t excitation_play_steps(channel_t *c, const auvid_segment_t *segment,
+                                          uint32_t s_us, uint32_t duration_us,
+                                          auvid_real_t excursion)
 {
     uint32_t fade_us = (uint32_t)auvid_excitation_us(segment->fade_s);
     /* duration / shortest hold is at most AUVID_EXCITATION_HOLDS; one more for a rounded hold, one
-     * for the rest at the end. */
+     * for the remainder at the end. */
     for (int i = 0; i < AUVID_EXCITATION_HOLDS + 2 && s_us >= c->hold_to_us; ++i) {
-        excitation_next_hold(c, segment, duration_us - fade_us, fade_us, strayed);
+        excitation_next_hold(c, segment, duration_us - fade_us, fade_us, excursion);
     }
-    return steps_value(c, s_us, fade_us);
+    return excitation_steps_value(c, s_us, fade_us);
 }
 
 /* ---- sum of sines ---- */
 
-/* r^k */
-static auvid_real_t power(auvid_real_t r, int k)
+/* Return r^k. */
+static auvid_real_t excitation_power(auvid_real_t r, int k)
 {
     auvid_real_t p = AUVID_C(1.0);
     for (; k > 0; --k) {
@@ -120,18 +122,18 @@ static auvid_real_t power(auvid_real_t r, int k)
     return p;
 }
 
-/* The positive root of r^k = q, 1 <= q <= LARGEST_RATIO, by Newton's steps from above,
+/* Return the positive root of r^k = q, 1 <= q <= LARGEST_RATIO, by Newton's method from above,
  *     r <- r - (r - q / r^(k-1)) / k,
- * which fall until rounding stops them. */
-static auvid_real_t root(auvid_real_t q, int k)
+ * which decreases until rounding stops it. */
+static auvid_real_t excitation_root(auvid_real_t q, int k)
 {
     auvid_real_t r = AUVID_C(1.0);
-    for (int i = 0; i < 32 && k > 0 && power(r, k) < q; ++i) {
+    for (int i = 0; i < 32 && k > 0 && excitation_power(r, k) < q; ++i) {
         r *= AUVID_C(2.0);
     }
     auvid_real_t part = k > 0 ? AUVID_C(1.0) / (auvid_real_t)k : AUVID_C(0.0);
     for (int i = 0; i < ROOT_STEPS; ++i) {
-        auvid_real_t next = r - (r - q / power(r, k - 1)) * part;
+        auvid_real_t next = r - (r - q / excitation_power(r, k - 1)) * part;
         if (!(next < r)) {
             break;
         }
@@ -140,17 +142,17 @@ static auvid_real_t root(auvid_real_t q, int k)
     return r;
 }
 
-/* A part of a cycle in 2^-32. */
-static uint32_t to_phase(auvid_real_t cycles)
+/* Return the fraction of a cycle in units of 2^-32. */
+static uint32_t excitation_to_phase(auvid_real_t cycles)
 {
     return (uint32_t)((cycles - (auvid_real_t)(uint32_t)cycles) * AUVID_C(4294967296.0));
 }
 
-/* sin(2 pi phase / 2^32) in 2^-15, in integers, which cores without floating point like better:
- * p (a + b p) of the parabola p = 4 y (1 - y) over half a cycle, fitted with all roundings. The
- * error is 8.6e-4, and 2e-5 are for the rounding of the phase after 256 steps. */
+/* Return sin(2 pi phase / 2^32) in units of 2^-15. Integer arithmetic is faster on cores without
+ * floating point. Over half a cycle it is p (a + b p) with the parabola p = 4 y (1 - y), fitted
+ * with all roundings. The error is 8.6e-4, plus 2e-5 for the rounded phase after 256 steps. */
 #define PHASE_SINE_ERROR AUVID_C(8.8e-4)
-static int32_t phase_sine(uint32_t phase)
+static int32_t excitation_phase_sine(uint32_t phase)
 {
     uint32_t y = (phase & 0x7fffffffu) >> 16;
     uint32_t p = y * (32768u - y) >> 13;
@@ -158,10 +160,11 @@ static int32_t phase_sine(uint32_t phase)
     return (phase >> 31) != 0 ? -sine : sine;
 }
 
-/* An upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart, ends
- * included: at an extremum inside, the slope is zero, and the nearest point is at most h / 2 away,
+/* Return an upper bound of the peak of sum sin(2 pi (f_i s + c_i)) over 0..T, from points h apart,
+ * ends included. At an inner extremum the slope is zero and the nearest point at most h / 2 away:
  *   peak <= max over points + n error of a sine + h^2 / 8 * sum (2 pi f_i)^2,   and peak <= n. */
-static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t duration_s)
+static auvid_real_t excitation_sines_peak(const channel_t *c, uint32_t sines,
+                                          auvid_real_t duration_s)
 {
     uint32_t phase[AUVID_MAX_SINES] = {0}, turn[AUVID_MAX_SINES] = {0};
     auvid_real_t highest = AUVID_C(0.0);
@@ -176,13 +179,13 @@ static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t 
     uint32_t steps = (uint32_t)auvid_min(wanted, (auvid_real_t)AUVID_EXCITATION_SCAN);
     auvid_real_t h = duration_s / (auvid_real_t)steps;
     for (uint32_t i = 0; i < sines; ++i) {
-        phase[i] = to_phase(c->cycles[i]);
-        turn[i] = to_phase(c->frequency_hz[i] * h);
+        phase[i] = excitation_to_phase(c->cycles[i]);
+        turn[i] = excitation_to_phase(c->frequency_hz[i] * h);
     }
     for (uint32_t k = 0; k <= steps; ++k) {
         int32_t sum = 0;
         for (uint32_t i = 0; i < sines; ++i) {
-            sum += phase_sine(phase[i]);
+            sum += excitation_phase_sine(phase[i]);
             phase[i] += turn[i];
         }
         sum = sum < 0 ? -sum : sum;
@@ -192,11 +195,11 @@ static auvid_real_t sines_peak(const channel_t *c, uint32_t sines, auvid_real_t 
     return auvid_min(found + h * h * AUVID_C(0.125) * curvature, n);
 }
 
-static void begin_sines(channel_t *c, const auvid_segment_t *segment, auvid_rng_t *rng)
+static void excitation_begin_sines(channel_t *c, const auvid_segment_t *segment, auvid_rng_t *rng)
 {
-    auvid_real_t ratio =
-        root(auvid_min(segment->frequency_high_hz / segment->frequency_hz, LARGEST_RATIO),
-             (int)segment->sines - 1);
+    auvid_real_t ratio = excitation_root(
+        auvid_min(segment->frequency_high_hz / segment->frequency_hz, LARGEST_RATIO),
+        (int)segment->sines - 1);
     auvid_real_t f = segment->frequency_hz;
     for (uint32_t i = 0; i < segment->sines; ++i) {
         auvid_real_t u = AUVID_C(2.0) * auvid_rng_uniform(rng) - AUVID_C(1.0);
@@ -204,26 +207,26 @@ static void begin_sines(channel_t *c, const auvid_segment_t *segment, auvid_rng_
         c->cycles[i] = auvid_rng_uniform(rng);
         f *= ratio;
     }
-    c->scale = AUVID_C(1.0) / sines_peak(c, segment->sines, segment->duration_s);
+    c->scale = AUVID_C(1.0) / excitation_sines_peak(c, segment->sines, segment->duration_s);
 }
 
-static auvid_real_t play_sines(const channel_t *c, uint32_t sines, auvid_real_t s)
+static auvid_real_t excitation_play_sines(const channel_t *c, uint32_t sines, auvid_real_t s)
 {
     auvid_real_t sum = AUVID_C(0.0);
     for (uint32_t i = 0; i < sines; ++i) {
-        sum += sine(c->frequency_hz[i] * s + c->cycles[i], AUVID_C(0.0));
+        sum += excitation_sine(c->frequency_hz[i] * s + c->cycles[i], AUVID_C(0.0));
     }
     return sum * c->scale;
 }
 
 /* ---- segments ---- */
 
-static void begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t index,
-                          uint32_t repetition, uint64_t seed)
+static void excitation_begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t index,
+                                     uint32_t repetition, uint64_t seed)
 {
     auvid_rng_t rng;
     uint64_t id = ((uint64_t)repetition << 8) + index + 1u;
-    /* An odd factor spreads the id over all bits: neighbouring seeds share no stream. */
+    /* An odd factor distributes the id over all bits: neighbouring seeds share no stream. */
     auvid_rng_seed(&rng, seed + id * 0xD1342543DE82EF95u);
     memset(c, 0, sizeof *c);
     c->segment = (uint8_t)(index + 1u);
@@ -231,13 +234,14 @@ static void begin_segment(channel_t *c, const auvid_segment_t *segment, uint32_t
     if (segment->kind == AUVID_SEGMENT_STEPS) {
         c->negative = auvid_rng_uniform(&rng) < AUVID_C(0.5);
     } else if (segment->kind == AUVID_SEGMENT_SINES) {
-        begin_sines(c, segment, &rng);
+        excitation_begin_sines(c, segment, &rng);
     }
     memcpy(c->rng, rng.s, sizeof rng.s);
 }
 
-static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t s_us,
-                         uint32_t duration_us, auvid_real_t strayed)
+static auvid_real_t excitation_play_segment(channel_t *c, const auvid_segment_t *segment,
+                                            uint32_t s_us, uint32_t duration_us,
+                                            auvid_real_t excursion)
 {
     auvid_real_t s = excitation_to_s(s_us);
     auvid_real_t a = segment->amplitude;
@@ -253,23 +257,24 @@ static auvid_real_t play(channel_t *c, const auvid_segment_t *segment, uint32_t 
         largest = auvid_max(largest, auvid_abs(segment->from));
         break;
     case AUVID_SEGMENT_SINE:
-        y = a * sine(segment->frequency_hz * s, segment->phase);
+        y = a * excitation_sine(segment->frequency_hz * s, segment->phase);
         break;
     case AUVID_SEGMENT_SINES:
-        y = a * play_sines(c, segment->sines, s);
+        y = a * excitation_play_sines(c, segment->sines, s);
         break;
     case AUVID_SEGMENT_STEPS:
-        y = a * play_steps(c, segment, s_us, duration_us, strayed);
+        y = a * excitation_play_steps(c, segment, s_us, duration_us, excursion);
         break;
     case AUVID_SEGMENT_PAUSE:
     case AUVID_SEGMENT_KIND_COUNT:
     default:
         return AUVID_C(0.0);
     }
-    auvid_real_t fade = raised_cosine(s_us, fade_us) * raised_cosine(duration_us - s_us, fade_us);
-    y *= segment->kind == AUVID_SEGMENT_STEPS ? AUVID_C(1.0) : fade; /* steps fade by themselves */
-    if (auvid_abs(strayed) > AUVID_C(0.0)) {
-        y -= largest * strayed * fade;
+    auvid_real_t fade = excitation_raised_cosine(s_us, fade_us) *
+                        excitation_raised_cosine(duration_us - s_us, fade_us);
+    y *= segment->kind == AUVID_SEGMENT_STEPS ? AUVID_C(1.0) : fade; /* steps contain their fades */
+    if (auvid_abs(excursion) > AUVID_C(0.0)) {
+        y -= largest * excursion * fade;
     }
     return auvid_clamp(y, -largest, largest); /* against rounding */
 }
@@ -309,21 +314,21 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
     return AUVID_OK;
 }
 
-/* How far beyond its leash, -1..1; 0 within it or without one. */
-static auvid_real_t excitation_strayed(const auvid_excitation_t *e, int dof)
+/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
+static auvid_real_t excitation_excursion(const auvid_excitation_t *e, int dof)
 {
-    auvid_real_t leash = e->config.excursion_limit[dof];
+    auvid_real_t limit = e->config.excursion_limit[dof];
     auvid_real_t d = e->displacement[dof];
-    auvid_real_t beyond = auvid_abs(d) - leash;
-    if (!(leash > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
+    auvid_real_t beyond = auvid_abs(d) - limit;
+    if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
         return AUVID_C(0.0);
     }
-    auvid_real_t part = beyond < leash ? beyond / leash : AUVID_C(1.0);
+    auvid_real_t part = beyond < limit ? beyond / limit : AUVID_C(1.0);
     return d < AUVID_C(0.0) ? -part : part;
 }
 
-static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t weight,
-                     auvid_real_t *wrench)
+static void excitation_play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t weight,
+                                auvid_real_t *wrench)
 {
     uint64_t begins_us[AUVID_DOF_COUNT] = {0};
     if (elapsed_us - e->repeated_us >= e->sequence_us) {
@@ -338,11 +343,12 @@ static void play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvid_real_t we
         if (in_us >= begin_us && in_us < begins_us[segment->dof]) {
             channel_t *c = &e->channel[segment->dof];
             if (c->segment != i + 1u || c->repetition != e->repetition) {
-                begin_segment(c, segment, i, e->repetition, e->config.seed);
+                excitation_begin_segment(c, segment, i, e->repetition, e->config.seed);
             }
             wrench[segment->dof] =
-                weight * play(c, segment, (uint32_t)(in_us - begin_us), e->duration_us[i],
-                              excitation_strayed(e, (int)segment->dof));
+                weight * excitation_play_segment(c, segment, (uint32_t)(in_us - begin_us),
+                                                 e->duration_us[i],
+                                                 excitation_excursion(e, (int)segment->dof));
         }
     }
 }
@@ -373,12 +379,12 @@ auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
         e->finished = true;
         return AUVID_FINISHED;
     }
-    auvid_real_t weight =
-        raised_cosine(elapsed_us, e->fade_us) * raised_cosine(e->run_us - elapsed_us, e->fade_us);
+    auvid_real_t weight = excitation_raised_cosine(elapsed_us, e->fade_us) *
+                          excitation_raised_cosine(e->run_us - elapsed_us, e->fade_us);
     if (e->stopping) {
-        weight *= raised_cosine(e->fade_us - stopped_us, e->fade_us);
+        weight *= excitation_raised_cosine(e->fade_us - stopped_us, e->fade_us);
     }
-    play_all(e, elapsed_us, weight, wrench);
+    excitation_play_all(e, elapsed_us, weight, wrench);
     return AUVID_OK;
 }
 

@@ -1,5 +1,5 @@
 /*
- * Checking a configuration of the excitation, and taking it.
+ * Initialisation of the excitation: checks the configuration and copies it.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -10,7 +10,7 @@ bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high)
     return x >= low && x <= high;
 }
 
-/* Whole and fraction apart: float holds 3600 s only to 0.2 ms as a product. */
+/* Whole seconds and fraction are separate: in float 3600 s has a resolution of 0.2 ms. */
 uint64_t auvid_excitation_us(auvid_real_t s)
 {
     uint32_t whole = (uint32_t)s;
@@ -18,7 +18,7 @@ uint64_t auvid_excitation_us(auvid_real_t s)
     return (uint64_t)whole * 1000000u + (uint32_t)(fraction * AUVID_C(1000000.0) + AUVID_C(0.5));
 }
 
-static auvid_status_t check_segment(const auvid_segment_t *s)
+static auvid_status_t excitation_check_segment(const auvid_segment_t *s)
 {
     const auvid_real_t values[] = {
         s->duration_s,        s->amplitude, s->from,       s->fade_s,     s->frequency_hz,
@@ -105,7 +105,7 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
     }
     for (uint32_t i = 0; i < config->segments; ++i) {
         const auvid_segment_t *s = &config->segment[i];
-        auvid_status_t status = check_segment(s);
+        auvid_status_t status = excitation_check_segment(s);
         if (status != AUVID_OK) {
             return status;
         }

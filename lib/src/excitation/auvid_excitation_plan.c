@@ -1,9 +1,9 @@
 /*
- * The usual excitation for identification: sets of steps and of sums of sines in turn.
+ * Standard excitation for identification: alternating sets of steps and of sums of sines.
  *
  * The paper gives no amplitudes or frequencies. These suit vehicles of 0.1-1 t: a step is held for
- * a few time constants m / |X_u + 2 X_uu u|, and the sines lie around their inverse. Roll and pitch
- * are righted, and swing in 2-3 s whatever the vehicle's size: theirs are quicker.
+ * a few time constants m / |X_u + 2 X_uu u|, and the frequencies are around their inverse. Roll and
+ * pitch have restoring moments and periods of 2-3 s at any vehicle size: their signals are faster.
  */
 #include "auvid_excitation_init_internal.h"
 
@@ -18,10 +18,10 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config)
     }
 }
 
-/* Steps, then a sum of sines, of one degree of freedom; the segments come all zero. */
-static void excitation_add(auvid_excitation_config_t *config, auvid_dof_t dof,
-                           auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
-                           auvid_real_t between_s)
+/* Add a segment of steps and one of sines for one degree of freedom. The segments must be zero. */
+static void excitation_add_sets(auvid_excitation_config_t *config, auvid_dof_t dof,
+                                auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
+                                auvid_real_t between_s)
 {
     auvid_segment_t *s = &config->segment[config->segments];
     bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
@@ -55,9 +55,9 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one)
 {
-    static const auvid_real_t leash[AUVID_DOF_COUNT] = {AUVID_C(5.0), AUVID_C(5.0),
-                                                        AUVID_C(3.0), AUVID_C(0.0),
-                                                        AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
+    static const auvid_real_t excursion_limit[AUVID_DOF_COUNT] = {
+        AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0),
+        AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
     uint8_t n = 0;
     if (config == NULL || amplitude == NULL) {
         return AUVID_ERR_NULL;
@@ -79,7 +79,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     if (n == 0 || n > AUVID_MAX_SEGMENTS) {
         return n == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE;
     }
-    uint32_t turns = one_by_one ? n / 2u : 1u; /* degrees of freedom that follow one another */
+    uint32_t turns = one_by_one ? n / 2u : 1u; /* DoFs one after the other */
     auvid_real_t turn_s = set_s + pause_s;
     auvid_real_t duration_s = (auvid_real_t)(sets * turns) * turn_s;
     if (duration_s > AUVID_EXCITATION_LONGEST_RUN_S ||
@@ -91,12 +91,12 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
         if (amplitude[dof] > AUVID_C(0.0)) {
             uint32_t turn = one_by_one ? config->segments / 2u : 0u;
-            excitation_add(config, (auvid_dof_t)dof, amplitude[dof], set_s,
-                           pause_s + (auvid_real_t)turn * turn_s,
-                           pause_s + (auvid_real_t)(turns - 1u) * turn_s);
+            excitation_add_sets(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+                                pause_s + (auvid_real_t)turn * turn_s,
+                                pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
-    memcpy(config->excursion_limit, leash, sizeof leash);
+    memcpy(config->excursion_limit, excursion_limit, sizeof excursion_limit);
     config->duration_s = duration_s;
     config->seed = seed;
     return AUVID_OK;

@@ -1,6 +1,5 @@
 /*
- * The guard of the excitation. Every test of a limit is written !(value <= limit), so that NaN
- * breaks it.
+ * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
 #include "auvid/guard.h"
 
@@ -65,18 +64,18 @@ auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cf
     return AUVID_OK;
 }
 
-static bool is_on(const auvid_guard_t *g, auvid_guard_cause_t cause)
+static bool guard_is_on(const auvid_guard_t *g, auvid_guard_cause_t cause)
 {
     return (g->cfg.off >> cause & 1u) == 0;
 }
 
-static bool is_watching(const auvid_guard_t *g)
+static bool guard_is_watching(const auvid_guard_t *g)
 {
     return g->state == AUVID_GUARD_ARMED || g->state == AUVID_GUARD_EXCITING ||
            g->state == AUVID_GUARD_SETTLING;
 }
 
-/* For telling only: whole and fraction apart, for any length. */
+/* For reports only. Whole seconds and fraction are converted separately, for any length. */
 static auvid_real_t guard_to_s(uint64_t us)
 {
     uint64_t whole = auvid_divide(us, 1000000u);
@@ -84,13 +83,13 @@ static auvid_real_t guard_to_s(uint64_t us)
            (auvid_real_t)(uint32_t)(us - whole * 1000000u) * AUVID_C(1e-6);
 }
 
-static uint64_t apart_us(uint64_t a_us, uint64_t b_us)
+static uint64_t guard_abs_diff_us(uint64_t a_us, uint64_t b_us)
 {
     return a_us > b_us ? a_us - b_us : b_us - a_us;
 }
 
-/* What is not finite stays so; the square root alone would make NaN a zero. */
-static auvid_real_t norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
+/* A value that is not finite remains so; auvid_sqrt() would convert NaN to zero. */
+static auvid_real_t guard_norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
 {
     auvid_real_t sum = x * x + y * y + z * z;
     return auvid_is_finite(sum) ? auvid_sqrt(sum) : sum;
@@ -98,19 +97,19 @@ static auvid_real_t norm(auvid_real_t x, auvid_real_t y, auvid_real_t z)
 
 static bool guard_is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32_t stale_us)
 {
-    return seen->known && apart_us(t_us, seen->t_us) <= stale_us;
+    return seen->known && guard_abs_diff_us(t_us, seen->t_us) <= stale_us;
 }
 
-/* Padding too: a guard compares and replays bit for bit. */
-static void guard_begin(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
+/* Clears the padding too, so that guards compare bit for bit. */
+static void guard_init_trip(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
 {
     memset(trip, 0, sizeof *trip);
     trip->cause = cause;
     trip->t_us = t_us;
 }
 
-static bool tell(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real_t value,
-                 auvid_real_t limit)
+static bool guard_set_trip(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real_t value,
+                           auvid_real_t limit)
 {
     trip->cause = cause;
     trip->value = value;
@@ -118,114 +117,123 @@ static bool tell(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real
     return true;
 }
 
-static bool tell_time(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t us,
-                      uint64_t limit_us)
+static bool guard_set_trip_time(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t us,
+                                uint64_t limit_us)
 {
-    return tell(trip, cause, guard_to_s(us), guard_to_s(limit_us));
+    return guard_set_trip(trip, cause, guard_to_s(us), guard_to_s(limit_us));
 }
 
-/* value <= limit, or a breach. */
-static bool above(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
-                  auvid_real_t value, auvid_real_t limit)
+/* Set the trip and return true unless value <= limit. */
+static bool guard_above(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                        auvid_real_t value, auvid_real_t limit)
 {
-    return is_on(g, cause) && !(value <= limit && auvid_is_finite(value)) &&
-           tell(trip, cause, value, limit);
+    return guard_is_on(g, cause) && !(value <= limit && auvid_is_finite(value)) &&
+           guard_set_trip(trip, cause, value, limit);
 }
 
-static bool below(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
-                  auvid_real_t value, auvid_real_t limit)
+static bool guard_below(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                        auvid_real_t value, auvid_real_t limit)
 {
-    return is_on(g, cause) && !(value >= limit && auvid_is_finite(value)) &&
-           tell(trip, cause, value, limit);
+    return guard_is_on(g, cause) && !(value >= limit && auvid_is_finite(value)) &&
+           guard_set_trip(trip, cause, value, limit);
 }
 
-static bool silent(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
-                   const auvid_guard_seen_t *seen, uint32_t stale_us)
+static bool guard_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
+                        const auvid_guard_seen_t *seen, uint32_t stale_us)
 {
-    if (!is_on(g, cause) || guard_is_fresh(seen, trip->t_us, stale_us)) {
+    if (!guard_is_on(g, cause) || guard_is_fresh(seen, trip->t_us, stale_us)) {
         return false;
     }
-    return tell(trip, cause,
-                seen->known ? guard_to_s(apart_us(trip->t_us, seen->t_us)) : AUVID_LARGEST,
-                guard_to_s(stale_us));
+    return guard_set_trip(trip, cause,
+                          seen->known ? guard_to_s(guard_abs_diff_us(trip->t_us, seen->t_us))
+                                      : AUVID_LARGEST,
+                          guard_to_s(stale_us));
 }
 
-/* Is one of the sources silent that the limits, or the sense of the run, hang on? */
-static bool any_silent(const auvid_guard_t *g, auvid_guard_trip_t *trip,
-                       const auvid_guard_input_t *in)
+/* Test the age of each source that the limits or the recording need. */
+static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                            const auvid_guard_input_t *in)
 {
     const auvid_guard_config_t *cfg = &g->cfg;
-    bool depth = is_on(g, AUVID_GUARD_DEPTH_MIN) || is_on(g, AUVID_GUARD_DEPTH_MAX);
-    bool altitude = is_on(g, AUVID_GUARD_ALTITUDE) && (cfg->altitude_required || g->altitude_known);
+    bool depth = guard_is_on(g, AUVID_GUARD_DEPTH_MIN) || guard_is_on(g, AUVID_GUARD_DEPTH_MAX);
+    bool altitude =
+        guard_is_on(g, AUVID_GUARD_ALTITUDE) && (cfg->altitude_required || g->altitude_known);
     auvid_guard_seen_t applied = in->applied;
     if (!applied.known || applied.t_us < g->excite_us) {
-        applied.known = true; /* there is nothing to record before */
+        applied.known = true; /* nothing is to be recorded before excite */
         applied.t_us = g->excite_us;
     }
-    return silent(g, trip, AUVID_GUARD_IMU_STALE, &in->imu, cfg->imu_stale_us) ||
-           silent(g, trip, AUVID_GUARD_VELOCITY_STALE, &in->velocity, cfg->velocity_stale_us) ||
-           (depth && silent(g, trip, AUVID_GUARD_DEPTH_STALE, &in->depth, cfg->depth_stale_us)) ||
-           (altitude &&
-            silent(g, trip, AUVID_GUARD_ALTITUDE_STALE, &in->altitude, cfg->altitude_stale_us)) ||
+    return guard_stale(g, trip, AUVID_GUARD_IMU_STALE, &in->imu, cfg->imu_stale_us) ||
+           guard_stale(g, trip, AUVID_GUARD_VELOCITY_STALE, &in->velocity,
+                       cfg->velocity_stale_us) ||
+           (depth &&
+            guard_stale(g, trip, AUVID_GUARD_DEPTH_STALE, &in->depth, cfg->depth_stale_us)) ||
+           (altitude && guard_stale(g, trip, AUVID_GUARD_ALTITUDE_STALE, &in->altitude,
+                                    cfg->altitude_stale_us)) ||
            (g->state == AUVID_GUARD_EXCITING &&
-            silent(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
+            guard_stale(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
 }
 
-/* A limit of motion over ground: without a fresh measurement it is not known to be kept. */
-static bool beyond(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
-                   bool fresh, auvid_real_t value, auvid_real_t limit)
+/* Test a limit of motion over ground: without a fresh measurement it is a breach. */
+static bool guard_above_ground(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                               auvid_guard_cause_t cause, bool fresh, auvid_real_t value,
+                               auvid_real_t limit)
 {
-    return above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
+    return guard_above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
 }
 
-/* Does the motion break a limit? */
-static bool any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
-                         const auvid_guard_input_t *in)
+/* Test the limits of the motion. */
+static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                               const auvid_guard_input_t *in)
 {
     const auvid_guard_config_t *cfg = &g->cfg;
     const auvid_real_t *v = in->velocity_ground;
     bool altitude = guard_is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
     bool ground = guard_is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
-    return below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
-           above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
+    return guard_below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
+           guard_above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
            (altitude &&
-            below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
-           above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
-           above(g, trip, AUVID_GUARD_PITCH, auvid_abs(in->pitch), cfg->pitch_max_rad) ||
-           beyond(g, trip, AUVID_GUARD_SPEED, ground, norm(v[0], v[1], v[2]), cfg->speed_max) ||
-           above(g, trip, AUVID_GUARD_YAW_RATE, auvid_abs(in->rates[2]), cfg->yaw_rate_max) ||
-           beyond(g, trip, AUVID_GUARD_DISTANCE, ground,
-                  norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
-                  cfg->distance_max_m);
+            guard_below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
+           guard_above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
+           guard_above(g, trip, AUVID_GUARD_PITCH, auvid_abs(in->pitch), cfg->pitch_max_rad) ||
+           guard_above_ground(g, trip, AUVID_GUARD_SPEED, ground, guard_norm(v[0], v[1], v[2]),
+                              cfg->speed_max) ||
+           guard_above(g, trip, AUVID_GUARD_YAW_RATE, auvid_abs(in->rates[2]), cfg->yaw_rate_max) ||
+           guard_above_ground(
+               g, trip, AUVID_GUARD_DISTANCE, ground,
+               guard_norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
+               cfg->distance_max_m);
 }
 
-/* Do the time of the run and the time spent saturated break one? */
-static bool any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
+/* Test the limits of run time and saturation time. */
+static bool guard_any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
     uint64_t run_us = trip->t_us - g->excite_us;
     uint64_t run_max_us = (uint64_t)g->cfg.run_max_s * 1000000u;
-    if (g->state == AUVID_GUARD_EXCITING && is_on(g, AUVID_GUARD_RUN_TIME) && run_us > run_max_us) {
-        return tell_time(trip, AUVID_GUARD_RUN_TIME, run_us, run_max_us);
+    if (g->state == AUVID_GUARD_EXCITING && guard_is_on(g, AUVID_GUARD_RUN_TIME) &&
+        run_us > run_max_us) {
+        return guard_set_trip_time(trip, AUVID_GUARD_RUN_TIME, run_us, run_max_us);
     }
     uint64_t saturated_us = trip->t_us - g->saturated_us;
-    return g->saturated && is_on(g, AUVID_GUARD_SATURATION) &&
+    return g->saturated && guard_is_on(g, AUVID_GUARD_SATURATION) &&
            saturated_us >= g->cfg.saturation_us &&
-           tell_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us);
+           guard_set_trip_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us);
 }
 
-/* Time itself: it must advance, not by too much, and the operator be heard of. */
-static bool any_late(const auvid_guard_t *g, auvid_guard_trip_t *trip)
+/* Test that time advances, by at most max_tick_us, and that the heartbeat is recent. */
+static bool guard_timing_violation(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
     if (trip->t_us < g->t_us || (trip->t_us == g->t_us && g->stepped)) {
-        return tell(trip, AUVID_GUARD_TIME, -guard_to_s(g->t_us - trip->t_us), AUVID_C(0.0));
+        return guard_set_trip(trip, AUVID_GUARD_TIME, -guard_to_s(g->t_us - trip->t_us),
+                              AUVID_C(0.0));
     }
     uint64_t tick_us = trip->t_us - g->t_us;
-    if (is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
-        return tell_time(trip, AUVID_GUARD_TICK, tick_us, g->cfg.max_tick_us);
+    if (guard_is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
+        return guard_set_trip_time(trip, AUVID_GUARD_TICK, tick_us, g->cfg.max_tick_us);
     }
-    uint64_t silence_us = apart_us(trip->t_us, g->heartbeat_us);
+    uint64_t silence_us = guard_abs_diff_us(trip->t_us, g->heartbeat_us);
     return g->cfg.heartbeat_timeout_us > 0 && silence_us > g->cfg.heartbeat_timeout_us &&
-           tell_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us);
+           guard_set_trip_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us);
 }
 
 auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
@@ -238,7 +246,7 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     }
     auvid_guard_t armed;
     auvid_guard_trip_t trip;
-    guard_begin(&trip, AUVID_GUARD_NO_CAUSE, t_us);
+    guard_init_trip(&trip, AUVID_GUARD_NO_CAUSE, t_us);
     memset(&armed, 0, sizeof armed);
     armed.ready = true;
     armed.cfg = g->cfg;
@@ -247,11 +255,11 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     armed.home[0] = in->position[0];
     armed.home[1] = in->position[1];
     armed.altitude_known = guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
-    if (any_silent(&armed, &trip, in)) {
+    if (guard_any_stale(&armed, &trip, in)) {
         g->refused = trip;
         return AUVID_ERR_STALE;
     }
-    if (any_exceeded(&armed, &trip, in)) {
+    if (guard_any_exceeded(&armed, &trip, in)) {
         g->refused = trip;
         return AUVID_ERR_LIMIT;
     }
@@ -286,7 +294,7 @@ auvid_status_t auvid_guard_finished(auvid_guard_t *g, uint64_t t_us)
     return AUVID_OK;
 }
 
-static void trip_now(auvid_guard_t *g, const auvid_guard_trip_t *trip)
+static void guard_enter_aborted(auvid_guard_t *g, const auvid_guard_trip_t *trip)
 {
     g->state = AUVID_GUARD_ABORTED;
     g->trip = *trip;
@@ -305,8 +313,8 @@ auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guar
     }
     if (g->state != AUVID_GUARD_ABORTED) {
         auvid_guard_trip_t trip;
-        guard_begin(&trip, cause, t_us);
-        trip_now(g, &trip);
+        guard_init_trip(&trip, cause, t_us);
+        guard_enter_aborted(g, &trip);
     }
     return AUVID_OK;
 }
@@ -341,8 +349,8 @@ auvid_status_t auvid_guard_heartbeat(auvid_guard_t *g, uint64_t t_us)
     return AUVID_OK;
 }
 
-/* What has to be remembered from tick to tick. */
-static void remember(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
+/* Update the state that persists between ticks. */
+static void guard_track_inputs(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
 {
     if (in->saturated && !g->saturated) {
         g->saturated_us = t_us;
@@ -352,17 +360,17 @@ static void remember(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t 
         g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
 }
 
-/* SETTLING: calm for calm_us, or settle_us gone by. */
-static void guard_settle(auvid_guard_t *g, const auvid_guard_input_t *in)
+/* SETTLING ends after rest_dwell_us at rest, or after settle_timeout_us. */
+static void guard_update_settling(auvid_guard_t *g, const auvid_guard_input_t *in)
 {
     const auvid_real_t *v = in->velocity_ground, *w = in->rates;
-    bool calm =
-        norm(v[0], v[1], v[2]) <= g->cfg.rest_speed && norm(w[0], w[1], w[2]) <= g->cfg.rest_rate;
-    if (calm && !g->at_rest) {
+    bool at_rest = guard_norm(v[0], v[1], v[2]) <= g->cfg.rest_speed &&
+                   guard_norm(w[0], w[1], w[2]) <= g->cfg.rest_rate;
+    if (at_rest && !g->at_rest) {
         g->at_rest_us = g->t_us;
     }
-    g->at_rest = calm;
-    if ((calm && g->t_us - g->at_rest_us >= g->cfg.rest_dwell_us) ||
+    g->at_rest = at_rest;
+    if ((at_rest && g->t_us - g->at_rest_us >= g->cfg.rest_dwell_us) ||
         g->t_us - g->settling_us >= g->cfg.settle_timeout_us) {
         g->state = AUVID_GUARD_DONE;
     }
@@ -370,24 +378,25 @@ static void guard_settle(auvid_guard_t *g, const auvid_guard_input_t *in)
 
 bool auvid_guard_step(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
 {
-    if (g == NULL || !g->ready || !is_watching(g)) {
+    if (g == NULL || !g->ready || !guard_is_watching(g)) {
         return false;
     }
     auvid_guard_trip_t trip;
-    guard_begin(&trip, AUVID_GUARD_NO_INPUT, t_us);
-    if (in == NULL || any_late(g, &trip)) {
-        trip_now(g, &trip);
+    guard_init_trip(&trip, AUVID_GUARD_NO_INPUT, t_us);
+    if (in == NULL || guard_timing_violation(g, &trip)) {
+        guard_enter_aborted(g, &trip);
         return false;
     }
-    remember(g, t_us, in);
-    if (any_silent(g, &trip, in) || any_exceeded(g, &trip, in) || any_too_long(g, &trip)) {
-        trip_now(g, &trip);
+    guard_track_inputs(g, t_us, in);
+    if (guard_any_stale(g, &trip, in) || guard_any_exceeded(g, &trip, in) ||
+        guard_any_too_long(g, &trip)) {
+        guard_enter_aborted(g, &trip);
         return false;
     }
     g->t_us = t_us;
     g->stepped = true;
     if (g->state == AUVID_GUARD_SETTLING) {
-        guard_settle(g, in);
+        guard_update_settling(g, in);
     }
     return g->state == AUVID_GUARD_EXCITING;
 }

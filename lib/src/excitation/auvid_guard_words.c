@@ -1,5 +1,5 @@
 /*
- * Words for the guard's states and causes.
+ * Names of the guard's states and causes.
  */
 #include "auvid/guard.h"
 
@@ -14,11 +14,11 @@ static const char *const cause_names[AUVID_GUARD_CAUSE_COUNT] = {
     "a tick without input",
     "time did not advance",
     "a tick took too long",
-    "no sign of life from the operator",
+    "no heartbeat from the operator",
     "no attitude from the IMU",
     "no velocity over ground",
     "no depth",
-    "the altitude was lost",
+    "no altitude",
     "no applied wrench is recorded",
     "too shallow",
     "too deep",

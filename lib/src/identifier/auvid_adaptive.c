@@ -1,25 +1,25 @@
 /*
  * Adaptive excitation.
  *
- * The excitation's run is an envelope: each DoF's amplitude, with the fades of the run. It is
- * multiplied by a factor of -1..1 that is chosen here, hold by hold:
+ * The excitation's run is an envelope: each DoF's amplitude, with the fades of the run. This module
+ * multiplies it by a factor of -1..1, which it chooses for each hold:
  *
- *     f_j(t) = before + (clamp(level - strayed, -1, 1) - before) w(t)     w: fade of 0.2 s
+ *     f_j(t) = before + (clamp(level - excursion, -1, 1) - before) w(t)     w: fade of 0.2 s
  *
- * Drag a u + b u^2 under white noise is known best from two speeds, the highest and 0.41 of it (the
- * extrema of the polynomial that deviates least from zero): to know a, with 0.85 of the time at the
- * low one, to know b, with 0.71 of it. A step of 0.3 leads to 0.3-0.55 of the highest speed,
- * whatever part of the drag is linear.
+ * Under white noise, drag a u + b u^2 is determined best by two speeds: the highest and 0.41 of it
+ * (the extrema of the polynomial that deviates least from zero). The optimum for a has 0.85 of the
+ * time at the low speed, that for b 0.71. A step of 0.3 leads to 0.3-0.55 of the highest speed for
+ * any fraction of linear drag.
  *
- * Around all of this the optimum is flat. In simulation, Girona500 with masses and drags halved and
- * doubled, disturbances of 0.3 to 3 N, the standard errors change by less than 5 % from three time
- * constants a hold to six, and from half of the time at the low speed to 0.8; signs that persist
- * (ADAPTIVE_SIGN_CHANGES) gain 5 % in those that are largest. Sums of sines are never better than
+ * The optimum is flat. In simulation, Girona500 with masses and drags halved and doubled,
+ * disturbances of 0.3 to 3 N: the standard errors change by less than 5 % for holds of three to six
+ * time constants, and for 0.5 to 0.8 of the time at the low speed. Persistent signs
+ * (ADAPTIVE_SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
  * steps.
  *
- * Degrees of freedom that are known go on playing: it costs no time, sharpens them, and keeps them
- * in the ring. At rest their sets leave it, and with these what was known: at 3 N 40 instead of 58
- * of 100 runs came to know all parameters at once.
+ * Known degrees of freedom continue to play: this costs no time, improves their estimates, and
+ * keeps their sets in the ring. At rest their sets leave the ring, and with them the information.
+ * At 3 N (100 runs) 40 instead of 58 runs then had all parameters known at the same time.
  */
 #include "auvid/adaptive.h"
 
@@ -29,24 +29,25 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 
-#define HOPELESS AUVID_C(2.25)  /* 1.5^2: of a squared half-width over what is allowed */
-#define UNKNOWN AUVID_C(1e9)    /* the same of a parameter that nothing is known about */
+#define MAX_RATIO AUVID_C(2.25)    /* 1.5^2: of the squared half-width over the allowed one */
+#define UNKNOWN_RATIO AUVID_C(1e9) /* the same for a parameter without information */
 
 #define ADAPTIVE_LOW_LEVEL AUVID_C(0.3)
 #define LOW_PART_LINEAR AUVID_C(0.67) /* of the time, where linear drag is missing */
-#define LOW_PART AUVID_C(0.4)         /* where it is not */
+#define LOW_PART AUVID_C(0.4)         /* with linear drag known */
 #define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define FADE_S AUVID_C(0.2)
-#define SWING_S AUVID_C(1.5)    /* hold in roll and pitch, which are righted and swing */
-#define LEASH_PART AUVID_C(0.3) /* of the guard's distance: what is led back goes on for a while */
+#define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
+#define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
 
-enum { TRIALS = 3, FEWEST_ROWS = 12 }; /* sets before giving up; rows in a set completed early */
+enum { MIN_SETS = 3, MIN_ROWS = 12 }; /* before abandoning; in a set completed early */
 
 /* ---- the next hold ---- */
 
-/* Sum of the estimates of DoF j's parameters of a kind. */
-static auvid_real_t sum_of(const auvid_identifier_t *id, int j, auvid_parameter_kind_t kind)
+/* Sum the estimates of DoF j's parameters of a kind. */
+static auvid_real_t adaptive_parameter_sum(const auvid_identifier_t *id, int j,
+                                           auvid_parameter_kind_t kind)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     auvid_real_t sum = AUVID_C(0.0);
@@ -57,13 +58,16 @@ static auvid_real_t sum_of(const auvid_identifier_t *id, int j, auvid_parameter_
     return sum;
 }
 
-/* How long a step of DoF j to a force F is held: with a u + b u^2 = F,
- * u = 2 F / (a + sqrt(a^2 + 4 b F)), so many times m / (a + 2 b u). */
-static auvid_real_t hold_s(const auvid_identifier_t *id, int j, auvid_real_t force)
+/* Return the hold time of a step of DoF j to a force F: TIME_CONSTANTS times m / (a + 2 b u), with
+ * a u + b u^2 = F, u = 2 F / (a + sqrt(a^2 + 4 b F)). */
+static auvid_real_t adaptive_hold_s(const auvid_identifier_t *id, int j, auvid_real_t force)
 {
-    auvid_real_t m = sum_of(id, j, AUVID_PARAMETER_MASS) + sum_of(id, j, AUVID_PARAMETER_INERTIA);
-    auvid_real_t a = auvid_max(-sum_of(id, j, AUVID_PARAMETER_LINEAR_DRAG), AUVID_C(0.0));
-    auvid_real_t b = auvid_max(-sum_of(id, j, AUVID_PARAMETER_QUADRATIC_DRAG), AUVID_C(0.0));
+    auvid_real_t m = adaptive_parameter_sum(id, j, AUVID_PARAMETER_MASS) +
+                     adaptive_parameter_sum(id, j, AUVID_PARAMETER_INERTIA);
+    auvid_real_t a =
+        auvid_max(-adaptive_parameter_sum(id, j, AUVID_PARAMETER_LINEAR_DRAG), AUVID_C(0.0));
+    auvid_real_t b =
+        auvid_max(-adaptive_parameter_sum(id, j, AUVID_PARAMETER_QUADRATIC_DRAG), AUVID_C(0.0));
     auvid_real_t root = auvid_sqrt(a * a + AUVID_C(4.0) * b * force); /* = a + 2 b u */
     auvid_real_t s = TIME_CONSTANTS * m / root;
     bool known = (id->estimate.excited >> j & 1) && m > AUVID_C(0.0) && auvid_is_finite(s);
@@ -73,28 +77,28 @@ static auvid_real_t hold_s(const auvid_identifier_t *id, int j, auvid_real_t for
     return known ? auvid_clamp(s, AUVID_C(1.5), AUVID_C(20.0)) : AUVID_C(6.0);
 }
 
-/* A leash that ends before the guard's distance; none stays none. */
-static void shorten(const auvid_guard_config_t *guard, auvid_real_t *leash)
+/* Reduce the excursion limit to a fraction of the guard's distance; zero (no limit) stays. */
+static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real_t *limit)
 {
     if ((guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
-        *leash = auvid_min(*leash, LEASH_PART * guard->distance_max_m);
+        *limit = auvid_min(*limit, LIMIT_FRACTION * guard->distance_max_m);
     }
 }
 
-/* How far beyond its leash, -1..1. */
-static auvid_real_t adaptive_strayed(const auvid_identifier_t *id, int j)
+/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
+static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
 {
-    auvid_real_t leash = id->adaptive.excursion_limit[j], d = id->excitation.displacement[j];
-    auvid_real_t beyond = auvid_abs(d) - leash;
-    if (!(leash > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
+    auvid_real_t limit = id->adaptive.excursion_limit[j], d = id->excitation.displacement[j];
+    auvid_real_t beyond = auvid_abs(d) - limit;
+    if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
         return AUVID_C(0.0);
     }
-    auvid_real_t part = auvid_min(beyond / leash, AUVID_C(1.0));
+    auvid_real_t part = auvid_min(beyond / limit, AUVID_C(1.0));
     return d < AUVID_C(0.0) ? -part : part;
 }
 
-/* Is a parameter of DoF j missing? Of this kind; OTHER: of any. */
-static bool misses(const auvid_identifier_t *id, int j, auvid_parameter_kind_t kind)
+/* Return whether a parameter of DoF j is missing, of this kind or, for OTHER, of any kind. */
+static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_parameter_kind_t kind)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     bool found = false;
@@ -106,15 +110,15 @@ static bool misses(const auvid_identifier_t *id, int j, auvid_parameter_kind_t k
     return found;
 }
 
-static auvid_real_t amplitude_of(const auvid_identifier_t *id, int j)
+static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
     (void)auvid_excitation_peak(&id->excitation, peak);
     return peak[j];
 }
 
-/* Time in the run. */
-static uint32_t since_us(const auvid_identifier_t *id)
+/* Return the time since the start of the run. */
+static uint32_t adaptive_time_us(const auvid_identifier_t *id)
 {
     return (uint32_t)(id->t_us - id->adaptive.run_us);
 }
@@ -124,32 +128,35 @@ static void adaptive_next_hold(auvid_identifier_t *id, int j)
     auvid_adaptive_t *a = &id->adaptive;
     auvid_rng_t rng;
     memcpy(rng.s, a->rng, sizeof rng.s);
-    auvid_real_t part = misses(id, j, AUVID_PARAMETER_LINEAR_DRAG) ? LOW_PART_LINEAR : LOW_PART;
+    auvid_real_t part =
+        adaptive_is_missing(id, j, AUVID_PARAMETER_LINEAR_DRAG) ? LOW_PART_LINEAR : LOW_PART;
     bool low = a->low_owed[j] >= AUVID_C(0.0), negative = a->level[j] < AUVID_C(0.0);
-    auvid_real_t level = low ? ADAPTIVE_LOW_LEVEL : AUVID_C(1.0), away = adaptive_strayed(id, j);
-    auvid_real_t s = hold_s(id, j, level * amplitude_of(id, j)) *
+    auvid_real_t level = low ? ADAPTIVE_LOW_LEVEL : AUVID_C(1.0),
+                 excursion = adaptive_excursion(id, j);
+    auvid_real_t s = adaptive_hold_s(id, j, level * adaptive_amplitude(id, j)) *
                      (AUVID_C(0.75) + AUVID_C(0.5) * auvid_rng_uniform(&rng));
     negative = negative != (auvid_rng_uniform(&rng) < ADAPTIVE_SIGN_CHANGES);
-    if (auvid_abs(away) > AUVID_C(0.0)) {
-        negative = away > AUVID_C(0.0);
+    if (auvid_abs(excursion) > AUVID_C(0.0)) {
+        negative = excursion > AUVID_C(0.0);
     }
     memcpy(a->rng, rng.s, sizeof rng.s);
     a->low_owed[j] += s * (low ? part - AUVID_C(1.0) : part);
     a->before[j] = a->factor[j];
     a->level[j] = (a->playing >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
-    a->from_us[j] = since_us(id);
+    a->from_us[j] = adaptive_time_us(id);
     a->hold_us[j] = (uint32_t)(s * AUVID_C(1e6));
 }
 
-static auvid_real_t factor(auvid_identifier_t *id, int j)
+static auvid_real_t adaptive_factor(auvid_identifier_t *id, int j)
 {
     auvid_adaptive_t *a = &id->adaptive;
-    if (since_us(id) - a->from_us[j] >= a->hold_us[j]) {
+    if (adaptive_time_us(id) - a->from_us[j] >= a->hold_us[j]) {
         adaptive_next_hold(id, j);
     }
-    auvid_real_t x = (auvid_real_t)(since_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
+    auvid_real_t x =
+        (auvid_real_t)(adaptive_time_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
     auvid_real_t w = x < AUVID_C(1.0) ? x * x * (AUVID_C(3.0) - AUVID_C(2.0) * x) : AUVID_C(1.0);
-    auvid_real_t pull = (a->playing >> j & 1) ? adaptive_strayed(id, j) : AUVID_C(0.0);
+    auvid_real_t pull = (a->playing >> j & 1) ? adaptive_excursion(id, j) : AUVID_C(0.0);
     auvid_real_t to = auvid_clamp(a->level[j] - pull, AUVID_C(-1.0), AUVID_C(1.0));
     a->factor[j] = a->before[j] + (to - a->before[j]) * w;
     return a->factor[j];
@@ -157,19 +164,19 @@ static auvid_real_t factor(auvid_identifier_t *id, int j)
 
 /* ---- a new estimate ---- */
 
-/* (half-width with thrust and DVL scale as told / what is allowed)^2 of parameter i: above 1, more
- * motion is needed. */
-static auvid_real_t excess(const auvid_identifier_t *id, int i)
+/* Return (half-width with thrust and DVL scale as configured / allowed half-width)^2 of parameter
+ * i: above 1 more excitation is needed. */
+static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 {
     const auvid_estimate_t *e = &id->estimate;
     auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
     auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
     auvid_real_t square = ratio * ratio * variance;
-    return square > AUVID_C(0.0) && square < UNKNOWN ? square : UNKNOWN; /* NaN, too */
+    return square > AUVID_C(0.0) && square < UNKNOWN_RATIO ? square : UNKNOWN_RATIO; /* or NaN */
 }
 
-/* Rows that the run may still bring, with those that there are, within the ring. */
-static auvid_real_t rows_to_come(const auvid_identifier_t *id, int j)
+/* Return the rows at the end of the run: the existing ones plus those to come, within the ring. */
+static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
 {
     const auvid_metric_config_t *m = &id->metric.cfg;
     uint64_t left_us = id->excitation.start_us + id->excitation.run_us - id->t_us;
@@ -179,15 +186,16 @@ static auvid_real_t rows_to_come(const auvid_identifier_t *id, int j)
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
-/* Is parameter i worth more sets? need: raised to what its DoF needs. */
-static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
+/* Classify parameter i as known, abandoned or missing. need: raised to the variance ratio of its
+ * DoF if missing. */
+static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
     auvid_adaptive_t *a = &id->adaptive;
     const auvid_estimate_t *e = &id->estimate;
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool known = (e->confidence.identifiable >> i & 1u) ||
                  e->confidence.note[i] == AUVID_NOTE_SMALL ||
-                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* motion does not help */
+                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
                  e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.dof_rows[j];
     a->missing &= ~(1u << i);
@@ -195,59 +203,59 @@ static void look_at(auvid_identifier_t *id, int i, auvid_real_t *need)
     if (known || (a->abandoned >> i & 1u)) {
         return;
     }
-    auvid_real_t square = e->number == 0 ? UNKNOWN : excess(id, i);
-    if (!(amplitude_of(id, j) > AUVID_C(0.0)) ||
-        (a->tried[j] >= TRIALS && square * rows > HOPELESS * rows_to_come(id, j))) {
+    auvid_real_t square = e->number == 0 ? UNKNOWN_RATIO : adaptive_variance_ratio(id, i);
+    if (!(adaptive_amplitude(id, j) > AUVID_C(0.0)) ||
+        (a->tried[j] >= MIN_SETS && square * rows > MAX_RATIO * adaptive_available_rows(id, j))) {
         a->abandoned |= 1u << i;
         return;
     }
     a->missing |= 1u << i;
     need[j] = auvid_max(need[j], square);
-    if (square > AUVID_C(1.0) && e->sets > 0) { /* of a warm record there are no rows */
+    if (square > AUVID_C(1.0) && e->sets > 0) { /* a prior record has no rows */
         auvid_real_t more = auvid_min(rows * (square - AUVID_C(1.0)), AUVID_C(60000.0));
-        uint16_t close = (uint16_t)auvid_max(more, (auvid_real_t)FEWEST_ROWS);
+        uint16_t close = (uint16_t)auvid_max(more, (auvid_real_t)MIN_ROWS);
         a->close_rows = close > a->close_rows ? close : a->close_rows;
     }
 }
 
-/* Do the thrusters suffice for these at once? */
-static bool suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
+/* Return whether the thrusters can produce these peaks at the same time. */
+static bool adaptive_thrusters_suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
     return id->allocation.config.thrusters == 0 ||
            auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
 }
 
-/* Who plays: by need, as far as the thrusters suffice. */
-static void take_turns(auvid_identifier_t *id, const auvid_real_t *need)
+/* Select the degrees of freedom that play: by need, as far as the thrusters suffice. */
+static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *need)
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT], peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
-    uint32_t asked = 0, driving = 0;
+    uint32_t asked = 0, playing = 0;
     (void)auvid_excitation_peak(&id->excitation, amplitude);
     for (int k = 0; k < AUVID_DOF_COUNT; ++k) {
-        int most = -1;
+        int neediest = -1;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             bool open = (asked >> j & 1u) == 0 && amplitude[j] > AUVID_C(0.0);
-            most = open && (most < 0 || need[j] > need[most]) ? j : most;
+            neediest = open && (neediest < 0 || need[j] > need[neediest]) ? j : neediest;
         }
-        if (most < 0) {
+        if (neediest < 0) {
             break;
         }
-        asked |= 1u << most;
-        peak[most] = amplitude[most];
-        if (suffice(id, peak)) {
-            driving |= 1u << most;
+        asked |= 1u << neediest;
+        peak[neediest] = amplitude[neediest];
+        if (adaptive_thrusters_suffice(id, peak)) {
+            playing |= 1u << neediest;
         } else {
-            peak[most] = AUVID_C(0.0);
+            peak[neediest] = AUVID_C(0.0);
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool turns = ((driving ^ id->adaptive.playing) >> j & 1u) != 0;
+        bool turns = ((playing ^ id->adaptive.playing) >> j & 1u) != 0;
         id->adaptive.hold_us[j] = turns ? 0 : id->adaptive.hold_us[j];
     }
-    id->adaptive.playing = (uint8_t)driving;
+    id->adaptive.playing = (uint8_t)playing;
 }
 
-static void adaptive_consider(auvid_identifier_t *id)
+static void adaptive_evaluate(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = &id->adaptive;
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
@@ -261,44 +269,44 @@ static void adaptive_consider(auvid_identifier_t *id)
     a->close_rows = 0;
     for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
         if (m->cfg.free == 0 || (m->cfg.free >> i & 1u)) {
-            look_at(id, i, need);
+            adaptive_assess_parameter(id, i, need);
         }
     }
     if (a->close_rows >= m->cfg.set_rows || a->sets >= m->cfg.sets) {
-        a->close_rows = 0; /* a short set must not drive a full one out of the ring */
+        a->close_rows = 0; /* a short set must not replace a full one in the ring */
     }
-    take_turns(id, need);
+    adaptive_select_dofs(id, need);
     if (a->missing == 0) {
         (void)auvid_excitation_stop(&id->excitation, id->t_us);
     }
 }
 
-static void begin_run(auvid_identifier_t *id)
+static void adaptive_begin_run(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = &id->adaptive;
     auvid_rng_t rng;
     auvid_rng_seed(&rng, id->excitation.config.seed);
     uint64_t run_us = id->excitation.start_us;
-    auvid_real_t leash[AUVID_DOF_COUNT];
-    memcpy(leash, a->excursion_limit, sizeof leash);
+    auvid_real_t limit[AUVID_DOF_COUNT];
+    memcpy(limit, a->excursion_limit, sizeof limit);
     memset(a, 0, sizeof *a);
-    memcpy(a->excursion_limit, leash, sizeof leash);
+    memcpy(a->excursion_limit, limit, sizeof limit);
     memcpy(a->rng, rng.s, sizeof rng.s);
     a->run_us = run_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         a->low_owed[j] = AUVID_C(-1e-3);
     }
-    adaptive_consider(id);
+    adaptive_evaluate(id);
 }
 
-/* The hook: wrench comes as the envelope. */
-static void adapt(auvid_identifier_t *id, auvid_real_t *wrench)
+/* Hook of the identifier. wrench: in the envelope, out the excitation. */
+static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
 {
     auvid_adaptive_t *a = &id->adaptive;
     if (a->run_us != id->excitation.start_us) {
-        begin_run(id);
+        adaptive_begin_run(id);
     } else if (a->estimate != id->estimate.number) {
-        adaptive_consider(id);
+        adaptive_evaluate(id);
     }
     if (a->close_rows > 0 && id->metric.rows >= a->close_rows) {
         a->close_rows = 0;
@@ -306,7 +314,7 @@ static void adapt(auvid_identifier_t *id, auvid_real_t *wrench)
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (auvid_abs(wrench[j]) > AUVID_C(0.0)) {
-            wrench[j] *= factor(id, j);
+            wrench[j] *= adaptive_factor(id, j);
         }
     }
 }
@@ -325,7 +333,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
     }
 }
 
-static auvid_status_t adaptive_check(const auvid_adaptive_config_t *cfg)
+static auvid_status_t adaptive_check_config(const auvid_adaptive_config_t *cfg)
 {
     if (!auvid_all_finite(cfg->amplitude, AUVID_DOF_COUNT) ||
         !auvid_all_finite(cfg->excursion_limit, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->max_s)) {
@@ -339,23 +347,24 @@ static auvid_status_t adaptive_check(const auvid_adaptive_config_t *cfg)
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-static bool adaptive_moves(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg, int j)
+static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,
+                                  int j)
 {
     return cfg->amplitude[j] > AUVID_C(0.0) &&
            (id->allocation.config.thrusters == 0 || (id->allocation.actuated >> j & 1));
 }
 
-/* Is there something to move, and each of it within the thrusters? */
-static auvid_status_t check_thrusters(const auvid_identifier_t *id,
-                                      const auvid_adaptive_config_t *cfg)
+/* Check that some DoF is excitable, and that the thrusters suffice for each of them. */
+static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
+                                               const auvid_adaptive_config_t *cfg)
 {
     int count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
-        if (adaptive_moves(id, cfg, j)) {
+        if (adaptive_is_excitable(id, cfg, j)) {
             peak[j] = cfg->amplitude[j];
             ++count;
-            if (!suffice(id, peak)) {
+            if (!adaptive_thrusters_suffice(id, peak)) {
                 return AUVID_ERR_LIMIT;
             }
         }
@@ -363,14 +372,14 @@ static auvid_status_t check_thrusters(const auvid_identifier_t *id,
     return count == 0 ? AUVID_ERR_RANGE : count > AUVID_MAX_SEGMENTS ? AUVID_ERR_SIZE : AUVID_OK;
 }
 
-/* The amplitudes, each held through the run. Checked: the excitation has no reason to refuse. */
-static void plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
+/* Configure the excitation with constant amplitudes. They are checked, so init cannot fail. */
+static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
     auvid_excitation_config_t *to = &id->excitation.config;
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (adaptive_moves(id, cfg, j)) {
+        if (adaptive_is_excitable(id, cfg, j)) {
             auvid_segment_t *s = &to->segment[to->segments++];
             s->dof = (auvid_dof_t)j;
             s->kind = AUVID_SEGMENT_STEP;
@@ -390,19 +399,19 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
         (id->guard.state != AUVID_GUARD_DISARMED && id->guard.state != AUVID_GUARD_DONE)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = adaptive_check(cfg);
+    auvid_status_t status = adaptive_check_config(cfg);
     if (status == AUVID_OK) {
-        status = check_thrusters(id, cfg);
+        status = adaptive_check_thrusters(id, cfg);
     }
     if (status == AUVID_OK) {
-        plan(id, cfg);
+        adaptive_plan(id, cfg);
         memset(&id->adaptive, 0, sizeof id->adaptive);
         memcpy(id->adaptive.excursion_limit, cfg->excursion_limit,
                sizeof id->adaptive.excursion_limit);
-        shorten(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SURGE]);
-        shorten(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SWAY]);
+        adaptive_shorten_limit(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SURGE]);
+        adaptive_shorten_limit(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SWAY]);
         id->adaptive.run_us = UINT64_MAX;
-        id->adapt = adapt;
+        id->adapt = adaptive_apply;
     }
     return status;
 }

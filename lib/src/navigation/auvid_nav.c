@@ -38,7 +38,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
     config->gps_start = 4;
 }
 
-/* The ranges of nav.h; `n` reals stand at `offset` in the configuration. */
+/* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
 #define FIELD(name, n, low, high)                                                                  \
     {                                                                                              \
         (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \
@@ -46,7 +46,7 @@ void auvid_nav_defaults(auvid_nav_config_t *config)
 static const struct {
     uint8_t offset, n;
     auvid_real_t low, high;
-} ranges[] = {
+} nav_ranges[] = {
     FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
     FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
     FIELD(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
@@ -67,25 +67,25 @@ static const struct {
     FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
 };
 
-static auvid_status_t check_config(const auvid_nav_config_t *c)
+static auvid_status_t nav_check_config(const auvid_nav_config_t *c)
 {
-    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; ++i) {
-        for (size_t k = 0; k < ranges[i].n; ++k) {
+    for (size_t i = 0; i < sizeof nav_ranges / sizeof nav_ranges[0]; ++i) {
+        for (size_t k = 0; k < nav_ranges[i].n; ++k) {
             auvid_real_t x;
-            memcpy(&x, (const char *)c + ranges[i].offset + k * sizeof x, sizeof x);
-            if (!(x >= ranges[i].low && x <= ranges[i].high)) {
+            memcpy(&x, (const char *)c + nav_ranges[i].offset + k * sizeof x, sizeof x);
+            if (!(x >= nav_ranges[i].low && x <= nav_ranges[i].high)) {
                 return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
             }
         }
     }
-    const uint32_t most_us = NAV_LARGEST_AGE_US;
-    bool good = c->dvl_max_age_us <= most_us && c->depth_max_age_us <= most_us &&
-                c->gps_max_age_us <= most_us && c->future_us <= most_us && c->stale_us > 0 &&
+    const uint32_t max_us = NAV_LARGEST_AGE_US;
+    bool good = c->dvl_max_age_us <= max_us && c->depth_max_age_us <= max_us &&
+                c->gps_max_age_us <= max_us && c->future_us <= max_us && c->stale_us > 0 &&
                 c->gps_start <= AUVID_NAV_GPS_START_MAX;
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-static inline auvid_real_t square(auvid_real_t x)
+static inline auvid_real_t nav_square(auvid_real_t x)
 {
     return x * x;
 }
@@ -95,21 +95,21 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config
     if (nav == NULL || config == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = check_config(config);
+    auvid_status_t status = nav_check_config(config);
     if (status != AUVID_OK) {
         return status;
     }
     memset(nav, 0, sizeof *nav);
     for (int i = 0; i < 3; ++i) {
-        nav->q[i] = square(config->sigma_acceleration[i]) * config->reference_tick;
+        nav->q[i] = nav_square(config->sigma_acceleration[i]) * config->reference_tick;
         nav->position[i] = config->position[i];
-        nav->pp[nav_packed[i][i]] = square(config->sigma_position);
-        nav->vv[nav_packed[i][i]] = square(config->sigma_velocity);
+        nav->pp[nav_packed[i][i]] = nav_square(config->sigma_position);
+        nav->vv[nav_packed[i][i]] = nav_square(config->sigma_velocity);
     }
-    nav->r[AUVID_NAV_DVL_BOTTOM] = square(config->sigma_dvl);
-    nav->r[AUVID_NAV_DVL_WATER] = square(config->sigma_dvl) + square(config->sigma_current);
-    nav->r[AUVID_NAV_DEPTH] = square(config->sigma_depth);
-    nav->r[AUVID_NAV_GPS] = square(config->sigma_gps);
+    nav->r[AUVID_NAV_DVL_BOTTOM] = nav_square(config->sigma_dvl);
+    nav->r[AUVID_NAV_DVL_WATER] = nav_square(config->sigma_dvl) + nav_square(config->sigma_current);
+    nav->r[AUVID_NAV_DEPTH] = nav_square(config->sigma_depth);
+    nav->r[AUVID_NAV_GPS] = nav_square(config->sigma_gps);
     nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = config->dvl_max_age_us;
     nav->max_age_us[AUVID_NAV_DVL_WATER] = config->dvl_max_age_us;
     nav->max_age_us[AUVID_NAV_DEPTH] = config->depth_max_age_us;
@@ -149,7 +149,7 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     }
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        state->flags |= nav_fresh(nav, i) ? 1u << i : 0u;
+        state->flags |= nav_is_fresh(nav, i) ? 1u << i : 0u;
     }
     return AUVID_OK;
 }

@@ -1,6 +1,6 @@
 /**
  * @file auvid_nav_internal.h
- * Private: what the parts of the navigation filter share.
+ * Private: common types and functions of the navigation filter.
  */
 #ifndef AUVID_NAV_INTERNAL_H
 #define AUVID_NAV_INTERNAL_H
@@ -11,16 +11,16 @@
 /* auvid_nav_t.ready */
 enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 
-/* Largest values that are taken for a measurement or a setting. */
+/* Largest accepted values of a measurement or a setting. */
 #define NAV_LARGEST_POSITION AUVID_C(1e5)
 #define NAV_LARGEST_SPEED AUVID_C(100.0)
 #define NAV_LARGEST_AGE_US 2000000u
 
-/* Where element (i, j) of a symmetric block stands in its six numbers. */
+/* Index of element (i, j) of a symmetric block in its six numbers. */
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-/** Raise a counter that stops at its largest value. */
-static inline void nav_count(uint16_t *counter)
+/** Increment a counter that saturates. */
+static inline void nav_increment(uint16_t *counter)
 {
     *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
 }
@@ -38,7 +38,7 @@ AUVID_INLINE void nav_add(auvid_real_t y[3], auvid_real_t a, const auvid_real_t 
     y[2] += a * x[2];
 }
 
-/** AUVID_OK when the length of x is at most `limit`, else AUVID_ERR_NOT_FINITE or
+/** Return AUVID_OK if the length of x is at most `limit`, else AUVID_ERR_NOT_FINITE or
  * AUVID_ERR_RANGE. */
 AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t limit)
 {
@@ -48,16 +48,16 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
     return auvid_all_finite(x, 3) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
 }
 
-/** Has a sample of this sensor passed the gate within stale_us? */
-static inline bool nav_fresh(const auvid_nav_t *nav, int sensor)
+/** Return whether a sample of this sensor was accepted within stale_us. */
+static inline bool nav_is_fresh(const auvid_nav_t *nav, int sensor)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
     return d->has_sample && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
 }
 
-/** Move position along an axis; what position cannot hold goes to residue (Dekker's fast two-sum,
- * exact while |position| >= |step|; else the loss is a rounding of step, once). */
-AUVID_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
+/** Add a step to one axis of the position. The rounding error goes to position_lo: Dekker's fast
+ * two-sum, exact while |position| >= |step|; otherwise the loss is one rounding of step. */
+AUVID_INLINE void nav_move_position(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
     auvid_real_t d = nav->position_lo[axis] + step;
     auvid_real_t sum = nav->position[axis] + d;
@@ -65,30 +65,30 @@ AUVID_INLINE void nav_move(auvid_nav_t *nav, int axis, auvid_real_t step)
     nav->position[axis] = sum;
 }
 
-/* One sample on its way into the filter. */
+/* A sample in the form of the filter. */
 typedef struct {
     uint64_t t_us;
     uint8_t sensor;
     uint8_t n;        /* scalars */
-    uint8_t first;    /* position: axis of the first */
+    uint8_t first;    /* position: axis of the first scalar */
     bool is_velocity; /* else position */
-    bool directed;    /* velocity along the rows of h, else along the body's axes */
-    uint8_t outside;  /* bit j: scalar j is outside the gate and enters all the same */
+    bool directed;    /* velocity along the rows of h, else along the body axes */
+    uint8_t outside;  /* bit j: scalar j is outside the gate, yet is applied */
     auvid_real_t age; /* [s] */
     auvid_real_t z[3];
     auvid_real_t h[3][3];
 } auvid_nav_measurement_t;
 
-/* One update may shrink a variance to this part of itself, no further: what is left of P - K c'
- * must stay well above the rounding of P. It acts as a larger R. */
-#define NAV_SMALLEST_REST (AUVID_C(16.0) * AUVID_EPSILON)
+/* Smallest factor by which one update may reduce a variance: P - K c' must stay well above the
+ * rounding errors of P. The limit acts as a larger R. */
+#define NAV_MIN_VARIANCE_RATIO (AUVID_C(16.0) * AUVID_EPSILON)
 
-/* S, of what H P H' is once the noise since is out of it. */
+/* Return S. hph: H P H' without the process noise since the sample. */
 AUVID_INLINE auvid_real_t nav_variance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
                                        auvid_real_t hph)
 {
-    auvid_real_t r = nav->r[m->sensor], least = NAV_SMALLEST_REST * hph;
-    return hph + (r > least ? r : least);
+    auvid_real_t r = nav->r[m->sensor], min_r = NAV_MIN_VARIANCE_RATIO * hph;
+    return hph + (r > min_r ? r : min_r);
 }
 
 /* y = s x, s a symmetric block */
@@ -110,10 +110,10 @@ AUVID_INLINE void nav_subtract(auvid_real_t p[6], const auvid_real_t k[3], const
     p[5] -= k[2] * c[2];
 }
 
-/* Eq. 6 for one scalar of variance s and covariance c with the state; returns nu^2 / s. Position is
- * moved through its residue, which the next prediction carries over. */
+/* Apply Eq. 6 for one scalar of variance s and covariance c with the state; return nu^2 / s. The
+ * position correction goes to position_lo, which the next prediction adds to position. */
 AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s,
-                                auvid_real_t nu)
+                                    auvid_real_t nu)
 {
     auvid_real_t inverse = AUVID_C(1.0) / s;
     const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
@@ -128,48 +128,53 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
     return nu * nu * inverse;
 }
 
-/** The sample of t_us has passed. */
-static inline void nav_note_good(auvid_nav_diagnostics_t *d, uint64_t t_us)
+/** Record that the sample of t_us is accepted. */
+static inline void nav_record_accepted(auvid_nav_diagnostics_t *d, uint64_t t_us)
 {
     d->good_us = t_us;
     d->has_sample = true;
     d->consecutive_rejections = 0;
 }
 
-/** Write the innovations of *m and their variances down in the sensor's diagnostics; returns a bit
- * for each that is outside the gate. */
-uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
+/** Store the innovations of *m and their variances in the diagnostics of the sensor; return a bit
+ * for each one outside the gate. */
+uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
-/** auvid_nav_look(), the gate, and the way out of it: AUVID_OK or AUVID_GATED. */
-auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m);
+/** Call auvid_nav_innovations(), then test the gate, with re-initialisation after repeated
+ * rejections. Return AUVID_OK or AUVID_GATED. */
+auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m);
 
-/** Eq. 6 for a sample that auvid_nav_pass() let in, one scalar after the other. */
-void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
+/** Apply Eq. 6 to a sample that auvid_nav_gate() accepted, one scalar after the other. */
+void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
-/** Keep the tick's rates, unless some were kept a short while ago. Past a step of dt_us in which no
- * late sample can lie, those from before are dropped (their times are half times, too). */
-void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us);
+/** Store the rates of the tick, unless the last stored ones are recent. After a step of dt_us
+ * longer than any late sample's age, discard the earlier ones (only the lower halves of their times
+ * are stored). */
+void auvid_nav_store_rates(auvid_nav_t *nav, uint64_t dt_us);
 
-/** Rates at the time of a late sample: straight between those kept, the oldest before all. */
-void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3]);
+/** Interpolate the stored rates linearly at the time of a late sample. Before all of them use the
+ * oldest. */
+void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3]);
 
-/** A sample that is held: for callers AUVID_PENDING. */
+/** Internal status of a held sample; the public functions return AUVID_PENDING. */
 #define NAV_HELD AUVID_EMPTY
 
-/** What becomes of a sample that is not 0..max_age old: NAV_HELD, AUVID_UNUSED, AUVID_ERR_STALE;
- * AUVID_OK: use it as if it were of the last tick. */
+/** Hold, accept or reject a sample whose age is outside 0..max_age. Return NAV_HELD, AUVID_UNUSED,
+ * AUVID_ERR_STALE, or AUVID_OK if it is to be used as if it were of the last tick. */
 auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                               const auvid_real_t value[3], unsigned valid);
 
-/** Take a sample of any sensor: `value` as given, `valid` of a DVL's. Status as of auvid_nav_dvl()
- * and its like, which have checked what is theirs. */
+/** Apply a sample of any sensor: `value` as measured, `valid` axes of a DVL. The public function of
+ * the sensor has checked its own arguments. Return the statuses of auvid_nav_dvl(),
+ * auvid_nav_depth() and auvid_nav_gps(). */
 auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                                 const auvid_real_t value[3], unsigned valid);
 
-/** Let the held samples in whose time has come. */
+/** Apply the held samples whose time is reached. */
 void auvid_nav_release(auvid_nav_t *nav);
 
-/** Move one axis of the position by `step` and give it a variance, whatever was known of it. */
-void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance);
+/** Re-initialise one axis of the position: add `step`, set its variance, clear its correlations. */
+void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
+                                auvid_real_t variance);
 
 #endif

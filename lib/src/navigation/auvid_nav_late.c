@@ -1,17 +1,18 @@
 /*
- * Navigation filter, fourth part: samples of another time than the filter's. What a late one needs
- * of the past, and one that is ahead of the filter because the IMU is later still.
+ * Navigation filter, fourth part: samples whose time differs from the filter's. It stores past
+ * rates for late samples, and holds samples ahead of the filter while the IMU is later than the
+ * sensor.
  */
 #include <string.h>
 
 #include "auvid_nav_internal.h"
 
-void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us)
+void auvid_nav_store_rates(auvid_nav_t *nav, uint64_t dt_us)
 {
-    const uint32_t parts = AUVID_NAV_PAST - 1;
-    uint32_t apart_us = (nav->max_age_us[AUVID_NAV_DVL_BOTTOM] + parts - 1u) / parts;
+    const uint32_t intervals = AUVID_NAV_PAST - 1;
+    uint32_t interval_us = (nav->max_age_us[AUVID_NAV_DVL_BOTTOM] + intervals - 1u) / intervals;
     uint32_t next = dt_us > NAV_LARGEST_AGE_US ? 0u : nav->past_next, now_us = (uint32_t)nav->t_us;
-    if (next == 0 || now_us - nav->past_us[(next - 1u) % AUVID_NAV_PAST] >= apart_us) {
+    if (next == 0 || now_us - nav->past_us[(next - 1u) % AUVID_NAV_PAST] >= interval_us) {
         nav->past_us[next % AUVID_NAV_PAST] = now_us;
         memcpy(nav->past_rates[next % AUVID_NAV_PAST], nav->rates, sizeof nav->rates);
         next = next + 1u < 2 * AUVID_NAV_PAST ? next + 1u : AUVID_NAV_PAST;
@@ -19,32 +20,32 @@ void auvid_nav_keep_rates(auvid_nav_t *nav, uint64_t dt_us)
     nav->past_next = (uint8_t)next;
 }
 
-void auvid_nav_past_rates(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3])
+void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[3])
 {
     const auvid_real_t *later = nav->rates, *past = later;
-    auvid_real_t part = AUVID_C(0.0);
-    uint32_t later_us = 0, next = nav->past_next; /* later_us: its age */
+    auvid_real_t fraction = AUVID_C(0.0);
+    uint32_t later_us = 0, next = nav->past_next; /* later_us: age of `later` */
     uint32_t oldest = next < AUVID_NAV_PAST ? 0u : next - AUVID_NAV_PAST;
     while (next > oldest) {
         --next;
         uint32_t past_us = (uint32_t)nav->t_us - nav->past_us[next % AUVID_NAV_PAST];
         past = nav->past_rates[next % AUVID_NAV_PAST];
         if (past_us >= age_us) {
-            part = (auvid_real_t)(past_us - age_us) / (auvid_real_t)(past_us - later_us);
+            fraction = (auvid_real_t)(past_us - age_us) / (auvid_real_t)(past_us - later_us);
             break;
         }
         later = past;
         later_us = past_us;
     }
     for (int i = 0; i < 3; ++i) {
-        w[i] = past[i] + part * (later[i] - past[i]);
+        w[i] = past[i] + fraction * (later[i] - past[i]);
     }
 }
 
 auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
                               const auvid_real_t value[3], unsigned valid)
 {
-    uint64_t ahead_us = t_us - nav->t_us; /* huge, when it is older */
+    uint64_t ahead_us = t_us - nav->t_us; /* huge if it is older */
     bool beyond = nav->until_us != 0 && t_us > nav->until_us;
     if (ahead_us > nav->future_us && (beyond || ahead_us > nav->max_age_us[sensor])) {
         return AUVID_ERR_STALE;

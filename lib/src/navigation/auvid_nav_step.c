@@ -1,5 +1,5 @@
 /*
- * Navigation filter, last part: the prediction, with each sample of the IMU.
+ * Navigation filter, last part: the prediction, for each sample of the IMU.
  *
  * Eq. 5 with R = R(phi_k, theta_k, psi_k), t the tick and n the accelerations:
  *
@@ -18,12 +18,13 @@
 
 #include "auvid_nav_internal.h"
 
-#define LARGEST_ANGLE AUVID_C(1e4) /* what auvid_sincos takes */
+#define LARGEST_ANGLE AUVID_C(1e4) /* limit of auvid_sincos */
 #define LARGEST_RATE AUVID_C(100.0)
 
-/* Row i of t R, N and Ppv, and the position; a: A, its upper half. */
-AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
-                              const auvid_real_t quarter[3], auvid_real_t tr[3], auvid_real_t n[3])
+/* Compute row i of t R, N and Ppv, and axis i of the position; a: upper half of A. */
+AUVID_INLINE void nav_predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auvid_real_t a[6],
+                                  const auvid_real_t quarter[3], auvid_real_t tr[3],
+                                  auvid_real_t n[3])
 {
     auvid_real_t x = t * nav->rotation[i][0];
     auvid_real_t y = t * nav->rotation[i][1];
@@ -41,19 +42,19 @@ AUVID_INLINE void predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const auv
     pv[0] += c0 + x * quarter[0];
     pv[1] += c1 + y * quarter[1];
     pv[2] += c2 + z * quarter[2];
-    nav_move(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
+    nav_move_position(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
 }
 
-/* Eq. 5 and the covariance that goes with it, as above. */
+/* Apply Eq. 5 to the state and its covariance, as above. */
 static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
     const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
     const auvid_real_t a[6] = {nav->vv[0] + quarter[0], nav->vv[1], nav->vv[2],
                                nav->vv[3] + quarter[1], nav->vv[4], nav->vv[5] + quarter[2]};
-    predict_row(nav, 0, t, a, quarter, tr[0], n[0]);
-    predict_row(nav, 1, t, a, quarter, tr[1], n[1]);
-    predict_row(nav, 2, t, a, quarter, tr[2], n[2]);
+    nav_predict_row(nav, 0, t, a, quarter, tr[0], n[0]);
+    nav_predict_row(nav, 1, t, a, quarter, tr[1], n[1]);
+    nav_predict_row(nav, 2, t, a, quarter, tr[2], n[2]);
     nav->pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
     nav->pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
     nav->pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
@@ -65,8 +66,8 @@ static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
     nav->vv[5] += AUVID_C(4.0) * quarter[2];
 }
 
-/* Whole turns that an angle left behind when it jumped by more than half a turn. */
-static inline void count_turns(int32_t *turns, auvid_real_t from, auvid_real_t to)
+/* Count the revolutions of an angle that jumps by more than half a revolution. */
+static inline void nav_count_revolutions(int32_t *turns, auvid_real_t from, auvid_real_t to)
 {
     if (!(auvid_abs(from - to) < AUVID_C(3.0))) {
         auvid_real_t part = (from - to) * (AUVID_C(0.5) / AUVID_PI);
@@ -82,8 +83,8 @@ void auvid_nav_release(auvid_nav_t *nav)
             continue;
         }
         nav->holding = (uint8_t)(nav->holding & ~bit);
-        auvid_status_t status = auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i],
-                                                 nav->held_valid[i]);
+        auvid_status_t status =
+            auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i], nav->held_valid[i]);
         if (status < 0 || status == AUVID_GATED) {
             nav->held_rejected = (uint8_t)(nav->held_rejected | bit);
         }
@@ -105,11 +106,11 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         status = nav_within(rates, LARGEST_RATE);
     }
     if (status != AUVID_OK) {
-        nav_count(&nav->imu_invalid);
+        nav_increment(&nav->imu_invalid);
         return status;
     }
     if (running && t_us <= nav->t_us) {
-        nav_count(&nav->imu_time);
+        nav_increment(&nav->imu_time);
         return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
     }
     uint64_t dt_us = t_us - nav->t_us;
@@ -118,7 +119,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
     memcpy(nav->attitude, attitude, sizeof nav->attitude);
     memcpy(nav->rates, rates, sizeof nav->rates);
-    auvid_nav_keep_rates(nav, dt_us);
+    auvid_nav_store_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
     nav->held_rejected = 0;
     if (!running) {
@@ -126,15 +127,15 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         nav->last_update_us = t_us;
         return AUVID_OK;
     }
-    count_turns(&nav->yaw_revolutions[0], phi, attitude[0]);
-    count_turns(&nav->yaw_revolutions[2], psi, attitude[2]);
+    nav_count_revolutions(&nav->yaw_revolutions[0], phi, attitude[0]);
+    nav_count_revolutions(&nav->yaw_revolutions[2], psi, attitude[2]);
     nav_predict(nav, auvid_seconds(0, dt_us));
     if (nav->holding != 0) {
         auvid_nav_release(nav);
     }
     if (nav->gap_us > 0 && dt_us > nav->gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
-        nav_count(&nav->imu_gaps);
+        nav_increment(&nav->imu_gaps);
         return AUVID_GAP;
     }
     return AUVID_OK;

@@ -1,37 +1,38 @@
 /*
- * Navigation filter, second part: one measurement enters (Karras et al. 2013, Eq. 6-8).
+ * Navigation filter, second part: the update with one measurement (Karras et al. 2013, Eq. 6-8).
  *
- * Every scalar measurement comes down to an innovation nu, its variance S and its covariance c with
+ * Every scalar measurement is reduced to an innovation nu, its variance S and its covariance c with
  * the state; then
  *
  *     K = c / S,   x += K nu,   P -= K c'
  *
- * which is symmetric by construction, and positive as long as (c, S) is a possible covariance.
- * A sample of the present: c = P H', S = H P H' + R. A sample of age a:
+ * P stays symmetric by construction, and positive if c' P^-1 c < S.
+ * A sample at the filter's time: c = P H', S = H P H' + R. A sample of age a:
  *
  * Position i: p_i(t - a) = p_i - a R_i v, so H = [e_i, -a R_i], R_i row i of R(phi, theta, psi).
  *
- * Velocity along h: z = h'(v - w) + noise, w the noise that came in since, of variance a diag(q).
+ * Velocity along h: z = h'(v - w) + noise, w the process noise since then, of variance a diag(q).
  *     With m = a diag(q) h the covariance of x with h'w is q_x = [a/2 R m; m], and
  *     c = P H' - q_x,   S = H P H' - 2 h'm + h'm + R = H P H' - h'm + R        (Bar-Shalom's B1)
- *     The filter's velocity of the sample's time is then its present one: cov(w, nu) = m - m = 0.
- *     This holds while nothing entered since (a measurement would have told something about w) and
- *     R stood still; long ticks and fast turns can make (c, S) an impossible covariance, which is
- *     checked. Else w is taken as the part beta = h'm / H P H' of what is unknown along h:
+ *     The filter's velocity at the sample's time equals its current one: cov(w, nu) = m - m = 0.
+ *     This holds if no update was applied since (a measurement carries information on w) and R is
+ *     constant. Long ticks and fast rotation can make P - c c'/S indefinite; this is checked.
+ *     Otherwise w counts as the fraction beta = h'm / H P H' of the uncertainty along h:
  *     c = (1 - beta) P H',   S = (1 - beta) H P H' + R
- *     of which P - c c'/S is positive for any beta in [0, 1).
+ *     so that P - c c'/S is positive for any beta in [0, 1).
  */
 #include <string.h>
 
 #include "auvid_nav_internal.h"
 
-/* Other sensors may have told of w since, and then H P H' is less than h'm; taking all but a fifth
- * of it for noise keeps S a fair variance of nu (with 0.99, a quarter of DVL samples 0.4 s late
- * fell to the gate) and the gain near one. */
+/* Other sensors may have reduced H P H' below h'm since the sample. A limit of 0.8 keeps S a
+ * realistic variance of nu and the gain near one. With 0.99 the gate rejected a quarter of the DVL
+ * samples 0.4 s late. */
 #define LARGEST_BETA AUVID_C(0.8)
 
-/* P H' of a velocity along h; returns H P H'. */
-static auvid_real_t along(const auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t c[6])
+/* Compute P H' of a velocity along h; return H P H'. */
+static auvid_real_t nav_velocity_covariance(const auvid_nav_t *nav, const auvid_real_t h[3],
+                                            auvid_real_t c[6])
 {
     c[0] = nav_dot(nav->pv[0], h);
     c[1] = nav_dot(nav->pv[1], h);
@@ -40,8 +41,9 @@ static auvid_real_t along(const auvid_nav_t *nav, const auvid_real_t h[3], auvid
     return nav_dot(h, c + 3);
 }
 
-/* P H' of position axis i, `age` ago; returns H P H'. */
-static auvid_real_t position_of(const auvid_nav_t *nav, int i, auvid_real_t age, auvid_real_t c[6])
+/* Compute P H' of position axis i, `age` ago; return H P H'. */
+static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid_real_t age,
+                                            auvid_real_t c[6])
 {
     const uint8_t *row = nav_packed[i];
     const auvid_real_t *pv = nav->pv[i];
@@ -56,28 +58,28 @@ static auvid_real_t position_of(const auvid_nav_t *nav, int i, auvid_real_t age,
     }
     auvid_real_t h[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)}, more[6];
     nav_add(h, -age, nav->rotation[i]);
-    (void)along(nav, h, more);
+    (void)nav_velocity_covariance(nav, h, more);
     nav_add(c, AUVID_C(1.0), more);
     nav_add(c + 3, AUVID_C(1.0), more + 3);
     return c[i] + nav_dot(h, c + 3);
 }
 
-/* z - p_i(t - age) */
-static auvid_real_t position_innovation(const auvid_nav_t *nav, int i, auvid_real_t age,
-                                        auvid_real_t z)
+/* Return z - p_i(t - age). */
+static auvid_real_t nav_position_innovation(const auvid_nav_t *nav, int i, auvid_real_t age,
+                                            auvid_real_t z)
 {
     auvid_real_t nu = (z - nav->position[i]) - nav->position_lo[i];
     return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->rotation[i], nav->velocity) : nu;
 }
 
-/* How many scalars; never more than three, here for all to see. */
-AUVID_INLINE int scalars(const auvid_nav_measurement_t *m)
+/* Return the number of scalars. The minimum shows the compiler that it is at most three. */
+AUVID_INLINE int nav_scalar_count(const auvid_nav_measurement_t *m)
 {
     return m->n < 3 ? m->n : 3;
 }
 
-/* Scalar j of a velocity is the velocity along this. */
-static const auvid_real_t *direction(const auvid_nav_measurement_t *m, int j)
+/* Return the direction of scalar j of a velocity. */
+static const auvid_real_t *nav_direction(const auvid_nav_measurement_t *m, int j)
 {
     static const auvid_real_t unit[3][3] = {{AUVID_C(1.0), AUVID_C(0.0), AUVID_C(0.0)},
                                             {AUVID_C(0.0), AUVID_C(1.0), AUVID_C(0.0)},
@@ -85,9 +87,9 @@ static const auvid_real_t *direction(const auvid_nav_measurement_t *m, int j)
     return m->directed ? m->h[j] : unit[j];
 }
 
-/* h'm, the variance along h of the noise since the sample; m = age diag(q) h */
-static auvid_real_t noise_since(const auvid_nav_t *nav, auvid_real_t age, const auvid_real_t h[3],
-                                auvid_real_t m[3])
+/* Compute m = age diag(q) h; return h'm, the variance along h of the noise since the sample. */
+static auvid_real_t nav_noise_since(const auvid_nav_t *nav, auvid_real_t age,
+                                    const auvid_real_t h[3], auvid_real_t m[3])
 {
     for (int k = 0; k < 3; ++k) {
         m[k] = age * nav->q[k] * h[k];
@@ -95,8 +97,8 @@ static auvid_real_t noise_since(const auvid_nav_t *nav, auvid_real_t age, const 
     return nav_dot(m, h);
 }
 
-/* Is c' P^-1 c < s, so that P - c c'/s is positive definite? P = L D L', y = L^-1 c. */
-static bool is_possible(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s)
+/* Return whether c' P^-1 c < s, so that P - c c'/s is positive definite. P = L D L', y = L^-1 c. */
+static bool nav_is_positive(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_real_t s)
 {
     auvid_real_t p[6][6], y[6], sum = AUVID_C(0.0);
     (void)auvid_nav_covariance(nav, p);
@@ -117,72 +119,75 @@ static bool is_possible(const auvid_nav_t *nav, const auvid_real_t c[6], auvid_r
             }
         }
     }
-    return sum < s * (AUVID_C(1.0) - NAV_SMALLEST_REST);
+    return sum < s * (AUVID_C(1.0) - NAV_MIN_VARIANCE_RATIO);
 }
 
-/* P H' and H P H' of a velocity with the noise since the sample taken out. */
-static auvid_real_t late_velocity(const auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j,
-                                  auvid_real_t c[6])
+/* Compute c of a late velocity: P H' without the noise since the sample; return S - R. */
+static auvid_real_t nav_late_covariance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
+                                        int j, auvid_real_t c[6])
 {
     auvid_real_t noise[3], exact[6];
-    const auvid_real_t *h = direction(m, j);
-    auvid_real_t hph = along(nav, h, c);
-    auvid_real_t variance = noise_since(nav, m->age, h, noise);
+    const auvid_real_t *h = nav_direction(m, j);
+    auvid_real_t hph = nav_velocity_covariance(nav, h, c);
+    auvid_real_t variance = nav_noise_since(nav, m->age, h, noise);
     if (m->t_us >= nav->last_update_us && hph > variance) {
         for (int k = 0; k < 3; ++k) {
             exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
             exact[3 + k] = c[3 + k] - noise[k];
         }
-        if (is_possible(nav, exact, hph - variance + nav->r[m->sensor])) {
+        if (nav_is_positive(nav, exact, hph - variance + nav->r[m->sensor])) {
             memcpy(c, exact, sizeof exact);
             return hph - variance;
         }
     }
-    auvid_real_t rest = AUVID_C(1.0) - auvid_min(variance / hph, LARGEST_BETA);
+    auvid_real_t kept = AUVID_C(1.0) - auvid_min(variance / hph, LARGEST_BETA);
     for (int k = 0; k < 6; ++k) {
-        c[k] *= rest;
+        c[k] *= kept;
     }
-    return hph * rest;
+    return hph * kept;
 }
 
-/* Scalar j enters by itself. */
-static auvid_real_t enter_one(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
+/* Apply scalar j; return nu^2 / S. */
+static auvid_real_t nav_apply_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
     auvid_real_t c[6], hph, nu;
     if (m->is_velocity) {
-        const auvid_real_t *h = direction(m, j);
-        hph = m->age > AUVID_C(0.0) ? late_velocity(nav, m, j, c) : along(nav, h, c);
+        const auvid_real_t *h = nav_direction(m, j);
+        hph = m->age > AUVID_C(0.0) ? nav_late_covariance(nav, m, j, c)
+                                    : nav_velocity_covariance(nav, h, c);
         nu = m->z[j] - nav_dot(h, nav->velocity);
     } else {
         int i = m->first + j;
-        hph = position_of(nav, i, m->age, c);
-        nu = position_innovation(nav, i, m->age, m->z[j]);
+        hph = nav_position_covariance(nav, i, m->age, c);
+        nu = nav_position_innovation(nav, i, m->age, m->z[j]);
     }
     return nav_apply(nav, c, nav_variance(nav, m, hph), nu);
 }
 
-/* Innovation j; returns its H P H', a velocity's with the noise since the sample taken out. */
-static auvid_real_t innovation_of(const auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j,
-                                  auvid_real_t *nu)
+/* Compute innovation j; return its H P H', for a velocity without the noise since the sample. */
+static auvid_real_t nav_innovation(const auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j,
+                                   auvid_real_t *nu)
 {
     auvid_real_t c[6];
     if (!m->is_velocity) {
         int i = m->first + j;
-        *nu = position_innovation(nav, i, m->age, m->z[j]);
-        return m->age > AUVID_C(0.0) ? position_of(nav, i, m->age, c) : nav->pp[nav_packed[i][i]];
+        *nu = nav_position_innovation(nav, i, m->age, m->z[j]);
+        return m->age > AUVID_C(0.0) ? nav_position_covariance(nav, i, m->age, c)
+                                     : nav->pp[nav_packed[i][i]];
     }
-    const auvid_real_t *h = direction(m, j);
-    auvid_real_t hph = along(nav, h, c);
+    const auvid_real_t *h = nav_direction(m, j);
+    auvid_real_t hph = nav_velocity_covariance(nav, h, c);
     *nu = m->z[j] - nav_dot(h, nav->velocity);
     if (m->age > AUVID_C(0.0)) {
-        hph = auvid_max(hph - noise_since(nav, m->age, h, c), (AUVID_C(1.0) - LARGEST_BETA) * hph);
+        hph = auvid_max(hph - nav_noise_since(nav, m->age, h, c),
+                        (AUVID_C(1.0) - LARGEST_BETA) * hph);
     }
     return hph;
 }
 
-/* Write innovation j down; returns its bit if it is outside the gate. */
-AUVID_INLINE unsigned nav_note(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu, auvid_real_t s,
-                               auvid_real_t gate)
+/* Store innovation j; return its bit if it is outside the gate. */
+AUVID_INLINE unsigned nav_record_innovation(auvid_nav_diagnostics_t *d, int j, auvid_real_t nu,
+                                            auvid_real_t s, auvid_real_t gate)
 {
     auvid_real_t ratio = nu * nu / s;
     d->innovation[j] = nu;
@@ -193,28 +198,29 @@ AUVID_INLINE unsigned nav_note(auvid_nav_diagnostics_t *d, int j, auvid_real_t n
     return ratio > gate ? 1u << j : 0u;
 }
 
-uint8_t auvid_nav_look(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     unsigned outside = 0;
     d->nis = AUVID_C(0.0);
-    for (int j = 0; j < scalars(m); ++j) {
-        auvid_real_t nu, hph = innovation_of(nav, m, j, &nu);
-        outside |= nav_note(d, j, nu, nav_variance(nav, m, hph), nav->gate);
+    for (int j = 0; j < nav_scalar_count(m); ++j) {
+        auvid_real_t nu, hph = nav_innovation(nav, m, j, &nu);
+        outside |= nav_record_innovation(d, j, nu, nav_variance(nav, m, hph), nav->gate);
     }
     d->innovation_count = m->n;
     d->seen_us = m->t_us;
     return (uint8_t)outside;
 }
 
-/* Of the scalars outside the gate, those that no manoeuvre since the last good sample explains. */
-static uint8_t beyond_max_acceleration(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+/* Return those scalars outside the gate that no manoeuvre since the last accepted sample explains,
+ * within max_acceleration. */
+static uint8_t nav_beyond_max_acceleration(const auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    uint64_t us = d->has_sample ? m->t_us - d->good_us : 0; /* samples of a sensor come in order */
+    uint64_t us = d->has_sample ? m->t_us - d->good_us : 0; /* in order per sensor */
     auvid_real_t dt = AUVID_C(1e-6) * (auvid_real_t)(uint32_t)(us < 10000000u ? us : 10000000u);
     uint8_t outside = m->outside;
-    for (int j = 0; j < scalars(m); ++j) {
+    for (int j = 0; j < nav_scalar_count(m); ++j) {
         auvid_real_t reach = auvid_sqrt(nav->gate * d->variance[j]) + nav->max_acceleration * dt;
         if (auvid_abs(d->innovation[j]) <= reach) {
             outside = (uint8_t)(outside & ~(1u << j));
@@ -223,32 +229,32 @@ static uint8_t beyond_max_acceleration(const auvid_nav_t *nav, const auvid_nav_m
     return outside;
 }
 
-auvid_status_t auvid_nav_pass(auvid_nav_t *nav, auvid_nav_measurement_t *m)
+auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    m->outside = auvid_nav_look(nav, m);
+    m->outside = auvid_nav_innovations(nav, m);
     if (m->outside != 0 && m->is_velocity) {
-        m->outside = beyond_max_acceleration(nav, m);
+        m->outside = nav_beyond_max_acceleration(nav, m);
     }
     if (m->outside != 0) {
-        nav_count(&d->consecutive_rejections);
+        nav_increment(&d->consecutive_rejections);
         if (nav->max_consecutive_rejections == 0 ||
             d->consecutive_rejections < nav->max_consecutive_rejections) {
             return AUVID_GATED;
         }
-        nav_count(&d->resets);
+        nav_increment(&d->resets);
     }
-    nav_note_good(d, m->t_us);
+    nav_record_accepted(d, m->t_us);
     return AUVID_OK;
 }
 
-/* Set the velocity along h from a measurement, whatever was known of it, with u = [0; h], g = P u:
+/* Re-initialise the velocity along h from a measurement, with u = [0; h], g = P u:
  * P = (I - u u') P (I - u u') + variance u u' = P - g u' - u g' + (u'g + variance) u u' */
-static void restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t step,
-                             auvid_real_t variance)
+static void nav_restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t step,
+                                 auvid_real_t variance)
 {
     auvid_real_t g[6];
-    auvid_real_t sum = along(nav, h, g) + variance;
+    auvid_real_t sum = nav_velocity_covariance(nav, h, g) + variance;
     for (int k = 0; k < 3; ++k) {
         nav_add(nav->pv[k], -g[k], h);
         for (int l = k; l < 3; ++l) {
@@ -258,30 +264,30 @@ static void restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvid_re
     nav_add(nav->velocity, step, h);
 }
 
-/* The filter was wrong about scalar j by far more than it thought: start that one again. */
-static void start_again(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
+/* Re-initialise what scalar j measures: the error is far larger than its variance. */
+static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
     auvid_real_t step = nav->diagnostics[m->sensor].innovation[j], noise[3];
     auvid_real_t variance = nav->r[m->sensor];
     if (m->is_velocity) {
-        const auvid_real_t *h = direction(m, j);
-        restart_velocity(nav, h, step, variance + noise_since(nav, m->age, h, noise));
+        const auvid_real_t *h = nav_direction(m, j);
+        nav_restart_velocity(nav, h, step, variance + nav_noise_since(nav, m->age, h, noise));
     } else {
-        auvid_nav_restart(nav, m->first + j, step, variance);
+        auvid_nav_restart_position(nav, m->first + j, step, variance);
     }
 }
 
-void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_real_t nis = AUVID_C(0.0);
-    for (int j = 0; m->outside != 0 && j < scalars(m); ++j) {
+    for (int j = 0; m->outside != 0 && j < nav_scalar_count(m); ++j) {
         if ((m->outside >> j & 1) != 0) {
-            start_again(nav, m, j);
+            nav_restart_scalar(nav, m, j);
         }
     }
-    for (int j = 0; j < scalars(m); ++j) {
+    for (int j = 0; j < nav_scalar_count(m); ++j) {
         if ((m->outside >> j & 1) == 0) {
-            nis += enter_one(nav, m, j);
+            nis += nav_apply_scalar(nav, m, j);
         }
     }
     if (m->outside == 0) {
@@ -289,9 +295,10 @@ void auvid_nav_enter(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
     }
 }
 
-void auvid_nav_restart(auvid_nav_t *nav, int axis, auvid_real_t step, auvid_real_t variance)
+void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
+                                auvid_real_t variance)
 {
-    nav_move(nav, axis, step);
+    nav_move_position(nav, axis, step);
     for (int k = 0; k < 3; ++k) {
         nav->pp[nav_packed[axis][k]] = AUVID_C(0.0);
         nav->pv[axis][k] = AUVID_C(0.0);

@@ -1,10 +1,10 @@
 /*
  * Recorder (Karras et al. 2013, III-B, buffers of Eq. 9).
  *
- * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps; the
- * integral of a straight line over an overlap is its value in the middle times the length. Cells
- * live in a ring; a cell is zeroed when the first stream enters it. u, v and w are a stream each;
- * one that is lost (not valid) takes part again from the next whole cell on.
+ * Each stream is integrated over the cells that its segment [last sample, new sample] overlaps. The
+ * integral of a straight line over an overlap is its midpoint value times the length. The cells
+ * form a ring; a cell is zeroed when the first stream enters it. u, v and w are one stream each; a
+ * lost one (not valid) continues from the next whole cell.
  */
 #include "auvid/recorder.h"
 
@@ -17,9 +17,9 @@ enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
 /* Channels of each stream in a cell: phi theta psi p q r | u | v | w | tau, commands. */
 static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER_CHANNELS};
 
-/* Cells without one of the velocities, the others measured, after which it is lost: some are left
- * of the ring for the samples' delay. */
-enum { LONGEST_LAG = AUVID_RECORDER_CELLS - 8 };
+/* A velocity component counts as lost after this many cells without it, while others are measured.
+ * The rest of the ring is for the delay of the samples. */
+enum { MAX_LAG = AUVID_RECORDER_CELLS - 8 };
 
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
 
@@ -55,36 +55,36 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     return AUVID_OK;
 }
 
-static bool is_velocity(int s)
+static bool recorder_is_velocity(int s)
 {
     return s >= VELOCITY && s < INPUT;
 }
 
-/* Unless there is one, begin a record at the latest of the streams' last samples, once all have one
- * that is not older than a gap; of the velocities one is enough. */
-static void begin_record(auvid_recorder_t *rec)
+/* Begin a record at the latest of the streams' last samples, unless one is running. All streams
+ * need a sample not older than gap_us; one velocity component is enough. */
+static void recorder_begin(auvid_recorder_t *rec)
 {
     uint64_t origin = 0;
-    bool moves = false;
+    bool has_velocity = false;
     if (rec->running) {
         return;
     }
     for (int s = 0; s < STREAMS; ++s) {
         if (rec->stream[s].valid) {
             origin = rec->stream[s].t_us > origin ? rec->stream[s].t_us : origin;
-        } else if (!is_velocity(s)) {
+        } else if (!recorder_is_velocity(s)) {
             return;
         }
     }
     for (int s = 0; s < STREAMS; ++s) {
         auvid_recorder_stream_t *st = &rec->stream[s];
         st->valid = st->valid && origin - st->t_us <= rec->cfg.gap_us;
-        moves = moves || (is_velocity(s) && st->valid);
-        if (!st->valid && !is_velocity(s)) {
+        has_velocity = has_velocity || (recorder_is_velocity(s) && st->valid);
+        if (!st->valid && !recorder_is_velocity(s)) {
             return;
         }
     }
-    if (!moves) {
+    if (!has_velocity) {
         return;
     }
     for (int s = 0; s < STREAMS; ++s) {
@@ -97,9 +97,10 @@ static void begin_record(auvid_recorder_t *rec)
     rec->running = true;
 }
 
-/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. False
- * when it reaches a cell for which the ring has no room. At most AUVID_RECORDER_CELLS passes. */
-static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+/* Add the segment from the stream's last sample to (t_us, value) to the cells it overlaps. Return
+ * false if it reaches a cell beyond the ring. At most AUVID_RECORDER_CELLS passes. */
+static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
+                               const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
     const auvid_real_t *last = &rec->last[first_channel[s]];
@@ -115,21 +116,21 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
             return false;
         }
         auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
-        for (; rec->opened <= st->cell; ++rec->opened) { /* one that was lost may be ahead */
+        for (; rec->opened <= st->cell; ++rec->opened) { /* a stream that was lost may be ahead */
             memset(rec->mean[rec->opened % AUVID_RECORDER_CELLS], 0, sizeof rec->mean[0]);
             rec->measured[rec->opened % AUVID_RECORDER_CELLS] = 0;
         }
         auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
-        /* where the middle of the overlap lies between the two samples, 0..1 */
+        /* position of the middle of the overlap between the two samples, 0..1 */
         auvid_real_t middle =
             (auvid_real_t)(uint32_t)(to - st->t_us + (st->filled_us - st->t_us)) * AUVID_C(0.5);
-        auvid_real_t part = hold ? AUVID_C(0.0) : middle * per_segment;
+        auvid_real_t fraction = hold ? AUVID_C(0.0) : middle * per_segment;
         for (int i = 0; i < channels; ++i) {
-            mean[first_channel[s] + i] += weight * (last[i] + part * (value[i] - last[i]));
+            mean[first_channel[s] + i] += weight * (last[i] + fraction * (value[i] - last[i]));
         }
         st->filled_us = to;
         if (to == cell_end) {
-            unsigned bit = is_velocity(s) ? 1u << (s - VELOCITY) : 0u;
+            unsigned bit = recorder_is_velocity(s) ? 1u << (s - VELOCITY) : 0u;
             uint8_t *measured = &rec->measured[st->cell % AUVID_RECORDER_CELLS];
             *measured = (uint8_t)(*measured | bit);
             ++st->cell;
@@ -138,17 +139,17 @@ static bool integrate(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_r
     return true;
 }
 
-/* A sample of a stream, checked. */
-static void recorder_take(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+/* Add a checked sample to a stream. */
+static void recorder_add(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
 {
     auvid_recorder_stream_t *st = &rec->stream[s];
-    if (rec->running && !st->valid) { /* a velocity that was lost */
-        bool inside = t_us >= rec->origin_us; /* or a late one of before the record */
+    if (rec->running && !st->valid) {         /* a velocity component that was lost */
+        bool inside = t_us >= rec->origin_us; /* false: sampled before the record began */
         st->cell =
             inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
         st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
     } else if (rec->running &&
-               (t_us - st->t_us > rec->cfg.gap_us || !integrate(rec, s, t_us, value))) {
+               (t_us - st->t_us > rec->cfg.gap_us || !recorder_integrate(rec, s, t_us, value))) {
         rec->broken = true;
         rec->running = false;
     }
@@ -158,7 +159,7 @@ static void recorder_take(auvid_recorder_t *rec, int s, uint64_t t_us, const auv
     st->valid = true;
 }
 
-static auvid_status_t check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
+static auvid_status_t recorder_check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
 {
     if (st->valid && t_us <= st->t_us) {
         return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
@@ -166,16 +167,17 @@ static auvid_status_t check_time(const auvid_recorder_stream_t *st, uint64_t t_u
     return AUVID_OK;
 }
 
-static auvid_status_t feed(auvid_recorder_t *rec, int s, uint64_t t_us, const auvid_real_t *value)
+static auvid_status_t recorder_feed(auvid_recorder_t *rec, int s, uint64_t t_us,
+                                    const auvid_real_t *value)
 {
     size_t channels = (size_t)(first_channel[s + 1] - first_channel[s]);
     auvid_status_t status = auvid_all_within(value, channels, AUVID_RECORDER_LARGEST);
     if (status == AUVID_OK) {
-        status = check_time(&rec->stream[s], t_us);
+        status = recorder_check_time(&rec->stream[s], t_us);
     }
     if (status == AUVID_OK) {
-        recorder_take(rec, s, t_us, value);
-        begin_record(rec);
+        recorder_add(rec, s, t_us, value);
+        recorder_begin(rec);
     }
     return status;
 }
@@ -189,7 +191,7 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
     auvid_real_t value[6];
     memcpy(value, attitude, 3 * sizeof value[0]);
     memcpy(value + 3, rates, 3 * sizeof value[0]);
-    return feed(recorder, ATTITUDE, t_us, value);
+    return recorder_feed(recorder, ATTITUDE, t_us, value);
 }
 
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
@@ -200,37 +202,37 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = measured > 7u ? AUVID_ERR_RANGE : AUVID_OK;
-    uint32_t silence_us[3], least_us = UINT32_MAX;
+    uint32_t silence_us[3], min_us = UINT32_MAX;
     for (int i = 0; i < 3; ++i) {
         const auvid_recorder_stream_t *st = &rec->stream[VELOCITY + i];
         if (status == AUVID_OK && (measured >> i & 1u) != 0) {
             status = auvid_all_within(velocity + i, 1, AUVID_RECORDER_LARGEST);
         }
         if (status == AUVID_OK) {
-            status = check_time(st, t_us);
+            status = recorder_check_time(st, t_us);
         }
         uint64_t us = t_us - st->t_us;
         silence_us[i] = st->valid && us < UINT32_MAX ? (uint32_t)us : UINT32_MAX;
-        least_us = silence_us[i] < least_us ? silence_us[i] : least_us;
+        min_us = silence_us[i] < min_us ? silence_us[i] : min_us;
     }
     if (status != AUVID_OK || measured == 0) {
         return status != AUVID_OK ? status : AUVID_UNUSED;
     }
-    /* after a silence of all three the record breaks, as after that of any stream */
-    bool goes_on = rec->running && least_us <= rec->cfg.gap_us;
+    /* if all three components are missing for gap_us, the record breaks as for any stream */
+    bool continues = rec->running && min_us <= rec->cfg.gap_us;
     for (int i = 0; i < 3; ++i) {
         bool is_measured = (measured >> i & 1u) != 0;
         bool lost = is_measured ? silence_us[i] > rec->cfg.gap_us
                                 : silence_us[i] >= rec->cfg.gap_us ||
-                                      silence_us[i] >= LONGEST_LAG * rec->cfg.cell_us;
-        if (goes_on && lost) {
+                                      silence_us[i] >= MAX_LAG * rec->cfg.cell_us;
+        if (continues && lost) {
             rec->stream[VELOCITY + i].valid = false;
         }
         if (is_measured) {
-            recorder_take(rec, VELOCITY + i, t_us, velocity + i);
+            recorder_add(rec, VELOCITY + i, t_us, velocity + i);
         }
     }
-    begin_record(rec);
+    recorder_begin(rec);
     return AUVID_OK;
 }
 
@@ -240,10 +242,10 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
     if (recorder == NULL || attitude == NULL || nu == NULL) {
         return AUVID_ERR_NULL;
     }
-    /* what would refuse the velocity once the attitude is taken */
+    /* reject before the attitude is recorded if the velocity would be rejected */
     auvid_status_t status = auvid_all_within(nu, AUVID_DOF_COUNT, AUVID_RECORDER_LARGEST);
     for (int i = 0; i < 3 && status == AUVID_OK; ++i) {
-        status = check_time(&recorder->stream[VELOCITY + i], t_us);
+        status = recorder_check_time(&recorder->stream[VELOCITY + i], t_us);
     }
     if (status == AUVID_OK) {
         status = auvid_recorder_attitude(recorder, t_us, attitude, nu + AUVID_ROLL);
@@ -262,10 +264,10 @@ auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
     if (command != NULL) {
         memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_COMMANDS * sizeof value[0]);
     }
-    return feed(recorder, INPUT, t_us, value);
+    return recorder_feed(recorder, INPUT, t_us, value);
 }
 
-static const auvid_real_t *cell(const auvid_recorder_t *rec, uint32_t number)
+static const auvid_real_t *recorder_cell(const auvid_recorder_t *rec, uint32_t number)
 {
     return rec->mean[number % AUVID_RECORDER_CELLS];
 }
@@ -281,14 +283,16 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
         return AUVID_GAP;
     }
     for (int s = 0; s < STREAMS; ++s) {
-        bool lost = is_velocity(s) && !rec->stream[s].valid;
+        bool lost = recorder_is_velocity(s) && !rec->stream[s].valid;
         if (!rec->running || (!lost && rec->stream[s].cell <= rec->next + 2)) {
             return AUVID_EMPTY;
         }
     }
-    const auvid_real_t *mean = cell(rec, rec->next);
-    const auvid_real_t *before2 = cell(rec, rec->next - 2), *before = cell(rec, rec->next - 1);
-    const auvid_real_t *after = cell(rec, rec->next + 1), *after2 = cell(rec, rec->next + 2);
+    const auvid_real_t *mean = recorder_cell(rec, rec->next);
+    const auvid_real_t *before2 = recorder_cell(rec, rec->next - 2),
+                       *before = recorder_cell(rec, rec->next - 1);
+    const auvid_real_t *after = recorder_cell(rec, rec->next + 1),
+                       *after2 = recorder_cell(rec, rec->next + 2);
     auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cfg.cell_us);
 
     memset(sample, 0, sizeof *sample);

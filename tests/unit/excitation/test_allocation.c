@@ -1,4 +1,4 @@
-/* Allocation: wrench to thrusters and back, what saturates first, what cannot be made. */
+/* Allocation: wrench to thrusters and back, saturation, wrenches that are not possible. */
 #include "auvid/allocation.h"
 
 #include <math.h>
@@ -56,7 +56,7 @@ static void assert_wrench(double x, double y, double z, double k, double m, doub
 }
 
 /* By hand from X = -(f0 + f1), N = 0.4 (f1 - f0), Y = f4, Z = -(f2 + f3), M = 0.35 (f3 - f2). */
-static void test_girona500_wrench_is_shared_as_by_hand(void)
+static void test_girona500_wrench_is_allocated_as_by_hand(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(60, 30, -40, 0, 7, 16));
     const double expected[5] = {-30 - 20, -30 + 20, 20 - 10, 20 + 10, 30};
@@ -74,7 +74,7 @@ static void test_girona500_is_actuated_in_all_but_roll(void)
     TEST_ASSERT_EQUAL_INT(0x3f & ~AUVID_DOF_BIT(AUVID_ROLL), a.actuated);
 }
 
-/* A force e at r turns with r x e; e from where each thruster is and which way it pushes. */
+/* A force e at r has the moment r x e, from the position and direction of each thruster. */
 static void test_bluerov2_columns_are_forces_and_their_moments(void)
 {
     for (int i = 0; i < 8; ++i) {
@@ -99,26 +99,27 @@ static void test_bluerov2_columns_are_forces_and_their_moments(void)
     }
 }
 
-/* Whichever way it goes, half of its thrusters run backward, at 40.2 N. */
+/* In each direction half of its thrusters run backward, at 40.2 N. */
 static void test_bluerov2_is_actuated_in_all_with_the_thrust_of_t200s(void)
 {
     const double backward = 4 * 40.2, across = sqrt(0.5);
-    const double most[6] = {backward * across, backward * across, backward,
-                            backward * 0.218,  backward * 0.120,  backward * across * 0.267};
+    const double expected_max[6] = {backward * across, backward * across,
+                                    backward,          backward * 0.218,
+                                    backward * 0.120,  backward * across * 0.267};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &auvid_allocation_bluerov2_heavy));
     TEST_ASSERT_EQUAL_INT(0x3f, a.actuated);
     for (int j = 0; j < 6; ++j) {
         auvid_real_t negative, positive;
         TEST_ASSERT_EQUAL_INT(AUVID_OK,
                               auvid_allocation_capacity(&a, (auvid_dof_t)j, &negative, &positive));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * most[j], most[j], (double)positive);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * most[j], -most[j], (double)negative);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * expected_max[j], expected_max[j], (double)positive);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * expected_max[j], -expected_max[j], (double)negative);
     }
     TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(30, -20, 10, 1, -2, 5));
     assert_wrench(30, -20, 10, 1, -2, 5);
 }
 
-static void test_a_wrench_in_a_dof_without_thruster_is_dropped_and_named(void)
+static void test_a_wrench_in_a_dof_without_thruster_is_dropped_and_reported(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(60, 0, 0, 5, 0, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_DOF_BIT(AUVID_ROLL), out.dropped);
@@ -133,7 +134,7 @@ static void test_saturation_keeps_the_direction(void)
     assert_wrench(400 * k, 100 * k, -50 * k, 0, 0, 0);
 }
 
-static void test_yaw_is_kept_and_surge_given_up(void)
+static void test_yaw_is_kept_and_surge_is_reduced(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(300, 0, 0, 0, 0, 80));
     /* Yaw takes 100 N of each of the two; 53.8 N each are left for surge. */
@@ -172,7 +173,7 @@ static void test_no_force_ever_exceeds_its_limit(void)
             TEST_ASSERT_TRUE(fabs((double)out.force_N[j]) <=
                              (double)auvid_allocation_girona500.thruster[j].max_N);
         }
-        /* Yaw keeps its part, the rest its direction: T force = scaled parts, whatever they are. */
+        /* Yaw keeps its wrench, the rest its direction: T force = the scaled parts. */
         const double k = (double)out.scale;
         const double expected[6] = {k * w[0], k * w[1], k * w[2],
                                     0,        k * w[4], (double)out.scale_priority * w[5]};
@@ -193,10 +194,10 @@ static void test_a_thruster_out_of_order_is_not_used(void)
     assert_wrench(60, 0, 0, 0, 0, 0);
 }
 
-/* The first thruster has no part in sway, in exact arithmetic: the share is proportional to the sum
- * of products of the columns' X and Y, -0.5 * 0.6 + 0.3 * 1.0. It works one way only, so
- * any rounding left in it would stop sway in one direction. */
-static void test_a_thruster_at_its_limit_does_not_stop_a_dof_it_has_no_part_in(void)
+/* In exact arithmetic the first thruster does not affect sway: its share is proportional to the sum
+ * of products of the columns' X and Y, -0.5 * 0.6 + 0.3 * 1.0. It works in one direction only, so
+ * a rounding error would block sway in one direction. */
+static void test_a_thruster_at_its_limit_does_not_block_a_dof_it_does_not_affect(void)
 {
     for (int k = 0; k < 50; ++k) {
         double scale = 1 + 0.037 * k;
@@ -213,7 +214,7 @@ static void test_a_thruster_at_its_limit_does_not_stop_a_dof_it_has_no_part_in(v
     }
 }
 
-static void test_two_dofs_that_only_come_together_are_not_actuated(void)
+static void test_two_coupled_dofs_are_not_actuated(void)
 {
     add(1, 0, 0, 0, 0, 0);
     add(0, 1, 0, 0.2, 0, 0); /* sways and rolls */
@@ -230,7 +231,7 @@ static void test_a_mask_without_roll_lets_sway_be_used(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
     TEST_ASSERT_EQUAL_INT(cfg.dofs, a.actuated);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(3, 5, 0, 0, 0, 0));
-    assert_wrench(3, 5, 0, 1, 0, 0); /* the roll that comes along is told */
+    assert_wrench(3, 5, 0, 1, 0, 0); /* the coupled roll is reported */
 }
 
 static void test_a_one_way_thruster_gives_nothing_the_other_way(void)
@@ -262,7 +263,7 @@ static void test_capacity_is_the_largest_wrench_that_is_not_scaled(void)
     }
 }
 
-static void test_capacity_tells_the_two_directions_apart(void)
+static void test_capacity_differs_between_the_two_directions(void)
 {
     auvid_real_t negative, positive;
     add(1, 0, 0, 0, 0, 0);
@@ -286,7 +287,8 @@ static void test_check_passes_the_usual_excitation_with_hover_thrust(void)
 
 static void test_check_refuses_what_some_combination_of_signs_exceeds(void)
 {
-    /* 110 / 2 + 40 / 0.8 = 105; 200 / 2 + 50 / 0.8 = 162.5 > 153.8; yaw and surge alone pass. */
+    /* 110 / 2 + 40 / 0.8 = 105; 200 / 2 + 50 / 0.8 = 162.5 > 153.8; yaw or surge without the other
+     * pass. */
     const auvid_real_t fits[6] = {110, 0, 0, 0, 0, 40}, both[6] = {200, 0, 0, 0, 0, 50};
     const auvid_real_t roll[6] = {0, 0, 0, 1, 0, 0}, heave[6] = {0, 0, 300, 0, 0, 0};
     const auvid_real_t hold[6] = {0, 0, 30}, negative[6] = {-1}, nan[6] = {(auvid_real_t)NAN};
@@ -416,23 +418,23 @@ static void test_vectors_that_are_not_finite_or_null_are_refused(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_girona500_wrench_is_shared_as_by_hand);
+    RUN_TEST(test_girona500_wrench_is_allocated_as_by_hand);
     RUN_TEST(test_girona500_is_actuated_in_all_but_roll);
     RUN_TEST(test_bluerov2_columns_are_forces_and_their_moments);
     RUN_TEST(test_bluerov2_is_actuated_in_all_with_the_thrust_of_t200s);
-    RUN_TEST(test_a_wrench_in_a_dof_without_thruster_is_dropped_and_named);
+    RUN_TEST(test_a_wrench_in_a_dof_without_thruster_is_dropped_and_reported);
     RUN_TEST(test_saturation_keeps_the_direction);
-    RUN_TEST(test_yaw_is_kept_and_surge_given_up);
+    RUN_TEST(test_yaw_is_kept_and_surge_is_reduced);
     RUN_TEST(test_yaw_beyond_the_limit_is_scaled_and_takes_all);
     RUN_TEST(test_without_priority_the_whole_wrench_is_scaled);
     RUN_TEST(test_no_force_ever_exceeds_its_limit);
     RUN_TEST(test_a_thruster_out_of_order_is_not_used);
-    RUN_TEST(test_a_thruster_at_its_limit_does_not_stop_a_dof_it_has_no_part_in);
-    RUN_TEST(test_two_dofs_that_only_come_together_are_not_actuated);
+    RUN_TEST(test_a_thruster_at_its_limit_does_not_block_a_dof_it_does_not_affect);
+    RUN_TEST(test_two_coupled_dofs_are_not_actuated);
     RUN_TEST(test_a_mask_without_roll_lets_sway_be_used);
     RUN_TEST(test_a_one_way_thruster_gives_nothing_the_other_way);
     RUN_TEST(test_capacity_is_the_largest_wrench_that_is_not_scaled);
-    RUN_TEST(test_capacity_tells_the_two_directions_apart);
+    RUN_TEST(test_capacity_differs_between_the_two_directions);
     RUN_TEST(test_check_passes_the_usual_excitation_with_hover_thrust);
     RUN_TEST(test_check_refuses_what_some_combination_of_signs_exceeds);
     RUN_TEST(test_square_law_gives_half_the_command_for_a_quarter_of_the_force);

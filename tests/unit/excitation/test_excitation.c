@@ -1,4 +1,4 @@
-/* The excitation: what it plays, that it keeps to its amplitude and fades and repeats itself. */
+/* The excitation: its signals, amplitude limits, fades, and reproducible repetitions. */
 #include "auvid/excitation.h"
 
 #include <math.h>
@@ -109,7 +109,7 @@ static void test_a_pause_is_zero_and_segments_follow_in_order(void)
     TEST_ASSERT_EQUAL_DOUBLE(2.0, at(2 * S));
 }
 
-static void test_degrees_of_freedom_play_side_by_side(void)
+static void test_degrees_of_freedom_play_in_parallel(void)
 {
     add(AUVID_SEGMENT_STEP, 1, 1);
     add(AUVID_SEGMENT_STEP, 2, 2)->dof = AUVID_YAW;
@@ -224,12 +224,13 @@ static void test_peak_is_the_largest_of_each_degree_of_freedom(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)peak[1]);
 }
 
-/* 60 seeds, all DoFs, 100 Hz: the amplitude is never exceeded, and each set of sines comes near. */
+/* 60 seeds, all DoFs, 100 Hz: the amplitude is never exceeded, and each set of sines nearly reaches
+ * it. */
 static void test_a_plan_keeps_to_its_amplitude_and_uses_it(void)
 {
     double lowest = 1.0;
     for (uint64_t seed = 0; seed < 60; ++seed) {
-        double most[6] = {0};
+        double max_wrench[6] = {0};
         begin_plan(30, 2, seed);
         for (int i = 0; i < cfg.segments; ++i) {
             cfg.segment[i].fade_s = 0; /* a peak within a fade would not be reached */
@@ -240,15 +241,15 @@ static void test_a_plan_keeps_to_its_amplitude_and_uses_it(void)
             for (int d = 0; d < 6; ++d) {
                 TEST_ASSERT_TRUE(fabs((double)wrench[d]) <= (double)girona500[d]);
                 if (i >= 3000) {
-                    most[d] = fmax(most[d], fabs((double)wrench[d]));
+                    max_wrench[d] = fmax(max_wrench[d], fabs((double)wrench[d]));
                 }
             }
         }
         for (int d = 0; d < 6; ++d) {
             if (girona500[d] > 0) {
-                lowest = fmin(lowest, most[d] / (double)girona500[d]);
-                /* Below it without clipping, that is. */
-                TEST_ASSERT_TRUE(most[d] < (double)girona500[d]);
+                lowest = fmin(lowest, max_wrench[d] / (double)girona500[d]);
+                /* Below it without clipping. */
+                TEST_ASSERT_TRUE(max_wrench[d] < (double)girona500[d]);
             }
         }
     }
@@ -275,7 +276,7 @@ static void test_a_plan_with_fades_is_continuous(void)
     }
 }
 
-static void test_the_wrench_does_not_depend_on_the_ticks_before(void)
+static void test_the_wrench_does_not_depend_on_the_previous_ticks(void)
 {
     static auvid_real_t every[8000][6];
     cfg.fade_s = 2;
@@ -312,10 +313,10 @@ static void test_seeds_repetitions_and_degrees_of_freedom_differ(void)
     TEST_ASSERT_TRUE(seeds > 0.1 && repetitions > 0.1 && dofs > 0.1);
 }
 
-/* 400 seeds of a 300 s segment: about 20000 holds. Two neighbours may be alike, so that the state
- * tells where one ends. Signs and levels have their shares and holds their mean within four
- * standard deviations. */
-static void test_random_steps_have_the_holds_levels_and_signs_they_promise(void)
+/* 400 seeds of a 300 s segment: about 20000 holds. Two neighbours may be equal, so the test reads
+ * the ends of holds from the state. Frequencies of signs and levels and the mean hold are within
+ * four standard deviations. */
+static void test_random_steps_have_the_documented_holds_levels_and_signs(void)
 {
     double holds = 0, changes = 0, hold_sum = 0, high = 0, first_positive = 0;
     add(AUVID_SEGMENT_STEPS, 100, 300);
@@ -368,7 +369,7 @@ static void test_steps_in_pairs_leave_no_impulse(void)
 {
     double unpaired = 0;
     for (uint64_t seed = 0; seed < 10; ++seed) {
-        /* A hold ends within a millisecond of where the sum sees it: 0.2 Ns each. */
+        /* The sum resolves the end of a hold to a millisecond: 0.2 Ns each. */
         TEST_ASSERT_DOUBLE_WITHIN(1.5, 0.0, impulse_of_steps(true, 0.0, seed));
         TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.0, impulse_of_steps(true, 1.0, seed));
         unpaired = fmax(unpaired, fabs(impulse_of_steps(false, 1.0, seed)));
@@ -514,7 +515,7 @@ int main(void)
     RUN_TEST(test_a_ramp_is_a_straight_line);
     RUN_TEST(test_a_sine_is_the_sine_of_the_C_library);
     RUN_TEST(test_a_pause_is_zero_and_segments_follow_in_order);
-    RUN_TEST(test_degrees_of_freedom_play_side_by_side);
+    RUN_TEST(test_degrees_of_freedom_play_in_parallel);
     RUN_TEST(test_the_sequence_repeats_until_the_run_is_over);
     RUN_TEST(test_the_run_fades_in_and_out_with_a_raised_cosine);
     RUN_TEST(test_a_segment_fades_in_and_out);
@@ -525,9 +526,9 @@ int main(void)
     RUN_TEST(test_peak_is_the_largest_of_each_degree_of_freedom);
     RUN_TEST(test_a_plan_keeps_to_its_amplitude_and_uses_it);
     RUN_TEST(test_a_plan_with_fades_is_continuous);
-    RUN_TEST(test_the_wrench_does_not_depend_on_the_ticks_before);
+    RUN_TEST(test_the_wrench_does_not_depend_on_the_previous_ticks);
     RUN_TEST(test_seeds_repetitions_and_degrees_of_freedom_differ);
-    RUN_TEST(test_random_steps_have_the_holds_levels_and_signs_they_promise);
+    RUN_TEST(test_random_steps_have_the_documented_holds_levels_and_signs);
     RUN_TEST(test_steps_in_pairs_leave_no_impulse);
     RUN_TEST(test_sines_lie_geometrically_between_the_two_frequencies);
     RUN_TEST(test_a_plan_alternates_steps_and_sines_for_the_sets_asked);

@@ -1,6 +1,6 @@
 /*
- * The schedule of the excitation: pauses, one degree of freedom after the other, and the leash that
- * keeps the vehicle from drifting away.
+ * The schedule of the excitation: pauses, one degree of freedom after the other, and the excursion
+ * limit that prevents the vehicle from drifting away.
  */
 #include <math.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static void test_a_pause_before_a_segment_is_zero(void)
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_excitation_step(&e, 12 * S, wrench));
 }
 
-static void test_pauses_that_cannot_be_are_refused(void)
+static void test_invalid_pauses_are_refused(void)
 {
     cfg.segments = 1;
     cfg.segment[0].duration_s = 1;
@@ -104,7 +104,7 @@ static void test_sets_with_pauses_play_what_they_play_without(void)
 
 /* ---- one by one ---- */
 
-static void test_one_by_one_drives_one_degree_of_freedom_at_a_time_in_turn(void)
+static void test_one_by_one_excites_one_degree_of_freedom_at_a_time_in_turn(void)
 {
     static const int order[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
     schedule(2, true, 7);
@@ -133,8 +133,8 @@ static void test_a_schedule_without_pause_all_at_once_is_the_plan(void)
     TEST_ASSERT_EQUAL_MEMORY(&plan, &cfg, sizeof cfg);
 }
 
-/* They swing in 2-3 s: steps of 4-8 s leave drag and inertia to few swings. */
-static void test_roll_and_pitch_are_played_quicker_than_the_others(void)
+/* Their periods are 2-3 s: steps of 4-8 s have few transients for drag and inertia. */
+static void test_roll_and_pitch_have_faster_signals_than_the_others(void)
 {
     const auvid_real_t all[6] = {40, 40, 35, 5, 6, 6};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, all, 90, 8, 1));
@@ -170,9 +170,9 @@ static void test_a_schedule_refuses_what_it_cannot_make(void)
     begin();
 }
 
-/* ---- the leash ---- */
+/* ---- the excursion limit ---- */
 
-static void test_within_the_leash_the_wrench_is_as_without(void)
+static void test_within_the_excursion_limit_the_wrench_is_unchanged(void)
 {
     static auvid_excitation_t free;
     const auvid_real_t inside[6] = {5, -5, 3, 9, -9, AUVID_C(6.28)};
@@ -184,7 +184,7 @@ static void test_within_the_leash_the_wrench_is_as_without(void)
         auvid_real_t expected[6];
         const auvid_real_t far[6] = {1000, 1000, 1000, 1000, 1000, 1000};
         TEST_ASSERT_EQUAL_INT(AUVID_OK,
-                              auvid_excitation_set_displacement(&free, far)); /* no leash */
+                              auvid_excitation_set_displacement(&free, far)); /* no limit */
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_step(&free, t_us, expected));
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, inside));
         at(t_us);
@@ -192,8 +192,8 @@ static void test_within_the_leash_the_wrench_is_as_without(void)
     }
 }
 
-/* Steps that begin beyond the leash all lead back, whatever the sign of the amplitude. */
-static void test_random_steps_beyond_the_leash_lead_back(void)
+/* All steps that begin beyond the limit bring back, for either sign of the amplitude. */
+static void test_random_steps_beyond_the_excursion_limit_bring_back(void)
 {
     for (uint64_t seed = 0; seed < 20; ++seed) {
         for (int side = -1; side <= 1; side += 2) {
@@ -214,8 +214,8 @@ static void test_random_steps_beyond_the_leash_lead_back(void)
     }
 }
 
-/* The leash and the displacement are in metres and may be fractions of one. */
-static void test_a_leash_of_half_a_metre_leads_back_on_both_sides(void)
+/* The limit and the displacement are in metres and may be fractions. */
+static void test_a_limit_of_half_a_metre_brings_back_on_both_sides(void)
 {
     for (int side = -1; side <= 1; side += 2) {
         const auvid_real_t d[6] = {(auvid_real_t)side * AUVID_C(0.7)};
@@ -231,8 +231,8 @@ static void test_a_leash_of_half_a_metre_leads_back_on_both_sides(void)
     }
 }
 
-/* The wrench of a sine of 20 N in surge with a leash of 5 m, at one displacement. */
-static void play_sine(double displacement, double *least, double *most)
+/* Wrench of a sine of 20 N in surge with an excursion limit of 5 m, at one displacement. */
+static void play_sine(double displacement, double *min_x, double *max_x)
 {
     const auvid_real_t d[6] = {(auvid_real_t)displacement};
     setUp();
@@ -244,34 +244,34 @@ static void play_sine(double displacement, double *least, double *most)
     cfg.excursion_limit[AUVID_SURGE] = 5;
     begin();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_set_displacement(&e, d));
-    *least = INFINITY;
-    *most = -INFINITY;
+    *min_x = INFINITY;
+    *max_x = -INFINITY;
     for (uint64_t t_us = 0; t_us < 20 * S; t_us += S / 10) {
         at(t_us);
-        *least = fmin(*least, (double)wrench[0]);
-        *most = fmax(*most, (double)wrench[0]);
+        *min_x = fmin(*min_x, (double)wrench[0]);
+        *max_x = fmax(*max_x, (double)wrench[0]);
     }
 }
 
-/* From twice the leash on the pull is the segment's amplitude, no more. */
-static void test_a_sine_pushes_to_both_sides_within_the_leash_and_to_one_from_twice_it_on(void)
+/* From twice the limit on the bias is the segment's amplitude, no more. */
+static void test_a_sine_has_both_signs_within_the_limit_and_one_from_twice_it_on(void)
 {
     static const double within[] = {-4.9, 0.0, 4.9}, beyond[] = {-50.0, -10.0, 10.0, 50.0};
-    double least, most;
+    double min_x, max_x;
     for (int i = 0; i < 3; ++i) {
-        play_sine(within[i], &least, &most);
-        TEST_ASSERT_TRUE(least < -19.9 && most > 19.9);
+        play_sine(within[i], &min_x, &max_x);
+        TEST_ASSERT_TRUE(min_x < -19.9 && max_x > 19.9);
     }
     for (int i = 0; i < 4; ++i) {
-        play_sine(beyond[i], &least, &most);
-        double near_zero = beyond[i] > 0 ? most : least;
+        play_sine(beyond[i], &min_x, &max_x);
+        double near_zero = beyond[i] > 0 ? max_x : min_x;
         TEST_ASSERT_TRUE(fabs(near_zero) < 0.1);
-        TEST_ASSERT_TRUE(beyond[i] > 0 ? least < -19.9 : most > 19.9);
+        TEST_ASSERT_TRUE(beyond[i] > 0 ? min_x < -19.9 : max_x > 19.9);
     }
 }
 
-/* At twice the leash, sines too push one way only; and never beyond the peak. */
-static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
+/* At twice the limit, sines also have one sign only, never beyond the peak. */
+static void test_the_bias_grows_with_the_distance_and_keeps_the_peak(void)
 {
     auvid_real_t peak[6];
     for (uint64_t seed = 0; seed < 20; ++seed) {
@@ -280,7 +280,7 @@ static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
         begin();
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_peak(&e, peak));
         double mean[3] = {0};
-        for (int far = 0; far < 3; ++far) { /* 1, 1.5 and 10 times the leash */
+        for (int far = 0; far < 3; ++far) { /* 1, 1.5 and 10 times the limit */
             static const double times[3] = {1.0, 1.5, 10.0};
             const auvid_real_t d[6] = {(auvid_real_t)(5 * times[far]),
                                        (auvid_real_t)(-5 * times[far]),
@@ -303,7 +303,7 @@ static void test_the_pull_grows_with_the_distance_and_keeps_the_peak(void)
     }
 }
 
-static void test_a_leash_or_displacement_that_cannot_be_is_refused(void)
+static void test_an_invalid_limit_or_displacement_is_refused(void)
 {
     auvid_real_t bad[6] = {1, 2, 3, 4, 5, (auvid_real_t)NAN};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 30, 2, 1));
@@ -320,16 +320,16 @@ static void test_a_leash_or_displacement_that_cannot_be_is_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &e, sizeof e);
 }
 
-/* Farthest horizontal distance of a run of the plan, 8 sets of 30 s. */
-static double farthest(uint64_t seed, bool leash, double current, double disturbance_N)
+/* Largest horizontal distance in a run of the plan, 8 sets of 30 s. */
+static double largest_distance(uint64_t seed, bool limited, double current, double disturbance_N)
 {
     static sim_t sim;
     sim_config_t world;
     sim_output_t seen;
-    double most = 0;
+    double max_x = 0;
     setUp();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 30, 8, seed));
-    if (!leash) {
+    if (!limited) {
         memset(cfg.excursion_limit, 0, sizeof cfg.excursion_limit);
     }
     begin();
@@ -356,20 +356,20 @@ static double farthest(uint64_t seed, bool leash, double current, double disturb
         }
         f[2] -= world.parameter[SIM_WB];
         sim_step(&sim, NULL, f, &seen);
-        most = fmax(most, hypot(t->position[0], t->position[1]));
+        max_x = fmax(max_x, hypot(t->position[0], t->position[1]));
     }
-    return most;
+    return max_x;
 }
 
-/* The figures of excitation.h, on fewer seeds. Distance is of both axes: a corner of the leash is
- * at 1.4 of it, and the vehicle coasts. */
-static void test_the_leash_keeps_the_vehicle_against_drift_and_a_current(void)
+/* The figures of excitation.h, on fewer seeds. The distance is of both axes: a corner of the limits
+ * is at 1.4 of one, and the vehicle coasts. */
+static void test_the_excursion_limit_holds_against_drift_and_a_current(void)
 {
     double still = 0, current = 0, without = 0;
     for (uint64_t seed = 1; seed <= 10; ++seed) {
-        still = fmax(still, farthest(seed, true, 0.0, 3.0));
-        current = fmax(current, farthest(seed, true, 0.3, 3.0));
-        without += farthest(seed, false, 0.3, 3.0) / 10;
+        still = fmax(still, largest_distance(seed, true, 0.0, 3.0));
+        current = fmax(current, largest_distance(seed, true, 0.3, 3.0));
+        without += largest_distance(seed, false, 0.3, 3.0) / 10;
     }
     TEST_ASSERT_TRUE(still < 15);
     TEST_ASSERT_TRUE(current < 18);
@@ -380,18 +380,18 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_pause_before_a_segment_is_zero);
-    RUN_TEST(test_pauses_that_cannot_be_are_refused);
+    RUN_TEST(test_invalid_pauses_are_refused);
     RUN_TEST(test_sets_with_pauses_play_what_they_play_without);
-    RUN_TEST(test_one_by_one_drives_one_degree_of_freedom_at_a_time_in_turn);
+    RUN_TEST(test_one_by_one_excites_one_degree_of_freedom_at_a_time_in_turn);
     RUN_TEST(test_a_schedule_without_pause_all_at_once_is_the_plan);
-    RUN_TEST(test_roll_and_pitch_are_played_quicker_than_the_others);
+    RUN_TEST(test_roll_and_pitch_have_faster_signals_than_the_others);
     RUN_TEST(test_a_schedule_refuses_what_it_cannot_make);
-    RUN_TEST(test_within_the_leash_the_wrench_is_as_without);
-    RUN_TEST(test_random_steps_beyond_the_leash_lead_back);
-    RUN_TEST(test_a_leash_of_half_a_metre_leads_back_on_both_sides);
-    RUN_TEST(test_a_sine_pushes_to_both_sides_within_the_leash_and_to_one_from_twice_it_on);
-    RUN_TEST(test_the_pull_grows_with_the_distance_and_keeps_the_peak);
-    RUN_TEST(test_a_leash_or_displacement_that_cannot_be_is_refused);
-    RUN_TEST(test_the_leash_keeps_the_vehicle_against_drift_and_a_current);
+    RUN_TEST(test_within_the_excursion_limit_the_wrench_is_unchanged);
+    RUN_TEST(test_random_steps_beyond_the_excursion_limit_bring_back);
+    RUN_TEST(test_a_limit_of_half_a_metre_brings_back_on_both_sides);
+    RUN_TEST(test_a_sine_has_both_signs_within_the_limit_and_one_from_twice_it_on);
+    RUN_TEST(test_the_bias_grows_with_the_distance_and_keeps_the_peak);
+    RUN_TEST(test_an_invalid_limit_or_displacement_is_refused);
+    RUN_TEST(test_the_excursion_limit_holds_against_drift_and_a_current);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * The guard: every limit, every silent sensor, every value that is not finite takes the permission
- * away in the very step that sees it, for good, and says why.
+ * The guard: every exceeded limit, every stale sensor and every value that is not finite withdraws
+ * the permission in the same step, latches, and reports the cause.
  */
 #include "auvid/guard.h"
 
@@ -69,7 +69,7 @@ static bool step_well(void)
     return auvid_guard_step(&g, now, &in);
 }
 
-/* To one of the states that are watched, all well; excitation since now. */
+/* To one of the watched states, with all inputs within the limits; the excitation starts now. */
 static void go(auvid_guard_state_t state)
 {
     now = START;
@@ -101,7 +101,7 @@ static void check_aborted(auvid_guard_cause_t cause, double value, double limit)
     TEST_ASSERT_EQUAL_UINT64(now, g.trip.t_us);
 }
 
-/* Aborted now, and it stays so when all is well again. */
+/* Aborted now, and still so when all inputs are within the limits again. */
 static void check_latched(auvid_guard_cause_t cause, double value, double limit)
 {
     check_aborted(cause, value, limit);
@@ -116,10 +116,10 @@ static void check_latched(auvid_guard_cause_t cause, double value, double limit)
     TEST_ASSERT_EQUAL_MEMORY(&trip, &g.trip, sizeof trip);
 }
 
-/* `where` takes `value`: at once a breach in every watched state, none with the limit off; armed in
- * no case. A value just inside the limit is none. */
-static void check_limit(auvid_real_t *where, double value, auvid_guard_cause_t cause, double told,
-                        double limit, double inside)
+/* Set *where to `value`: a breach in the same step in every watched state, none with the limit off;
+ * arming is refused. A value just inside the limit is no breach. */
+static void check_limit(auvid_real_t *where, double value, auvid_guard_cause_t cause,
+                        double reported, double limit, double inside)
 {
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
         go((auvid_guard_state_t)state);
@@ -129,7 +129,7 @@ static void check_limit(auvid_real_t *where, double value, auvid_guard_cause_t c
         all_is_well();
         *where = (auvid_real_t)value;
         TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
-        check_latched(cause, told, limit);
+        check_latched(cause, reported, limit);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
     all_is_well();
@@ -219,7 +219,7 @@ static void test_the_run_takes_too_long(void)
 {
     cfg.run_max_s = 3;
     go(AUVID_GUARD_ARMED);
-    while (now < START + 10000000u) { /* being armed is no run */
+    while (now < START + 10000000u) { /* ARMED does not count as a run */
         TEST_ASSERT_FALSE(step_well());
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
@@ -261,8 +261,8 @@ static void test_the_run_is_limited_to_the_microsecond(void)
     check_aborted(AUVID_GUARD_RUN_TIME, 3.000001, 3);
 }
 
-/* One sensor stays silent while the others speak. */
-static void check_silence(auvid_guard_seen_t *sensor, auvid_guard_cause_t cause, uint32_t stale_us)
+/* One sensor has no samples while the others have. */
+static void check_stale(auvid_guard_seen_t *sensor, auvid_guard_cause_t cause, uint32_t stale_us)
 {
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
         if (cause == AUVID_GUARD_APPLIED_STALE && state != AUVID_GUARD_EXCITING) {
@@ -312,19 +312,19 @@ static void check_cannot_arm(auvid_guard_seen_t *sensor, auvid_guard_cause_t cau
     TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, g.refused.cause);
 }
 
-static void test_the_imu_is_silent(void)
+static void test_the_imu_is_stale(void)
 {
-    check_silence(&in.imu, AUVID_GUARD_IMU_STALE, 200000);
+    check_stale(&in.imu, AUVID_GUARD_IMU_STALE, 200000);
     check_cannot_arm(&in.imu, AUVID_GUARD_IMU_STALE);
 }
 
 static void test_no_velocity_is_accepted(void)
 {
-    check_silence(&in.velocity, AUVID_GUARD_VELOCITY_STALE, 1000000);
+    check_stale(&in.velocity, AUVID_GUARD_VELOCITY_STALE, 1000000);
     check_cannot_arm(&in.velocity, AUVID_GUARD_VELOCITY_STALE);
 }
 
-/* Velocity through the water is measured, but no bottom lock for longer than velocity_stale_us. */
+/* Velocity through the water is measured, without bottom lock for longer than velocity_stale_us. */
 static void test_speed_and_distance_are_limits_only_where_they_are_measured(void)
 {
     const auvid_guard_cause_t cause[2] = {AUVID_GUARD_SPEED, AUVID_GUARD_DISTANCE};
@@ -353,25 +353,25 @@ static void test_speed_and_distance_are_limits_only_where_they_are_measured(void
 
 static void test_no_depth_is_accepted(void)
 {
-    check_silence(&in.depth, AUVID_GUARD_DEPTH_STALE, 1000000);
+    check_stale(&in.depth, AUVID_GUARD_DEPTH_STALE, 1000000);
     check_cannot_arm(&in.depth, AUVID_GUARD_DEPTH_STALE);
 }
 
 static void test_the_altitude_is_lost(void)
 {
-    check_silence(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
+    check_stale(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
     cfg.altitude_required = true;
-    check_silence(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
+    check_stale(&in.altitude, AUVID_GUARD_ALTITUDE_STALE, 1000000);
     check_cannot_arm(&in.altitude, AUVID_GUARD_ALTITUDE_STALE);
 }
 
 static void test_no_applied_wrench_is_recorded(void)
 {
-    check_silence(&in.applied, AUVID_GUARD_APPLIED_STALE, 1000000);
+    check_stale(&in.applied, AUVID_GUARD_APPLIED_STALE, 1000000);
 }
 
-/* None yet, or one from long before: a vehicle that lay still. */
-static void test_an_applied_wrench_that_never_was_counts_from_excite_on(void)
+/* None yet, or an old one: a vehicle that did not move. */
+static void test_a_missing_applied_wrench_is_aged_from_excite_on(void)
 {
     for (int old = 0; old < 2; ++old) {
         go(AUVID_GUARD_ARMED);
@@ -381,7 +381,7 @@ static void test_an_applied_wrench_that_never_was_counts_from_excite_on(void)
             now += TICK;
             all_is_well();
             in.applied.known = old;
-            in.applied.t_us = old ? START - 4000000u : now; /* not read where none is known */
+            in.applied.t_us = old ? START - 4000000u : now; /* not read if none is known */
             TEST_ASSERT_EQUAL(now <= end, auvid_guard_step(&g, now, &in));
         } while (now <= end);
         check_aborted(AUVID_GUARD_APPLIED_STALE, 1.02, 1);
@@ -404,7 +404,7 @@ static void test_while_not_exciting_no_applied_wrench_is_needed(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
 }
 
-static void test_a_long_silence_is_told_in_seconds_however_long(void)
+static void test_an_age_of_any_length_is_reported_in_seconds(void)
 {
     cfg.imu_stale_us = 4000000000u;
     cfg.max_tick_us = 4000000000u;
@@ -441,7 +441,7 @@ static void test_depth_need_not_be_known_where_both_its_limits_are_off(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
 }
 
-static void test_where_no_altitude_was_ever_known_its_limit_is_not_watched(void)
+static void test_the_altitude_limit_is_not_watched_until_an_altitude_is_known(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
     in.altitude.known = false;
@@ -500,8 +500,8 @@ static void check_not_finite(auvid_real_t *where, auvid_guard_cause_t cause, dou
         *where = (auvid_real_t)values[i];
         TEST_ASSERT_FALSE(step());
         bool positive = cause != AUVID_GUARD_DEPTH_MIN && cause != AUVID_GUARD_ALTITUDE;
-        double told = positive && !isnan(values[i]) ? INFINITY : values[i];
-        check_latched(cause, told, limit);
+        double reported = positive && !isnan(values[i]) ? INFINITY : values[i];
+        check_latched(cause, reported, limit);
     }
 }
 
@@ -604,7 +604,8 @@ static void test_the_operator_aborts_from_any_state(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now));
         check_latched(AUVID_GUARD_OPERATOR, 0, 0);
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg)); /* an arm on its way is refused */
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_guard_init(&g, &cfg)); /* an arm already under way is refused */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort(&g, now));
     check_latched(AUVID_GUARD_OPERATOR, 0, 0);
 }
@@ -618,7 +619,7 @@ static void test_an_abort_after_a_breach_keeps_the_first_cause(void)
     check_latched(AUVID_GUARD_ROLL, 1, 0.6);
 }
 
-static void test_an_abort_for_another_cause_tells_it(void)
+static void test_an_abort_for_another_cause_reports_it(void)
 {
     for (int cause = -1; cause <= AUVID_GUARD_CAUSE_COUNT; ++cause) {
         bool known = cause > AUVID_GUARD_NO_CAUSE && cause < AUVID_GUARD_CAUSE_COUNT;
@@ -658,7 +659,7 @@ static void test_arm_excite_and_step_may_share_a_time(void)
     check_aborted(AUVID_GUARD_TIME, 0, 0);
 }
 
-static void test_a_loop_that_stalled_does_not_come_back_exciting(void)
+static void test_after_a_stall_the_loop_does_not_resume_the_excitation(void)
 {
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
         go((auvid_guard_state_t)state);
@@ -682,7 +683,7 @@ static void test_a_step_without_input(void)
     check_latched(AUVID_GUARD_NO_INPUT, 0, 0);
 }
 
-static void test_the_operator_falls_silent(void)
+static void test_the_heartbeat_times_out(void)
 {
     cfg.heartbeat_timeout_us = 500000;
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
@@ -697,7 +698,7 @@ static void test_the_operator_falls_silent(void)
     }
 }
 
-static void test_only_a_silence_of_zero_switches_the_dead_mans_switch_off(void)
+static void test_only_a_timeout_of_zero_switches_the_dead_mans_switch_off(void)
 {
     cfg.heartbeat_timeout_us = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
@@ -706,7 +707,7 @@ static void test_only_a_silence_of_zero_switches_the_dead_mans_switch_off(void)
     check_aborted(AUVID_GUARD_LINK, 0.02, 1e-6);
 }
 
-static void test_a_sign_of_life_of_the_same_time_is_none_too_early(void)
+static void test_a_heartbeat_of_the_same_time_is_accepted(void)
 {
     go(AUVID_GUARD_EXCITING);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_heartbeat(&g, now));
@@ -714,7 +715,7 @@ static void test_a_sign_of_life_of_the_same_time_is_none_too_early(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_guard_heartbeat(&g, now - 1));
 }
 
-static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
+static void test_arming_is_a_heartbeat_and_heartbeats_prevent_the_timeout(void)
 {
     cfg.heartbeat_timeout_us = 500000;
     go(AUVID_GUARD_EXCITING);
@@ -725,7 +726,7 @@ static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
         TEST_ASSERT_TRUE(step_well());
     }
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_guard_heartbeat(&g, now + 100000000u)); /* not for ever after */
+                      auvid_guard_heartbeat(&g, now + 100000000u)); /* but not without end */
     TEST_ASSERT_FALSE(step_well());
     TEST_ASSERT_EQUAL(AUVID_GUARD_LINK, g.trip.cause);
 }
@@ -735,12 +736,12 @@ static void test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going(void)
 static void test_a_run_from_arm_to_done(void)
 {
     go(AUVID_GUARD_SETTLING);
-    for (int k = 0; k < 100; ++k) { /* 0.5 m/s is not calm */
+    for (int k = 0; k < 100; ++k) { /* 0.5 m/s is not at rest */
         TEST_ASSERT_FALSE(step_well());
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, g.state);
-    uint64_t calm = now + TICK;
-    while (g.state == AUVID_GUARD_SETTLING && now < calm + 100000000u) {
+    uint64_t rest_us = now + TICK;
+    while (g.state == AUVID_GUARD_SETTLING && now < rest_us + 100000000u) {
         now += TICK;
         all_is_well();
         in.velocity_ground[0] = AUVID_C(0.05);
@@ -748,7 +749,7 @@ static void test_a_run_from_arm_to_done(void)
         TEST_ASSERT_FALSE(auvid_guard_step(&g, now, &in));
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state);
-    TEST_ASSERT_EQUAL_UINT64(calm + 2000000u, now);
+    TEST_ASSERT_EQUAL_UINT64(rest_us + 2000000u, now);
     in.roll = 3;
     TEST_ASSERT_FALSE(step());
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, g.state); /* no longer watched */
@@ -760,7 +761,7 @@ static void test_a_run_from_arm_to_done(void)
     TEST_ASSERT_TRUE(step_well());
 }
 
-static void test_calm_must_last(void)
+static void test_rest_must_last(void)
 {
     go(AUVID_GUARD_SETTLING);
     for (int k = 1; now < START + 25000000u; ++k) {
@@ -774,7 +775,7 @@ static void test_calm_must_last(void)
     }
 }
 
-static void test_calm_counts_from_the_first_step_after_the_end(void)
+static void test_rest_counts_from_the_first_step_after_the_end(void)
 {
     go(AUVID_GUARD_EXCITING);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&g, now));
@@ -790,7 +791,7 @@ static void test_calm_counts_from_the_first_step_after_the_end(void)
 }
 
 /* Speeds of 0.25 m/s, rates of 0.5 rad/s, in one axis at a time and in two together. */
-static void test_calm_is_not_faster_than_its_limits_in_all_axes_together(void)
+static void test_at_rest_the_axes_together_are_within_the_limits(void)
 {
     cfg.rest_speed = AUVID_C(0.25);
     cfg.rest_rate = AUVID_C(0.5);
@@ -814,7 +815,7 @@ static void test_calm_is_not_faster_than_its_limits_in_all_axes_together(void)
     }
 }
 
-static void test_settling_is_given_up_after_a_while(void)
+static void test_settling_times_out(void)
 {
     go(AUVID_GUARD_SETTLING);
     uint64_t since = now - TICK;
@@ -825,7 +826,7 @@ static void test_settling_is_given_up_after_a_while(void)
     TEST_ASSERT_EQUAL_UINT64(since + 30000000u, now);
 }
 
-static void test_disarm_leads_out_of_every_state(void)
+static void test_disarm_leaves_every_state(void)
 {
     for (int state = AUVID_GUARD_ARMED; state <= AUVID_GUARD_SETTLING; ++state) {
         go((auvid_guard_state_t)state);
@@ -838,7 +839,7 @@ static void test_disarm_leads_out_of_every_state(void)
     }
 }
 
-static void test_after_an_abort_disarm_and_arm_lead_back(void)
+static void test_after_an_abort_disarm_and_arm_permit_again(void)
 {
     go(AUVID_GUARD_EXCITING);
     in.roll = 1;
@@ -846,9 +847,10 @@ static void test_after_an_abort_disarm_and_arm_lead_back(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_disarm(&g));
     TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, g.trip.cause);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_guard_excite(&g, now));
-    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in)); /* it still rolls */
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT,
+                      auvid_guard_arm(&g, now, &in)); /* the roll is still too large */
     all_is_well();
-    in.position[0] = 500; /* home is anew */
+    in.position[0] = 500; /* a new origin of the distance */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
     TEST_ASSERT_TRUE(step());
@@ -945,7 +947,7 @@ static void test_limits_that_are_negative_or_not_finite_are_refused(void)
     check_init(AUVID_OK);
 }
 
-static void test_depth_limits_the_wrong_way_round_are_refused(void)
+static void test_depth_limits_in_reverse_order_are_refused(void)
 {
     cfg.depth_min_m = 101;
     check_init(AUVID_ERR_BOUNDS);
@@ -988,7 +990,7 @@ static void test_null_is_refused(void)
     TEST_ASSERT_FALSE(auvid_guard_step(NULL, now, &in));
 }
 
-static void test_every_state_and_cause_has_words_of_its_own(void)
+static void test_every_state_and_cause_has_its_own_words(void)
 {
     for (int i = 0; i < AUVID_GUARD_CAUSE_COUNT; ++i) {
         for (int j = 0; j < i; ++j) {
@@ -1017,18 +1019,18 @@ static void run_limits(void)
     RUN_TEST(test_the_run_takes_too_long);
     RUN_TEST(test_a_run_may_be_longer_than_32_bits_of_microseconds);
     RUN_TEST(test_the_run_is_limited_to_the_microsecond);
-    RUN_TEST(test_the_imu_is_silent);
+    RUN_TEST(test_the_imu_is_stale);
     RUN_TEST(test_no_velocity_is_accepted);
     RUN_TEST(test_speed_and_distance_are_limits_only_where_they_are_measured);
     RUN_TEST(test_no_depth_is_accepted);
     RUN_TEST(test_the_altitude_is_lost);
     RUN_TEST(test_no_applied_wrench_is_recorded);
-    RUN_TEST(test_an_applied_wrench_that_never_was_counts_from_excite_on);
+    RUN_TEST(test_a_missing_applied_wrench_is_aged_from_excite_on);
     RUN_TEST(test_while_not_exciting_no_applied_wrench_is_needed);
-    RUN_TEST(test_a_long_silence_is_told_in_seconds_however_long);
+    RUN_TEST(test_an_age_of_any_length_is_reported_in_seconds);
     RUN_TEST(test_a_sample_from_far_ahead_does_not_count_as_fresh);
     RUN_TEST(test_depth_need_not_be_known_where_both_its_limits_are_off);
-    RUN_TEST(test_where_no_altitude_was_ever_known_its_limit_is_not_watched);
+    RUN_TEST(test_the_altitude_limit_is_not_watched_until_an_altitude_is_known);
     RUN_TEST(test_an_altitude_known_at_arming_and_then_lost_is_a_breach);
     RUN_TEST(test_altitude_may_be_lost_where_its_limit_is_off);
     RUN_TEST(test_an_altitude_of_long_ago_is_not_read);
@@ -1049,30 +1051,30 @@ int main(void)
     RUN_TEST(test_saturation_with_interruptions_is_none);
     RUN_TEST(test_the_operator_aborts_from_any_state);
     RUN_TEST(test_an_abort_after_a_breach_keeps_the_first_cause);
-    RUN_TEST(test_an_abort_for_another_cause_tells_it);
+    RUN_TEST(test_an_abort_for_another_cause_reports_it);
     RUN_TEST(test_time_that_goes_back_or_stands_still);
     RUN_TEST(test_arm_excite_and_step_may_share_a_time);
-    RUN_TEST(test_a_loop_that_stalled_does_not_come_back_exciting);
+    RUN_TEST(test_after_a_stall_the_loop_does_not_resume_the_excitation);
     RUN_TEST(test_a_step_without_input);
-    RUN_TEST(test_the_operator_falls_silent);
-    RUN_TEST(test_only_a_silence_of_zero_switches_the_dead_mans_switch_off);
-    RUN_TEST(test_a_sign_of_life_of_the_same_time_is_none_too_early);
-    RUN_TEST(test_arming_is_a_sign_of_life_and_signs_of_life_keep_it_going);
+    RUN_TEST(test_the_heartbeat_times_out);
+    RUN_TEST(test_only_a_timeout_of_zero_switches_the_dead_mans_switch_off);
+    RUN_TEST(test_a_heartbeat_of_the_same_time_is_accepted);
+    RUN_TEST(test_arming_is_a_heartbeat_and_heartbeats_prevent_the_timeout);
     RUN_TEST(test_a_run_from_arm_to_done);
-    RUN_TEST(test_calm_must_last);
-    RUN_TEST(test_calm_counts_from_the_first_step_after_the_end);
-    RUN_TEST(test_calm_is_not_faster_than_its_limits_in_all_axes_together);
-    RUN_TEST(test_settling_is_given_up_after_a_while);
-    RUN_TEST(test_disarm_leads_out_of_every_state);
-    RUN_TEST(test_after_an_abort_disarm_and_arm_lead_back);
+    RUN_TEST(test_rest_must_last);
+    RUN_TEST(test_rest_counts_from_the_first_step_after_the_end);
+    RUN_TEST(test_at_rest_the_axes_together_are_within_the_limits);
+    RUN_TEST(test_settling_times_out);
+    RUN_TEST(test_disarm_leaves_every_state);
+    RUN_TEST(test_after_an_abort_disarm_and_arm_permit_again);
     RUN_TEST(test_calls_out_of_order_are_refused_and_change_nothing);
     RUN_TEST(test_a_guard_that_is_all_zeros_permits_nothing);
     RUN_TEST(test_the_defaults_are_those_that_the_header_names);
     RUN_TEST(test_limits_that_are_negative_or_not_finite_are_refused);
-    RUN_TEST(test_depth_limits_the_wrong_way_round_are_refused);
+    RUN_TEST(test_depth_limits_in_reverse_order_are_refused);
     RUN_TEST(test_what_cannot_be_switched_off_is_refused);
     RUN_TEST(test_a_limit_of_zero_is_a_limit_of_zero);
     RUN_TEST(test_null_is_refused);
-    RUN_TEST(test_every_state_and_cause_has_words_of_its_own);
+    RUN_TEST(test_every_state_and_cause_has_its_own_words);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * Many worlds against the guard: current, disturbance, amplitude and limits drawn at random. No
- * limit may be exceeded by more than the stopping distance that guard.h states.
+ * The guard in many worlds: current, disturbance, amplitude and limits are random. No limit may be
+ * exceeded by more than the stopping distance that guard.h states.
  *
  * After an abort the pilot takes over, as on a real vehicle: hover thrust, and a braking force for
  * each m/s over ground. The truth is watched for OVER_S seconds more.
@@ -21,14 +21,14 @@
 /* The pilot's brake [N s/m, Nm s]: on surge, sway, heave over ground, and yaw. */
 static const double brake[6] = {300, 400, 600, 0, 0, 100};
 
-/* Limits whose overshoot is judged. */
+/* Limits whose overshoot is compared. */
 enum { DEPTH_MIN, DEPTH_MAX, ALTITUDE, ROLL, PITCH, SPEED, YAW_RATE, DISTANCE, RUN_TIME, LIMITS };
 static const auvid_guard_cause_t cause_of[LIMITS] = {
     AUVID_GUARD_DEPTH_MIN, AUVID_GUARD_DEPTH_MAX, AUVID_GUARD_ALTITUDE,
     AUVID_GUARD_ROLL,      AUVID_GUARD_PITCH,     AUVID_GUARD_SPEED,
     AUVID_GUARD_YAW_RATE,  AUVID_GUARD_DISTANCE,  AUVID_GUARD_RUN_TIME};
 
-/* What a run shows. */
+/* Results of a run. */
 typedef struct {
     bool excited;
     auvid_guard_cause_t cause;
@@ -118,7 +118,7 @@ static void measure(const flight_t *f, double over[LIMITS])
                          : -1;
 }
 
-/* The formula of guard.h with this vehicle's and this pilot's figures. */
+/* The formula of guard.h with the figures of this vehicle and pilot. */
 static void allow(const flight_t *f, double allowed[LIMITS])
 {
     const double *m = f->world.parameter;
@@ -146,7 +146,7 @@ static void allow(const flight_t *f, double allowed[LIMITS])
                     f->world.roll_arm_m * brake[1] * fabs(v[1]) / f->world.tilt_righting;
     allowed[PITCH] = e_angle + fabs(v[4]) * (TICK_S + tau_tilt) -
                      f->world.pitch_arm_m * brake[0] * fabs(v[0]) / f->world.tilt_righting;
-    /* a: excitation, disturbance, current's drag over the least mass, and m_v v r / m_u */
+    /* a: excitation, disturbance, current's drag over the smallest mass, and m_v v r / m_u */
     double r = fabs(v[5]), top = (double)f->cfg.guard.speed_max;
     double a = (f->force_N + d - m[SIM_X_U] * c - m[SIM_X_UU] * c * c) / m[SIM_M_U] +
                m[SIM_M_V] / m[SIM_M_U] * top * r;

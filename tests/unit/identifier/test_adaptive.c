@@ -1,4 +1,4 @@
-/* Adaptive excitation: it asks for what is missing, within its limits, and ends by itself. */
+/* Adaptive excitation: it excites for missing information within its limits, and ends by itself. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,12 +19,12 @@ static chain_config_t config;
 static chain_t chain;
 static auvid_adaptive_config_t cfg;
 
-/* What is seen of a run. */
+/* Observations of a run. */
 static struct {
-    bool over;     /* more was asked for than an amplitude, or than the thrusters give */
-    bool outside;  /* something, without the guard being in EXCITING */
+    bool over;     /* a wrench exceeded an amplitude or the thrusters */
+    bool outside;  /* a wrench while the guard was not EXCITING */
     double done_s; /* when everything was known; 0: not yet */
-    double square; /* mean square error then */
+    double square; /* mean square error at that time */
     double rest_s; /* when the excitation had faded out: SETTLING; 0: not yet */
     double end_s;  /* when the guard was DONE; 0: not yet */
     uint32_t changed;
@@ -82,10 +82,10 @@ static void begin(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
 }
 
-/* Until the guard is DONE or ABORTED, at most so long. */
-static void run(double most_s)
+/* Run until the guard is DONE or ABORTED, at most max_s. */
+static void run(double max_s)
 {
-    while (1e-6 * (double)chain.t_us < most_s && chain.out.guard != AUVID_GUARD_DONE &&
+    while (1e-6 * (double)chain.t_us < max_s && chain.out.guard != AUVID_GUARD_DONE &&
            chain.out.guard != AUVID_GUARD_ABORTED) {
         chain_tick(&chain);
     }
@@ -115,17 +115,17 @@ static void test_a_run_may_be_begun_again(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
     chain.waiting = true;
     chain_tick(&chain);
-    run(600); /* everything is known: nothing is left to be done */
+    run(600); /* everything is known: nothing remains to be done */
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_TRUE(1e-6 * (double)chain.t_us < first_s + 12.0);
 }
 
-/* What is known from the last dive is not known in this one until a set has confirmed it. */
-static void test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set(void)
+/* A prior from the last dive does not count as known until a set has confirmed it. */
+static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void)
 {
     enum { DIVES = 10 };
     uint8_t record[AUVID_PRIOR_BYTES];
-    double cold_s = 0, warm_s = 0;
+    double cold_s = 0, prior_s = 0;
     for (uint64_t dive = 1; dive <= DIVES; ++dive) {
         begin();
         run(300);
@@ -136,20 +136,21 @@ static void test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
         run(300);
-        warm_s += seen.end_s;
+        prior_s += seen.end_s;
         TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
         TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
         TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= 1);
         make_world(1 + dive, 1.0);
     }
-    printf("mean time until the end: %.1f s, warm %.1f s\n", cold_s / DIVES, warm_s / DIVES);
-    TEST_ASSERT_TRUE(warm_s < 0.75 * cold_s);
+    printf("mean time until the end: %.1f s, with a prior %.1f s\n", cold_s / DIVES,
+           prior_s / DIVES);
+    TEST_ASSERT_TRUE(prior_s < 0.75 * cold_s);
 }
 
-static void test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known(void)
+static void test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known(void)
 {
     config.id.allocation.thruster[4].min_N = config.id.allocation.thruster[4].max_N = 0;
-    config.id.excitation.segments = 0; /* that plan would not be taken */
+    config.id.excitation.segments = 0; /* the excitation would reject that plan */
     begin();
     chain.waiting = true;
     run(300);
@@ -158,8 +159,8 @@ static void test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known(
     TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
 }
 
-/* The sway thruster runs, and nothing comes of it: an endless mass. */
-static void test_what_does_not_move_is_given_up_in_time(void)
+/* The sway thruster runs without effect: an infinite mass. */
+static void test_a_dof_that_does_not_move_is_abandoned_in_time(void)
 {
     config.sim.parameter[SIM_M_V] = 1e9;
     begin();
@@ -169,9 +170,9 @@ static void test_what_does_not_move_is_given_up_in_time(void)
     TEST_ASSERT_TRUE(seen.end_s < 250.0);
 }
 
-static void test_weak_thrusters_take_turns_and_everything_is_known(void)
+static void test_weak_thrusters_excite_in_turn_and_everything_is_known(void)
 {
-    for (int i = 0; i < 5; ++i) { /* X alone or N alone, not both */
+    for (int i = 0; i < 5; ++i) { /* X or N, not both */
         config.id.allocation.thruster[i].min_N = i < 2 ? -60 : -153;
         config.id.allocation.thruster[i].max_N = i < 2 ? 60 : 153;
     }
@@ -193,14 +194,14 @@ static void test_weak_thrusters_take_turns_and_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
 }
 
-static void test_it_ends_at_its_longest(void)
+static void test_it_ends_after_the_longest_run_time(void)
 {
     cfg.max_s = 40;
     begin();
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_TRUE(seen.end_s < 52.0);
-    TEST_ASSERT_TRUE(chain.id.adaptive.missing != 0); /* and says what it has not got */
+    TEST_ASSERT_TRUE(chain.id.adaptive.missing != 0); /* and reports what is missing */
 }
 
 static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
@@ -222,7 +223,7 @@ static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
 static void test_a_limit_of_the_guard_ends_it(void)
 {
     config.id.guard.distance_max_m = 3;
-    cfg.excursion_limit[AUVID_SURGE] = cfg.excursion_limit[AUVID_SWAY] = 0; /* never led back */
+    cfg.excursion_limit[AUVID_SURGE] = cfg.excursion_limit[AUVID_SWAY] = 0; /* never brought back */
     begin();
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.out.guard);
@@ -230,8 +231,8 @@ static void test_a_limit_of_the_guard_ends_it(void)
     TEST_ASSERT_FALSE(seen.outside);
 }
 
-/* The usual leash of 5 m would end where the guard aborts. */
-static void test_in_little_room_it_is_led_back_before_the_guard_aborts(void)
+/* The default excursion limit of 5 m would equal the distance at which the guard aborts. */
+static void test_with_a_small_distance_limit_it_is_brought_back_in_time(void)
 {
     for (uint64_t seed = 1; seed <= 3; ++seed) {
         make_world(seed, 1.0);
@@ -252,7 +253,7 @@ static void check_refused(auvid_status_t status)
     setUp();
 }
 
-static void test_what_makes_no_sense_is_refused(void)
+static void test_an_invalid_configuration_is_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &cfg));
@@ -298,8 +299,8 @@ static uint32_t save(void)
     return count;
 }
 
-/* Into other, where an adaptive excitation has been begun; they go on alike. */
-static void restore_and_go_on(uint32_t count, int seconds)
+/* Restore into other, where an adaptive excitation has been begun; both continue equally. */
+static void restore_and_continue(uint32_t count, int seconds)
 {
     other = chain;
     memset(&other.id, 0xA5, sizeof other.id);
@@ -314,18 +315,18 @@ static void restore_and_go_on(uint32_t count, int seconds)
     }
 }
 
-static void test_a_checkpoint_goes_on_bit_for_bit(void)
+static void test_a_checkpoint_continues_bit_for_bit(void)
 {
     begin();
     chain_run(&chain, 65);
-    restore_and_go_on(save(), 60);
+    restore_and_continue(save(), 60);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 2);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, other.out.guard);
     TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, other.id.estimate.pi,
                              sizeof chain.id.estimate.pi);
 }
 
-/* Its plan played as a sequence would drive all degrees of freedom at once, at full strength. */
+/* As a sequence its plan would excite all degrees of freedom together, at full amplitude. */
 static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
 {
     static auvid_identifier_t before;
@@ -346,13 +347,13 @@ static void test_a_checkpoint_of_a_sequence_is_refused_where_it_has_been_begun(v
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_restore(&chain.id, bytes, count));
 }
 
-/* ---- what it is worth ---- */
+/* ---- comparison with the plan ---- */
 
-enum { MOST_RUNS = 100, MOST_S = 480, SETS = MOST_S / 30, RESAMPLES = 1000 };
+enum { MOST_RUNS = 100, MAX_S = 480, SETS = MAX_S / 30, RESAMPLES = 1000 };
 
 enum { ADAPTIVE, AT_ONCE, ONE_BY_ONE, WAYS };
 
-/* Of one run: time until everything was known, at most MOST_S (one by one four times that); mean
+/* Of one run: time until everything was known, at most MAX_S (one by one four times that); mean
  * square error at the run's end, or after each set. */
 typedef struct {
     double done_s[WAYS], end_s, end_square, square[SETS + 1], set_s[SETS + 1];
@@ -378,24 +379,24 @@ static void vary(uint64_t seed)
 static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
 {
     outcome_t *o = &outcome[seed - 1];
-    double most_s = way == ONE_BY_ONE ? 4.0 * MOST_S : MOST_S;
+    double max_s = way == ONE_BY_ONE ? 4.0 * MAX_S : MAX_S;
     uint32_t number = 0;
     make_world(seed, disturbance_N);
     if (way == ONE_BY_ONE) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_schedule(&config.id.excitation, amplitude, 30,
                                                               SETS, seed, 0, true));
     }
-    config.id.guard.run_max_s = 3600; /* one by one takes its time */
+    config.id.guard.run_max_s = 3600; /* one by one takes longer */
     if (other) {
         vary(seed);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     if (way == ADAPTIVE) {
-        cfg.max_s = MOST_S;
+        cfg.max_s = MAX_S;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
-    while (1e-6 * (double)chain.t_us < most_s + 12.0 && chain.out.guard != AUVID_GUARD_ABORTED &&
+    while (1e-6 * (double)chain.t_us < max_s + 12.0 && chain.out.guard != AUVID_GUARD_ABORTED &&
            !(way != AT_ONCE && (seen.done_s > 0.0 || chain.out.guard == AUVID_GUARD_DONE))) {
         chain_tick(&chain);
         if (way == AT_ONCE && e->number != number && e->sets <= SETS) {
@@ -406,7 +407,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     }
     o->known[way] = seen.done_s > 0.0;
     o->known_square[way] = seen.square;
-    o->done_s[way] = seen.done_s > 0.0 && seen.done_s < most_s ? seen.done_s : most_s;
+    o->done_s[way] = seen.done_s > 0.0 && seen.done_s < max_s ? seen.done_s : max_s;
     aborted += chain.out.guard == AUVID_GUARD_ABORTED;
     if (way == ADAPTIVE) {
         o->end_s = 1e-6 * (double)chain.t_us;
@@ -461,8 +462,8 @@ static int ascending(const void *a, const void *b)
 }
 
 /* The ratio, and its 95 % interval by bootstrap over runs. */
-static void tell(const char *what, double (*ratio)(const int *, int, int), int runs, int way,
-                 double interval[3])
+static void print_ratio(const char *what, double (*ratio)(const int *, int, int), int runs, int way,
+                        double interval[3])
 {
     static double value[RESAMPLES];
     int sample[MOST_RUNS];
@@ -505,7 +506,7 @@ static double rms_known(int runs, int way)
     return count > 0 ? 100.0 * sqrt(sum / count) : 0.0;
 }
 
-/* In the short form fewer runs, and without the plan that is one by one. */
+/* The short form has fewer runs, and omits the plan one by one. */
 static void compare(double disturbance_N, bool other, int few, double interval[3])
 {
     int runs = campaign_is_long() ? MOST_RUNS : few, known[WAYS] = {0};
@@ -526,17 +527,18 @@ static void compare(double disturbance_N, bool other, int few, double interval[3
     printf(
         "%g N, %s, %d runs of at most %d s; adaptive, all at once, one by one (%d s):\n"
         "  all 13 identifiable in %d, %d, %d runs, after %.1f, %.1f, %.1f s, rms error then %.2f, "
-        "%.2f, %.2f %%\n  adaptive: %u gave something up, rms error at the end %.2f %%\n",
-        disturbance_N, other ? "other vehicles" : "Girona500", runs, MOST_S, 4 * MOST_S,
+        "%.2f, %.2f %%\n  adaptive: %u abandoned something, rms error at the end %.2f %%\n",
+        disturbance_N, other ? "other vehicles" : "Girona500", runs, MAX_S, 4 * MAX_S,
         known[ADAPTIVE], known[AT_ONCE], known[ONE_BY_ONE], mean_s(runs, ADAPTIVE),
         mean_s(runs, AT_ONCE), mean_s(runs, ONE_BY_ONE), rms_known(runs, ADAPTIVE),
         rms_known(runs, AT_ONCE), rms_known(runs, ONE_BY_ONE), (unsigned)gave_up,
         100.0 * sqrt(square));
-    tell("time until known, over all at once", ratio_known, runs, AT_ONCE, interval);
+    print_ratio("time until known, over all at once", ratio_known, runs, AT_ONCE, interval);
     if (ways == WAYS) {
-        tell("time until known, over one by one", ratio_known, runs, ONE_BY_ONE, ignored);
+        print_ratio("time until known, over one by one", ratio_known, runs, ONE_BY_ONE, ignored);
     }
-    tell("time until the end, over that of the same error", ratio_error, runs, AT_ONCE, ignored);
+    print_ratio("time until the end, over that of the same error", ratio_error, runs, AT_ONCE,
+                ignored);
     TEST_ASSERT_EQUAL_UINT32(0, aborted);
     TEST_ASSERT_EQUAL_UINT32(0, false_alarms);
     TEST_ASSERT_FALSE(over);
@@ -563,17 +565,17 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
     RUN_TEST(test_a_run_may_be_begun_again);
-    RUN_TEST(test_dives_begun_with_a_warm_record_end_sooner_but_not_without_a_set);
-    RUN_TEST(test_without_a_side_thruster_sway_is_given_up_and_the_rest_is_known);
-    RUN_TEST(test_what_does_not_move_is_given_up_in_time);
-    RUN_TEST(test_weak_thrusters_take_turns_and_everything_is_known);
-    RUN_TEST(test_it_ends_at_its_longest);
+    RUN_TEST(test_dives_with_a_prior_record_end_sooner_but_not_without_a_set);
+    RUN_TEST(test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known);
+    RUN_TEST(test_a_dof_that_does_not_move_is_abandoned_in_time);
+    RUN_TEST(test_weak_thrusters_excite_in_turn_and_everything_is_known);
+    RUN_TEST(test_it_ends_after_the_longest_run_time);
     RUN_TEST(test_the_operator_ends_it_with_a_fade_or_at_once);
     RUN_TEST(test_a_limit_of_the_guard_ends_it);
-    RUN_TEST(test_in_little_room_it_is_led_back_before_the_guard_aborts);
-    RUN_TEST(test_what_makes_no_sense_is_refused);
+    RUN_TEST(test_with_a_small_distance_limit_it_is_brought_back_in_time);
+    RUN_TEST(test_an_invalid_configuration_is_refused);
     RUN_TEST(test_calls_out_of_order_are_refused);
-    RUN_TEST(test_a_checkpoint_goes_on_bit_for_bit);
+    RUN_TEST(test_a_checkpoint_continues_bit_for_bit);
     RUN_TEST(test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun);
     RUN_TEST(test_a_checkpoint_of_a_sequence_is_refused_where_it_has_been_begun);
     RUN_TEST(test_it_needs_no_more_data_than_the_plan);

@@ -1,6 +1,6 @@
 /*
  * Sensors whose samples arrive late: the demo's world over the bus, Girona500, a disturbance of
- * 1 N, eight sets, the DVL half a metre off the body's origin.
+ * 1 N, eight sets, the DVL half a metre from the body's origin.
  */
 #include <math.h>
 #include <stdio.h>
@@ -46,7 +46,7 @@ static double identify(uint64_t seed, double dvl_s, double imu_s)
     return 100 * sqrt(sum / SIM_PARAMETERS);
 }
 
-/* The same over all seeds: a second is all that late samples may cost. */
+/* The mean over all seeds. Late samples may cost at most one second. */
 static double campaign(double dvl_s, double imu_s)
 {
     int seeds = getenv("AUVID_TEST_LONG") != NULL ? 20 : 4;
@@ -61,7 +61,7 @@ static double campaign(double dvl_s, double imu_s)
     return rms;
 }
 
-/* In steps of 50 ms; the short form takes the middle and the end. */
+/* In steps of 50 ms; the short form uses the middle and the end. */
 static double first_step(double last_s)
 {
     return getenv("AUVID_TEST_LONG") != NULL ? 0.05 : 0.5 * last_s;
@@ -75,7 +75,7 @@ static void test_a_dvl_up_to_200_ms_late_and_off_its_origin_costs_no_accuracy(vo
     }
 }
 
-static void test_an_imu_up_to_100_ms_late_identifies_as_one_that_is_not(void)
+static void test_an_imu_up_to_100_ms_late_identifies_like_a_punctual_one(void)
 {
     double prompt = campaign(0, 0), step = first_step(0.1);
     for (int k = 1; k * step < 0.1 + 1e-9; ++k) {
@@ -87,6 +87,6 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_dvl_up_to_200_ms_late_and_off_its_origin_costs_no_accuracy);
-    RUN_TEST(test_an_imu_up_to_100_ms_late_identifies_as_one_that_is_not);
+    RUN_TEST(test_an_imu_up_to_100_ms_late_identifies_like_a_punctual_one);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Navigation filter: prediction, depth, pressure, GPS, the gate and the way out of it, flags. */
+/* Navigation filter: prediction, depth, pressure, GPS, the gate, re-initialisation, flags. */
 #include "auvid/nav.h"
 
 #include <math.h>
@@ -89,7 +89,7 @@ static void test_position_moves_along_the_attitude_of_the_new_tick(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.5 * u * sin(0.5), (double)state.position[2]);
 }
 
-static void test_velocity_variance_grows_alike_whatever_the_tick(void)
+static void test_velocity_variance_grows_equally_at_any_tick(void)
 {
     double start_variance = variance(3), grown[3];
     const uint32_t dt_us[3] = {5000, 20000, 250000};
@@ -132,7 +132,7 @@ static void test_roll_is_unwrapped_through_several_turns(void)
     check_unwrapped(0);
 }
 
-static void test_yaw_that_comes_unwrapped_is_left_alone(void)
+static void test_unwrapped_yaw_is_unchanged(void)
 {
     for (int k = 1; k <= 200; ++k) {
         const auvid_real_t attitude[3] = {0, 0, real(0.1 * k)};
@@ -158,7 +158,7 @@ static void test_long_tick_is_predicted_in_full_and_reported(void)
     TEST_ASSERT_TRUE((state.flags & AUVID_NAV_IN_GAP) == 0);
 }
 
-static void test_clock_that_leaps_to_the_end_of_time_leaves_a_filter_that_knows_little(void)
+static void test_clock_jump_to_the_last_time_leaves_large_variances(void)
 {
     const uint64_t leaps[] = {4000000000u, UINT64_C(1) << 62, (UINT64_C(1) << 63) + 2,
                               UINT64_MAX - 1000000};
@@ -289,7 +289,7 @@ static void test_gps_at_the_surface_is_used_again_after_a_dive(void)
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 5));
     TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, auvid_nav_gps(&nav, now, 1, 1));
-    TEST_ASSERT_EQUAL_INT(AUVID_GAP, tick(10000000)); /* uncertain enough to believe it */
+    TEST_ASSERT_EQUAL_INT(AUVID_GAP, tick(10000000)); /* uncertain enough to accept it */
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, real(0.2)));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_gps(&nav, now, 1, 1));
 }
@@ -321,7 +321,7 @@ static void test_gate_is_the_square_of_the_innovation_over_its_variance(void)
     }
 }
 
-static void test_gate_of_zero_lets_everything_in(void)
+static void test_gate_of_zero_accepts_everything(void)
 {
     cfg.gate = 0;
     start();
@@ -330,8 +330,8 @@ static void test_gate_of_zero_lets_everything_in(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 2000));
 }
 
-/* A filter that is wrong and sure of it must find out. */
-static void test_filter_locked_out_starts_again_after_the_stated_refusals(void)
+/* A filter with a large error and small variances must recover. */
+static void test_filter_reinitialises_after_max_consecutive_rejections(void)
 {
     cfg.max_consecutive_rejections = 5;
     start();
@@ -348,7 +348,7 @@ static void test_filter_locked_out_starts_again_after_the_stated_refusals(void)
     TEST_ASSERT_EQUAL_UINT(0, nav.diagnostics[AUVID_NAV_DEPTH].consecutive_rejections);
 }
 
-static void test_refusals_that_are_not_in_a_row_do_not_lock_out(void)
+static void test_rejections_that_are_not_consecutive_do_not_reinitialise(void)
 {
     cfg.max_consecutive_rejections = 3;
     start();
@@ -363,7 +363,7 @@ static void test_refusals_that_are_not_in_a_row_do_not_lock_out(void)
     TEST_ASSERT_EQUAL_UINT(0, nav.diagnostics[AUVID_NAV_DEPTH].resets);
 }
 
-static void test_lockout_of_zero_never_gives_in(void)
+static void test_max_consecutive_rejections_of_zero_never_reinitialises(void)
 {
     cfg.max_consecutive_rejections = 0;
     start();
@@ -375,7 +375,7 @@ static void test_lockout_of_zero_never_gives_in(void)
     }
 }
 
-static void test_sensors_go_stale_each_for_itself(void)
+static void test_each_sensor_becomes_stale_independently(void)
 {
     const uint32_t all = AUVID_NAV_FRESH_BOTTOM | AUVID_NAV_FRESH_WATER | AUVID_NAV_FRESH_DEPTH |
                          AUVID_NAV_FRESH_GPS;
@@ -433,12 +433,12 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_first_tick_sets_time_and_attitude_only);
     RUN_TEST(test_position_moves_along_the_attitude_of_the_new_tick);
-    RUN_TEST(test_velocity_variance_grows_alike_whatever_the_tick);
+    RUN_TEST(test_velocity_variance_grows_equally_at_any_tick);
     RUN_TEST(test_yaw_is_unwrapped_through_several_turns);
     RUN_TEST(test_roll_is_unwrapped_through_several_turns);
-    RUN_TEST(test_yaw_that_comes_unwrapped_is_left_alone);
+    RUN_TEST(test_unwrapped_yaw_is_unchanged);
     RUN_TEST(test_long_tick_is_predicted_in_full_and_reported);
-    RUN_TEST(test_clock_that_leaps_to_the_end_of_time_leaves_a_filter_that_knows_little);
+    RUN_TEST(test_clock_jump_to_the_last_time_leaves_large_variances);
     RUN_TEST(test_gap_of_zero_never_reports_one);
     RUN_TEST(test_position_far_away_sums_steps_that_plain_single_precision_loses);
     RUN_TEST(test_first_depth_sets_z_and_its_variance);
@@ -451,11 +451,11 @@ int main(void)
     RUN_TEST(test_gps_at_the_surface_is_used_again_after_a_dive);
     RUN_TEST(test_one_depth_outside_the_gate_is_refused);
     RUN_TEST(test_gate_is_the_square_of_the_innovation_over_its_variance);
-    RUN_TEST(test_gate_of_zero_lets_everything_in);
-    RUN_TEST(test_filter_locked_out_starts_again_after_the_stated_refusals);
-    RUN_TEST(test_refusals_that_are_not_in_a_row_do_not_lock_out);
-    RUN_TEST(test_lockout_of_zero_never_gives_in);
-    RUN_TEST(test_sensors_go_stale_each_for_itself);
+    RUN_TEST(test_gate_of_zero_accepts_everything);
+    RUN_TEST(test_filter_reinitialises_after_max_consecutive_rejections);
+    RUN_TEST(test_rejections_that_are_not_consecutive_do_not_reinitialise);
+    RUN_TEST(test_max_consecutive_rejections_of_zero_never_reinitialises);
+    RUN_TEST(test_each_sensor_becomes_stale_independently);
     RUN_TEST(test_covariance_is_that_of_the_configuration_at_the_start);
     RUN_TEST(test_two_filters_do_not_interact);
     RUN_TEST(test_memory_is_what_the_header_says);

@@ -1,4 +1,4 @@
-/* Navigation filter: what it makes of DVL samples, and the knots it leaves for a recorder. */
+/* Navigation filter: DVL samples, and the velocity samples that it stores for a recorder. */
 #include "auvid/nav.h"
 
 #include <math.h>
@@ -111,8 +111,8 @@ static void test_instrument_upside_down_reads_sway_and_heave_negated(void)
     assert_velocity(1, -0.3, -0.2);
 }
 
-/* Turning on the spot with the DVL 2 m ahead and 1 m below. */
-static void test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates(void)
+/* Rotation on the spot with the DVL 2 m ahead and 1 m below. */
+static void test_lever_arm_of_a_current_sample_is_removed_with_the_current_rates(void)
 {
     cfg.dvl_lever[0] = 2;
     cfg.dvl_lever[2] = 1;
@@ -124,7 +124,7 @@ static void test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates
     assert_velocity(0, 0, 0);
 }
 
-static void test_part_of_the_axes_moves_only_what_it_measures(void)
+static void test_partial_sample_changes_only_what_it_measures(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X | AUVID_DVL_Z, 1, NAN, 0.2));
     assert_velocity(1, 0, 0.2);
@@ -132,7 +132,7 @@ static void test_part_of_the_axes_moves_only_what_it_measures(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 
-/* The axes of an instrument turned by `yaw` and rolled by `roll` that a part of it measures. */
+/* The body axes that the valid axes measure of an instrument turned by `yaw` and `roll`. */
 static unsigned measured_by(unsigned valid, double roll, double yaw)
 {
     cfg.dvl_euler[0] = real(roll);
@@ -158,7 +158,7 @@ static void test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_on
         both = (valid & 1) | ((valid & 6) == 6 ? 6u : 0u);
         TEST_ASSERT_EQUAL_HEX8(both, measured_by(valid, eighth, 0));
     }
-    /* a degree off it still measures what it is mounted for, three degrees off it does not */
+    /* with one degree of error it still measures its axis, with three degrees it does not */
     TEST_ASSERT_EQUAL_HEX8(1, measured_by(AUVID_DVL_X, 0, 0.0174));
     TEST_ASSERT_EQUAL_HEX8(0, measured_by(AUVID_DVL_X, 0, 0.0523));
 }
@@ -187,7 +187,7 @@ static void test_time_of_horizontal_and_of_complete_velocity_over_ground_is_kept
     TEST_ASSERT_EQUAL_HEX8(AUVID_DVL_ALL, nav.water.measured);
 }
 
-static void test_parts_of_a_turned_instrument_add_up_to_the_whole(void)
+static void test_partial_samples_of_a_turned_instrument_equal_a_complete_one(void)
 {
     const double v[3] = {0.8, -0.3, 0.4};
     cfg.dvl_euler[0] = real(0.3);
@@ -248,7 +248,7 @@ static void test_sample_with_one_axis_outside_the_gate_is_refused_whole(void)
     assert_unmoved(&before);
 }
 
-/* 4 sigma is 0.25 m/s after 0.2 s, an agility of 3 m/s2 gives 0.6 m/s more; it grows with time. */
+/* 4 sigma is 0.25 m/s after 0.2 s; max_acceleration 3 m/s2 adds 0.6 m/s and grows with time. */
 static void test_what_a_manoeuvre_explains_is_no_outlier(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
@@ -258,7 +258,7 @@ static void test_what_a_manoeuvre_explains_is_no_outlier(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, -0.5, 0));
 }
 
-static void test_without_agility_the_gate_alone_decides(void)
+static void test_without_max_acceleration_only_the_gate_decides(void)
 {
     cfg.max_acceleration = 0;
     start();
@@ -267,7 +267,7 @@ static void test_without_agility_the_gate_alone_decides(void)
     TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(1.02, 0.5, 0));
 }
 
-static void test_locked_out_velocity_starts_again_and_keeps_the_other_axes(void)
+static void test_velocity_is_reinitialised_without_changing_the_other_axes(void)
 {
     cfg.max_consecutive_rejections = 3;
     start();
@@ -281,7 +281,7 @@ static void test_locked_out_velocity_starts_again_and_keeps_the_other_axes(void)
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].resets);
 }
 
-static void test_ground_knot_is_the_velocity_just_after_a_bottom_lock(void)
+static void test_ground_sample_is_the_velocity_just_after_a_bottom_lock(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
@@ -296,7 +296,7 @@ static void test_ground_knot_is_the_velocity_just_after_a_bottom_lock(void)
     TEST_ASSERT_TRUE(memcmp(&before, &nav.ground, sizeof before) == 0);
 }
 
-static void test_knot_of_a_late_sample_has_the_time_of_the_sample(void)
+static void test_ground_sample_of_a_late_dvl_sample_has_its_time(void)
 {
     uint64_t taken = now;
     tick(20000);
@@ -306,7 +306,7 @@ static void test_knot_of_a_late_sample_has_the_time_of_the_sample(void)
     TEST_ASSERT_EQUAL_UINT64(taken, nav.ground.t_us);
 }
 
-static void test_water_lock_stays_out_of_the_filter_while_bottom_lock_is_fresh(void)
+static void test_water_lock_is_not_applied_while_bottom_lock_is_fresh(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     tick(1000000); /* the last moment */
@@ -319,7 +319,7 @@ static void test_water_lock_stays_out_of_the_filter_while_bottom_lock_is_fresh(v
     assert_unmoved(&before);
 }
 
-static void test_water_knot_has_mounting_and_lever_arm_removed(void)
+static void test_water_sample_has_mounting_and_lever_arm_removed(void)
 {
     cfg.dvl_euler[2] = AUVID_PI / 2;
     cfg.dvl_lever[0] = 2;
@@ -330,7 +330,7 @@ static void test_water_knot_has_mounting_and_lever_arm_removed(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.3, (double)nav.water.velocity[1]);
 }
 
-static void test_part_of_a_water_lock_makes_no_knot(void)
+static void test_partial_water_lock_stores_no_velocity_sample(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     auvid_nav_t before = nav;
@@ -339,7 +339,7 @@ static void test_part_of_a_water_lock_makes_no_knot(void)
     assert_unmoved(&before);
 }
 
-static void test_water_lock_stands_in_when_bottom_lock_is_stale(void)
+static void test_water_lock_is_applied_when_bottom_lock_is_stale(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     tick(1000001);
@@ -349,7 +349,7 @@ static void test_water_lock_stands_in_when_bottom_lock_is_stale(void)
     TEST_ASSERT_TRUE((nav.flags & AUVID_NAV_WATER_AIDED) != 0);
     TEST_ASSERT_EQUAL_UINT32(1, nav.water.sequence);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, (double)nav.water.velocity[0]);
-    TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence); /* no knot over ground from water */
+    TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence); /* water lock stores no sample over ground */
 }
 
 static void test_bottom_lock_that_returns_takes_over_again(void)
@@ -373,7 +373,7 @@ static void test_water_lock_far_from_the_ground_velocity_is_refused(void)
     TEST_ASSERT_EQUAL_UINT(0, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated);
 }
 
-static void test_both_locks_of_one_ping_are_taken(void)
+static void test_both_locks_of_one_ping_are_used(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, water(0.8, 0, 0));
@@ -387,26 +387,26 @@ int main(void)
     RUN_TEST(test_default_tuning_takes_at_least_96_percent_of_each_sample);
     RUN_TEST(test_mounting_turns_the_sample_into_the_body_frame);
     RUN_TEST(test_instrument_upside_down_reads_sway_and_heave_negated);
-    RUN_TEST(test_lever_arm_of_a_present_sample_is_removed_with_the_present_rates);
-    RUN_TEST(test_part_of_the_axes_moves_only_what_it_measures);
+    RUN_TEST(test_lever_arm_of_a_current_sample_is_removed_with_the_current_rates);
+    RUN_TEST(test_partial_sample_changes_only_what_it_measures);
     RUN_TEST(test_a_sample_measures_the_body_axes_within_the_span_of_its_valid_ones);
     RUN_TEST(test_time_of_horizontal_and_of_complete_velocity_over_ground_is_kept);
-    RUN_TEST(test_parts_of_a_turned_instrument_add_up_to_the_whole);
+    RUN_TEST(test_partial_samples_of_a_turned_instrument_equal_a_complete_one);
     RUN_TEST(test_no_valid_axis_is_no_sample);
     RUN_TEST(test_sample_faster_than_the_limit_is_refused);
     RUN_TEST(test_speed_limit_does_not_look_at_invalid_axes);
     RUN_TEST(test_sample_with_one_axis_outside_the_gate_is_refused_whole);
     RUN_TEST(test_what_a_manoeuvre_explains_is_no_outlier);
-    RUN_TEST(test_without_agility_the_gate_alone_decides);
-    RUN_TEST(test_locked_out_velocity_starts_again_and_keeps_the_other_axes);
-    RUN_TEST(test_ground_knot_is_the_velocity_just_after_a_bottom_lock);
-    RUN_TEST(test_knot_of_a_late_sample_has_the_time_of_the_sample);
-    RUN_TEST(test_water_lock_stays_out_of_the_filter_while_bottom_lock_is_fresh);
-    RUN_TEST(test_water_knot_has_mounting_and_lever_arm_removed);
-    RUN_TEST(test_part_of_a_water_lock_makes_no_knot);
-    RUN_TEST(test_water_lock_stands_in_when_bottom_lock_is_stale);
+    RUN_TEST(test_without_max_acceleration_only_the_gate_decides);
+    RUN_TEST(test_velocity_is_reinitialised_without_changing_the_other_axes);
+    RUN_TEST(test_ground_sample_is_the_velocity_just_after_a_bottom_lock);
+    RUN_TEST(test_ground_sample_of_a_late_dvl_sample_has_its_time);
+    RUN_TEST(test_water_lock_is_not_applied_while_bottom_lock_is_fresh);
+    RUN_TEST(test_water_sample_has_mounting_and_lever_arm_removed);
+    RUN_TEST(test_partial_water_lock_stores_no_velocity_sample);
+    RUN_TEST(test_water_lock_is_applied_when_bottom_lock_is_stale);
     RUN_TEST(test_bottom_lock_that_returns_takes_over_again);
     RUN_TEST(test_water_lock_far_from_the_ground_velocity_is_refused);
-    RUN_TEST(test_both_locks_of_one_ping_are_taken);
+    RUN_TEST(test_both_locks_of_one_ping_are_used);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Navigation filter: samples of another time than the filter's, later or earlier than the IMU's. */
+/* Navigation filter: samples before or after the time of the filter. */
 #include <math.h>
 #include <string.h>
 
@@ -63,8 +63,7 @@ static void run(double seconds)
 
 static auvid_status_t dvl(auvid_dvl_lock_t lock, uint64_t t_us, const double v[3])
 {
-    const auvid_dvl_sample_t s = {
-        t_us, {real(v[0]), real(v[1]), real(v[2])}, lock, AUVID_DVL_ALL};
+    const auvid_dvl_sample_t s = {t_us, {real(v[0]), real(v[1]), real(v[2])}, lock, AUVID_DVL_ALL};
     return auvid_nav_dvl(&nav, &s);
 }
 
@@ -73,10 +72,10 @@ static const auvid_nav_diagnostics_t *of(int sensor)
     return &nav.diagnostics[sensor];
 }
 
-/* ---- rates of a sample's own time ---- */
+/* ---- rates at the sample's time ---- */
 
-/* A DVL 2 m ahead of a vehicle that turns on the spot sees sway of 2 r. @return what the filter
- * makes of a sample so old [m/s]; right is 0 */
+/* A DVL 2 m ahead of a vehicle that rotates on the spot measures sway of 2 r. @return sway of the
+ * filter after a sample of that age [m/s]; 0 is correct */
 static double spin(uint32_t age_us)
 {
     const double v[3] = {0, 2 * yaw_rate(1e-6 * (double)(now - age_us)), 0};
@@ -122,27 +121,27 @@ static double swinging(double t_s)
     return 0.5 * sin(3 * t_s);
 }
 
-/* Straight between rates h = 72 + 20 ms apart at most: h^2 / 8 of 4.5 rad/s3, times 2 m. */
-static void test_between_the_rates_kept_they_run_straight(void)
+/* Linear between rates at most h = 72 + 20 ms apart: h^2 / 8 of 4.5 rad/s3, times 2 m. */
+static void test_between_stored_rates_they_are_interpolated_linearly(void)
 {
-    double most = 0;
+    double max_error = 0;
     yaw_rate = swinging;
     run(3);
     for (int k = 0; k < 50; ++k) {
         tick(TICK_US);
         for (uint32_t age_us = 0; age_us <= 500000; age_us += 11000) {
-            most = fmax(most, fabs(spin(age_us)));
+            max_error = fmax(max_error, fabs(spin(age_us)));
         }
     }
-    TEST_ASSERT_TRUE(most <= 2 * 4.5 * 0.092 * 0.092 / 8);
-    TEST_ASSERT_TRUE(most >= 0.25 * 2 * 4.5 * 0.072 * 0.072 / 8);
+    TEST_ASSERT_TRUE(max_error <= 2 * 4.5 * 0.092 * 0.092 / 8);
+    TEST_ASSERT_TRUE(max_error >= 0.25 * 2 * 4.5 * 0.072 * 0.072 / 8);
 }
 
-static void test_before_the_oldest_rates_the_oldest_count(void)
+static void test_before_the_oldest_rates_the_oldest_are_used(void)
 {
     yaw_rate = growing;
     run(0.2);
-    uint64_t oldest = 1000000; /* the first tick, where nothing turns */
+    uint64_t oldest = 1000000; /* the first tick, without rotation */
     const double v[3] = {0, 0, 0};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, oldest - 100000, v));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, (double)of(AUVID_NAV_DVL_BOTTOM)->innovation[1]);
@@ -153,11 +152,11 @@ static void test_before_the_oldest_rates_the_oldest_count(void)
                               (double)of(AUVID_NAV_DVL_BOTTOM)->innovation[1]);
 }
 
-/* Straight ahead in the world at 1 m/s, turning by 0.5 rad/s: u and v change with the heading. */
-static void test_the_knot_of_a_late_sample_is_the_velocity_along_the_axes_of_its_time(void)
+/* Straight in the world at 1 m/s, rotating at 0.5 rad/s: u and v change with the heading. */
+static void test_velocity_of_a_late_sample_is_along_the_axes_of_its_time(void)
 {
     const double rate = 0.5;
-    double late_s = 0.15, most = 0;
+    double late_s = 0.15, max_error = 0;
     cfg.dvl_lever[0] = 0;
     start();
     for (int k = 1; k <= 500; ++k) {
@@ -173,24 +172,24 @@ static void test_the_knot_of_a_late_sample_is_the_velocity_along_the_axes_of_its
             const double v[3] = {cos(psi), -sin(psi), 0};
             TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, now - 150000, v));
             TEST_ASSERT_EQUAL_UINT64(now - 150000, nav.ground.t_us);
-            double off = hypot((double)nav.ground.velocity[0] - v[0],
-                               (double)nav.ground.velocity[1] - v[1]);
-            most = k > 50 ? fmax(most, off) : most;
+            double off =
+                hypot((double)nav.ground.velocity[0] - v[0], (double)nav.ground.velocity[1] - v[1]);
+            max_error = k > 50 ? fmax(max_error, off) : max_error;
         }
     }
-    TEST_ASSERT_TRUE(most < 0.01); /* it changes by 0.1 m/s from sample to sample */
+    TEST_ASSERT_TRUE(max_error < 0.01); /* it changes by 0.1 m/s from sample to sample */
 }
 
 /* ---- an IMU that is later than the other sensors ---- */
 
-static void test_a_sample_ahead_waits_for_the_imu_and_enters_as_a_late_one(void)
+static void test_a_sample_ahead_waits_for_the_imu_and_is_applied_as_a_late_one(void)
 {
     const double v[3] = {0.5, 0, 0};
     uint64_t taken = now + 90000;
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, taken, v));
     TEST_ASSERT_EQUAL_UINT32(0, of(AUVID_NAV_DVL_BOTTOM)->accepted);
     run(0.08);
-    TEST_ASSERT_FALSE(of(AUVID_NAV_DVL_BOTTOM)->has_sample); /* for the guard there is none yet */
+    TEST_ASSERT_FALSE(of(AUVID_NAV_DVL_BOTTOM)->has_sample); /* the guard has none yet */
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     auvid_nav_t other = nav;
     tick(TICK_US);
@@ -199,14 +198,14 @@ static void test_a_sample_ahead_waits_for_the_imu_and_enters_as_a_late_one(void)
     TEST_ASSERT_EQUAL_UINT64(taken, nav.ground.t_us);
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
     auvid_nav_t held = nav;
-    nav = other; /* the same sample comes when the IMU is past it */
+    nav = other; /* the same sample arrives after the IMU passed its time */
     nav.holding = 0;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu(&nav, now, zero, zero));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, taken, v));
     TEST_ASSERT_EQUAL_MEMORY(&held, &nav, sizeof nav);
 }
 
-static void test_every_sensor_may_wait_at_once(void)
+static void test_a_sample_of_every_sensor_can_be_held(void)
 {
     const double v[3] = {0.5, 0.1, 0};
     uint64_t taken = now + 50000;
@@ -224,9 +223,9 @@ static void test_every_sensor_may_wait_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.25, (double)(nav.position[2] + nav.position_lo[2]));
 }
 
-/* Samples every 40 ms and an IMU 100 ms late: would the newest take the place of the one held, the
- * IMU would never come to any. */
-static void test_the_first_one_held_stays_and_those_that_are_lost_are_counted(void)
+/* Samples every 40 ms and an IMU 100 ms late: if the newest replaced the held one, the IMU would
+ * never reach any. */
+static void test_the_first_held_sample_stays_and_lost_ones_are_counted(void)
 {
     const double v[3] = {0.5, 0, 0};
     int held = 0, lost = 0;
@@ -240,13 +239,13 @@ static void test_the_first_one_held_stays_and_those_that_are_lost_are_counted(vo
         }
     }
     run(0.2);
-    TEST_ASSERT_TRUE(held >= 16); /* of 50, one each 100 or 120 ms */
+    TEST_ASSERT_TRUE(held >= 16); /* of 50, one every 100 or 120 ms */
     TEST_ASSERT_EQUAL_UINT32(held, of(AUVID_NAV_DVL_BOTTOM)->accepted);
     TEST_ASSERT_EQUAL_UINT(lost, of(AUVID_NAV_DVL_BOTTOM)->unused);
     TEST_ASSERT_EQUAL_UINT(0, of(AUVID_NAV_DVL_BOTTOM)->stale);
 }
 
-static void test_a_sample_a_little_ahead_does_not_overtake_the_one_held(void)
+static void test_a_sample_slightly_ahead_does_not_overtake_the_held_one(void)
 {
     const double v[3] = {0.5, 0, 0};
     uint64_t first = now + 30000;
@@ -257,21 +256,21 @@ static void test_a_sample_a_little_ahead_does_not_overtake_the_one_held(void)
     TEST_ASSERT_EQUAL_UINT64(first, nav.ground.t_us);
 }
 
-static void test_no_sample_waits_longer_than_its_largest_age(void)
+static void test_no_sample_is_held_longer_than_its_largest_age(void)
 {
     const double v[3] = {0.5, 0, 0};
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STALE, dvl(AUVID_DVL_BOTTOM, now + 500001, v));
     TEST_ASSERT_EQUAL_UINT(1, of(AUVID_NAV_DVL_BOTTOM)->stale);
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, now + 500000, v));
-    tick(1000001); /* the IMU comes back when the sample is too old */
+    tick(1000001); /* the IMU returns when the sample is too old */
     TEST_ASSERT_EQUAL_UINT(2, of(AUVID_NAV_DVL_BOTTOM)->stale);
     TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_rejected);
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     tick(TICK_US);
-    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected); /* told once */
+    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected); /* reported once */
 }
 
-static void test_without_a_largest_age_no_sample_waits(void)
+static void test_without_a_largest_age_no_sample_is_held(void)
 {
     cfg.depth_max_age_us = 0;
     start();
@@ -279,7 +278,7 @@ static void test_without_a_largest_age_no_sample_waits(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now + 20000, 1));
 }
 
-static void test_a_sample_held_meets_the_gate_when_it_is_used(void)
+static void test_a_held_sample_is_gated_when_it_is_used(void)
 {
     cfg.gate = 16;
     start();
@@ -292,7 +291,7 @@ static void test_a_sample_held_meets_the_gate_when_it_is_used(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 
-static void test_what_is_out_of_its_range_is_not_held(void)
+static void test_a_sample_out_of_range_is_not_held(void)
 {
     const double v[3] = {50, 0, 0};
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, dvl(AUVID_DVL_BOTTOM, now + 50000, v));
@@ -307,16 +306,16 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_lever_arm_is_removed_with_the_rates_of_the_samples_time);
     RUN_TEST(test_the_largest_age_and_slow_or_quick_ticks_make_no_difference);
-    RUN_TEST(test_between_the_rates_kept_they_run_straight);
-    RUN_TEST(test_before_the_oldest_rates_the_oldest_count);
-    RUN_TEST(test_the_knot_of_a_late_sample_is_the_velocity_along_the_axes_of_its_time);
-    RUN_TEST(test_a_sample_ahead_waits_for_the_imu_and_enters_as_a_late_one);
-    RUN_TEST(test_every_sensor_may_wait_at_once);
-    RUN_TEST(test_the_first_one_held_stays_and_those_that_are_lost_are_counted);
-    RUN_TEST(test_a_sample_a_little_ahead_does_not_overtake_the_one_held);
-    RUN_TEST(test_no_sample_waits_longer_than_its_largest_age);
-    RUN_TEST(test_without_a_largest_age_no_sample_waits);
-    RUN_TEST(test_a_sample_held_meets_the_gate_when_it_is_used);
-    RUN_TEST(test_what_is_out_of_its_range_is_not_held);
+    RUN_TEST(test_between_stored_rates_they_are_interpolated_linearly);
+    RUN_TEST(test_before_the_oldest_rates_the_oldest_are_used);
+    RUN_TEST(test_velocity_of_a_late_sample_is_along_the_axes_of_its_time);
+    RUN_TEST(test_a_sample_ahead_waits_for_the_imu_and_is_applied_as_a_late_one);
+    RUN_TEST(test_a_sample_of_every_sensor_can_be_held);
+    RUN_TEST(test_the_first_held_sample_stays_and_lost_ones_are_counted);
+    RUN_TEST(test_a_sample_slightly_ahead_does_not_overtake_the_held_one);
+    RUN_TEST(test_no_sample_is_held_longer_than_its_largest_age);
+    RUN_TEST(test_without_a_largest_age_no_sample_is_held);
+    RUN_TEST(test_a_held_sample_is_gated_when_it_is_used);
+    RUN_TEST(test_a_sample_out_of_range_is_not_held);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Navigation filter: late samples, and what is refused with which status and nothing disturbed. */
+/* Navigation filter: late samples, and rejections: their status, with the filter unchanged. */
 #include "auvid/nav.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ static auvid_status_t bottom_at(uint64_t t_us, double u)
     return auvid_nav_dvl(&nav, &s);
 }
 
-/* A filter that has seen every sensor; its time is one tick after them. */
+/* A filter with a sample of every sensor; its time is one tick after them. */
 void setUp(void)
 {
     auvid_nav_defaults(&cfg);
@@ -48,7 +48,7 @@ void tearDown(void)
 {
 }
 
-/* The counter rose by one, and taking it back leaves the filter as it was, bit for bit. */
+/* The counter has increased by one, and nothing else has changed, bit for bit. */
 static void assert_counted_only(uint16_t *counter)
 {
     TEST_ASSERT_TRUE(*counter > 0);
@@ -145,7 +145,7 @@ static void test_sample_given_twice_is_refused(void)
     assert_counted_only(&of(AUVID_NAV_GPS)->stale);
 }
 
-static void test_sample_that_another_of_its_sensor_overtook_is_refused(void)
+static void test_sample_older_than_the_last_of_its_sensor_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, bottom_at(now - 20001, 1));
     assert_counted_only(&of(AUVID_NAV_DVL_BOTTOM)->stale);
@@ -182,7 +182,7 @@ static void test_sample_is_taken_a_little_ahead_and_refused_far_ahead(void)
     TEST_ASSERT_EQUAL_UINT64(now + 20000, nav.ground.t_us);
 }
 
-static void test_sample_ahead_counts_as_of_the_last_tick(void)
+static void test_sample_slightly_ahead_is_used_as_of_the_last_tick(void)
 {
     auvid_nav_t other = nav;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now + 15000, real(0.21)));
@@ -191,7 +191,7 @@ static void test_sample_ahead_counts_as_of_the_last_tick(void)
     TEST_ASSERT_TRUE(memcmp(nav.position_lo, other.position_lo, sizeof nav.position_lo) == 0);
 }
 
-/* Sinking at 0.5 m/s, a depth 0.4 s old is no reason to move. */
+/* While sinking at 0.5 m/s, a correct depth 0.4 s old must not change z. */
 static void test_late_depth_is_compared_with_the_depth_of_its_time(void)
 {
     auvid_dvl_sample_t s = {now, {1, 0, real(0.5)}, AUVID_DVL_BOTTOM, AUVID_DVL_ALL};
@@ -206,7 +206,7 @@ static void test_late_depth_is_compared_with_the_depth_of_its_time(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0, (double)of(AUVID_NAV_DEPTH)->innovation[0]);
 }
 
-/* The older a velocity, the less it tells of the present. */
+/* An older velocity has less information on the current one. */
 static void test_late_velocity_leaves_the_noise_since_in_the_variance(void)
 {
     uint64_t taken = now + 20000;
@@ -361,10 +361,10 @@ int main(void)
     RUN_TEST(test_measurements_out_of_range_are_refused);
     RUN_TEST(test_dvl_with_an_unknown_lock_or_axis_is_refused);
     RUN_TEST(test_sample_given_twice_is_refused);
-    RUN_TEST(test_sample_that_another_of_its_sensor_overtook_is_refused);
+    RUN_TEST(test_sample_older_than_the_last_of_its_sensor_is_refused);
     RUN_TEST(test_sample_is_taken_up_to_its_greatest_age_and_no_older);
     RUN_TEST(test_sample_is_taken_a_little_ahead_and_refused_far_ahead);
-    RUN_TEST(test_sample_ahead_counts_as_of_the_last_tick);
+    RUN_TEST(test_sample_slightly_ahead_is_used_as_of_the_last_tick);
     RUN_TEST(test_late_depth_is_compared_with_the_depth_of_its_time);
     RUN_TEST(test_late_velocity_leaves_the_noise_since_in_the_variance);
     RUN_TEST(test_late_velocity_after_another_measurement_still_shrinks_the_variance);

@@ -1,6 +1,6 @@
 /*
- * The recorder through its header. Cells are compared with the signal as the header defines it
- * (straight, or held, between its samples), integrated in double here.
+ * The recorder by its contract. Cells are compared with the signal as the header defines it (linear
+ * or held between its samples), integrated in double here.
  */
 #include <math.h>
 #include <string.h>
@@ -24,7 +24,7 @@ void tearDown(void)
 {
 }
 
-/* ---- signals, and their means by definition ---- */
+/* ---- signals and their means by definition ---- */
 
 typedef struct {
     size_t samples;
@@ -39,7 +39,7 @@ static auvid_real_t scaled(double x, int channel)
     return (auvid_real_t)(x * (channel + 1));
 }
 
-/* Channel i of a stream carries (i + 1) times the track's value. */
+/* Channel i of a stream has (i + 1) times the track's value. */
 static auvid_status_t feed(int stream, uint64_t t_us, double x)
 {
     auvid_real_t a[6], b[AUVID_MAX_COMMANDS];
@@ -134,8 +134,8 @@ static double shape(int stream, uint64_t t_us)
     return sin(3 * t + stream) + 0.7 * cos(11 * t) + (draw(1000) / 1000.0 - 0.5) * 0.3;
 }
 
-/* All three streams in time order, samples `least` .. `most` us apart; every cell is compared. */
-static int play(const uint32_t *least, const uint32_t *most, uint64_t until_us)
+/* All three streams in time order, samples min_us..max_us apart; every cell is compared. */
+static int play(const uint32_t *min_us, const uint32_t *max_us, uint64_t until_us)
 {
     uint64_t next[3] = {T0 + 7, T0 + 13001, T0 + 40003}, last_us = 0;
     int cells = 0;
@@ -147,7 +147,7 @@ static int play(const uint32_t *least, const uint32_t *most, uint64_t until_us)
             return cells;
         }
         TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(first, next[first], shape(first, next[first])));
-        next[first] += least[first] + draw(most[first] - least[first] + 1);
+        next[first] += min_us[first] + draw(max_us[first] - min_us[first] + 1);
         while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
             TEST_ASSERT_TRUE(last_us == 0 || s.t_us == last_us + cfg.cell_us);
             last_us = s.t_us;
@@ -159,32 +159,32 @@ static int play(const uint32_t *least, const uint32_t *most, uint64_t until_us)
 
 static void test_cells_are_exact_means_of_streams_at_different_irregular_rates(void)
 {
-    static const uint32_t least[3] = {3000, 60000, 11000}, most[3] = {37000, 390000, 190000};
+    static const uint32_t min_us[3] = {3000, 60000, 11000}, max_us[3] = {37000, 390000, 190000};
     for (seed = 1; seed <= 5; ++seed) {
         uint32_t keep = seed;
         setUp();
-        TEST_ASSERT_INT_WITHIN(8, 195, play(least, most, T0 + 20000000));
+        TEST_ASSERT_INT_WITHIN(8, 195, play(min_us, max_us, T0 + 20000000));
         seed = keep;
     }
 }
 
-static void test_input_may_run_straight_instead_of_holding(void)
+static void test_input_can_be_interpolated_linearly(void)
 {
-    static const uint32_t least[3] = {3000, 60000, 11000}, most[3] = {37000, 390000, 190000};
+    static const uint32_t min_us[3] = {3000, 60000, 11000}, max_us[3] = {37000, 390000, 190000};
     cfg.input = AUVID_INPUT_LINEAR;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
     seed = 11;
-    TEST_ASSERT_INT_WITHIN(8, 195, play(least, most, T0 + 20000000));
+    TEST_ASSERT_INT_WITHIN(8, 195, play(min_us, max_us, T0 + 20000000));
 }
 
 static void test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike(void)
 {
-    static const uint32_t least[3] = {300, 6000, 2000}, most[3] = {900, 9000, 2000};
+    static const uint32_t min_us[3] = {300, 6000, 2000}, max_us[3] = {900, 9000, 2000};
     cfg.cell_us = 1000;
     cfg.gap_us = 10000;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
     seed = 21;
-    TEST_ASSERT_INT_WITHIN(14, 956, play(least, most, T0 + 1000000));
+    TEST_ASSERT_INT_WITHIN(14, 956, play(min_us, max_us, T0 + 1000000));
 }
 
 static void test_samples_exactly_on_cell_borders_are_averaged_alike(void)
@@ -207,7 +207,7 @@ static void test_samples_exactly_on_cell_borders_are_averaged_alike(void)
             ++cells;
         }
     }
-    TEST_ASSERT_EQUAL_INT(46, cells); /* 50 cells, less two at either end */
+    TEST_ASSERT_EQUAL_INT(46, cells); /* 50 cells, less two at each end */
 }
 
 /* A cell's mean of nu_dot is (nu(end) - nu(begin)) / T; the difference of means is exact up to the
@@ -272,13 +272,13 @@ static void feed_stream(int stream, int first, int count)
     }
 }
 
-/* Streams take turns by blocks of `block` ticks, in an order that turns too. */
+/* Streams alternate by blocks of `block` ticks, in a rotating order. */
 static int cells_by_blocks(int block, auvid_sample_t *out)
 {
     int cells = 0;
     setUp();
     for (int stream = 0; stream < 3; ++stream) {
-        feed_stream(stream, 0, 1); /* the record begins alike */
+        feed_stream(stream, 0, 1); /* the record begins at the same time */
     }
     for (int first = 1; first < TICKS; first += block) {
         for (int k = 0; k < 3; ++k) {
@@ -303,7 +303,7 @@ static void test_order_in_which_the_streams_are_fed_does_not_change_a_bit(void)
     }
 }
 
-/* Velocity comes in steps of a cell; before each step it lags by `cells`. Returns the gaps. */
+/* Velocity is fed cell by cell; before each step it lags by `cells`. Returns the gaps. */
 static int gaps_when_late_by(int cells)
 {
     auvid_sample_t s;
@@ -326,7 +326,7 @@ static int gaps_when_late_by(int cells)
     return gaps;
 }
 
-static void test_slow_stream_may_lag_by_the_cells_kept_less_five(void)
+static void test_slow_stream_may_lag_by_the_stored_cells_less_five(void)
 {
     TEST_ASSERT_EQUAL_INT(0, gaps_when_late_by(AUVID_RECORDER_CELLS - 5));
     TEST_ASSERT_TRUE(gaps_when_late_by(AUVID_RECORDER_CELLS - 2) > 0);
@@ -421,8 +421,8 @@ static void test_stream_that_stops_for_good_breaks_the_record_once(void)
     }
 }
 
-/* A stream heard once, long before the others: no record was broken, so there is no gap to tell. */
-static void test_stream_heard_long_before_the_others_does_not_begin_a_record(void)
+/* A stream with one sample long before the others: no record was broken, so there is no gap. */
+static void test_stream_sampled_long_before_the_others_does_not_begin_a_record(void)
 {
     reset_counts();
     TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, T0 - 50000000, 1));
@@ -435,7 +435,7 @@ static void test_stream_heard_long_before_the_others_does_not_begin_a_record(voi
     TEST_ASSERT_TRUE(latest_us > T0 + 3000000);
 }
 
-/* ---- velocity measured in part ---- */
+/* ---- partial velocity ---- */
 
 typedef struct {
     int cells, gaps;
@@ -445,7 +445,7 @@ typedef struct {
 static heard_t heard[2];
 
 /* 15 s: all else at 50 Hz, velocity at 5 Hz, 20 ms late; `measured` of the k-th sample. */
-static void hear(heard_t *to, uint32_t gap_us, unsigned (*measured)(int k))
+static void feed_15_s(heard_t *to, uint32_t gap_us, unsigned (*measured)(int k))
 {
     cfg.gap_us = gap_us;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
@@ -455,7 +455,7 @@ static void hear(heard_t *to, uint32_t gap_us, unsigned (*measured)(int k))
         if (k % 10 == 1) {
             int number = k / 10;
             auvid_real_t v[3];
-            for (int i = 0; i < 3; ++i) { /* what is not measured must not be read */
+            for (int i = 0; i < 3; ++i) { /* components that are not measured must not be read */
                 bool is = (measured(number) >> i & 1u) != 0;
                 v[i] = is ? (auvid_real_t)sin(0.3 * number + i) : (auvid_real_t)NAN;
             }
@@ -507,13 +507,13 @@ static unsigned nothing_in_20_and_21(int k)
 
 static void test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_no_record(void)
 {
-    hear(&heard[0], 0, always);
-    hear(&heard[1], 0, no_sway_from_20_to_29);
+    feed_15_s(&heard[0], 0, always);
+    feed_15_s(&heard[1], 0, no_sway_from_20_to_29);
     TEST_ASSERT_EQUAL(0, heard[1].gaps);
     for (int n = 2; n < 145; ++n) {
         const auvid_sample_t *whole = &heard[0].sample[n], *part = &heard[1].sample[n];
         /* samples 0.2 s apart; unknown from number 19 (3.8 s) to number 30 (6 s), and two cells
-         * beside for the accelerations; it takes part again from a whole cell on */
+         * beside for the accelerations; it counts again from a whole cell on */
         bool known = n < 36 || n > 62;
         TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[n]);
         TEST_ASSERT_EQUAL_HEX8(known ? 0 : 2, heard[1].missing[n]);
@@ -526,10 +526,10 @@ static void test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_
     }
 }
 
-static void test_a_velocity_runs_straight_over_samples_that_do_not_measure_it(void)
+static void test_a_velocity_is_interpolated_over_samples_that_do_not_measure_it(void)
 {
-    hear(&heard[0], 1000000, no_sway_in_20_and_21);
-    hear(&heard[1], 1000000, nothing_in_20_and_21);
+    feed_15_s(&heard[0], 1000000, no_sway_in_20_and_21);
+    feed_15_s(&heard[1], 1000000, nothing_in_20_and_21);
     TEST_ASSERT_EQUAL(0, heard[0].gaps + heard[1].gaps);
     for (int n = 2; n < 145; ++n) {
         TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[n] | heard[1].missing[n]);
@@ -539,7 +539,7 @@ static void test_a_velocity_runs_straight_over_samples_that_do_not_measure_it(vo
 
 static void test_a_record_begins_with_one_velocity(void)
 {
-    hear(&heard[0], 0, heave_only_until_10);
+    feed_15_s(&heard[0], 0, heave_only_until_10);
     TEST_ASSERT_EQUAL(0, heard[0].gaps);
     TEST_ASSERT_EQUAL_HEX8(3, heard[0].missing[10]);
     TEST_ASSERT_EQUAL_HEX8(3, heard[0].missing[20]);
@@ -547,8 +547,8 @@ static void test_a_record_begins_with_one_velocity(void)
     TEST_ASSERT_EQUAL_HEX8(0, heard[0].missing[144]);
 }
 
-/* A late sample may be from before the record's beginning. */
-static void test_a_velocity_heard_first_late_takes_part_from_the_beginning(void)
+/* A late sample may be older than the beginning of the record. */
+static void test_a_velocity_first_sampled_late_counts_from_the_beginning(void)
 {
     const auvid_real_t v[3] = {1, 2, 3};
     auvid_sample_t s;
@@ -585,7 +585,7 @@ static void test_default_gap_is_five_velocity_samples_between_half_a_second_and_
     TEST_ASSERT_EQUAL_UINT32(500000, recorder.cfg.gap_us);
 }
 
-static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
+static void test_cells_that_are_not_popped_are_lost_and_reported_as_a_gap(void)
 {
     reset_counts();
     run(0, 161, 7, false); /* sixteen cells: just full */
@@ -593,7 +593,7 @@ static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
     TEST_ASSERT_EQUAL_INT(0, gaps);
     TEST_ASSERT_EQUAL_INT(12, popped);
     reset_counts();
-    run(0, 162, 7, false); /* a part of the seventeenth */
+    run(0, 162, 7, false); /* a fraction of the seventeenth */
     pop_all();
     TEST_ASSERT_EQUAL_INT(1, gaps);
     TEST_ASSERT_EQUAL_INT(0, popped);
@@ -604,7 +604,7 @@ static void test_cells_nobody_takes_are_lost_and_told_as_a_gap(void)
     TEST_ASSERT_TRUE(popped > 0);
 }
 
-static void test_record_after_a_gap_knows_nothing_of_the_one_before(void)
+static void test_record_after_a_gap_is_independent_of_the_previous_one(void)
 {
     auvid_sample_t s;
     reset_counts();
@@ -714,7 +714,7 @@ static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void
     }
 }
 
-static void test_numbers_out_of_all_proportion_are_refused_and_change_nothing(void)
+static void test_numbers_beyond_the_largest_are_refused_and_change_nothing(void)
 {
     reset_counts();
     run(0, 55, 7, true);
@@ -771,7 +771,7 @@ static void test_init_refuses_fields_out_of_their_range_and_changes_nothing(void
     }
 }
 
-/* The largest gap: times between samples must not wrap. */
+/* The largest gap: time differences between samples must not wrap. */
 static void test_samples_as_far_apart_as_the_largest_gap_allows_are_still_straight_lines(void)
 {
     auvid_sample_t s;
@@ -794,31 +794,31 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_cells_are_exact_means_of_streams_at_different_irregular_rates);
-    RUN_TEST(test_input_may_run_straight_instead_of_holding);
+    RUN_TEST(test_input_can_be_interpolated_linearly);
     RUN_TEST(test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike);
     RUN_TEST(test_samples_exactly_on_cell_borders_are_averaged_alike);
     RUN_TEST(test_acceleration_is_exact_for_polynomials_of_fourth_degree);
     RUN_TEST(test_null_commands_are_zeros);
     RUN_TEST(test_order_in_which_the_streams_are_fed_does_not_change_a_bit);
-    RUN_TEST(test_slow_stream_may_lag_by_the_cells_kept_less_five);
+    RUN_TEST(test_slow_stream_may_lag_by_the_stored_cells_less_five);
     RUN_TEST(test_silence_longer_than_the_gap_breaks_the_record_once);
     RUN_TEST(test_silence_as_long_as_the_gap_is_bridged);
     RUN_TEST(test_silence_of_one_stream_breaks_the_record_for_all);
     RUN_TEST(test_stream_that_stops_for_good_breaks_the_record_once);
-    RUN_TEST(test_stream_heard_long_before_the_others_does_not_begin_a_record);
+    RUN_TEST(test_stream_sampled_long_before_the_others_does_not_begin_a_record);
     RUN_TEST(test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_no_record);
-    RUN_TEST(test_a_velocity_runs_straight_over_samples_that_do_not_measure_it);
+    RUN_TEST(test_a_velocity_is_interpolated_over_samples_that_do_not_measure_it);
     RUN_TEST(test_a_record_begins_with_one_velocity);
-    RUN_TEST(test_a_velocity_heard_first_late_takes_part_from_the_beginning);
+    RUN_TEST(test_a_velocity_first_sampled_late_counts_from_the_beginning);
     RUN_TEST(test_velocity_refuses_more_than_three_axes);
     RUN_TEST(test_default_gap_is_five_velocity_samples_between_half_a_second_and_one);
-    RUN_TEST(test_cells_nobody_takes_are_lost_and_told_as_a_gap);
-    RUN_TEST(test_record_after_a_gap_knows_nothing_of_the_one_before);
+    RUN_TEST(test_cells_that_are_not_popped_are_lost_and_reported_as_a_gap);
+    RUN_TEST(test_record_after_a_gap_is_independent_of_the_previous_one);
     RUN_TEST(test_gap_leaves_the_sample_untouched);
     RUN_TEST(test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact);
     RUN_TEST(test_times_that_do_not_advance_are_refused_and_change_nothing);
     RUN_TEST(test_numbers_that_are_not_finite_are_refused_and_change_nothing);
-    RUN_TEST(test_numbers_out_of_all_proportion_are_refused_and_change_nothing);
+    RUN_TEST(test_numbers_beyond_the_largest_are_refused_and_change_nothing);
     RUN_TEST(test_null_pointers_are_refused);
     RUN_TEST(test_init_refuses_fields_out_of_their_range_and_changes_nothing);
     RUN_TEST(test_samples_as_far_apart_as_the_largest_gap_allows_are_still_straight_lines);
