@@ -209,7 +209,7 @@ static void test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line(void *
         (void)snprintf(text, sizeof text, "%s%s", whole, whole);
         text[length] = '\0';
         check_reading(text, 1, BUS_END);
-        assert_non_null(strstr(bus->text, ":2: the last line is cut off"));
+        assert_non_null(strstr(bus->text, ":2: the last line is truncated"));
         assert_int_equal(bus->statistics.received, 1);
     }
     (void)snprintf(text, sizeof text, "%s%s", whole, whole);
