@@ -112,7 +112,7 @@ static void interrupt(void)
 static void flush(void)
 {
     if (log_out.position > 0 && !machine_write(log_out.file, log_out.buffer, log_out.position)) {
-        driver_fault("cannot write sent.log");
+        driver_fault("sent.log cannot be written");
     }
     log_out.position = 0;
 }
@@ -155,7 +155,7 @@ void driver_start(auvid_can_fifo_t *received)
     log_in.file = machine_open("bus.log", false);
     log_out.file = machine_open("sent.log", true);
     if (log_in.file < 0 || log_out.file < 0) {
-        driver_fault("cannot open bus.log or sent.log");
+        driver_fault("bus.log or sent.log cannot be opened");
     }
     at_end = !read_frame(&next_frame);
     due_us = START_US;
