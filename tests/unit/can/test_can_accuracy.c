@@ -169,7 +169,7 @@ static void compare(double disturbance_N, int seeds, double *plain, double *fram
            100.0 * (*framed / *plain - 1.0), 100.0 * half_width(seeds));
 }
 
-static void test_the_frames_cost_no_accuracy(void)
+static void test_the_frames_do_not_reduce_accuracy(void)
 {
     const double disturbance_N[] = {0.0, 1.0, 3.0};
     double plain, framed;
@@ -184,6 +184,6 @@ static void test_the_frames_cost_no_accuracy(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_frames_cost_no_accuracy);
+    RUN_TEST(test_the_frames_do_not_reduce_accuracy);
     return UNITY_END();
 }

@@ -44,7 +44,7 @@ static bool is_numbered(const auvid_can_frame_t *frame, uint32_t number)
            frame->length == expected.length && memcmp(frame->data, expected.data, 8) == 0;
 }
 
-static void test_frames_come_out_in_the_order_they_went_in(void)
+static void test_frames_are_popped_in_the_order_of_pushing(void)
 {
     auvid_can_frame_t frame;
     uint32_t in = 0, out = 0;
@@ -60,7 +60,7 @@ static void test_frames_come_out_in_the_order_they_went_in(void)
     TEST_ASSERT_EQUAL_UINT32(in, out);
 }
 
-static void test_a_full_queue_drops_the_newest_and_counts(void)
+static void test_a_full_queue_drops_and_counts_the_newest(void)
 {
     auvid_can_frame_t frame;
     for (uint32_t i = 0; i < SIZE + 3; ++i) {
@@ -76,15 +76,15 @@ static void test_a_full_queue_drops_the_newest_and_counts(void)
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
 }
 
-static void test_the_indices_may_wrap(void)
+static void test_the_queue_works_across_a_wrap_of_its_indices(void)
 {
     fifo.pushed = UINT32_MAX - 2;
     fifo.popped = UINT32_MAX - 2;
-    test_frames_come_out_in_the_order_they_went_in();
+    test_frames_are_popped_in_the_order_of_pushing();
     setUp();
     fifo.pushed = UINT32_MAX - 2;
     fifo.popped = UINT32_MAX - 2;
-    test_a_full_queue_drops_the_newest_and_counts();
+    test_a_full_queue_drops_and_counts_the_newest();
 }
 
 static auvid_can_frame_t of_operator(auvid_can_sender_t *from, auvid_can_kind_t kind)
@@ -116,7 +116,7 @@ static void is_empty(void)
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
 }
 
-static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full(void)
+static void test_an_abort_is_popped_before_all_frames_even_from_a_full_queue(void)
 {
     for (uint32_t inside = 0; inside <= SIZE; ++inside) {
         auvid_can_frame_t frame;
@@ -142,7 +142,7 @@ static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_ful
     }
 }
 
-static void test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again(void)
+static void test_pending_aborts_become_one_and_a_later_abort_is_popped_again(void)
 {
     auvid_can_frame_t first = of_operator(&console, AUVID_CAN_ABORT);
     auvid_can_frame_t second = of_operator(&console, AUVID_CAN_ABORT);
@@ -156,7 +156,7 @@ static void test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_take
 }
 
 /* An order to arm, sent before the abort, must not be obeyed after it. */
-static void test_arm_frames_from_before_an_abort_are_left_out(void)
+static void test_arm_frames_from_before_an_abort_are_discarded(void)
 {
     auvid_can_frame_t arm = of_operator(&console, AUVID_CAN_ARM), sensor = numbered(1);
     auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), last = numbered(2);
@@ -182,7 +182,7 @@ static void test_arm_frames_from_before_an_abort_are_left_out(void)
     }
 }
 
-static void test_what_is_no_abort_waits_in_its_place(void)
+static void test_a_frame_that_is_no_valid_abort_stays_in_order(void)
 {
     for (int wrong = 0; wrong < 3; ++wrong) {
         auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), before = numbered(1);
@@ -196,7 +196,7 @@ static void test_what_is_no_abort_waits_in_its_place(void)
     }
 }
 
-static void test_an_abort_of_moved_identifiers_is_one(void)
+static void test_an_abort_with_moved_identifiers_is_recognised(void)
 {
     const auvid_can_ids_t ids = {0x200, 0x300};
     auvid_can_sender_t moved;
@@ -238,7 +238,7 @@ static void *produce(void *unused)
     return unused;
 }
 
-static void test_two_threads_lose_and_tear_nothing(void)
+static void test_two_threads_lose_and_tear_no_frame(void)
 {
     pthread_t producer;
     auvid_can_frame_t frame;
@@ -276,7 +276,7 @@ static void *produce_aborts(void *unused)
 }
 
 /* Every abort is in the count of those taken, or is one with an earlier one that was not yet. */
-static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(void)
+static void test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it(void)
 {
     pthread_t producer;
     auvid_can_frame_t frame;
@@ -304,7 +304,7 @@ static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(
     TEST_ASSERT_EQUAL_UINT32(fifo.aborts, aborts);
 }
 
-static void test_wrong_calls_are_named(void)
+static void test_wrong_calls_return_their_statuses(void)
 {
     auvid_can_frame_t frame = numbered(0);
     const uint32_t bad[] = {0, 1, 3, 12, 0x10000, 0x80000000u, UINT32_MAX};
@@ -325,16 +325,16 @@ static void test_wrong_calls_are_named(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_frames_come_out_in_the_order_they_went_in);
-    RUN_TEST(test_a_full_queue_drops_the_newest_and_counts);
-    RUN_TEST(test_the_indices_may_wrap);
-    RUN_TEST(test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full);
-    RUN_TEST(test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again);
-    RUN_TEST(test_arm_frames_from_before_an_abort_are_left_out);
-    RUN_TEST(test_what_is_no_abort_waits_in_its_place);
-    RUN_TEST(test_an_abort_of_moved_identifiers_is_one);
-    RUN_TEST(test_two_threads_lose_and_tear_nothing);
-    RUN_TEST(test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it);
-    RUN_TEST(test_wrong_calls_are_named);
+    RUN_TEST(test_frames_are_popped_in_the_order_of_pushing);
+    RUN_TEST(test_a_full_queue_drops_and_counts_the_newest);
+    RUN_TEST(test_the_queue_works_across_a_wrap_of_its_indices);
+    RUN_TEST(test_an_abort_is_popped_before_all_frames_even_from_a_full_queue);
+    RUN_TEST(test_pending_aborts_become_one_and_a_later_abort_is_popped_again);
+    RUN_TEST(test_arm_frames_from_before_an_abort_are_discarded);
+    RUN_TEST(test_a_frame_that_is_no_valid_abort_stays_in_order);
+    RUN_TEST(test_an_abort_with_moved_identifiers_is_recognised);
+    RUN_TEST(test_two_threads_lose_and_tear_no_frame);
+    RUN_TEST(test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it);
+    RUN_TEST(test_wrong_calls_return_their_statuses);
     return UNITY_END();
 }

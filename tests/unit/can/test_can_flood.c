@@ -30,7 +30,7 @@ static void random_frame(auvid_rng_t *rng, auvid_can_frame_t *frame)
     memcpy(frame->data + 4, &high, 4);
 }
 
-static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
+static void test_forged_commands_are_good_at_the_rate_of_the_rules(void)
 {
     const uint32_t frames = campaign_is_long() ? 100000000u : 10000000u;
     const double part = 8002.0 / 8192.0;
@@ -58,7 +58,7 @@ static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
 
 /* Genuine commands of zero each tick and 100 forged frames between two of them, more than a bus of
  * 500 kbit/s holds. Forged counters make genuine commands jump too, so that it takes a few. */
-static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
+static void test_no_forged_command_acts_for_150_ms_on_a_flooded_bus(void)
 {
     auvid_can_command_t command;
     auvid_can_sender_t sender;
@@ -95,7 +95,7 @@ static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_forged_commands_are_good_as_often_as_the_rules_say);
-    RUN_TEST(test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms);
+    RUN_TEST(test_forged_commands_are_good_at_the_rate_of_the_rules);
+    RUN_TEST(test_no_forged_command_acts_for_150_ms_on_a_flooded_bus);
     return UNITY_END();
 }

@@ -122,7 +122,7 @@ static void test_a_passive_node_sends_no_command_in_a_whole_run(void)
     }
 }
 
-static void test_no_order_to_arm_no_command_in_a_whole_run(void)
+static void test_without_an_arm_frame_a_whole_run_has_no_command(void)
 {
     config.no_arm = true;
     for (config.seed = 1; config.seed <= 4; ++config.seed) {
@@ -133,7 +133,7 @@ static void test_no_order_to_arm_no_command_in_a_whole_run(void)
     }
 }
 
-static void test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero(void)
+static void test_commands_begin_after_the_arm_frame_and_end_with_one_of_zero(void)
 {
     for (config.seed = 1; config.seed <= 4; ++config.seed) {
         (void)run(NEVER, NEVER);
@@ -151,7 +151,7 @@ static void test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero(
     }
 }
 
-static void test_after_an_abort_one_command_of_zero_at_most_and_then_none(void)
+static void test_after_an_abort_there_is_at_most_one_command_and_it_is_zero(void)
 {
     static const uint32_t ticks[] = {/* before navigation, before arming, with the order to arm */
                                      1, 30, ARM_TICK,
@@ -185,8 +185,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_passive_node_sends_no_command_in_a_whole_run);
-    RUN_TEST(test_no_order_to_arm_no_command_in_a_whole_run);
-    RUN_TEST(test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero);
-    RUN_TEST(test_after_an_abort_one_command_of_zero_at_most_and_then_none);
+    RUN_TEST(test_without_an_arm_frame_a_whole_run_has_no_command);
+    RUN_TEST(test_commands_begin_after_the_arm_frame_and_end_with_one_of_zero);
+    RUN_TEST(test_after_an_abort_there_is_at_most_one_command_and_it_is_zero);
     return UNITY_END();
 }

@@ -163,7 +163,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     TEST_ASSERT_TRUE(node.in.depth.depth_m == 6);
 }
 
-static void test_attitude_and_rates_arrive_as_they_are(void)
+static void test_attitude_and_rates_arrive_unchanged(void)
 {
     auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
     auvid_nav_state_t s;
@@ -202,7 +202,7 @@ static void give_wrong_imu(int wrong)
 }
 
 /* Half a sample is none. */
-static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
+static void test_an_imu_sample_with_a_missing_axis_or_age_is_ignored(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
         begin();
@@ -213,7 +213,7 @@ static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
     }
 }
 
-static void test_a_sample_is_as_old_as_its_frame_says(void)
+static void test_the_age_of_a_sample_is_that_of_its_frame(void)
 {
     auvid_can_message_t m;
     begin();
@@ -239,7 +239,7 @@ static void test_a_sample_is_as_old_as_its_frame_says(void)
     TEST_ASSERT_TRUE(node.id.altitude_m == 12);
 }
 
-static void test_samples_without_an_age_or_a_value_are_left_out(void)
+static void test_samples_without_an_age_or_a_value_are_ignored(void)
 {
     static const auvid_can_kind_t kinds[] = {AUVID_CAN_DVL_BOTTOM, AUVID_CAN_DVL_WATER,
                                              AUVID_CAN_DVL_ALTITUDE, AUVID_CAN_DEPTH,
@@ -265,7 +265,7 @@ static void test_samples_without_an_age_or_a_value_are_left_out(void)
                       node.in.altitude.present || node.in.depth.present);
 }
 
-static void test_an_age_beyond_the_tick_is_the_beginning_of_time(void)
+static void test_an_age_beyond_the_time_of_the_tick_gives_time_0(void)
 {
     begin();
     give_imu(1000, 1000);
@@ -293,7 +293,7 @@ static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
     }
 }
 
-static void test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond(void)
+static void test_halves_of_different_ticks_are_at_most_30000_us_apart(void)
 {
     for (uint32_t more = 0; more < 2; ++more) {
         begin();
@@ -336,7 +336,7 @@ static void test_a_half_that_waits_keeps_its_values(void)
     TEST_ASSERT_TRUE(fabs((double)s.attitude[0] - 0.25) < 0.00021);
 }
 
-static void test_the_earlier_half_of_two_too_far_apart_is_dropped(void)
+static void test_the_earlier_of_two_halves_too_far_apart_is_dropped(void)
 {
     for (int half = 0; half < 2; ++half) {
         begin();
@@ -349,7 +349,7 @@ static void test_the_earlier_half_of_two_too_far_apart_is_dropped(void)
 }
 
 /* A half that lacks something would end the wait of the other one. */
-static void test_a_half_without_an_axis_or_its_age_counts_as_not_sent(void)
+static void test_a_half_with_a_missing_axis_or_age_counts_as_not_sent(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
         begin();
@@ -372,7 +372,7 @@ static void test_an_imu_sample_that_navigation_refuses_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
 }
 
-static void test_an_imu_sample_enters_once(void)
+static void test_an_imu_sample_is_used_once(void)
 {
     begin();
     go(NAVIGATED);
@@ -384,7 +384,7 @@ static void test_an_imu_sample_enters_once(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
 }
 
-static void test_lost_ticks_are_counted_each(void)
+static void test_each_lost_tick_is_counted(void)
 {
     begin();
     step_at(5);
@@ -395,7 +395,7 @@ static void test_lost_ticks_are_counted_each(void)
 }
 
 /* Up to a second ahead is a pause, and more a clock that was set. */
-static void test_a_clock_more_than_a_second_ahead_was_set(void)
+static void test_a_clock_that_advances_more_than_a_second_was_set(void)
 {
     for (uint32_t more = 0; more < 2; ++more) {
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
@@ -419,7 +419,7 @@ static void test_a_clock_that_stands_still_was_set(void)
     TEST_ASSERT_EQUAL_UINT64(6000000, node.t_us);
 }
 
-static void test_ticks_are_numbered_from_anywhere_and_begin_again_at_0(void)
+static void test_ticks_may_start_at_any_number_and_wrap_to_0(void)
 {
     begin();
     for (uint32_t k = 0; k < 4; ++k) {
@@ -430,7 +430,7 @@ static void test_ticks_are_numbered_from_anywhere_and_begin_again_at_0(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
 }
 
-static void test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock(void)
+static void test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts(void)
 {
     for (uint32_t behind = 0; behind < 20; ++behind) {
         begin();
@@ -444,7 +444,7 @@ static void test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_ne
 
 /* ---- its own clock ---- */
 
-static void test_its_own_clock_may_begin_at_0(void)
+static void test_a_node_s_own_clock_may_start_at_0(void)
 {
     uint64_t t_us = 0;
     begin();
@@ -453,7 +453,7 @@ static void test_its_own_clock_may_begin_at_0(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_TICK, auvid_can_kind(NULL, sent[0].id));
 }
 
-static void test_the_tick_that_it_gave_last_is_no_new_one(void)
+static void test_a_node_s_own_tick_at_the_same_time_is_refused(void)
 {
     uint64_t t_us = 1000000;
     begin();
@@ -463,7 +463,7 @@ static void test_the_tick_that_it_gave_last_is_no_new_one(void)
 
 /* ---- frames that are not taken ---- */
 
-static void test_what_a_node_does_not_listen_to_is_unused(void)
+static void test_a_message_that_a_node_does_not_receive_is_unused(void)
 {
     begin();
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
@@ -542,7 +542,7 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, sent, &count));
 }
 
-static void test_one_to_eight_thrusters_are_taken(void)
+static void test_one_to_eight_thrusters_are_accepted(void)
 {
     identifier.excitation.segments = 0;
     for (uint8_t thrusters = 0; thrusters <= AUVID_CAN_THRUSTERS + 1; ++thrusters) {
@@ -571,7 +571,7 @@ static void test_null_and_overlapping_identifiers_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
 }
 
-static void test_after_init_no_sample_has_come(void)
+static void test_after_init_there_is_no_sample(void)
 {
     static const auvid_input_t none;
     memset(&node, 0xFF, sizeof node);
@@ -601,7 +601,7 @@ static void test_an_altitude_frame_below_the_limit_ends_the_excitation(void)
     TEST_ASSERT_EQUAL(2, count);
 }
 
-static void test_altitude_frames_without_altitude_are_an_altitude_lost(void)
+static void test_altitude_frames_without_a_value_are_a_lost_altitude(void)
 {
     excite();
     for (int k = 0; k < 60; ++k) {
@@ -645,7 +645,7 @@ static void give_feedback(auvid_real_t first)
     TEST_ASSERT_EQUAL(AUVID_OK, give(&b));
 }
 
-static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
+static void test_thrust_feedback_is_recorded_from_the_previous_tick_on(void)
 {
     static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
@@ -668,7 +668,7 @@ static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
     TEST_ASSERT_EQUAL(1, heard.calls);
 }
 
-static void test_a_thruster_without_feedback_gives_nothing(void)
+static void test_a_thruster_without_feedback_has_zero_thrust(void)
 {
     static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
@@ -699,7 +699,7 @@ static void test_thrust_that_the_recorder_refuses_is_counted(void)
 }
 
 /* A thruster gives less backwards: the part commanded is that of its own direction. */
-static void test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction(void)
+static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
 {
     bool forward = false, backward = false;
     for (int i = 0; i < identifier.allocation.thrusters; ++i) {
@@ -746,7 +746,7 @@ static auvid_real_t commanded(int thruster)
     return m.as.thruster_command_a.thrust[thruster % 4]; /* b is laid out alike */
 }
 
-static void test_each_half_that_has_thrusters_is_commanded_in_every_tick(void)
+static void test_each_half_with_thrusters_is_commanded_in_every_tick(void)
 {
     static const auvid_real_t ahead[AUVID_DOF_COUNT] = {20};
     (void)auvid_excitation_plan(&identifier.excitation, ahead, 30, 2, 1);
@@ -771,7 +771,7 @@ static void test_each_half_that_has_thrusters_is_commanded_in_every_tick(void)
 }
 
 /* allocation.h: no force either way is a thruster out of order. */
-static void test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part(void)
+static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {AUVID_C(0.5)};
     bool driven = false;
@@ -830,7 +830,7 @@ static void near(auvid_real_t expected, auvid_real_t got, double step)
     TEST_ASSERT_TRUE(fabs((double)(expected - got)) <= 0.51 * step);
 }
 
-static void test_navigation_is_reported_as_it_is(void)
+static void test_the_reported_navigation_is_that_of_the_filter(void)
 {
     auvid_nav_state_t s;
     excite();
@@ -853,7 +853,7 @@ static void test_navigation_is_reported_as_it_is(void)
 }
 
 /* lib/can/auvid.dbc: identified, driven, capped, identifiable, implausible, foretold. */
-static void test_each_flag_of_an_estimate_is_its_own_bit(void)
+static void test_each_flag_of_an_estimate_is_one_bit(void)
 {
     auvid_estimate_t *e = &node.id.estimate;
     for (unsigned k = 0; k < 6u * auvid_girona500.parameters; ++k) {
@@ -910,7 +910,7 @@ static void next_drag(auvid_can_drag_t *force, auvid_can_drag_half_width_t *half
     absent[1] = m.absent;
 }
 
-static void test_drag_forces_take_turns_and_are_those_of_the_estimate(void)
+static void test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate(void)
 {
     static const auvid_dof_t dofs[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
     static const double parts[] = {0.3, 0.6, 1.0};
@@ -966,46 +966,46 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_value_of_a_sensor_frame_arrives);
-    RUN_TEST(test_attitude_and_rates_arrive_as_they_are);
-    RUN_TEST(test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out);
-    RUN_TEST(test_a_sample_is_as_old_as_its_frame_says);
-    RUN_TEST(test_samples_without_an_age_or_a_value_are_left_out);
-    RUN_TEST(test_an_age_beyond_the_tick_is_the_beginning_of_time);
+    RUN_TEST(test_attitude_and_rates_arrive_unchanged);
+    RUN_TEST(test_an_imu_sample_with_a_missing_axis_or_age_is_ignored);
+    RUN_TEST(test_the_age_of_a_sample_is_that_of_its_frame);
+    RUN_TEST(test_samples_without_an_age_or_a_value_are_ignored);
+    RUN_TEST(test_an_age_beyond_the_time_of_the_tick_gives_time_0);
     RUN_TEST(test_halves_of_an_imu_sample_are_up_to_30_ms_apart);
-    RUN_TEST(test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond);
+    RUN_TEST(test_halves_of_different_ticks_are_at_most_30000_us_apart);
     RUN_TEST(test_one_half_of_an_imu_sample_waits_for_the_other);
     RUN_TEST(test_a_half_that_waits_keeps_its_values);
-    RUN_TEST(test_the_earlier_half_of_two_too_far_apart_is_dropped);
-    RUN_TEST(test_a_half_without_an_axis_or_its_age_counts_as_not_sent);
+    RUN_TEST(test_the_earlier_of_two_halves_too_far_apart_is_dropped);
+    RUN_TEST(test_a_half_with_a_missing_axis_or_age_counts_as_not_sent);
     RUN_TEST(test_an_imu_sample_that_navigation_refuses_is_counted);
-    RUN_TEST(test_an_imu_sample_enters_once);
-    RUN_TEST(test_lost_ticks_are_counted_each);
-    RUN_TEST(test_a_clock_more_than_a_second_ahead_was_set);
+    RUN_TEST(test_an_imu_sample_is_used_once);
+    RUN_TEST(test_each_lost_tick_is_counted);
+    RUN_TEST(test_a_clock_that_advances_more_than_a_second_was_set);
     RUN_TEST(test_a_clock_that_stands_still_was_set);
-    RUN_TEST(test_ticks_are_numbered_from_anywhere_and_begin_again_at_0);
-    RUN_TEST(test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock);
-    RUN_TEST(test_its_own_clock_may_begin_at_0);
-    RUN_TEST(test_the_tick_that_it_gave_last_is_no_new_one);
-    RUN_TEST(test_what_a_node_does_not_listen_to_is_unused);
+    RUN_TEST(test_ticks_may_start_at_any_number_and_wrap_to_0);
+    RUN_TEST(test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts);
+    RUN_TEST(test_a_node_s_own_clock_may_start_at_0);
+    RUN_TEST(test_a_node_s_own_tick_at_the_same_time_is_refused);
+    RUN_TEST(test_a_message_that_a_node_does_not_receive_is_unused);
     RUN_TEST(test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused);
     RUN_TEST(test_a_sensor_frame_of_zeros_is_refused);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
-    RUN_TEST(test_one_to_eight_thrusters_are_taken);
+    RUN_TEST(test_one_to_eight_thrusters_are_accepted);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
-    RUN_TEST(test_after_init_no_sample_has_come);
+    RUN_TEST(test_after_init_there_is_no_sample);
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
-    RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
-    RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
-    RUN_TEST(test_a_thruster_without_feedback_gives_nothing);
+    RUN_TEST(test_altitude_frames_without_a_value_are_a_lost_altitude);
+    RUN_TEST(test_thrust_feedback_is_recorded_from_the_previous_tick_on);
+    RUN_TEST(test_a_thruster_without_feedback_has_zero_thrust);
     RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
-    RUN_TEST(test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction);
-    RUN_TEST(test_each_half_that_has_thrusters_is_commanded_in_every_tick);
-    RUN_TEST(test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part);
+    RUN_TEST(test_a_command_is_a_fraction_of_the_maximum_in_its_direction);
+    RUN_TEST(test_each_half_with_thrusters_is_commanded_in_every_tick);
+    RUN_TEST(test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction);
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
-    RUN_TEST(test_navigation_is_reported_as_it_is);
-    RUN_TEST(test_each_flag_of_an_estimate_is_its_own_bit);
-    RUN_TEST(test_drag_forces_take_turns_and_are_those_of_the_estimate);
+    RUN_TEST(test_the_reported_navigation_is_that_of_the_filter);
+    RUN_TEST(test_each_flag_of_an_estimate_is_one_bit);
+    RUN_TEST(test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate);
     RUN_TEST(test_before_the_first_estimate_no_drag_force_is_reported);
     return UNITY_END();
 }

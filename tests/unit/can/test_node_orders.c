@@ -212,7 +212,7 @@ static void check_order(situation_t situation, uint32_t action, unsigned step, i
     TEST_ASSERT_EQUAL_MESSAGE(0, now.count, where);
 }
 
-static void test_disarm_and_stop_take_thrust_away_whatever_their_counter_says(void)
+static void test_disarm_and_stop_take_thrust_away_with_any_counter(void)
 {
     for (int situation = IDLE; situation < SITUATIONS; ++situation) {
         for (unsigned step = 0; step < 16; ++step) {
@@ -225,7 +225,7 @@ static void test_disarm_and_stop_take_thrust_away_whatever_their_counter_says(vo
 }
 
 /* Its second frame follows the first one, whatever the first one's counter was. */
-static void test_a_restarted_console_clears_the_abort_with_its_second_frame_at_the_latest(void)
+static void test_a_restarted_console_clears_the_abort_within_two_frames(void)
 {
     for (unsigned last = 0; last < 16; ++last) {
         now = exciting;
@@ -243,7 +243,7 @@ static void test_a_restarted_console_clears_the_abort_with_its_second_frame_at_t
 }
 
 /* Sent before the order to arm, and overtaken by it. */
-static void test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_tick(void)
+static void test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame(void)
 {
     for (uint32_t action = 0; action <= 2; action += 2) {
         now = idle;
@@ -256,7 +256,7 @@ static void test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_ti
     }
 }
 
-static void test_an_abort_cancels_an_order_to_arm_of_the_same_tick(void)
+static void test_an_abort_cancels_a_pending_arm_frame(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -266,7 +266,7 @@ static void test_an_abort_cancels_an_order_to_arm_of_the_same_tick(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
 }
 
-static void test_only_an_order_to_arm_needs_a_good_counter(void)
+static void test_only_the_arm_action_needs_a_good_counter(void)
 {
     for (unsigned step = 0; step < 16; ++step) {
         bool fresh = step >= 1 && step <= AUVID_CAN_LARGEST_STEP;
@@ -283,7 +283,7 @@ static void test_only_an_order_to_arm_needs_a_good_counter(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
 }
 
-static void test_a_disarm_that_is_not_authentic_does_nothing(void)
+static void test_a_disarm_that_is_not_authentic_has_no_effect(void)
 {
     auvid_can_frame_t frame = order_frame(AUVID_CAN_ACTION_DISARM, 1);
     for (int i = 0; i < AUVID_CAN_BYTES; ++i) {
@@ -314,14 +314,14 @@ static int ticks_to_stop(int orders)
     return ticks;
 }
 
-static void test_stop_again_and_again_fades_out_as_one_does(void)
+static void test_repeated_stops_fade_out_like_one(void)
 {
     int once = ticks_to_stop(1);
     TEST_ASSERT_TRUE(once > 10 && once < 1000);
     TEST_ASSERT_EQUAL(once, ticks_to_stop(1000));
 }
 
-static void test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on(void)
+static void test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -334,7 +334,7 @@ static void test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on(voi
 
 /* ---- halt ---- */
 
-static void test_halt_aborts_what_is_armed_and_nothing_else(void)
+static void test_halt_aborts_only_an_armed_guard(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
@@ -350,7 +350,7 @@ static void test_halt_aborts_what_is_armed_and_nothing_else(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now));
 }
 
-static void test_halt_leaves_a_run_that_is_done_as_it_is(void)
+static void test_halt_does_not_change_a_finished_run(void)
 {
     now = idle;
     now.node.id.guard.state = AUVID_GUARD_DONE;
@@ -358,7 +358,7 @@ static void test_halt_leaves_a_run_that_is_done_as_it_is(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, state(&now));
 }
 
-static void test_halt_cancels_an_order_to_arm(void)
+static void test_halt_cancels_a_pending_arm_frame(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -416,7 +416,7 @@ static void test_two_nodes_that_excite_on_one_bus_both_abort(void)
 
 /* The limit of the method: what they send is the same, byte for byte, so that a receiver obeys one
  * of each two and drives as with one node. */
-static void test_a_twin_that_sends_the_same_bytes_is_not_noticed(void)
+static void test_a_node_that_sends_identical_bytes_is_not_detected(void)
 {
     TEST_ASSERT_EQUAL(200, both_excite(1, 200));
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
@@ -441,7 +441,7 @@ static bool echoed(int late, int copies)
     return state(&now) == AUVID_GUARD_EXCITING && now.node.counters.foreign_commands == 0;
 }
 
-static void test_echoes_of_the_last_four_commands_are_its_own(void)
+static void test_echoes_of_the_last_four_commands_are_not_foreign(void)
 {
     for (int late = 0; late < 4; ++late) {
         TEST_ASSERT_TRUE(echoed(late, 1));
@@ -490,7 +490,7 @@ static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, state(&now));
 }
 
-static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(void)
+static void test_a_node_that_is_not_armed_only_counts_foreign_commands(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
     auvid_can_frame_t second = foreign_command(AUVID_CAN_THRUSTER_COMMAND_B);
@@ -551,7 +551,7 @@ static uint32_t own_sequence(const pair_t *p)
     return m.as.tick.sequence;
 }
 
-static void test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_else(void)
+static void test_an_own_clock_set_back_sends_only_the_command_of_zero(void)
 {
     for (uint64_t back_us = 0; back_us <= 100000; back_us += 100000) {
         uint64_t t_us;
@@ -574,7 +574,7 @@ static void test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_el
     }
 }
 
-static void test_an_order_to_arm_waits_for_a_tick_that_is_one(void)
+static void test_an_arm_frame_remains_pending_until_a_valid_tick(void)
 {
     uint64_t t_us;
     excite_by_own_clock(&t_us);
@@ -590,24 +590,24 @@ static void test_an_order_to_arm_waits_for_a_tick_that_is_one(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_disarm_and_stop_take_thrust_away_whatever_their_counter_says);
-    RUN_TEST(test_a_restarted_console_clears_the_abort_with_its_second_frame_at_the_latest);
-    RUN_TEST(test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_tick);
-    RUN_TEST(test_an_abort_cancels_an_order_to_arm_of_the_same_tick);
-    RUN_TEST(test_only_an_order_to_arm_needs_a_good_counter);
-    RUN_TEST(test_a_disarm_that_is_not_authentic_does_nothing);
-    RUN_TEST(test_stop_again_and_again_fades_out_as_one_does);
-    RUN_TEST(test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on);
-    RUN_TEST(test_halt_aborts_what_is_armed_and_nothing_else);
-    RUN_TEST(test_halt_leaves_a_run_that_is_done_as_it_is);
-    RUN_TEST(test_halt_cancels_an_order_to_arm);
+    RUN_TEST(test_disarm_and_stop_take_thrust_away_with_any_counter);
+    RUN_TEST(test_a_restarted_console_clears_the_abort_within_two_frames);
+    RUN_TEST(test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame);
+    RUN_TEST(test_an_abort_cancels_a_pending_arm_frame);
+    RUN_TEST(test_only_the_arm_action_needs_a_good_counter);
+    RUN_TEST(test_a_disarm_that_is_not_authentic_has_no_effect);
+    RUN_TEST(test_repeated_stops_fade_out_like_one);
+    RUN_TEST(test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on);
+    RUN_TEST(test_halt_aborts_only_an_armed_guard);
+    RUN_TEST(test_halt_does_not_change_a_finished_run);
+    RUN_TEST(test_halt_cancels_a_pending_arm_frame);
     RUN_TEST(test_two_nodes_that_excite_on_one_bus_both_abort);
-    RUN_TEST(test_a_twin_that_sends_the_same_bytes_is_not_noticed);
-    RUN_TEST(test_echoes_of_the_last_four_commands_are_its_own);
+    RUN_TEST(test_a_node_that_sends_identical_bytes_is_not_detected);
+    RUN_TEST(test_echoes_of_the_last_four_commands_are_not_foreign);
     RUN_TEST(test_one_foreign_command_of_either_half_aborts);
     RUN_TEST(test_a_foreign_command_aborts_a_guard_that_is_armed_only);
-    RUN_TEST(test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more);
-    RUN_TEST(test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_else);
-    RUN_TEST(test_an_order_to_arm_waits_for_a_tick_that_is_one);
+    RUN_TEST(test_a_node_that_is_not_armed_only_counts_foreign_commands);
+    RUN_TEST(test_an_own_clock_set_back_sends_only_the_command_of_zero);
+    RUN_TEST(test_an_arm_frame_remains_pending_until_a_valid_tick);
     return UNITY_END();
 }

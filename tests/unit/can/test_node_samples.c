@@ -326,7 +326,7 @@ static void go(int ticks)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
 }
 
-static void test_frames_are_what_calls_with_their_samples_are(void)
+static void test_frames_have_the_effect_of_calls_with_their_samples(void)
 {
     auvid_nav_state_t state;
     run.depth_m = 0.25; /* a fix counts near the surface */
@@ -339,7 +339,7 @@ static void test_frames_are_what_calls_with_their_samples_are(void)
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
 }
 
-static void test_so_they_are_with_water_lock(void)
+static void test_frames_have_the_effect_of_calls_with_water_lock(void)
 {
     config.velocity = AUVID_VELOCITY_WATER;
     begin();
@@ -347,7 +347,7 @@ static void test_so_they_are_with_water_lock(void)
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
 }
 
-static void test_commands_are_the_forces_over_what_each_thruster_has_in_that_direction(void)
+static void test_commands_are_the_forces_divided_by_the_maximum_in_that_direction(void)
 {
     node_config.excite = true;
     begin();
@@ -381,9 +381,9 @@ static void test_an_altitude_below_the_limit_ends_the_excitation(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_frames_are_what_calls_with_their_samples_are);
-    RUN_TEST(test_so_they_are_with_water_lock);
-    RUN_TEST(test_commands_are_the_forces_over_what_each_thruster_has_in_that_direction);
+    RUN_TEST(test_frames_have_the_effect_of_calls_with_their_samples);
+    RUN_TEST(test_frames_have_the_effect_of_calls_with_water_lock);
+    RUN_TEST(test_commands_are_the_forces_divided_by_the_maximum_in_that_direction);
     RUN_TEST(test_an_altitude_below_the_limit_ends_the_excitation);
     return UNITY_END();
 }
