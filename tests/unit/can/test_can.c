@@ -1,6 +1,5 @@
 /*
- * The codec through its header. What cantools and an independent CRC say of it is checked in
- * tests/can.
+ * The codec through its header. tests/can compares it with cantools and an independent CRC.
  */
 #include <math.h>
 #include <string.h>
@@ -23,7 +22,7 @@ void tearDown(void)
 {
 }
 
-/* A frame of each kind that carries zeros where it may. */
+/* A frame of each kind, with zeros where they are valid. */
 static void pack_plain(auvid_can_kind_t kind)
 {
     memset(&message, 0, sizeof message);
@@ -44,7 +43,7 @@ static void seal(uint8_t data_id)
     frame.data[0] = auvid_can_crc(frame.data, data_id);
 }
 
-/* One command, there and back. @return what arrives of thrust[1] */
+/* Packs and unpacks one command. @return thrust[1] as unpacked */
 static auvid_real_t thrust_there_and_back(auvid_real_t asked, auvid_status_t expected)
 {
     memset(&message, 0, sizeof message);
@@ -88,8 +87,8 @@ static void test_a_command_of_one_is_not_saturated(void)
 
 static void test_no_message_is_sent_out_of_range(void)
 {
-    /* Every real of every message far beyond its range: what leaves is in range and available. That
-     * it lies at the right end is checked against cantools. */
+    /* Every real of every message is far beyond its range: the packed value is in range and
+     * available. The comparison with cantools checks that it is at the right end. */
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         for (int side = -1; side <= 1; side += 2) {
             auvid_real_t huge = (auvid_real_t)side * AUVID_C(3e38);
@@ -225,7 +224,7 @@ static void test_each_message_has_its_own_counter_modulo_16(void)
     TEST_ASSERT_EQUAL_UINT8(0, back.counter);
 }
 
-/* Bits as they are sent: 0..63 data, 64..67 the length code. */
+/* Bits in the order of sending: 0..63 data, 64..67 length code. */
 static void flip(int bit)
 {
     frame.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
@@ -236,7 +235,7 @@ static void test_every_error_of_one_or_two_bits_is_detected_in_each_message(void
     int found = 0;
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         for (int content = 0; content < 2; ++content) {
-            pack_plain((auvid_can_kind_t)kind); /* a frame of zeros, and one of many ones */
+            pack_plain((auvid_can_kind_t)kind); /* a frame of zeros, and one with many ones */
             for (int i = 2; content != 0 && i < 8; ++i) {
                 frame.data[i] = (uint8_t)(0xFF - 37 * i);
             }
@@ -378,13 +377,13 @@ static void test_blocks_that_overlap_or_do_not_fit_are_refused(void)
 
 static void test_every_identifier_maps_to_its_message_and_back(void)
 {
-    int ours = 0;
+    int known = 0;
     for (int id = 0; id < 0x10000; ++id) {
         auvid_can_kind_t kind = auvid_can_kind(NULL, (uint16_t)id);
-        ours += kind != AUVID_CAN_KINDS;
+        known += kind != AUVID_CAN_KINDS;
         TEST_ASSERT_TRUE(kind == AUVID_CAN_KINDS || auvid_can_id(NULL, kind) == id);
     }
-    TEST_ASSERT_EQUAL(AUVID_CAN_KINDS, ours);
+    TEST_ASSERT_EQUAL(AUVID_CAN_KINDS, known);
     TEST_ASSERT_EQUAL_HEX16(0xFFFF, auvid_can_id(NULL, AUVID_CAN_KINDS));
 }
 

@@ -1,5 +1,5 @@
 /*
- * The queue, alone and between two threads.
+ * The queue, in one thread and between two threads.
  */
 #define _POSIX_C_SOURCE 200809L /* nanosleep */
 #include <pthread.h>
@@ -25,7 +25,7 @@ void tearDown(void)
 {
 }
 
-/* Every byte of the frame follows from the number, so that a torn frame shows. */
+/* The number determines every byte of the frame, so a torn frame is detected. */
 static auvid_can_frame_t numbered(uint32_t number)
 {
     auvid_can_frame_t frame;
@@ -155,7 +155,7 @@ static void test_pending_aborts_become_one_and_a_later_abort_is_popped_again(voi
     is_empty();
 }
 
-/* An order to arm, sent before the abort, must not be obeyed after it. */
+/* An arm frame sent before the abort must not be obeyed after it. */
 static void test_arm_frames_from_before_an_abort_are_discarded(void)
 {
     auvid_can_frame_t arm = of_operator(&console, AUVID_CAN_ARM), sensor = numbered(1);
@@ -166,7 +166,7 @@ static void test_arm_frames_from_before_an_abort_are_discarded(void)
         push(&sensor);
         push(&abort);
         push(&arm);
-        push(&abort); /* the one that counts for `arm` before */
+        push(&abort); /* the abort that discards the `arm` before it */
         push(&last);
         push(&later);
         pops(&abort);
@@ -174,7 +174,7 @@ static void test_arm_frames_from_before_an_abort_are_discarded(void)
         pops(&last);
         pops(&later);
         push(&arm);
-        pops(&arm); /* of no abort */
+        pops(&arm); /* from before no abort */
         push(&arm);
         push(&abort);
         pops(&abort);
@@ -218,13 +218,13 @@ static void test_an_abort_with_moved_identifiers_is_recognised(void)
 
 enum { MANY = 400000 };
 
-/* Who only yields waits, on a busy machine, for a time slice of every other program. */
+/* On a busy machine, yielding would wait for a time slice of every other program. */
 static void pause_thread(void)
 {
     (void)nanosleep(&(struct timespec){.tv_nsec = 1}, NULL);
 }
 
-/* Tries again when full: the consumer must see all frames. */
+/* Retries if the queue is full: the consumer must see all frames. */
 static void *produce(void *unused)
 {
     for (uint32_t i = 0; i < MANY;) {
@@ -258,7 +258,7 @@ static void test_two_threads_lose_and_tear_no_frame(void)
 
 static volatile bool produced;
 
-/* An abort each 50 frames, an arm frame before each. What finds no room is lost, but for aborts. */
+/* An abort every 50 frames, with an arm frame before each. A full queue drops all but aborts. */
 static void *produce_aborts(void *unused)
 {
     for (uint32_t i = 0; i < MANY / 10; ++i) {
@@ -275,7 +275,7 @@ static void *produce_aborts(void *unused)
     return unused;
 }
 
-/* Every abort is in the count of those taken, or is one with an earlier one that was not yet. */
+/* Every abort is popped, or merged with an earlier pending one. */
 static void test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it(void)
 {
     pthread_t producer;
@@ -286,11 +286,11 @@ static void test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it(v
     produced = false;
     TEST_ASSERT_EQUAL(0, pthread_create(&producer, NULL, produce_aborts, NULL));
     for (bool ended = false; !ended;) {
-        ended = produced; /* read before the queue is */
+        ended = produced; /* read before the queue is read */
         while (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
             auvid_can_kind_t kind = auvid_can_kind(NULL, frame.id);
-            bool ours = kind == AUVID_CAN_ABORT || kind == AUVID_CAN_ARM;
-            wrong += ours && auvid_can_unpack(NULL, &frame, &m) != AUVID_OK; /* torn */
+            bool is_order = kind == AUVID_CAN_ABORT || kind == AUVID_CAN_ARM;
+            wrong += is_order && auvid_can_unpack(NULL, &frame, &m) != AUVID_OK; /* torn */
             wrong += kind == AUVID_CAN_ARM && frame.t_us < last_us;
             wrong += kind == AUVID_CAN_ABORT && aborts > 0 && frame.t_us <= last_us;
             last_us = kind == AUVID_CAN_ABORT ? frame.t_us : last_us;

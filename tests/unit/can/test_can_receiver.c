@@ -54,7 +54,7 @@ static auvid_can_frame_t half_frame(int half, auvid_real_t thrust)
     memset(&message, 0, sizeof message);
     message.kind = half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
     for (int i = 0; i < 4; ++i) {
-        message.as.thruster_command_a.thrust[i] = thrust; /* both halves are laid out alike */
+        message.as.thruster_command_a.thrust[i] = thrust; /* both halves have the same layout */
     }
     TEST_ASSERT_TRUE(auvid_can_pack(&sender, &message, &frame) >= 0);
     frame.t_us = now;
@@ -69,7 +69,7 @@ static void drive(auvid_real_t thrust)
     }
 }
 
-/* All thrusts must be this; a half that this vehicle does not need is zero. */
+/* All thrusts must have this value; those of an unused half must be zero. */
 static auvid_status_t thrust_is(auvid_real_t expected)
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
@@ -194,7 +194,7 @@ static void test_a_timestamp_slightly_behind_does_not_restart_the_count(void)
 {
     depth(0);
     now -= 300000 - 1 + TICK;
-    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* of 299999 us before */
+    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* 299999 us old */
     setUp();
     depth(0);
     now -= 300000 + TICK;
@@ -331,7 +331,7 @@ static void test_a_thruster_that_is_not_commanded_has_zero_thrust(void)
     TEST_ASSERT_TRUE(thrust[5] == 0);
 }
 
-/* The usual order: the clock is read, then the frames are taken, then the thrust. */
+/* The usual order: read the clock, take the frames, get the thrust. */
 static void test_frames_that_arrive_after_the_clock_was_read_have_age_0(void)
 {
     start_driving();
@@ -342,11 +342,11 @@ static void test_frames_that_arrive_after_the_clock_was_read_have_age_0(void)
         now = clock;
         TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
     }
-    TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first only starts the count */
+    TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first starts the count */
     TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timeouts + command.half[0].ahead);
 }
 
-/* Commands that are stamped so much ahead of the clock. */
+/* Commands with timestamps this far ahead of the clock. */
 static void drive_ahead(uint64_t by_us, int frames)
 {
     now += by_us;
@@ -427,7 +427,7 @@ static void test_commands_only_from_the_future_give_no_thrust(void)
     drive_ahead(TIMEOUT, 4);
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
     drive(1);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0)); /* the first one of now */
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0)); /* the first one with a valid timestamp */
     now += TICK;
     drive(1);
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
@@ -436,14 +436,14 @@ static void test_commands_only_from_the_future_give_no_thrust(void)
 static void test_frames_from_the_future_are_counted_once(void)
 {
     start_driving();
-    now -= 100 * TIMEOUT; /* all that came is of the future by now */
+    now -= 100 * TIMEOUT; /* all earlier frames are now from the future */
     for (int i = 0; i < 5; ++i) {
         TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
         TEST_ASSERT_EQUAL_UINT32(1, command.half[0].ahead);
     }
 }
 
-/* For good: whether the thrust is asked for at once, or after frames of the new time. */
+/* Whether the thrust is read at once, or only after frames with the new time. */
 static void test_thrust_resumes_after_the_clock_was_set_back(void)
 {
     for (int asked = 0; asked < 2; ++asked) {

@@ -19,19 +19,19 @@ static chain_t chain;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
 
-/* What the node was given, in its order. */
+/* Frames received by the node, in order. */
 static auvid_can_frame_t taken[LOG];
 static int taken_count;
 
-/* Of the run under way. */
+/* State of the current run. */
 static struct {
     uint32_t commands;   /* frames of thruster command A sent by the node */
-    uint32_t last_zero;  /* the last one commanded zero */
-    double largest;      /* thrust commanded in the last one */
-    uint32_t ticks;      /* so far */
-    uint32_t jump_at;    /* tick in which the bus's clock is set... */
-    int32_t jump_us;     /* ... by so much */
-    bool random_arrival; /* times of arrival are nonsense */
+    uint32_t last_zero;  /* the last command was zero */
+    double largest;      /* maximum thrust of the last command */
+    uint32_t ticks;      /* number so far */
+    uint32_t jump_at;    /* tick in which the bus's clock is set ... */
+    int32_t jump_us;     /* ... by this much */
+    bool random_arrival; /* times of arrival are random */
     uint64_t random;
 } run;
 
@@ -76,7 +76,7 @@ static uint64_t draw(void)
     return run.random;
 }
 
-/* What the node sends goes to the vehicle. */
+/* Passes the frames of the node to the vehicle. */
 static void deliver(const auvid_can_frame_t *frame, int count)
 {
     for (int i = 0; i < count; ++i) {
@@ -96,7 +96,7 @@ static void deliver(const auvid_can_frame_t *frame, int count)
     }
 }
 
-/* A tick has been opened: the node's part of it. */
+/* The node's part of a tick that has begun. */
 static void serve(auvid_node_t *n)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
@@ -179,7 +179,7 @@ static void abort_run(void)
     send(&m);
 }
 
-/* Until all sets are searched. */
+/* Runs until the search over all sets has finished. */
 static void identify(void)
 {
     uint32_t limit = SETS * SET_TICKS + 6000;
@@ -212,7 +212,7 @@ static void same_estimate(const auvid_node_t *a, const auvid_node_t *b)
 
 /* ---- identification ---- */
 
-/* The same seeds, but other draws of the search: the ratio is not 1 to the last digit. */
+/* The seeds are the same, but the search draws other numbers: the ratio is not exactly 1. */
 static void test_identification_through_frames_is_as_accurate_as_without(void)
 {
     double with = 0.0, without = 0.0;
@@ -244,12 +244,12 @@ static void test_the_same_frames_give_the_same_bits(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.sender.refused);
     TEST_ASSERT_EQUAL(0, craft.command.half[0].lost + craft.command.half[1].lost);
 
-    /* the same frames again */
+    /* replay the same frames */
     uint32_t ticks = node.counters.ticks;
     TEST_ASSERT_TRUE(taken_count < LOG);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&other, &config, &identifier));
     for (int i = 0; i < taken_count; ++i) {
-        taken[i].t_us = draw(); /* whenever they come */
+        taken[i].t_us = draw(); /* at random times of arrival */
         if (auvid_node_take(&other, &taken[i]) == AUVID_TICK) {
             serve(&other);
         }
@@ -272,7 +272,7 @@ static void test_times_of_arrival_change_no_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
 }
 
-/* ---- who commands ---- */
+/* ---- thruster commands ---- */
 
 static void test_a_passive_node_never_commands(void)
 {
@@ -447,7 +447,7 @@ static void clock_is_set(int32_t by_us)
     go(200);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
     TEST_ASSERT_EQUAL_UINT32(600, node.counters.ticks);
-    uint32_t dropped = node.counters.samples_dropped; /* gated, until navigation has settled */
+    uint32_t dropped = node.counters.samples_dropped; /* gated until converged */
     go(200);
     TEST_ASSERT_EQUAL_UINT32(dropped, node.counters.samples_dropped);
 }
@@ -494,7 +494,7 @@ static auvid_can_frame_t tick_frame(auvid_can_sender_t *from, uint32_t sequence)
     return frame;
 }
 
-/* 2 overtakes 1, and comes again behind it, where its counter is in order. */
+/* 2 overtakes 1 and is repeated after it, where its counter is in sequence. */
 static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
 {
     auvid_can_sender_t from;
@@ -525,7 +525,7 @@ static void test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks(void)
                 (void)give(&frame[i]);
                 continue;
             }
-            if (has) { /* that of the tick before: it is 20 ms old by now */
+            if (has) { /* from the previous tick: it is 20 ms old now */
                 (void)give(&late);
             }
             auvid_can_sender_t sender;

@@ -1,5 +1,5 @@
 /*
- * What becomes of each frame in the node, and what it tells in its own.
+ * The effect of each received frame on the node, and the contents of its own frames.
  */
 #include <math.h>
 #include <string.h>
@@ -69,7 +69,7 @@ static void step_at(uint32_t sequence)
     step_at_us(sequence, 20000 * sequence);
 }
 
-/* A tick of the vehicle, without the messages of these bits. */
+/* A tick of the vehicle without the messages of this bit mask. */
 static void tick_without(uint32_t kinds)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
@@ -117,7 +117,7 @@ static void give_imu(uint32_t attitude_age, uint32_t rates_age)
     }
 }
 
-/* Time of the last attitude and rates that entered navigation; 0: none. */
+/* Time of the last attitude and rates used by navigation; 0: none. */
 static uint64_t imu_us(void)
 {
     auvid_nav_state_t state;
@@ -132,7 +132,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     begin();
     for (int water = 0; water < 2; ++water) {
         m = (auvid_can_message_t){.kind = water ? AUVID_CAN_DVL_WATER : AUVID_CAN_DVL_BOTTOM};
-        auvid_can_dvl_bottom_t *dvl = &m.as.dvl_bottom; /* dvl_water is laid out alike */
+        auvid_can_dvl_bottom_t *dvl = &m.as.dvl_bottom; /* dvl_water has the same layout */
         dvl->u = 1;
         dvl->v = 2;
         dvl->w = 3;
@@ -155,7 +155,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     TEST_ASSERT_TRUE(node.in.gps.present);
     TEST_ASSERT_TRUE(node.in.gps.x_m == 4);
     TEST_ASSERT_TRUE(node.in.gps.y_m == 5);
-    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* until the tick, its age */
+    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* its age until the tick */
     m = (auvid_can_message_t){.kind = AUVID_CAN_DEPTH};
     m.as.depth.depth = 6;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
@@ -187,7 +187,7 @@ static void test_attitude_and_rates_arrive_unchanged(void)
     }
 }
 
-/* Both halves of an IMU sample, one of them without an axis or its age: attitude for 0-3, rates for
+/* Both halves of an IMU sample, one of them with a missing axis or age: attitude for 0-3, rates for
  * 4-7. */
 static void give_wrong_imu(int wrong)
 {
@@ -195,13 +195,13 @@ static void give_wrong_imu(int wrong)
     auvid_can_message_t *m = wrong < 4 ? &a : &r;
     m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
     if (wrong % 4 == 3) {
-        m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+        m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates has the same layout */
     }
     TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
     TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
 }
 
-/* Half a sample is none. */
+/* Half a sample is no sample. */
 static void test_an_imu_sample_with_a_missing_axis_or_age_is_ignored(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
@@ -252,7 +252,7 @@ static void test_samples_without_an_age_or_a_value_are_ignored(void)
         } else if (kinds[i] == AUVID_CAN_GPS) {
             m.as.gps.age = AUVID_CAN_AGE_UNKNOWN;
         } else {
-            m.as.depth.age = AUVID_CAN_AGE_UNKNOWN; /* dvl_altitude is laid out alike */
+            m.as.depth.age = AUVID_CAN_AGE_UNKNOWN; /* dvl_altitude has the same layout */
         }
         TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
         TEST_ASSERT_EQUAL_UINT32(i + 1, node.counters.unknown_age);
@@ -283,7 +283,7 @@ static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
             give_imu(attitude_older ? apart : 0, attitude_older ? 0 : apart);
             step_at(101);
             TEST_ASSERT_EQUAL_UINT64(apart <= 30 ? 2020000 : 0, imu_us());
-            if (apart > 30) { /* the later half waits for its other one */
+            if (apart > 30) { /* the later half waits for its other half */
                 give_imu(attitude_older ? 10 : AUVID_CAN_AGE_UNKNOWN,
                          attitude_older ? AUVID_CAN_AGE_UNKNOWN : 10);
                 step_at(102);
@@ -343,12 +343,12 @@ static void test_the_earlier_of_two_halves_too_far_apart_is_dropped(void)
         give_imu(half == 0 ? 50 : 0, half == 1 ? 50 : 0);
         step_at(100);
         give_imu(half == 1 ? 70 : AUVID_CAN_AGE_UNKNOWN, half == 0 ? 70 : AUVID_CAN_AGE_UNKNOWN);
-        step_at(101); /* of the same time as the one that was dropped */
+        step_at(101); /* at the same time as the dropped one */
         TEST_ASSERT_EQUAL_UINT64(0, imu_us());
     }
 }
 
-/* A half that lacks something would end the wait of the other one. */
+/* An incomplete half must not end the wait of the other one. */
 static void test_a_half_with_a_missing_axis_or_age_counts_as_not_sent(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
@@ -367,7 +367,7 @@ static void test_an_imu_sample_that_navigation_refuses_is_counted(void)
     give_imu(0, 0);
     step_at(100);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
-    give_imu(100, 100); /* before the last one */
+    give_imu(100, 100); /* earlier than the last one */
     step_at(101);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
 }
@@ -378,7 +378,7 @@ static void test_an_imu_sample_is_used_once(void)
     go(NAVIGATED);
     uint64_t last = imu_us();
     for (int k = 0; k < 5; ++k) {
-        tick_without(~(1u << AUVID_CAN_TICK)); /* others would be ahead of it */
+        tick_without(~(1u << AUVID_CAN_TICK)); /* others would be later than it */
     }
     TEST_ASSERT_EQUAL_UINT64(last, imu_us());
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
@@ -394,7 +394,7 @@ static void test_each_lost_tick_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(3, node.counters.ticks_missed);
 }
 
-/* Up to a second ahead is a pause, and more a clock that was set. */
+/* Up to a second ahead is a pause; more is a clock step. */
 static void test_a_clock_that_advances_more_than_a_second_was_set(void)
 {
     for (uint32_t more = 0; more < 2; ++more) {
@@ -406,7 +406,7 @@ static void test_a_clock_that_advances_more_than_a_second_was_set(void)
         TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
         TEST_ASSERT_EQUAL_UINT32(more, node.counters.clock_steps);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
-        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* it goes on a second later */
+        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* time continues a second later */
     }
 }
 
@@ -442,7 +442,7 @@ static void test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts(
     }
 }
 
-/* ---- its own clock ---- */
+/* ---- the node's own clock ---- */
 
 static void test_a_node_s_own_clock_may_start_at_0(void)
 {
@@ -461,7 +461,7 @@ static void test_a_node_s_own_tick_at_the_same_time_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, NULL, sent, &count));
 }
 
-/* ---- frames that are not taken ---- */
+/* ---- refused and unused frames ---- */
 
 static void test_a_message_that_a_node_does_not_receive_is_unused(void)
 {
@@ -493,7 +493,7 @@ static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(vo
     }
 }
 
-/* Nor is it taken for the echo of a command, none of which has been sent. */
+/* It is no echo of a command either: none has been sent. */
 static void test_a_sensor_frame_of_zeros_is_refused(void)
 {
     for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
@@ -652,7 +652,7 @@ static void test_thrust_feedback_is_recorded_from_the_previous_tick_on(void)
     identifier.listener = &listener;
     begin();
     give_feedback(AUVID_C(0.25));
-    step_at(1); /* since when it acts is not known */
+    step_at(1); /* the start of its action is unknown */
     TEST_ASSERT_EQUAL(0, heard.calls);
     TEST_ASSERT_FALSE(node.id.applied.known);
     give_feedback(AUVID_C(0.25));
@@ -664,7 +664,7 @@ static void test_thrust_feedback_is_recorded_from_the_previous_tick_on(void)
         TEST_ASSERT_TRUE(heard.command[i] == AUVID_C(0.25) + AUVID_C(0.125) * (auvid_real_t)i);
     }
     TEST_ASSERT_TRUE(heard.command[4] == AUVID_C(-0.5));
-    step_at(3); /* nothing was fed back */
+    step_at(3); /* no feedback */
     TEST_ASSERT_EQUAL(1, heard.calls);
 }
 
@@ -698,7 +698,7 @@ static void test_thrust_that_the_recorder_refuses_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
 }
 
-/* A thruster gives less backwards: the part commanded is that of its own direction. */
+/* A thruster has less force backwards: the commanded fraction refers to its direction. */
 static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
 {
     bool forward = false, backward = false;
@@ -727,7 +727,7 @@ static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
             auvid_can_message_t c;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[i / 4], &c));
             const auvid_thruster_t *t = &identifier.allocation.thruster[i];
-            auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b is laid out alike */
+            auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b has the same layout */
             auvid_real_t most = part > 0 ? t->max_N : -t->min_N;
             TEST_ASSERT_TRUE(fabs((double)(part * most - out.thruster_N[i])) <=
                              0.51 * (double)most / 4000.0);
@@ -743,7 +743,7 @@ static auvid_real_t commanded(int thruster)
     auvid_can_message_t m;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[thruster / 4], &m));
     TEST_ASSERT_EQUAL_HEX32(0, m.absent);
-    return m.as.thruster_command_a.thrust[thruster % 4]; /* b is laid out alike */
+    return m.as.thruster_command_a.thrust[thruster % 4]; /* b has the same layout */
 }
 
 static void test_each_half_with_thrusters_is_commanded_in_every_tick(void)
@@ -770,7 +770,7 @@ static void test_each_half_with_thrusters_is_commanded_in_every_tick(void)
     }
 }
 
-/* allocation.h: no force either way is a thruster out of order. */
+/* allocation.h: a thruster without force in either direction has failed. */
 static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {AUVID_C(0.5)};
@@ -791,7 +791,7 @@ static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction
     TEST_ASSERT_TRUE(driven);
 }
 
-/* The application may arm the identifier; thrusters it may command by itself. */
+/* The application may arm the identifier and command the thrusters itself. */
 static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
 {
     config.excite = false;
@@ -808,7 +808,7 @@ static void test_a_passive_node_commands_nothing_though_its_identifier_excites(v
 
 /* ---- reports ---- */
 
-/* The next message of this kind within a round of reports. */
+/* The next message of this kind within a cycle of reports. */
 static auvid_can_message_t reported(auvid_can_kind_t kind)
 {
     auvid_can_message_t m;
@@ -836,7 +836,7 @@ static void test_the_reported_navigation_is_that_of_the_filter(void)
     excite();
     go(1000);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
-    for (int i = 0; i < 3; ++i) { /* else nothing could be exchanged unseen */
+    for (int i = 0; i < 3; ++i) { /* all different, so that an exchange is detected */
         TEST_ASSERT_TRUE(fabs((double)s.velocity[i]) > 0.004);
         TEST_ASSERT_TRUE(fabs((double)s.position[i]) > 0.04);
     }
@@ -852,7 +852,7 @@ static void test_the_reported_navigation_is_that_of_the_filter(void)
     near(s.velocity[2], m.as.nav_velocity.w, 0.001);
 }
 
-/* lib/can/auvid.dbc: identified, driven, capped, identifiable, implausible, foretold. */
+/* lib/can/auvid.dbc: identified, excited, not converged, identifiable, implausible, accepted. */
 static void test_each_flag_of_an_estimate_is_one_bit(void)
 {
     auvid_estimate_t *e = &node.id.estimate;
@@ -874,7 +874,7 @@ static void test_each_flag_of_an_estimate_is_one_bit(void)
     }
 }
 
-/* An estimate that knows drag in surge, sway, heave and yaw; yaw was turned to starboard only. */
+/* An estimate with drag in surge, sway, heave and yaw; the yaw rate was positive only. */
 static void know_drag(void)
 {
     const auvid_parameter_t *p = auvid_girona500.parameter;
@@ -896,14 +896,14 @@ static void know_drag(void)
     }
 }
 
-/* The pair of frames that is reported next. */
+/* The next pair of drag frames. */
 static void next_drag(auvid_can_drag_t *force, auvid_can_drag_half_width_t *half,
                       uint32_t absent[2])
 {
     auvid_can_message_t m = reported(AUVID_CAN_DRAG);
     *force = m.as.drag;
     absent[0] = m.absent;
-    TEST_ASSERT_EQUAL(2, count); /* its half-width is in the same tick */
+    TEST_ASSERT_EQUAL(2, count); /* the half-width is in the same tick */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[1], &m));
     TEST_ASSERT_EQUAL(AUVID_CAN_DRAG_HALF_WIDTH, m.kind);
     *half = m.as.drag_half_width;
@@ -927,7 +927,7 @@ static void test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate(vo
         TEST_ASSERT_EQUAL_UINT32(6 * dof + 3 * backward + part, force.point);
         TEST_ASSERT_EQUAL_UINT32(force.point, half.point);
         TEST_ASSERT_EQUAL_UINT32(130 % 128, force.number);
-        if (dof == AUVID_YAW && backward) { /* never seen */
+        if (dof == AUVID_YAW && backward) { /* not in the data */
             TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_NO_FORCE, absent[0]);
             TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED |
                                         AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH,
