@@ -93,5 +93,5 @@ for controller in can0 can1; do
 done
 check "  and reports it" [ "$(bit_rate)" = 500000 ]
 check "500 frames each way, in order, none lost" both_ways
-check "node and vehicle, each with a controller: no frame lost, bus load at most 20 %" identification
+check "node and vehicle, each with a controller: none lost, bus load at most 20 %" identification
 finish
