@@ -9,8 +9,8 @@
  * auvid_node_take, _step, _work and _report, up to the end of the last.
  *
  * A function has returned when the instruction after its call is executed. The plugin does not
- * depend on the core: a jump to the first instruction of a function counts as a call from the jump,
- * and ends with the function that contains the jump. Recursion and interrupts are not supported.
+ * depend on the core. A jump to the first instruction of a function counts as a call. It ends with
+ * the function that contains the jump. Recursion and interrupts are not supported.
  *
  * Debian ships no qemu-plugin.h, so this file declares the functions used of the interface (version
  * 1, QEMU 4.2 to 8.2).

@@ -67,7 +67,7 @@ static void add(const bus_frame_t *frame, uint64_t now_us)
     }
 }
 
-static void tell(const bus_t *bus)
+static void print_statistics(const bus_t *bus)
 {
     const bus_statistics_t *s = &bus->statistics;
 
@@ -131,7 +131,7 @@ static int receive(const char *interface, const char *path)
         }
     } while (!(happened & TICK_STOP));
     printf("buffer=%d ", can.receive_buffer);
-    tell(&can.bus);
+    print_statistics(&can.bus);
     tick_close(&tick);
     return path == NULL || log.bus.close(&log.bus) == BUS_OK ? 0 : report_error(&log.bus);
 }
@@ -147,7 +147,7 @@ static int read_log(const char *path)
     do {
         status = drain(&log.bus, NULL);
     } while (status == 0);
-    tell(&log.bus);
+    print_statistics(&log.bus);
     return status == BUS_END ? 0 : report_error(&log.bus);
 }
 

@@ -70,10 +70,10 @@ killed() {
             if (command && !zero && a == hover_a && b == hover_b) { zero = n; at = $1 } }
         f[1] == "402" { a = thrust; if (!command) hover_a = a }
         f[1] == "403" { b = thrust; if (!command) hover_b = b }
-        function tell() { print 20 * (zero - command), 1000 * (substr(at, 2) - t) }
-        f[1] == "042" { if (zero && n - command > 12) tell()
+        function report() { print 20 * (zero - command), 1000 * (substr(at, 2) - t) }
+        f[1] == "042" { if (zero && n - command > 12) report()
             command = n; t = substr($1, 2); zero = 0 }
-        END { tell() }' bus.log | sort -n >ends
+        END { report() }' bus.log | sort -n >ends
     awk -v kills="$KILLS" '{ ms[NR] = $1; real = $2 > real ? $2 : real; over += $2 > 200 }
         END { print NR " kills: zero after " ms[1] ".." ms[NR] " ms, median " ms[int((NR + 1) / 2)]
             print "by the clock of the machine " real " ms at most, over 200 ms " over + 0 " times"

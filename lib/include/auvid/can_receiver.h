@@ -6,8 +6,8 @@
  * uses one auvid_can_command_t. It answers one question: which thrust is commanded now? The answer
  * is zero unless good commands keep arriving.
  *
- * Counter rules (AUTOSAR E2E profile 2, at most 3 steps), where d is the difference to the counter
- * of the last authentic frame, modulo 16:
+ * Counter rules (AUTOSAR E2E profile 2, at most 3 steps). d is the difference to the counter of the
+ * last authentic frame, modulo 16:
  *     d = 0      repeated       not good
  *     d = 1..3   good           d - 1 frames were lost
  *     d > 3      counter jump   not good; the next frame is compared with this one

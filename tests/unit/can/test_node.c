@@ -619,19 +619,20 @@ SAME(AUVID_CAN_NOTE_THRUST_SCALE, AUVID_NOTE_THRUST_SCALE);
 
 static void test_the_configuration_may_be_inside_the_node(void)
 {
-    static auvid_node_t apart, within;
+    static auvid_node_t separate, inside;
     static auvid_identifier_config_t cfg;
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
-    memset(&apart, 0xA5, sizeof apart);
-    memset(&within, 0x5A, sizeof within);
+    memset(&separate, 0xA5, sizeof separate);
+    memset(&inside, 0x5A, sizeof inside);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.allocation = auvid_allocation_girona500;
-    within.id.config = cfg;
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&apart, &bus, &cfg));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&within, &bus, &within.id.config));
-    TEST_ASSERT_EQUAL_MEMORY(&apart, &within, offsetof(auvid_identifier_t, config));
-    TEST_ASSERT_EQUAL_MEMORY(&apart.cfg, &within.cfg, sizeof apart - offsetof(auvid_node_t, cfg));
+    inside.id.config = cfg;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&separate, &bus, &cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&inside, &bus, &inside.id.config));
+    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, config));
+    TEST_ASSERT_EQUAL_MEMORY(&separate.cfg, &inside.cfg,
+                             sizeof separate - offsetof(auvid_node_t, cfg));
 }
 
 int main(void)

@@ -276,14 +276,14 @@ static void test_an_age_beyond_the_time_of_the_tick_gives_time_0(void)
 
 static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
 {
-    for (uint32_t apart = 29; apart <= 31; ++apart) {
+    for (uint32_t gap_ms = 29; gap_ms <= 31; ++gap_ms) {
         for (int attitude_older = 0; attitude_older < 2; ++attitude_older) {
             begin();
             step_at(100);
-            give_imu(attitude_older ? apart : 0, attitude_older ? 0 : apart);
+            give_imu(attitude_older ? gap_ms : 0, attitude_older ? 0 : gap_ms);
             step_at(101);
-            TEST_ASSERT_EQUAL_UINT64(apart <= 30 ? 2020000 : 0, imu_us());
-            if (apart > 30) { /* the later half waits for its other half */
+            TEST_ASSERT_EQUAL_UINT64(gap_ms <= 30 ? 2020000 : 0, imu_us());
+            if (gap_ms > 30) { /* the later half waits for its other half */
                 give_imu(attitude_older ? 10 : AUVID_CAN_AGE_UNKNOWN,
                          attitude_older ? AUVID_CAN_AGE_UNKNOWN : 10);
                 step_at(102);
