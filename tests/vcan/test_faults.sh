@@ -143,8 +143,8 @@ gateway() {
 }
 
 # A forged command is good with 2^-8 (checksum) * (8002 / 8192)^4 (range) * 3 / 16 (counter):
-# tests/unit/can/test_can_flood.c. If forged commands reach only the vehicle, commands stay on time and
-# thrust is not cut.
+# tests/unit/can/test_can_flood.c. If forged commands reach only the vehicle, commands stay on time
+# and thrust is not cut.
 flooded() {
     cangw -F
     cangw -A -s vx0 -d vcan1 -e
