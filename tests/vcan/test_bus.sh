@@ -15,8 +15,7 @@ two_processes() {
     listen vcan0
     "$PEER" send vcan0 5000 0
     check_received 'v["different"] == 5000' 'v["again"] + v["late"] + v["dropped"] == 0' \
-        'v["ordered"]' \
-        'v["oldest_us"] < 5000000'
+        'v["ordered"]' 'v["oldest_us"] < 5000000'
 }
 
 down_and_up() {
@@ -66,7 +65,7 @@ full_buffer() {
     kill -STOP "$listener"
     "$PEER" send vcan0 15000 0
     kill -CONT "$listener"
-    within 20 asleep "$listener" # it has read all there is
+    within 20 asleep "$listener" # it has read all frames
     "$PEER" send vcan0 1 0
     check_received 'v["dropped"] > 1000' 'v["received"] > v["buffer"] / 1000' \
         'v["received"] + v["dropped"] == 15001'
@@ -149,8 +148,7 @@ clock_step() {
     "$PEER" send vcan0 20 5000
     wait $!
     check_received 'v["different"] == 200' 'v["numbered"] == 260' 'v["clock_steps"] == 2' \
-        'v["ordered"]' \
-        'v["oldest_us"] < 5000000'
+        'v["ordered"]' 'v["oldest_us"] < 5000000'
 }
 
 check "a missing interface is reported" refuses "there is no interface 'can7'" can7

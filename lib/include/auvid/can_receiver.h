@@ -86,8 +86,8 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
 #define auvid_can_receiver_take AUVID_SIZED0(auvid_can_receiver_take)
 /** Checks a frame and unpacks it. Use the message only if the function returns AUVID_CAN_GOOD. An
  * abort is the exception: obey every authentic one.
- * @param frame with its time of arrival. A timestamp earlier than the last one by the time-out or
- * more counts as a time-out
+ * @param frame with its time of arrival. If its timestamp is earlier than the last one by the
+ * time-out or more, it counts as the first frame after a time-out
  * @param message written if the frame is authentic: good, repeated or counter jump
  * @return AUVID_CAN_GOOD; AUVID_CAN_REPEATED; AUVID_CAN_COUNTER_JUMP; AUVID_CAN_BAD;
  * AUVID_CAN_FOREIGN (a frame of another message, or a NULL pointer: no-op). */
