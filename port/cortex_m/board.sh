@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# What boards.txt says of a board, as commands.
+# The properties of a board in boards.txt, as commands.
 #
-# usage: board.sh list               the names of all boards
-#        board.sh BOARD tools        prefix of its compiler's programs
-#        board.sh BOARD compile      the compiler and its flags
-#        board.sh BOARD link         the same, with start-up's linker script and the board's memory
+# usage: board.sh list               print the names of all boards
+#        board.sh BOARD tools        print the prefix of its compiler
+#        board.sh BOARD compile      print the compiler and its flags
+#        board.sh BOARD link         the same with the linker script and the memory of the board
 #        board.sh BOARD run IMAGE [QEMU OPTION...]
-#                                    run it in QEMU; the host's files are those of this directory.
-#                                    Exit status: the image's
+#                                    run IMAGE in QEMU; it opens files in the current directory.
+#                                    Exit status: that of the image
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 
@@ -23,7 +23,7 @@ fi
 [ $# -ge 2 ] || die "usage: board.sh list | BOARD tools|compile|link|run"
 read -r board tools machine flash_at flash ram_at ram flags < <(
     awk -v board="$1" '$1 == board' "$here/boards.txt"
-) || die "no board '$1' in boards.txt"
+) || die "no board '$1' in boards.txt; 'board.sh list' lists them"
 case $2 in
 tools) echo "$tools" ;;
 compile) echo "${tools}gcc $flags" ;;
@@ -43,5 +43,5 @@ run)
         -chardev stdio,id=host -semihosting-config enable=on,target=native,chardev=host \
         -kernel "${@:3}" </dev/null
     ;;
-*) die "unknown command '$2'" ;;
+*) die "unknown command '$2': tools, compile, link or run" ;;
 esac

@@ -1,17 +1,17 @@
 /*
- * What start-up does to memory, and semihosting: the same on ARM and RISC-V but for the trap.
- * Numbers from Arm's "Semihosting for AArch32 and AArch64", release 2.0.
+ * Memory initialisation and semihosting, common to ARM and RISC-V except for the trap instruction.
+ * Numbers of operations: Arm, "Semihosting for AArch32 and AArch64", release 2.0.
  */
 #include "machine.h"
 
-/* Of firmware.ld. */
+/* Defined in firmware.ld. */
 extern uint32_t data_image[], data_begin[], data_end[], bss_begin[], bss_end[];
 extern uint32_t stack_limit[], stack_top[];
 
-/* No code leaves this in the stack by chance. */
+/* Fills unused stack. Unlikely as data. */
 #define PAINT 0xDEADBEEFu
 
-/* What lies well below this frame is not in use. */
+/* The stack 32 words and more below this frame is not in use. */
 void machine_prepare(void)
 {
     uint32_t *below = (uint32_t *)__builtin_frame_address(0) - 32;
@@ -79,7 +79,7 @@ int machine_open(const char *name, bool write)
     return (int)machine_trap(OPEN, argument);
 }
 
-/* Both operations return how many bytes were *not* moved. */
+/* READ and WRITE return the number of bytes that were not transferred. */
 size_t machine_read(int file, void *to, size_t bytes)
 {
     const uintptr_t argument[3] = {(uintptr_t)file, (uintptr_t)to, bytes};

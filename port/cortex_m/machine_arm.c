@@ -1,6 +1,5 @@
 /*
- * Start-up of a Cortex-M: vectors, memory, FPU, SysTick. Nothing here is more than ARMv6-M needs,
- * but for the FPU.
+ * Start-up of a Cortex-M: vectors, memory, FPU, SysTick. Only the FPU goes beyond ARMv6-M.
  */
 #if defined(__arm__)
 #include "machine.h"
@@ -10,13 +9,13 @@
 #define SYSTICK_VALUE (*(volatile uint32_t *)0xE000E018u)
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 
-/* 0.2 ms at the 25 MHz of most of the boards. */
+/* 0.2 ms at 25 MHz, the clock of most boards. */
 #define PERIOD 5000u
 
 extern uint32_t stack_top[];
 int main(void);
 
-/* The C library's, in images that link one which needs them. */
+/* Provided by the C library in images that link one. */
 extern void initialise_monitor_handles(void) __attribute__((weak));
 extern void __libc_init_array(void) __attribute__((weak));
 extern void exit(int status) __attribute__((weak));
@@ -47,7 +46,7 @@ static void start(void)
     }
     int status = main();
     if (exit != NULL) {
-        exit(status); /* flushes what was printed */
+        exit(status); /* flushes stdout */
     }
     machine_exit(status);
 }
@@ -57,7 +56,7 @@ __attribute__((naked)) void machine_reset(void)
     __asm__ volatile("b start");
 }
 
-/* A fault ends the run with a status of its own instead of hanging. */
+/* Ends the run with a distinct status instead of hanging. */
 static void fault(void)
 {
     machine_exit(120);
@@ -76,7 +75,7 @@ __attribute__((section(".vectors"), used)) static const union {
     vector_t handler;
 } vectors[16] = {{.stack = stack_top}, {.handler = machine_reset},
                  {.handler = fault}, /* NMI */
-                 {.handler = fault}, /* hard fault, and four that ARMv6-M takes for one */
+                 {.handler = fault}, /* hard fault, and four that ARMv6-M reports as one */
                  {.handler = fault},   {.handler = fault},
                  {.handler = fault},   {.handler = fault},
                  {.stack = NULL},      {.stack = NULL},
@@ -90,7 +89,7 @@ void machine_timer(void (*handler)(void))
     timer_handler = handler;
     SYSTICK_RELOAD = PERIOD - 1u;
     SYSTICK_VALUE = 0;
-    SYSTICK_CONTROL = 7u; /* the core's clock, with its interrupt */
+    SYSTICK_CONTROL = 7u; /* core clock, interrupt enabled */
 }
 
 void machine_sleep(void)
@@ -106,7 +105,7 @@ uintptr_t machine_trap(uintptr_t operation, const void *argument)
     return r0;
 }
 
-/* The C library's way out. */
+/* Called by the C library at exit. */
 void _exit(int status) __attribute__((noreturn));
 void _exit(int status)
 {

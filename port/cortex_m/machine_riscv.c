@@ -1,6 +1,6 @@
 /*
- * Start-up of a RISC-V hart in machine mode: memory, trap, the timer of the CLINT (where QEMU's
- * `virt` has it).
+ * Start-up of a RISC-V hart in machine mode: memory, trap, the timer of the CLINT at the address of
+ * QEMU's `virt`.
  */
 #if defined(__riscv)
 #include "machine.h"
@@ -27,7 +27,7 @@ static uint64_t now(void)
     return (uint64_t)high << 32 | low;
 }
 
-/* In an order in which no earlier time than the new one is ever compared with. */
+/* In an order in which the comparison never sees a time earlier than the new one. */
 static void set_compare(uint64_t time)
 {
     CLINT_COMPARE[1] = UINT32_MAX;
@@ -81,7 +81,7 @@ void machine_sleep(void)
     __asm__ volatile("wfi" ::: "memory");
 }
 
-/* Three uncompressed instructions, in one page, are the sign. */
+/* Semihosting is marked by three uncompressed instructions in one page. */
 uintptr_t machine_trap(uintptr_t operation, const void *argument)
 {
     register uintptr_t a0 __asm__("a0") = operation;

@@ -1,4 +1,4 @@
-/* What all back ends share. It and bus_memory.c are plain C, for any system. */
+/* Functions shared by all back ends. This file and bus_memory.c are plain C, for any system. */
 #include "bus.h"
 
 #include <stdarg.h>

@@ -5,11 +5,11 @@
 #include <linux/can.h>
 #include <string.h>
 
-enum { LINE = 256 }; /* the longest line we understand, a CAN FD frame's, has 190 characters */
+enum { LINE = 256 }; /* the longest valid line, that of a CAN FD frame, has 190 characters */
 
 static const char hex_digits[] = "0123456789ABCDEF";
 
-/* The value of `count` digits, or false. *at moves behind them. */
+/* Reads the value of `count` digits and moves *at past them. Returns false if there are fewer. */
 static bool read_hex(const char **at, int count, uint32_t *value)
 {
     int i;
@@ -30,13 +30,13 @@ static bool read_hex(const char **at, int count, uint32_t *value)
     return true;
 }
 
-/* One to `most` decimal digits; their number. */
-static int read_decimal(const char **at, int most, uint64_t *value)
+/* Reads up to `max_digits` decimal digits. Returns their number. */
+static int read_decimal(const char **at, int max_digits, uint64_t *value)
 {
     int i = 0;
 
     *value = 0;
-    while (i < most && (*at)[i] >= '0' && (*at)[i] <= '9') {
+    while (i < max_digits && (*at)[i] >= '0' && (*at)[i] <= '9') {
         *value = *value * 10 + (uint64_t)((*at)[i] - '0');
         i++;
     }
@@ -44,10 +44,10 @@ static int read_decimal(const char **at, int most, uint64_t *value)
     return i;
 }
 
-/* "(seconds.micros) name ": NULL, or what is wrong with it. */
+/* Reads "(seconds.micros) name ". Returns NULL, or what is wrong with it. */
 static const char *read_head(const char **at, uint64_t *t_us, char name[16])
 {
-    static const char foreign[] = "is no line of 'candump -L': (seconds.micros) name id#data";
+    static const char foreign[] = "is not a line of 'candump -L': (seconds.micros) name id#data";
     uint64_t seconds, micros;
     size_t length;
 
@@ -66,13 +66,13 @@ static const char *read_head(const char **at, uint64_t *t_us, char name[16])
     return NULL;
 }
 
-/* The end of a line, with a trailing " R" or " T". */
+/* Is this the end of a line, perhaps after " R" or " T"? */
 static bool is_end(const char *at)
 {
     return at[at[0] == ' ' && (at[1] == 'R' || at[1] == 'T') ? 2 : 0] == '\0';
 }
 
-/* Flags and data of a CAN FD frame. */
+/* Skips flags and data of a CAN FD frame. */
 static const char *skip_fd(const char *at)
 {
     uint32_t flags, byte;
@@ -87,8 +87,8 @@ static const char *skip_fd(const char *at)
     return is_end(at) ? NULL : "has CAN FD data that is not 0 to 64 bytes of two digits";
 }
 
-/* "id#data", with a trailing " R" or " T": NULL, or what is wrong with it. *fd: "id##flags data",
- * of which nothing is kept. */
+/* Reads "id#data", perhaps with a trailing " R" or " T". Returns NULL, or what is wrong with it.
+ * Sets *fd for "id##flags data", which is not stored. */
 static const char *read_frame(const char *at, bus_frame_t *frame, bool *fd)
 {
     const size_t digits = strcspn(at, "#");
@@ -124,13 +124,13 @@ static const char *read_frame(const char *at, bus_frame_t *frame, bool *fd)
     return is_end(at) ? NULL : "has data that is not 0 to 8 bytes of two digits";
 }
 
-/* Reads lines up to the next frame of our interface. 1, 0 at the end, or a status. */
+/* Reads up to the next frame of the interface. Returns 1, 0 at the end, or a status. */
 static int read_next(bus_candump_t *self, bus_frame_t *frame)
 {
     char line[LINE], name[16];
 
     while (fgets(line, sizeof line, self->file) != NULL) {
-        const char *at = line, *wrong = "is no line of 'candump -L'";
+        const char *at = line, *wrong = "is not a line of 'candump -L'";
         size_t length = strlen(line);
         bool fd = false;
 
@@ -144,7 +144,7 @@ static int read_next(bus_candump_t *self, bus_frame_t *frame)
                 wrong = read_frame(at, frame, &fd);
             }
         } else if (feof(self->file) && !ferror(self->file)) {
-            return bus_fail(&self->bus, 0, "%s:%llu: the last line is cut off; it is left out",
+            return bus_fail(&self->bus, 0, "%s:%llu: the last line is truncated and is ignored",
                             self->path, (unsigned long long)self->line);
         }
         if (wrong != NULL) {
@@ -175,7 +175,7 @@ static int candump_receive(bus_t *bus, bus_frame_t *frames, int capacity)
     if (self->writing) {
         return bus_fail(bus, BUS_REFUSED, "%s is open for writing", self->path);
     }
-    /* After a bad line nothing more is read: what follows it cannot be trusted. */
+    /* Nothing is read after a bad line: the rest of the log is not reliable. */
     while (taken < capacity && bus->statistics.malformed == 0) {
         status = read_next(self, &frames[taken]);
         if (status != 1) {
@@ -208,7 +208,7 @@ static int candump_send(bus_t *bus, const bus_frame_t *frame)
     if (!self->writing || !bus_frame_valid(frame)) {
         bus->statistics.send_failed++;
         return bus_fail(bus, BUS_REFUSED, "%s: %s", self->path,
-                        self->writing ? "this is no classic CAN frame" : "is open for reading");
+                        self->writing ? "this is not a classic CAN frame" : "is open for reading");
     }
     if (frame->flags & BUS_FRAME_RTR) {
         data[n++] = 'R';
@@ -267,8 +267,8 @@ static int open_log(bus_candump_t *self, const char *path, const char *interface
     if (interface != NULL) {
         if (strlen(interface) >= sizeof self->interface || interface[0] == '\0' ||
             strchr(interface, ' ') != NULL) {
-            return bus_fail(bus, BUS_REFUSED, "'%.20s' is no interface name (1 to 15 characters)",
-                            interface);
+            return bus_fail(bus, BUS_REFUSED,
+                            "'%.20s' is not an interface name (1 to 15 characters)", interface);
         }
         memcpy(self->interface, interface, strlen(interface));
     }

@@ -1,4 +1,4 @@
-/* A hub of queues. */
+/* A hub of queues. See bus_memory.h. */
 #include "bus_memory.h"
 
 #include <string.h>
@@ -22,7 +22,7 @@ static bus_frame_t *slot(bus_memory_end_t *end, int i)
     return &end->queue[(end->first + i) % BUS_MEMORY_QUEUE];
 }
 
-/* In order of arrival; of two that arrive at once the one sent first comes first. */
+/* Inserts in order of arrival; of two with the same arrival, the one sent first comes first. */
 static void enqueue(bus_memory_end_t *end, const bus_frame_t *frame, uint64_t arrival_us)
 {
     int i = end->count;
@@ -65,7 +65,7 @@ static void deliver(bus_memory_t *hub, bus_memory_end_t *end, const bus_frame_t 
     }
 }
 
-/* Follows `down`, which the test sets, in the statistics. */
+/* Updates the statistics with `down`, which the test sets. */
 static bool is_up(bus_memory_end_t *self)
 {
     bus_statistics_t *statistics = &self->bus.statistics;
@@ -88,7 +88,7 @@ static int memory_send(bus_t *bus, const bus_frame_t *frame)
 
     if (!bus_frame_valid(frame)) {
         bus->statistics.send_failed++;
-        return bus_fail(bus, BUS_REFUSED, "frame %X of length %d is no classic CAN frame",
+        return bus_fail(bus, BUS_REFUSED, "frame %X of length %d is not a classic CAN frame",
                         (unsigned)frame->id, frame->length);
     }
     if (!is_up(self)) {

@@ -1,11 +1,10 @@
 /*
- * The bus of bus.h within one process: a hub with two ends or more, for the demo and for tests.
+ * The bus of bus.h within one process: a hub with two or more ends, for the demo and for tests.
  *
- * What one end sends, all others receive, each as the faults of its own say. The hub's clock stands
- * still until bus_memory_advance(); a frame is received as soon as the clock has reached its
- * arrival. Nothing here asks a real clock or a real random number: the same calls give the same
- * frames. Memory: sizeof(bus_memory_t), about 100 KiB. Sending costs a search of the queue from its
- * end.
+ * All other ends receive what one end sends, each subject to its own faults. Only
+ * bus_memory_advance() moves the hub's clock. A frame is received when the clock reaches its time
+ * of arrival. The hub uses no real clock and no real random numbers: the same calls give the same
+ * frames. Memory: sizeof(bus_memory_t), about 100 KiB. Each send searches the queue from its end.
  */
 #ifndef BUS_MEMORY_H
 #define BUS_MEMORY_H
@@ -14,22 +13,22 @@
 
 enum { BUS_MEMORY_ENDS = 4, BUS_MEMORY_QUEUE = 1024 };
 
-/* What happens to frames on their way to one end. All zero: nothing does. */
+/* Faults of the frames on their way to one end. All zero: none. */
 typedef struct {
-    uint32_t loss_ppm;        /* of a million frames, lost */
-    uint32_t duplication_ppm; /* of those not lost, arriving twice */
+    uint32_t loss_ppm;        /* lost frames per million */
+    uint32_t duplication_ppm; /* duplicated frames per million of those not lost */
     uint64_t delay_us;        /* from sending to arrival */
-    uint64_t jitter_us;       /* added to it, uniform in 0..jitter: frames overtake each other */
+    uint64_t jitter_us;       /* added to the delay, uniform in 0..jitter: frames may overtake */
 } bus_memory_faults_t;
 
 typedef struct {
     bus_t bus; /* first */
     struct bus_memory *hub;
-    bus_memory_faults_t faults;          /* of what arrives here; may be changed at any time */
-    uint64_t lost, duplicated;           /* what they did so far */
-    uint32_t fail_sends;                 /* so many sends from here give BUS_BUSY, counted down */
+    bus_memory_faults_t faults;          /* of frames to this end; may be changed at any time */
+    uint64_t lost, duplicated;           /* frames so far */
+    uint32_t fail_sends;                 /* number of sends to fail with BUS_BUSY; counts down */
     bool down;                           /* this end's interface is down */
-    int first, count;                    /* of the queue, a ring in order of arrival */
+    int first, count;                    /* of the queue: a ring buffer in order of arrival */
     bus_frame_t queue[BUS_MEMORY_QUEUE]; /* t_us is the arrival */
 } bus_memory_end_t;
 
@@ -37,17 +36,17 @@ typedef struct bus_memory {
     uint64_t now_us;
     uint64_t random; /* state of xorshift64*; never zero */
     int ends;
-    bus_memory_end_t end[BUS_MEMORY_ENDS]; /* &hub.end[i].bus is what a program takes */
+    bus_memory_end_t end[BUS_MEMORY_ENDS]; /* a program uses &hub.end[i].bus */
 } bus_memory_t;
 
-/* An idle hub with `ends` ends (2..BUS_MEMORY_ENDS) at time 0; faults are drawn from `seed`. BUS_OK
- * or BUS_REFUSED. Nothing to free. */
+/* Initialises an idle hub with `ends` ends (2..BUS_MEMORY_ENDS) at time 0. `seed` determines the
+ * faults. Returns BUS_OK or BUS_REFUSED. There is nothing to free. */
 int bus_memory_init(bus_memory_t *hub, int ends, uint64_t seed);
 
-/* Moves the clock on. */
+/* Advances the clock. */
 void bus_memory_advance(bus_memory_t *hub, uint64_t by_us);
 
-/* Puts a frame, an error frame of a controller for instance, before one end now. */
+/* Delivers a frame to one end now, for instance an error frame of a controller. */
 void bus_memory_inject(bus_memory_t *hub, int end, const bus_frame_t *frame);
 
 #endif

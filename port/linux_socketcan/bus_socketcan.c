@@ -1,14 +1,15 @@
 /*
  * SocketCAN (linux/Documentation/networking/can.rst).
  *
- * What the kernel does, and what follows:
- * - Default buffer: 278 frames on vcan, a quarter of a second of a busy bus. More is asked for.
- * - An interface that goes down leaves ENETDOWN in the socket once, not as long as it lasts; so
- *   while it is down its flags are looked at in each receive.
- * - An interface that vanishes leaves ENODEV, and the socket unbound and without any filter, even
- *   the one that all frames pass: filters are set and the socket is bound by name again.
- * - SO_TIMESTAMPNS is the software stamp of SO_TIMESTAMPING and comes in the wall clock. A
- *   controller's own stamps would come in a clock that nobody else reads.
+ * Behaviour of the kernel, and the consequences:
+ * - The default buffer holds 278 frames on vcan, a quarter of a second of a busy bus. This file
+ *   requests more.
+ * - An interface that goes down sets ENETDOWN in the socket once, not as long as it is down. So
+ *   each receive reads the interface's flags while it is down.
+ * - An interface that vanishes sets ENODEV. The socket is then unbound and has no filter, not even
+ *   the one that passes all frames. So the filters are set and the socket is bound by name again.
+ * - SO_TIMESTAMPNS is the software stamp of SO_TIMESTAMPING, in the wall clock. The stamps of a
+ *   controller would be in its own clock.
  */
 #define _GNU_SOURCE /* recvmmsg */
 #include "bus_socketcan.h"
@@ -30,12 +31,12 @@
 enum {
     BATCH = 32,
     RECEIVE_BUFFER = 4 << 20, /* 10900 frames of vcan: more than a second of 1 Mbit/s */
-    /* one time stamp and one counter beside each frame */
+    /* one timestamp and one counter with each frame */
     CONTROL = CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)),
-    STEP_US = 10000, /* a wall clock that moves so far was set, not steered */
-    STEER = 1000,    /* and it is steered by up to one part in this */
-    APART_US = 2000, /* readings of the two clocks this far apart had a pause in between */
-    READINGS = 10,   /* most tries to read them without */
+    MIN_STEP_US = 10000,     /* a wall clock that changes by more was set, not adjusted */
+    MAX_RATE_INVERSE = 1000, /* the rate is adjusted by at most one part in this */
+    MAX_READING_US = 2000,   /* the program was interrupted between two readings further apart */
+    MAX_READINGS = 10,       /* maximum number of attempts to read both without interruption */
 };
 
 static uint64_t to_us(const struct timespec *t)
@@ -43,8 +44,8 @@ static uint64_t to_us(const struct timespec *t)
     return (uint64_t)t->tv_sec * 1000000U + (uint64_t)t->tv_nsec / 1000U;
 }
 
-/* Reads wall clock minus monotonic clock, and notices when the wall clock was set. A program that
- * is interrupted between two readings would take that for a step. */
+/* Reads wall clock minus monotonic clock, and counts a step of the wall clock. An interruption
+ * between the two readings would look like a step. */
 static uint64_t read_clocks(bus_socketcan_t *self)
 {
     struct timespec wall;
@@ -56,11 +57,11 @@ static uint64_t read_clocks(bus_socketcan_t *self)
         before_us = tick_now_us();
         (void)clock_gettime(CLOCK_REALTIME, &wall);
         now_us = tick_now_us();
-    } while (now_us - before_us > APART_US && ++readings < READINGS);
+    } while (now_us - before_us > MAX_READING_US && ++readings < MAX_READINGS);
     change = -self->offset_us;
     self->offset_us = (int64_t)(to_us(&wall) - now_us);
     change += self->offset_us;
-    bound = STEP_US + (int64_t)(now_us - self->offset_at_us) / STEER;
+    bound = MIN_STEP_US + (int64_t)(now_us - self->offset_at_us) / MAX_RATE_INVERSE;
     if (self->offset_at_us != 0 && (change > bound || change < -bound)) {
         self->bus.statistics.clock_steps++;
     }
@@ -69,10 +70,10 @@ static uint64_t read_clocks(bus_socketcan_t *self)
 }
 
 /*
- * A frame in the queue was stamped before or after a step of the wall clock; which, nobody tells.
- * With the right offset it is not later than now. With the wrong one it is off by the step: either
- * it falls behind now, and then the other is the later of the two, or it is in the future. So: the
- * later of the two that is not in the future.
+ * The kernel does not tell whether a queued frame was stamped before or after a step of the wall
+ * clock. With the right offset its time is not later than now. With the wrong one it is off by the
+ * step: either earlier than the right time, or in the future. So the right one is the later of the
+ * two that is not in the future.
  */
 static uint64_t stamp_to_us(bus_socketcan_t *self, const struct timespec *stamp, uint64_t now_us)
 {
@@ -93,7 +94,7 @@ static uint64_t stamp_to_us(bus_socketcan_t *self, const struct timespec *stamp,
     return self->last_us;
 }
 
-static void note_down(bus_socketcan_t *self, const char *what, const char *remedy)
+static void record_link_down(bus_socketcan_t *self, const char *what, const char *remedy)
 {
     if (self->bus.statistics.link_up) {
         self->bus.statistics.link_up = false;
@@ -102,7 +103,7 @@ static void note_down(bus_socketcan_t *self, const char *what, const char *remed
     (void)bus_fail(&self->bus, BUS_DOWN, "interface '%s' %s; %s", self->name, what, remedy);
 }
 
-static void note_up(bus_socketcan_t *self)
+static void record_link_up(bus_socketcan_t *self)
 {
     if (!self->bus.statistics.link_up) {
         self->bus.statistics.link_up = true;
@@ -110,17 +111,18 @@ static void note_up(bus_socketcan_t *self)
     }
 }
 
-/* BUS_DOWN with the reason, or BUS_BROKEN for an error nobody expects. */
-static int note_errno(bus_socketcan_t *self, int error, const char *call)
+/* Returns BUS_DOWN with the reason, or BUS_BROKEN for any other error. */
+static int record_errno(bus_socketcan_t *self, int error, const char *call)
 {
     switch (error) {
     case ENETDOWN:
-        note_down(self, "is down", "bring it up with 'ip link set ... up'");
+        record_link_down(self, "is down", "bring it up with 'ip link set ... up'");
         return BUS_DOWN;
     case ENODEV:
     case ENXIO:
         self->bound = false;
-        note_down(self, "is gone", "plug the adapter in again, or create the interface again");
+        record_link_down(self, "is gone",
+                         "plug the adapter in again, or create the interface again");
         return BUS_DOWN;
     default:
         return bus_fail(&self->bus, BUS_BROKEN, "%s on '%s' failed: %s", call, self->name,
@@ -133,7 +135,7 @@ static int set_filters(bus_socketcan_t *self)
     struct can_filter out[BUS_FILTERS];
     int i;
 
-    out[0].can_id = out[0].can_mask = 0; /* none asked for: one that all frames pass */
+    out[0].can_id = out[0].can_mask = 0; /* without filters: one that passes all frames */
     for (i = 0; i < self->filter_count; i++) {
         const bus_filter_t *in = &self->filters[i];
 
@@ -144,7 +146,7 @@ static int set_filters(bus_socketcan_t *self)
                       (socklen_t)((size_t)(i > 0 ? i : 1) * sizeof out[0]));
 }
 
-/* Binds to the interface of our name. 0 or errno; *stage names the call that failed. */
+/* Binds to the interface by its name. Returns 0 or errno; *stage names the call that failed. */
 static int bind_by_name(bus_socketcan_t *self, const char **stage)
 {
     struct sockaddr_can address;
@@ -168,9 +170,9 @@ static int bind_by_name(bus_socketcan_t *self, const char **stage)
     return 0;
 }
 
-/* Is the interface there and up? Binds again when it had gone. Nothing changes the state but the
- * news itself, so that a short interruption counts once. */
-static bool look_at_link(bus_socketcan_t *self)
+/* Does the interface exist and is it up? Binds again if it had vanished. This does not change the
+ * statistics, so a short interruption counts once. */
+static bool link_is_up(bus_socketcan_t *self)
 {
     struct ifreq request;
     const char *stage;
@@ -191,7 +193,7 @@ static int socketcan_send(bus_t *bus, const bus_frame_t *frame)
 
     if (!bus_frame_valid(frame)) {
         bus->statistics.send_failed++;
-        return bus_fail(bus, BUS_REFUSED, "frame %X of length %d is no classic CAN frame",
+        return bus_fail(bus, BUS_REFUSED, "frame %X of length %d is not a classic CAN frame",
                         (unsigned)frame->id, frame->length);
     }
     memset(&out, 0, sizeof out);
@@ -207,7 +209,7 @@ static int socketcan_send(bus_t *bus, const bus_frame_t *frame)
     } while (written < 0 && errno == EINTR);
     if (written == (ssize_t)sizeof out) {
         bus->statistics.sent++;
-        note_up(self);
+        record_link_up(self);
         return BUS_OK;
     }
     if (written < 0 && (errno == ENOBUFS || errno == EAGAIN)) {
@@ -221,10 +223,10 @@ static int socketcan_send(bus_t *bus, const bus_frame_t *frame)
     if (written >= 0) {
         return bus_fail(bus, BUS_BROKEN, "'%s' took %zd bytes of a frame", self->name, written);
     }
-    return note_errno(self, errno, "sending");
+    return record_errno(self, errno, "sending");
 }
 
-/* Reads what the kernel tells beside the frame: when it came and how many were lost so far. */
+/* Reads the time of arrival and the number of lost frames, which come with the frame. */
 static uint64_t read_control(bus_socketcan_t *self, struct msghdr *message, uint64_t now_us)
 {
     uint64_t t_us = now_us;
@@ -249,8 +251,8 @@ static uint64_t read_control(bus_socketcan_t *self, struct msghdr *message, uint
     return t_us;
 }
 
-static void take(bus_socketcan_t *self, const struct can_frame *in, uint64_t t_us,
-                 bus_frame_t *frame)
+static void store_frame(bus_socketcan_t *self, const struct can_frame *in, uint64_t t_us,
+                        bus_frame_t *frame)
 {
     const bool wide = in->can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG);
 
@@ -270,7 +272,7 @@ static void take(bus_socketcan_t *self, const struct can_frame *in, uint64_t t_u
     }
 }
 
-/* One recvmmsg for 1..BATCH frames; *read is its result, ours the number of good frames. */
+/* One recvmmsg for 1..BATCH frames. *read is its result; returns the number of good frames. */
 static int receive_batch(bus_socketcan_t *self, bus_frame_t *frames, int asked, int *read)
 {
     struct can_frame in[BATCH];
@@ -301,7 +303,7 @@ static int receive_batch(bus_socketcan_t *self, bus_frame_t *frames, int asked, 
             self->bus.statistics.malformed++;
             continue;
         }
-        take(self, &in[i], t_us, &frames[taken]);
+        store_frame(self, &in[i], t_us, &frames[taken]);
         taken++;
     }
     return taken;
@@ -317,15 +319,15 @@ static int socketcan_receive(bus_t *bus, bus_frame_t *frames, int capacity)
         taken += receive_batch(self, &frames[taken], asked, &read);
     } while (taken < capacity && (read == asked || (read < 0 && errno == EINTR)));
     if (read < 0 && errno != EAGAIN && errno != EINTR) {
-        status = note_errno(self, errno, "receiving");
+        status = record_errno(self, errno, "receiving");
     } else if (read < asked) {
-        /* The queue is empty: whatever comes now is stamped with this offset or a later one. */
+        /* The queue is empty: later frames are stamped with this offset or a later one. */
         self->previous_offset_us = self->offset_us;
     }
-    /* Frames do not tell that the interface is up: they may have waited since before it went. */
+    /* A frame does not prove that the interface is up: it may have been queued before. */
     if (status == BUS_OK && !bus->statistics.link_up) {
-        if (look_at_link(self)) {
-            note_up(self);
+        if (link_is_up(self)) {
+            record_link_up(self);
         } else {
             status = BUS_DOWN;
         }
@@ -390,7 +392,7 @@ static int explain_bind(bus_socketcan_t *self, int error, const char *stage)
     return bus_fail(&self->bus, BUS_BROKEN, "%s of '%s' failed: %s", stage, name, strerror(error));
 }
 
-/* The options that are worth failing for; a kernel that can CAN can these. */
+/* Every kernel with CAN has the required options. */
 static int set_options(bus_socketcan_t *self)
 {
     const can_err_mask_t errors = CAN_ERR_MASK;
@@ -398,7 +400,7 @@ static int set_options(bus_socketcan_t *self)
     int size = RECEIVE_BUFFER;
     socklen_t length = sizeof size;
 
-    /* The first passes the system's limit and needs CAP_NET_ADMIN; the second gets what it gets. */
+    /* The first may exceed the system's limit and needs CAP_NET_ADMIN; the second is limited. */
     if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &size, sizeof size) < 0) {
         (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
     }
@@ -429,7 +431,7 @@ int bus_socketcan_open(bus_socketcan_t *self, const char *interface, const bus_f
     bus->now_us = socketcan_now_us;
     bus->close = socketcan_close;
     if (length == 0 || length >= sizeof self->name) {
-        return bus_fail(bus, BUS_REFUSED, "'%.20s' is no interface name (1 to 15 characters)",
+        return bus_fail(bus, BUS_REFUSED, "'%.20s' is not an interface name (1 to 15 characters)",
                         interface);
     }
     if (count < 0 || count > BUS_FILTERS) {
@@ -456,6 +458,6 @@ int bus_socketcan_open(bus_socketcan_t *self, const char *interface, const bus_f
     }
     (void)read_clocks(self);
     self->previous_offset_us = self->offset_us;
-    bus->statistics.link_up = look_at_link(self);
+    bus->statistics.link_up = link_is_up(self);
     return BUS_OK;
 }

@@ -1,4 +1,4 @@
-/* epoll over one timerfd, one signalfd and what is watched. */
+/* epoll over one timerfd, one signalfd and the watched descriptors. */
 #define _GNU_SOURCE
 #include "tick.h"
 
@@ -59,7 +59,7 @@ int tick_watch(tick_t *tick, int fd)
     return 0;
 }
 
-/* By nohup: a descriptor of signals would bring it all the same. */
+/* nohup ignores a signal, but a signalfd would deliver it nevertheless. */
 static bool is_ignored(int signal)
 {
     struct sigaction action;
@@ -112,7 +112,7 @@ int tick_open(tick_t *tick, uint64_t period_us)
     memset(tick, 0, sizeof *tick);
     tick->timer_fd = tick->signal_fd = -1;
     tick->period_us = period_us;
-    memset(tick->blocked, true, sizeof tick->blocked); /* nothing to give back yet */
+    memset(tick->blocked, true, sizeof tick->blocked); /* nothing to restore yet */
     tick->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
     tick->start_us = tick_now_us();
     if (tick->epoll_fd < 0 || open_signals(tick) < 0 || open_timer(tick) < 0) {
@@ -129,7 +129,7 @@ static int read_timer(tick_t *tick)
     const ssize_t got = read(tick->timer_fd, &expirations, sizeof expirations);
 
     if (got != (ssize_t)sizeof expirations || expirations == 0) {
-        return 0; /* Seen by nobody else; a wake-up without a period is none. */
+        return 0; /* No other reader exists: a wake-up without an elapsed period. */
     }
     tick->ticks += expirations;
     tick->missed += expirations - 1;
@@ -171,7 +171,7 @@ int tick_wait(tick_t *tick, int timeout_ms)
 void tick_close(tick_t *tick)
 {
     const int fds[3] = {tick->timer_fd, tick->signal_fd, tick->epoll_fd};
-    sigset_t back;
+    sigset_t unblocked;
     int i;
 
     for (i = 0; i < 3; i++) {
@@ -180,14 +180,14 @@ void tick_close(tick_t *tick)
         }
     }
     tick->timer_fd = tick->signal_fd = tick->epoll_fd = -1;
-    (void)sigemptyset(&back);
+    (void)sigemptyset(&unblocked);
     for (i = 0; i < TICK_SIGNALS; i++) {
         if (!tick->blocked[i]) {
-            (void)sigaddset(&back, stop_signals[i]);
+            (void)sigaddset(&unblocked, stop_signals[i]);
         }
         tick->blocked[i] = true;
     }
-    (void)sigprocmask(SIG_UNBLOCK, &back, NULL);
+    (void)sigprocmask(SIG_UNBLOCK, &unblocked, NULL);
 }
 
 int tick_realtime(int priority, char *text, size_t size)

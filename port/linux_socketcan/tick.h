@@ -1,14 +1,15 @@
 /*
- * The tick of a Linux program: wakes it at absolute times, when frames have come, or to stop.
+ * The tick of a Linux program. It wakes the program at absolute times, when frames arrive, or to
+ * stop.
  *
- * The main loop of a node calls tick_wait() and does what it returns. Ticks are counted on
- * CLOCK_MONOTONIC from the first on, so neither the time the work takes nor a step of the wall
- * clock moves them; those that were slept through are counted, not made up for. SIGINT, SIGTERM,
- * SIGHUP, SIGPIPE and SIGXFSZ arrive here as TICK_STOP and nowhere else: no handler runs, and no
- * call is interrupted by them. Writing to a pipe that nobody reads, or to a file that may not grow,
- * fails with EPIPE or EFBIG. A SIGHUP that was ignored before (nohup) stays so.
+ * The main loop of a node calls tick_wait() and acts on the result. Ticks are counted on
+ * CLOCK_MONOTONIC from the first tick. So neither the duration of the work nor a step of the wall
+ * clock shifts them. Missed ticks are counted, but not repeated. SIGINT, SIGTERM, SIGHUP, SIGPIPE
+ * and SIGXFSZ arrive only as TICK_STOP: no handler runs, and they interrupt no call. Writing to a
+ * pipe without a reader, or to a file that may not grow, fails with EPIPE or EFBIG. A SIGHUP that
+ * was ignored before (nohup) remains ignored.
  *
- * One tick a program (it owns these signals); no threads.
+ * Use one tick per program, because it owns these signals. There are no threads.
  */
 #ifndef TICK_H
 #define TICK_H
@@ -20,45 +21,45 @@
 #define TICK_TEXT 200
 #define TICK_SIGNALS 5
 
-/* What tick_wait() returns: any of these at once, or 0 for none before the time-out. */
+/* Results of tick_wait(), combined by OR; 0: time-out. */
 enum {
-    TICK_DUE = 1,      /* one period or more is over */
-    TICK_READABLE = 2, /* a watched descriptor has something to tell: receive until it is empty */
-    TICK_STOP = 4,     /* one of the signals above came */
+    TICK_DUE = 1,      /* one period or more has elapsed */
+    TICK_READABLE = 2, /* a watched descriptor is readable: receive until it is empty */
+    TICK_STOP = 4,     /* one of the signals above arrived */
 };
 
 typedef struct {
     int epoll_fd, timer_fd, signal_fd;
-    int signal;           /* the one that asked to stop; 0 before */
-    uint64_t period_us;   /* 0: no timer */
-    uint64_t start_us;    /* tick n is due at start_us + n * period_us, n = 1, 2, ... */
-    uint64_t ticks;       /* periods over so far, the missed ones included */
-    uint64_t missed;      /* of these, slept through: another one was due before they were seen */
-    bool blocked[TICK_SIGNALS]; /* were they blocked before open? */
-    char text[TICK_TEXT]; /* the last failure, one sentence */
+    int signal;                 /* the signal that requested the stop; 0: none yet */
+    uint64_t period_us;         /* 0: no timer */
+    uint64_t start_us;          /* tick n is due at start_us + n * period_us, n = 1, 2, ... */
+    uint64_t ticks;             /* elapsed periods, including missed ones */
+    uint64_t missed;            /* missed: the next one was due before the program saw them */
+    bool blocked[TICK_SIGNALS]; /* the signals that were blocked before open */
+    char text[TICK_TEXT];       /* the last failure, one sentence */
 } tick_t;
 
-/* CLOCK_MONOTONIC in microseconds. */
+/* Returns CLOCK_MONOTONIC [us]. */
 uint64_t tick_now_us(void);
 
-/* Starts ticking now. period_us 0 for a program that follows the bus's tick and only waits for
- * frames. 0, or -1 with the reason in tick->text. */
+/* Starts the ticks now. period_us 0: no ticks, for a program that follows the bus's tick and only
+ * waits for frames. Returns 0, or -1 with the reason in tick->text. */
 int tick_open(tick_t *tick, uint64_t period_us);
 
-/* Wakes for `fd` too (bus_t.fd; -1 is ignored). 0 or -1. */
+/* Makes tick_wait() also wait for `fd` (bus_t.fd; -1 is ignored). Returns 0 or -1. */
 int tick_watch(tick_t *tick, int fd);
 
-/* Sleeps until something happens, `timeout_ms` at most (0: only look; -1: no limit). TICK_* bits;
- * -1 with the reason in tick->text. */
+/* Sleeps until an event, for at most `timeout_ms` (0: returns at once; -1: no limit). Returns
+ * TICK_* bits, or -1 with the reason in tick->text. */
 int tick_wait(tick_t *tick, int timeout_ms);
 
-/* Closes everything and gives the signals back. */
+/* Closes all descriptors and restores the signals. */
 void tick_close(tick_t *tick);
 
 /*
- * Asks for real time: SCHED_FIFO at `priority` (1..99) and all memory locked, now and in future.
- * 0 when both were granted; else the number of refusals, and `text` says in one sentence each what
- * was refused and what to do. A program goes on either way, only with less certain timing.
+ * Requests real time: SCHED_FIFO at `priority` (1..99), and all present and future memory locked.
+ * Returns 0 if both were granted, else the number of refusals. `text` then has one sentence per
+ * refusal, with the remedy. The program may continue either way, but with less certain timing.
  */
 int tick_realtime(int priority, char *text, size_t size);
 

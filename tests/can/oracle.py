@@ -2,8 +2,8 @@
 
 usage: oracle.py LIBRARY_FLOAT LIBRARY_DOUBLE
 The libraries are lib/src/can/auvid_can*.c as shared objects. The structs are read from the
-generated header, so that a member of the wrong name, place or type shows too.
-Prints "ok - ..." or "not ok - ..." lines. 2e4 values and payloads for each library; 1e6 with
+generated header, so a member with a wrong name, offset or type is detected, too.
+Prints "ok - ..." or "not ok - ..." lines. 2e4 values and payloads per library; 1e6 with
 AUVID_TEST_LONG.
 """
 import ctypes
@@ -39,7 +39,7 @@ class Sender(ctypes.Structure):
 
 
 class Signal:
-    """What the DBC says, in raw values, worked out apart from the generator."""
+    """A signal of the DBC in raw values, independent of the generator."""
 
     def __init__(self, signal):
         self.cantools, self.name = signal, signal.name
@@ -57,7 +57,7 @@ class Signal:
             self.high = max([signal.maximum, *choices])
 
     def raw(self, x):
-        """The raw value that x must leave as, by cantools."""
+        """The raw value of x according to cantools."""
         raw = self.cantools.conversion.numeric_scaled_to_raw(min(max(x, self.low), self.high))
         return struct.unpack("<f", struct.pack("<f", raw))[0] if self.is_float else raw
 
@@ -179,7 +179,7 @@ def compare_values(codec, rng):
         assert codec.frame.id == message.frame_id and codec.frame.length == 8
         if got == expected:
             continue
-        # Only what lies between two raw values, to the precision of the library, may differ.
+        # Only a value halfway between two raw values, to the precision of the library, may differ.
         assert protect(got, data_id) == got, "CRC"
         ours = message.decode(got, scaling=False, decode_choices=False)
         for name, value in ours.items():
@@ -191,7 +191,7 @@ def compare_values(codec, rng):
             tie = abs(abs(exact - math.floor(exact)) - Fraction(1, 2))
             assert tie <= abs(exact) * Fraction(codec.epsilon) + Fraction(2.0 ** -22), (name, x)
             ties += 1
-    return f"{values} values ({ties} on the edge between two steps)"
+    return f"{values} values ({ties} halfway between two steps)"
 
 
 def compare_payloads(codec, rng):
@@ -229,7 +229,7 @@ def compare_payloads(codec, rng):
             # cantools multiplies by the binary neighbour of a decimal factor.
             theirs = scaled[s.name] if s.is_float else round(scaled[s.name], 6)
             assert ours == codec.rounded(theirs) if s.real else ours == theirs, (s.name, ours)
-        # And back: the same frame again, in all bits that mean something.
+        # And back: the same frame, in all bits that a signal uses.
         codec.sender.counter[kind] = m.counter
         assert codec.pack(ctypes.byref(codec.sender), ctypes.byref(m), ctypes.byref(frame)) == OK
         again = message.decode(bytes(frame.data), scaling=False, decode_choices=False)
@@ -263,7 +263,7 @@ def nan_is_refused(codec, _):
 
 
 def limits_hold(codec, _):
-    """+1.5, -2 and infinity in every real signal leave as cantools has the limited value."""
+    """+1.5, -2 and infinity in every real signal are sent as the limited value of cantools."""
     tried = 0
     for kind, message in enumerate(MESSAGES):
         for s in (s for s in signals_of(message) if s.real):

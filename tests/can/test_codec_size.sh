@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Does the codec with all messages fit into 1.5 KiB of flash (code and tables, Cortex-M4F, -Os)?
-# What is counted: all that packing and unpacking any message links, memcpy and memset aside.
+# Counted is all that packing and unpacking of any message links, except memcpy and memset.
 . "$(dirname "$0")/../program/common.sh"
 
 LARGEST=1536
@@ -8,7 +8,7 @@ ARM="arm-none-eabi-gcc -std=c11 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=f
     -ffunction-sections -fdata-sections -I$ROOT/lib/include"
 
 if ! command -v arm-none-eabi-gcc >/dev/null; then
-    echo "ok - codec size # SKIP no arm-none-eabi-gcc here"
+    echo "ok - codec size # SKIP arm-none-eabi-gcc is missing"
     finish
 fi
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Is what is committed what the DBC gives, and does `make can-check` notice when it is not?
+# Do the committed files match the DBC, and does `make can-check` detect a difference?
 . "$(dirname "$0")/../program/common.sh"
 
 PYTHON=$ROOT/third_party/venv/bin/python
@@ -11,7 +11,7 @@ codegen() {
     "$PYTHON" "$CODEGEN" --root . "$@"
 }
 
-# touched STATUS SED: with the DBC so changed, the check must exit with STATUS.
+# touched STATUS SED: with the DBC changed by SED, the check must exit with STATUS.
 touched() {
     local status=0
     sed -E "$2" "$ROOT/$DBC" >touched.dbc
@@ -38,26 +38,26 @@ regenerated() {
     codegen && diff -r "$ROOT/lib" lib
 }
 
-check "what is committed is what the DBC gives" codegen --check
-check "written anew it is the same" regenerated
-check "another scale is noticed" touched 1 \
+check "the committed files match the DBC" codegen --check
+check "generated again they are the same" regenerated
+check "another scale is detected" touched 1 \
     's/\(0\.0004,0\) \[-3\.2764\|3\.2764\]/(0.0005,0) [-4.0955|4.0955]/'
-check "another place is noticed" touched 1 's/index : 12\|5/index : 12|4/; s/\[0\|31\]/[0|15]/'
-check "another name is noticed" touched 1 's/dvl_altitude/dvl_height/g'
-check "another cycle time is noticed" touched 1 's/("GenMsgCycleTime" BO_ 1031) 100/\1 50/'
-check "another comment is noticed" touched 1 's/Positive down/Positive upwards/'
-check "another protocol version is noticed" touched 1 's/"AuvidProtocol" 1/"AuvidProtocol" 2/'
+check "another start bit is detected" touched 1 's/index : 12\|5/index : 12|4/; s/\[0\|31\]/[0|15]/'
+check "another name is detected" touched 1 's/dvl_altitude/dvl_height/g'
+check "another cycle time is detected" touched 1 's/("GenMsgCycleTime" BO_ 1031) 100/\1 50/'
+check "another comment is detected" touched 1 's/Positive down/Positive upwards/'
+check "another protocol version is detected" touched 1 's/"AuvidProtocol" 1/"AuvidProtocol" 2/'
 for file in lib/include/auvid/can_messages.h lib/src/can/auvid_can_table.c lib/can/README.md; do
-    check "a change of ${file##*/} is noticed" spoiled "$file"
+    check "a change of ${file##*/} is detected" spoiled "$file"
 done
 check "a gap in the identifiers is refused" touched 2 's/1040/1041/g'
-check "two messages of one data id are refused" touched 2 's/("AuvidDataId" BO_ 1031) 14/\1 15/'
-check "signals that overlap are refused" touched 2 's/theta : 26/theta : 25/'
+check "two messages with one data id are refused" touched 2 's/("AuvidDataId" BO_ 1031) 14/\1 15/'
+check "overlapping signals are refused" touched 2 's/theta : 26/theta : 25/'
 check "a signal without comment is refused" touched 2 '/CM_ SG_ 1031 depth/d'
-check "a scale that is no 1/n is refused" touched 2 's/(phi : [^(]*\()0.0004/\10.0003/'
+check "a scale that is not 1/n is refused" touched 2 's/(phi : [^(]*\()0.0004/\10.0003/'
 check "a signal without a value for not available is refused" touched 2 '/VAL_ 1031 depth/d'
 check "a crc in another place is refused" touched 2 's/(gps_crc : )0/\11/'
 check "more than a fifth of the bus is refused" touched 2 \
     's/("GenMsgCycleTime" BO_ 10[0-9]+) 100/\1 5/'
-check "a file that is no DBC is refused" touched 2 's/^BO_ /BO /'
+check "a file that is not a DBC is refused" touched 2 's/^BO_ /BO /'
 finish

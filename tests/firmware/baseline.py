@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compare figures with those committed.
+"""Compares figures with the committed ones.
 
 usage: baseline.py CSV NEW
-Both have lines "key,number"; a header may come first. Prints the keys whose number has grown by
-more than 2 %, and those that only one of the two has; exit status 1 when there are any. What is
-meant to grow is committed with its reason: cp NEW CSV.
+Both have lines "key,number", optionally after a header. Prints the keys whose number has grown by
+more than 2 %, and those that only one file has. Exit status 1 if there are any. If the growth is
+intended, cp NEW CSV and commit it with the reason.
 """
 import csv
 import sys
@@ -26,7 +26,7 @@ def main():
     wrong += [f"{key}: not in {sys.argv[1]}" for key in new.keys() - old.keys()]
     print("\n".join(sorted(wrong)) or f"{len(new)} figures, none grown by more than 2 %")
     if wrong:
-        print(f"if so meant: cp {sys.argv[2]} {sys.argv[1]}, and commit it with the reason")
+        print(f"if this is intended: cp {sys.argv[2]} {sys.argv[1]}, and commit it with the reason")
     return bool(wrong)
 
 

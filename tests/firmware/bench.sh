@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Exact instructions of each public function: the firmware's example through the identification of a
-# recorded log with eight sets, in QEMU, every call counted (count_plugin.c). `make bench-firmware`.
+# Exact instructions of each public function. The firmware's example identifies a recorded log with
+# eight sets in QEMU, which counts every call (count_plugin.c). Run by `make bench-firmware`.
 #
-# usage: tests/firmware/bench.sh CSV [BOARD-LEVEL...]     default: all that were built
-# Prints a table and writes the same as CSV, to be compared with instructions.csv (baseline.py).
+# usage: tests/firmware/bench.sh CSV [BOARD-LEVEL...]     default: all built images
+# Prints a table and writes it as CSV, for a comparison with instructions.csv (baseline.py).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD csv=$1
@@ -14,7 +14,7 @@ rm -rf "$work"
 mkdir -p "$work"
 build/auvid node --bus memory --excite --sets 8 --log "$work/bus.log" >"$work/node.txt"
 
-# count BOARD-LEVEL IMAGE: run it in a folder of its own.
+# count BOARD-LEVEL IMAGE: runs it in a separate folder.
 count() {
     local here=$work/$1/$2 image=$top/build/firmware/$1/$2.elf
     mkdir -p "$here"

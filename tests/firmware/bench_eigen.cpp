@@ -1,11 +1,11 @@
 /*
- * The navigation step beside two others that do the same arithmetic with Eigen, in float, of fixed
- * size: 6 states (position, velocity in the body), a prediction with the attitude of an IMU, an
- * update by a DVL's velocity, one by a depth. Counted by tests/firmware/bench_eigen.sh.
+ * The navigation step and two filters that do the same arithmetic with Eigen, in float, of fixed
+ * size. They have 6 states (position, velocity in the body), a prediction with the attitude of an
+ * IMU, an update by a DVL's velocity and one by a depth. tests/firmware/bench_eigen.sh counts them.
  *
- * Theirs is the filter alone. Ours looks at every sample besides: is it finite, of which time, does
- * it pass the gate, which sensor has fallen silent; it sums position with compensation, removes the
- * DVL's lever arm, and keeps a record of innovations.
+ * The filters in Eigen do nothing else. auvid also checks every sample: is it finite, is its time
+ * valid, does it pass the gate, which sensor timed out? It sums the position with compensation,
+ * removes the DVL's lever arm, and records innovations.
  */
 #include <Eigen/Dense>
 #include <cmath>
@@ -15,7 +15,7 @@ extern "C" {
 #include "machine.h"
 }
 
-extern "C" void *__dso_handle; /* the C++ library's; start-up has none */
+extern "C" void *__dso_handle; /* for the C++ library; start-up has none */
 void *__dso_handle;
 
 #define COUNTED extern "C" __attribute__((noipa))
@@ -37,7 +37,7 @@ static Matrix3 rotation(const float *attitude)
     return r;
 }
 
-/* ---- as one writes it ---- */
+/* ---- plain ---- */
 
 using Vector6 = Eigen::Matrix<float, 6, 1>;
 using Matrix6 = Eigen::Matrix<float, 6, 6>;
@@ -95,7 +95,7 @@ COUNTED void natural_depth(float depth)
     natural.p = (Matrix6::Identity() - k * h) * natural.p;
 }
 
-/* ---- in blocks, by hand: position, velocity, and what joins them ---- */
+/* ---- in blocks by hand: position, velocity and their covariance ---- */
 
 static struct {
     Vector3 x = Vector3::Zero(), v = Vector3::Zero();
@@ -115,7 +115,7 @@ COUNTED void blocks_imu(const float *attitude)
     blocks.vv.diagonal().array() += q;
 }
 
-/* One component after the other: the noise is independent, no matrix is inverted. */
+/* Component by component: the noise is independent, so no matrix is inverted. */
 COUNTED void blocks_dvl(const float *velocity)
 {
     for (int i = 0; i < 3; ++i) {
@@ -142,7 +142,7 @@ COUNTED void blocks_depth(float depth)
     blocks.vv -= kv * hv.transpose();
 }
 
-/* ---- ---- */
+/* ---- the comparison ---- */
 
 int main()
 {

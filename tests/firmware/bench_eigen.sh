@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The navigation step on a Cortex-M4F beside one with Eigen, as one writes it and in blocks by hand:
-# instructions of a prediction with a DVL's and a depth's update. `make bench-eigen`.
+# Compares the navigation step on a Cortex-M4F with two filters in Eigen, plain and in blocks by
+# hand: instructions of a prediction and updates by a DVL and a depth. Run by `make bench-eigen`.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD work=build/firmware/eigen
@@ -15,7 +15,7 @@ for level in O2 O3; do
         $compile -$level -std=c11 -ffp-contract=off $flags -c -o "$here/$(basename "$source").o" \
             "$source"
     done
-    # Eigen with the compiler's own choice of contraction: fused, where the core can.
+    # Eigen with the compiler's default contraction: fused if the core supports it.
     ${compile/gcc/g++} -$level -std=c++17 -fno-exceptions -fno-rtti -DEIGEN_NO_DEBUG \
         -DEIGEN_NO_MALLOC $flags -isystem "$EIGEN_DIR" -c -o "$here/eigen.o" \
         tests/firmware/bench_eigen.cpp
@@ -24,7 +24,7 @@ for level in O2 O3; do
     awk -v level=$level '
         { sub(/_f32$/, "", $1); mean[$1] = $3 / $2 }
         function step(name, imu, dvl, depth) {
-            printf "%-3s %-28s %6.0f = %5.0f + %5.0f + %4.0f   %.2f of ours\n", level, name,
+            printf "%-3s %-28s %6.0f = %5.0f + %5.0f + %4.0f   %.2f of auvid\n", level, name,
                 imu + dvl + depth, imu, dvl, depth, (imu + dvl + depth) / ours
         }
         END {

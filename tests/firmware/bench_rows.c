@@ -1,6 +1,6 @@
 /*
  * One evaluation of the cost on 240 rows of the residual path: the Girona500 as a model without
- * regressor, and motion and wrench that are sines. For tests/firmware/bench.sh.
+ * regressor, with sines as motion and wrench. For tests/firmware/bench.sh.
  */
 #include "auvid/metric.h"
 #include "base/auvid_math_internal.h"
@@ -11,7 +11,7 @@ enum { SETS = 8, ROWS = 30 };
 static auvid_metric_t metric;
 static auvid_row_t rows[(SETS + 1) * ROWS];
 
-/* The forces of its regressor's rows, as a user would write a model that has none. */
+/* Forces of the Girona500 as a user's model without a regressor would compute them. */
 static void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
                      auvid_real_t out[AUVID_DOF_COUNT])
 {
@@ -38,7 +38,7 @@ static void residual(const void *context, const auvid_sample_t *s, const auvid_r
                      s->tau[AUVID_YAW];
 }
 
-/* Slow motion and wrench, every channel with a period of its own. */
+/* Slow motion and wrench; each channel has its own period. */
 static void make_sample(uint32_t cell, auvid_sample_t *s)
 {
     auvid_real_t t = AUVID_C(0.1) * (auvid_real_t)cell, cos_t;

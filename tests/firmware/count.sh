@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Run an image in QEMU and count the instructions of its functions (count_plugin.c): ./count gets
-# lines "function calls total most".
+# Runs an image in QEMU and counts the instructions of its functions (count_plugin.c). Writes lines
+# "function calls total max" to ./count.
 #
-# usage: count.sh BOARD IMAGE       in a folder with what the image reads
+# usage: count.sh BOARD IMAGE       in a folder with the files that the image reads
 set -euo pipefail
 top=$(realpath "$(dirname "$0")/../..")
 board=$top/port/cortex_m/board.sh

@@ -1,19 +1,19 @@
 /*
- * A plugin of QEMU that counts the instructions of every function of an image, call by call, those
- * of the functions it calls included. The image is left as it is.
+ * A plugin of QEMU that counts the instructions of every function of an image, call by call. The
+ * count of a call includes the functions it calls. The image is not modified.
  *
  *     -plugin count_plugin.so,functions=FILE,out=FILE
  *
  * functions: lines "address T name" of all functions, as `nm --defined-only` prints them.
- * out: lines "name calls total most". The line "tick" sums up what a node does in one tick: calls
- * of auvid_node_take, _step, _work and _report, up to the end of the latter.
+ * out: lines "name calls total max". The line "tick" is the sum over one tick of a node: calls of
+ * auvid_node_take, _step, _work and _report, up to the end of the last.
  *
- * A function has returned when the instruction after its call is executed. Nothing here knows a
- * core: a jump to a function's first instruction looks like a call from where it jumped, and ends
- * with the function around it. Two things must not be: recursion, and interrupts.
+ * A function has returned when the instruction after its call is executed. The plugin does not
+ * depend on the core. A jump to the first instruction of a function counts as a call. It ends with
+ * the function that contains the jump. Recursion and interrupts are not supported.
  *
- * Debian ships no qemu-plugin.h: what is used of the interface (version 1, QEMU 4.2 to 8.2) is
- * declared here.
+ * Debian ships no qemu-plugin.h, so this file declares the functions used of the interface (version
+ * 1, QEMU 4.2 to 8.2).
  */
 #include <stdbool.h>
 #include <stddef.h>
@@ -46,15 +46,15 @@ typedef struct {
     char name[100];
 } function_t;
 
-/* A block of instructions that is executed from its first to its last. */
+/* A block of instructions executed from its first to its last. */
 typedef struct {
     uint64_t begin, end, count;
-    function_t *function; /* which begins here; or null */
+    function_t *function; /* that begins here; or NULL */
 } block_t;
 
 typedef struct {
     function_t *function;
-    uint64_t back, before; /* where it returns to; instructions before it */
+    uint64_t back, before; /* return address; instructions before the call */
 } call_t;
 
 enum { FUNCTIONS = 20000, DEPTH = 1000 };
@@ -94,7 +94,7 @@ static void execute(unsigned int cpu, void *data)
 {
     const block_t *block = data;
     (void)cpu;
-    /* The innermost call that returns here, and those it had jumped on to. */
+    /* The innermost call that returns here, and the functions it jumped to. */
     for (size_t i = depth; i-- > 0;) {
         if (calls[i].back == block->begin) {
             while (depth > i) {
@@ -105,7 +105,7 @@ static void execute(unsigned int cpu, void *data)
         }
     }
     if (block->function != NULL && last != NULL &&
-        (depth == 0 || calls[depth - 1].function != block->function)) { /* else a loop */
+        (depth == 0 || calls[depth - 1].function != block->function)) { /* otherwise a loop */
         if (depth == DEPTH) {
             fprintf(stderr, "count_plugin: calls too deep, in %s\n", block->function->name);
             exit(1);
@@ -125,7 +125,7 @@ static int by_address(const void *a, const void *b)
 static void translated(qemu_plugin_id_t id, struct qemu_plugin_tb *tb)
 {
     (void)id;
-    block_t *block = malloc(sizeof *block); /* for good: QEMU may translate it again */
+    block_t *block = malloc(sizeof *block); /* never freed: QEMU may translate the block again */
     size_t n = qemu_plugin_tb_n_insns(tb);
     const struct qemu_plugin_insn *end = qemu_plugin_tb_get_insn(tb, n - 1);
     function_t key = {.at = qemu_plugin_tb_vaddr(tb)};
@@ -146,7 +146,7 @@ static void at_exit(qemu_plugin_id_t id, void *data)
         perror(out);
         exit(1);
     }
-    functions[n_functions++] = tick; /* there is room: see read_functions */
+    functions[n_functions++] = tick; /* there is space: see read_functions */
     for (size_t i = 0; i < n_functions; ++i) {
         const function_t *f = &functions[i];
         if (f->calls > 0) {
@@ -168,7 +168,7 @@ static bool read_functions(const char *name)
         if (sizes != NULL && !strncmp(f.name, "auvid_", 6)) {
             *sizes = '\0';
         }
-        f.at = at & ~1ull; /* Thumb's mark */
+        f.at = at & ~1ull; /* clears the Thumb bit */
         if (strchr("tTwW", kind) != NULL && f.name[0] != '$' && n_functions < FUNCTIONS - 1) {
             functions[n_functions++] = f;
         }

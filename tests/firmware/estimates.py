@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The last estimate in a log of frames, against the truth.
+"""Compares the last estimate in a log of frames with the truth.
 
 usage: estimates.py SENT.log NODE.json
-SENT.log is what the firmware's example sent, NODE.json what `auvid node --json` printed about the
-vehicle that both listened to. Prints "rms 1.2 % of 13 parameters, largest 3.4 % (Z_w)".
+SENT.log has the frames sent by the firmware's example. NODE.json is the output of `auvid node
+--json` for the same vehicle. Prints "rms 1.2 % of 13 parameters, largest 3.4 % (Z_w)".
 """
 import json
 import math
@@ -19,7 +19,7 @@ def main():
         word, value = struct.unpack("<If", bytes.fromhex(data))
         estimate[word >> 12 & 31] = word >> 17 & 127, value  # index: number, value
     newest = max(number for number, _ in estimate.values())
-    assert all(number == newest for number, _ in estimate.values()), "the last is not complete"
+    assert all(number == newest for number, _ in estimate.values()), "the last is incomplete"
     error = {name: 100 * abs(estimate[i][1] / truth[name] - 1) for i, name in enumerate(truth)}
     rms = math.sqrt(sum(e * e for e in error.values()) / len(error))
     worst = max(error, key=error.get)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The heaviest tick of the firmware's example with another budget; passive, if so wanted. After
-# `make bench-firmware`, whose log and objects it takes.
+# Prints the longest tick of the firmware's example with another budget, optionally passive. Run
+# `make bench-firmware` first: this uses its log and objects.
 #
 # usage: tests/firmware/heaviest.sh BOARD-LEVEL BUDGET [passive]      e.g. m0plus-Os 2 passive
 set -euo pipefail
@@ -18,6 +18,6 @@ $(port/cortex_m/board.sh "$board" link) -Wl,--wrap=machine_timer,--wrap=machine_
     "$objects"/port/cortex_m/example/driver_qemu.o "$objects"/tests/firmware/machine_calm.o
 (cd "$here" && "$top/tests/firmware/count.sh" "$board" ./image.elf >said)
 awk -v what="$*" '{ sub(/^auvid_node_/, "", $1); mean[$1] = $3 / $2; most[$1] = $4 }
-    END { printf "%s: instructions, mean / most: tick %d / %d; step %d / %d; work %d / %d\n", what,
+    END { printf "%s: instructions, mean / max: tick %d / %d; step %d / %d; work %d / %d\n", what,
         mean["tick"], most["tick"], mean["step"], most["step"], mean["work"], most["work"] }' \
     "$here/count"

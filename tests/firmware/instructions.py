@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A table of instructions from what count_plugin.c counted. Called by bench.sh.
+"""A table of instructions from the counts of count_plugin.c. Called by bench.sh.
 
 usage: instructions.py FOLDER CSV NAME...
 FOLDER/NAME/counted/count and FOLDER/NAME/rows/count have lines "function calls total most".
@@ -15,7 +15,7 @@ ONCE = re.compile(r"_(init|defaults|check|schedule|plan)$")  # not called in a t
 
 
 def read(path):
-    """{function: (calls, total, most)}; AUVID_SIZED() names without their sizes."""
+    """{function: (calls, total, maximum)}; AUVID_SIZED() names without their sizes."""
     count = {}
     for line in path.read_text().split("\n")[:-1]:
         name, *numbers = line.split()
@@ -24,7 +24,7 @@ def read(path):
 
 
 def figures(name):
-    """{line of the table: (mean, most or None)}"""
+    """{line of the table: (mean, maximum or None)}"""
     run, rows = (read(folder / name / image / "count") for image in ("counted", "rows"))
     calls, total, most = ({f: c[k] for f, c in run.items()} for k in range(3))
 
@@ -58,7 +58,7 @@ def figures(name):
 
 columns = {name: figures(name) for name in names}
 lines = list(dict.fromkeys(line for table in columns.values() for line in table))
-print("instructions, mean / most of a call" + "".join(f"{name:>18}" for name in names))
+print("instructions, mean / maximum per call" + "".join(f"{name:>18}" for name in names))
 with csv.open("w") as file:
     file.write("key,number\n")
     for line in lines:

@@ -1,6 +1,7 @@
 /*
- * Where instructions are counted no interrupt may come in between: the timer's handler is called
- * where the loop sleeps. Linked with --wrap=machine_timer,--wrap=machine_sleep.
+ * For images whose instructions are counted. An interrupt must not occur during a count, so the
+ * timer's handler is called where the loop sleeps. Linked with
+ * --wrap=machine_timer,--wrap=machine_sleep.
  */
 #include "machine.h"
 

@@ -1,6 +1,6 @@
 /*
- * machine.h on the host, so that the firmware's example runs there as it is: the reference for the
- * bits. The timer's interrupt comes while the loop sleeps.
+ * machine.h on the host, where the firmware's example runs unchanged: the reference for the bits.
+ * The timer's interrupt occurs while the loop sleeps.
  */
 #include "machine.h"
 

@@ -1,23 +1,23 @@
 #!/usr/bin/env python3
-"""Flash, RAM and stack of the firmware's example, from what `make firmware` left in build/firmware.
+"""Flash, RAM and stack of the firmware's example, from the output of `make firmware`.
 
 usage: size.py BOARD... >FIGURES.csv
        size.py --readme                 README's table, from tests/firmware/size.csv
-Lines "what/board/name,bytes"; on stderr the same as tables. Exit status 1 when a worst stack is
-not known (recursion, a frame without a known size, a call through a pointer that is not in
-POINTERS), or the RAM that is left for it is less.
+Prints lines "what/board/name,bytes", and the same as tables on stderr. Exit status 1 if a maximum
+stack is unknown (recursion, a frame of unknown size, a call through a pointer that is not in
+POINTERS), or exceeds the RAM that is left for it.
   image   text, data and bss of the example
-  flash   of each module as linked: what the example uses. A module is its public header and the
-          objects named after it, or an object of its own; `library` is all of lib/, `library whole`
-          its objects unlinked
-  sizeof  public structs, and parts of the identifier (regressors: without what models that are not
-          linear need, and with a population for 13 parameters; thirteen: all sizes for the 13
-          of Girona500)
-  stack   the deepest chain of calls below each public function, the functions of the user's model
-          not counted; on the line of `all`, the worst of every core. `main` and `interrupt` are
-          the example's, with Girona500's model: their sum is what the image needs
-Frames and calls of compiled functions are gcc's (-fcallgraph-info=su), those of its libraries are
-read off the disassembly.
+  flash   of each module as linked into the example. A module is a public header and the objects
+          named after it, or a single object; `library` is all of lib/, `library whole` its objects
+          before linking
+  sizeof  public structs, and parts of the identifier (regressors: without the memory of non-linear
+          models, and with a population for 13 parameters; thirteen: all sizes for the 13
+          parameters of Girona500)
+  stack   the deepest chain of calls below each public function, without the functions of the user's
+          model; `all` is the maximum over the cores. `main` and `interrupt` are those of the
+          example, with Girona500's model: their sum is the stack of the image
+Frames and calls of compiled functions come from gcc (-fcallgraph-info=su), those of its libraries
+from the disassembly.
 """
 import pathlib
 import re
@@ -77,7 +77,7 @@ def flash(folder):
 
 
 def library_frames(board, folder):
-    """{name: (frame, callees)} of the compiler's libraries, for all that the library may call."""
+    """{name: (frame, callees)} of the compiler's libraries, for all functions auvid may call."""
     tools, link = (run(BOARD, board, what).split() for what in ("tools", "link"))
     with tempfile.TemporaryDirectory() as scratch:
         image = scratch + "/whole.elf"
@@ -115,7 +115,7 @@ def library_frames(board, folder):
 
 
 class Graph:
-    """Who calls whom on one board, and how deep the stack gets."""
+    """Call graph of one board, and the maximum stack."""
 
     def __init__(self, board):
         folder = pathlib.Path(f"build/firmware/{board}-Os")
@@ -138,13 +138,13 @@ class Graph:
                 self.calls[name] = callees
 
     def pointer(self, where):
-        """The pattern of POINTERS that fits a line of source."""
+        """The pattern of POINTERS that matches a line of source."""
         path, line = where.split(":")[:2]
         source = pathlib.Path(path).read_text().splitlines()[int(line) - 1]
         for pattern in POINTERS:
             if re.search(pattern, source):
                 return pattern
-        raise NoBound(f"{where}: {source.strip()}: what does it call?")
+        raise NoBound(f"{where}: {source.strip()}: unknown target; add it to POINTERS")
 
     def worst(self, name, above=(), model=True):
         """(bytes, chain) below and with `name`."""
@@ -180,13 +180,13 @@ class Graph:
 
 
 def exception(board):
-    """Bytes that the core itself stacks before a handler runs, aligned to 8."""
+    """Bytes that the core pushes before a handler runs, aligned to 8."""
     flags = run(BOARD, board, "compile")
     return 0 if "riscv" in flags else 112 if "float-abi=hard" in flags else 40
 
 
 def room(prefix, folder):
-    """Bytes of RAM that static data leaves to the stack."""
+    """Bytes of RAM left for the stack."""
     at = dict(re.findall(r"^(\w+) \w (stack_top|bss_end)$", run(
         prefix + "nm", str(folder / "example.elf")), re.M))
     at = {name: int(address, 16) for address, name in at.items()}
@@ -194,8 +194,8 @@ def room(prefix, folder):
 
 
 def structs(board, more):
-    """{type: sizeof} of all public structs, without those of single messages; fossen.h has none at
-    the sizes of the boards."""
+    """{type: sizeof} of all public structs except single messages and those of fossen.h, which the
+    sizes of the boards exclude."""
     folder = HEADERS[0].parent
     others = (folder / "can_messages.h").read_text() + (folder / "fossen.h").read_text()
     of, left_out = (set(re.findall(r"^\} (auvid_\w+_t);", text, re.M)) for text in (API, others))
@@ -259,7 +259,7 @@ def main():
 
 
 def tables(figures, chains):
-    """For people."""
+    """Prints the figures as tables on stderr."""
     out = sys.stderr
     for what in ("image", "flash", "sizeof", "stack"):
         rows = {}

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The bytes of a checkpoint are the same whatever the core, its pointers and its compiler's enums.
+# The bytes of a checkpoint do not depend on the core, its pointers or its compiler's enums.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 program=build/release/tests/unit/identifier/test_checkpoint

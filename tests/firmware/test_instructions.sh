@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Instructions on microcontrollers: none of the figures of instructions.csv has grown by more than
-# 2 % unless that was committed; and no tick takes more than what README states, whatever comes in.
+# Instructions on microcontrollers: no figure of instructions.csv has grown by more than 2 % without
+# a commit, and no tick takes more than the README states, with any input.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD
@@ -8,7 +8,7 @@ top=$PWD
 work=$LOGS/instructions
 mkdir -p "$work"
 
-# Most instructions of one tick at the default budget on a Cortex-M4F: see port/cortex_m/README.md.
+# Maximum instructions per tick at the default budget on a Cortex-M4F: see port/cortex_m/README.md.
 most=130000
 
 names=(m4f-O2 m4f-Os)
@@ -24,7 +24,7 @@ else
     echo "not ok instructions: $said"
 fi
 
-# Ticks of hostile frames; then of hostile samples, without a node.
+# Ticks of hostile frames, then of hostile samples without a node.
 for level in O2 Os; do
     image=$top/build/firmware/m4f-$level/tests/unit/identifier/test_hostile_inputs.elf
     if ! (cd "$work" && "$top/tests/firmware/count.sh" m4f "$image" >said); then

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The identification of a recorded log on every core, and on the host however it was compiled: every
-# frame that the firmware's example sends, compared bit for bit.
+# Identifies a recorded log on every core, and on the host with different compiler flags. Every
+# frame that the firmware's example sends is compared bit for bit.
 #
-# The reference is the library as `make` builds it: the run that recorded the log. What it sent is
-# in the log; only its load (in health) and its answers to ticks depend on its machine. For the
-# board with 20 KiB of RAM it is the host with the same sizes.
+# The reference is the library as built by `make`: the run that recorded the log. The log has the
+# frames it sent; only its load (in health) and its answers to ticks depend on the machine. For the
+# board with 20 KiB of RAM the reference is the host with the same sizes.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD
@@ -13,7 +13,7 @@ work=$top/$LOGS/same-bits
 rm -rf "$work"
 mkdir -p "$work"
 
-# Frames as "ID#DATA", in their order, without those that tell of the machine's speed.
+# Frames as "ID#DATA" in order, without those that depend on the machine's speed.
 frames() {
     awk '{ print $3 }' "$1"
 }
@@ -24,7 +24,7 @@ build/auvid node --bus memory --excite --sets 8 --json --log "$work/bus.log" >"$
 frames "$work/bus.log" | grep -E '^(042|043|409|40A|40B|40C|40D|40E|41[0-2])#' >"$work/reference"
 declare -A hash
 
-# compare NAME: what is in $work/NAME/sent.log against the reference, and against all others.
+# compare NAME: compares $work/NAME/sent.log with the reference and with all others.
 compare() {
     local sent=$work/$1/sent.log mine same line reference=$work/reference
     frames "$sent" | grep -v '^40F#' >"$work/$1/frames"
@@ -47,7 +47,7 @@ compare() {
     echo "ok $1: $same frames sent, hash $mine; $(tr '\n' ' ' <"$work/$1/said")"
 }
 
-# run NAME COMMAND...: in a folder of its own.
+# run NAME COMMAND...: runs it in a separate folder.
 run() {
     local name=$1
     shift
@@ -60,7 +60,7 @@ run() {
     fi
 }
 
-# check_stack BOARD: what was in use is no more than the call graph allows (size.py).
+# check_stack BOARD: the stack used is no more than the maximum of the call graph (size.py).
 check_stack() {
     local used most
     used=$(grep -o 'stack: [0-9]*' "$work/$1-Os/said" | cut -d ' ' -f 2)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The example's watch over the tick: a controller that starts 0.3 s after the board, as all logs do
-# here (driver_qemu.c), keeps it from nothing; one that falls silent for half a second in the
-# excitation ends that with one command of zero, and no other.
+# The example's supervision of the tick. A controller may start 0.3 s after the board, as in all
+# logs here (driver_qemu.c). A controller that is silent for half a second during the excitation
+# ends it with exactly one command of zero.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD
@@ -10,7 +10,7 @@ work=$top/$LOGS/silence
 rm -rf "$work"
 mkdir -p "$work/late" "$work/lost"
 
-# Twelve seconds of a run: the order to arm comes after one.
+# Twelve seconds of a run; the arm frame comes after one second.
 build/auvid node --bus memory --excite --sets 1 --log "$work/all.log" >"$work/node.txt" || true
 awk '{ t = substr($1, 2) + 0; begin = NR == 1 ? t : begin } t < begin + 12' "$work/all.log" \
     >"$work/late/bus.log"

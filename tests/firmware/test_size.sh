@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Flash, RAM and stack of the firmware have not grown by more than 2 % that is not committed with
-# its reason (make size SIZE=write).
+# Flash, RAM and stack of the firmware have not grown by more than 2 % without a commit that gives
+# the reason (make size SIZE=write).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 figures=build/firmware/size.csv
@@ -10,5 +10,5 @@ if tests/firmware/size.py $(port/cortex_m/board.sh list) >"$figures" &&
     echo "ok $out"
 else
     echo "${out:-}"
-    echo "not ok flash, RAM or stack have grown, or have no bound"
+    echo "not ok flash, RAM or stack have grown, or the stack has no bound"
 fi

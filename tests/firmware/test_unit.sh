@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The unit tests on emulated microcontrollers, with hardware floating point and without. Which do
-# not run there, and why, is in unit.txt.
+# The unit tests on emulated microcontrollers, with and without hardware floating point. unit.txt
+# lists those that do not run there, and why.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 left_out='host|long'
@@ -16,7 +16,7 @@ for board in m4f m0plus; do
         fi
         image=build/firmware/$board-O2/${test%.c}.elf
         echo "$board $name"
-        # Unity says itself what failed, and how many passed.
+        # Unity prints the failures and the number of tests.
         status=0
         out=$(timeout 3600 port/cortex_m/board.sh "$board" run "$image" 2>&1) || status=$?
         echo "$out"

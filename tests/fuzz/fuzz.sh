@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Build each fuzzer with libFuzzer, ASan and UBSan, and run it from its corpus.
+# Builds each fuzzer with libFuzzer, ASan and UBSan, and runs it on its corpus.
 #
 # usage: fuzz.sh SECONDS FILE.c...
-# SECONDS are shared by the fuzzers. The corpus of fuzz_x.c is tests/fuzz/corpus/x, which stays as
-# it is; what is found on the way goes to build/fuzz/x. A crash leaves its input there; exit status
-# 1. FUZZ_FLAGS are handed to each fuzzer.
+# The fuzzers share SECONDS. The corpus of fuzz_x.c is tests/fuzz/corpus/x, which is not modified.
+# New inputs go to build/fuzz/x, and so does the input of a crash. Exit status 1 after a crash.
+# FUZZ_FLAGS are passed to each fuzzer.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=$(($1 / ($# - 1)))

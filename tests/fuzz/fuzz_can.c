@@ -1,5 +1,5 @@
 /*
- * libFuzzer: frames of chance through the queue into the receivers, and what thrust is commanded.
+ * libFuzzer: random frames through the queue into the receivers, and the commanded thrust.
  */
 #include "auvid/can_fifo.h"
 #include "auvid/can_receiver.h"
@@ -19,7 +19,7 @@ static void check_thrust(auvid_can_command_t *command, uint64_t now_us, uint64_t
     REQUIRE(status != AUVID_OK || now_us - good_us <= AUVID_CAN_COMMAND_TIMEOUT_US);
 }
 
-/* The message's own receiver judges the frame, another one leaves it alone. */
+/* Only the receiver of the frame's message changes. */
 static void check_receivers(auvid_can_receiver_t *receiver, const auvid_can_frame_t *frame,
                             uint64_t now_us)
 {
@@ -50,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         read_record(data + at, &frame, &now_us);
         auvid_can_fifo_push(&fifo, &frame);
         if ((data[at + 2] & 2u) != 0) {
-            continue; /* it waits in the queue */
+            continue; /* it remains in the queue */
         }
         while (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
             check_receivers(receiver, &frame, now_us);

@@ -1,6 +1,6 @@
 /*
- * libFuzzer: bytes of chance as a candump log. What is read as a frame is one that can be written,
- * and reads the same again.
+ * libFuzzer: random bytes as a candump log. Every frame read can be written, and is read back
+ * unchanged.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "bus_candump.h"
@@ -9,7 +9,7 @@
 
 enum { TEXT = 128, MOST = 64 };
 
-/* Opens a log that is in memory. */
+/* Opens a log in memory. */
 static void open_memory(bus_candump_t *log, void *bytes, size_t size, const char *mode)
 {
     int status = mode[0] == 'w' ? bus_candump_create(log, "/dev/null", "can0", 0)

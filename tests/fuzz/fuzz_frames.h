@@ -1,6 +1,6 @@
 /*
- * Bytes of chance as frames. 11 bytes a frame: one selects the identifier, one the time since the
- * last frame, one whether the checksum is put right (a fuzzer cannot guess it), eight are data.
+ * Random bytes as frames, 11 bytes per frame. One selects the identifier, one the time since the
+ * last frame, one whether the checksum is corrected (a fuzzer cannot guess it); eight are data.
  */
 #ifndef FUZZ_FRAMES_H
 #define FUZZ_FRAMES_H
@@ -22,7 +22,7 @@ static inline void fail(const char *file, int line, const char *what)
     abort();
 }
 
-/* Frame from a record, `*now_us` going on. Identifiers near both blocks, so that most are ours. */
+/* Makes a frame from a record and advances *now_us. Identifiers are in or near both blocks. */
 static inline void read_record(const uint8_t *record, auvid_can_frame_t *frame, uint64_t *now_us)
 {
     memset(frame, 0, sizeof *frame);

@@ -1,6 +1,6 @@
 /*
- * libFuzzer: frames of chance into a node that excites when it is told to. After each tick frame
- * come the tick's step, work and report, as in `auvid node`.
+ * libFuzzer: random frames into a node that excites on an arm frame. After each tick frame it runs
+ * step, work and report, as `auvid node` does.
  */
 #include "auvid/node.h"
 #include "fuzz_frames.h"
@@ -9,7 +9,7 @@ enum { BUDGET = 50 };
 
 static auvid_node_t fresh;
 
-/* What a node sends is authentic and in range. */
+/* Every frame of a node is authentic and in range. */
 static void check_sent(const auvid_can_frame_t *frame, int count)
 {
     REQUIRE(count >= 0 && count <= AUVID_NODE_FRAMES);

@@ -1,9 +1,9 @@
 /*
- * libFuzzer: a frame of chance through auvid_can_unpack, and back.
+ * libFuzzer: a random frame through auvid_can_unpack and back.
  */
 #include "fuzz_frames.h"
 
-/* A frame that is unpacked must pack to one that unpacks to the same. */
+/* An unpacked frame must pack to a frame that unpacks to the same message. */
 static void check_round_trip(const auvid_can_frame_t *frame)
 {
     auvid_can_message_t message, again;

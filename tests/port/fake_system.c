@@ -1,4 +1,4 @@
-/* See fake_system.h. The Makefile finds the functions to wrap by their names here. */
+/* See fake_system.h. The Makefile finds the functions to wrap by their names in this file. */
 #include "fake_system.h"
 
 #include <errno.h>
@@ -122,7 +122,7 @@ int __wrap_getsockopt(int fd, int level, int option, void *value, socklen_t *len
     (void)level;
     assert_int_equal(option, SO_RCVBUF);
     assert_int_equal(*length, sizeof(int));
-    memcpy(value, &(int){2 * fake.receive_buffer}, sizeof(int)); /* the kernel doubles */
+    memcpy(value, &(int){2 * fake.receive_buffer}, sizeof(int)); /* the kernel doubles it */
     return 0;
 }
 
@@ -172,7 +172,7 @@ static void fill(struct mmsghdr *message, const fake_incoming_t *in)
     assert_in_range(message->msg_hdr.msg_controllen, 0, room);
 }
 
-/* Like the kernel: an error that comes after messages is told by the next call. */
+/* Like the kernel: the next call returns an error that follows messages. */
 int __wrap_recvmmsg(int fd, struct mmsghdr *messages, unsigned count, int flags,
                     struct timespec *timeout)
 {

@@ -1,4 +1,4 @@
-/* Logs of candump -L, written and read. */
+/* Writing and reading logs of candump -L. */
 #include "fake_system.h"
 
 #include <linux/can/error.h>
@@ -43,7 +43,7 @@ static void put(const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-/* The log holds `text`; so many frames are read from it, and then comes `status`. */
+/* Reads a log with `text`: expects this number of frames, and then `status`. */
 static void check_reading(const char *text, int count, int status)
 {
     put(text);
@@ -79,7 +79,7 @@ static bus_frame_t random_frame(uint64_t *t_us)
     return frame;
 }
 
-static void test_what_was_written_is_read_again(void **state)
+static void test_written_frames_are_read_back(void **state)
 {
     static bus_frame_t written[MANY], read[MANY + 1];
     uint64_t t_us = 0;
@@ -105,7 +105,7 @@ static void test_what_was_written_is_read_again(void **state)
     assert_int_equal(bus->close(bus), BUS_OK);
 }
 
-static void test_a_line_looks_as_candump_writes_it(void **state)
+static void test_a_line_has_the_format_of_candump(void **state)
 {
     const bus_frame_t frame = {
         .t_us = 1249713, .id = 0x44, .length = 3, .data = {0x2A, 0x36, 0x0C}};
@@ -117,7 +117,7 @@ static void test_a_line_looks_as_candump_writes_it(void **state)
     assert_int_equal(bus_candump_create(&candump, path, "can0", 1436509052000000), BUS_OK);
     assert_int_equal(bus->send(bus, &frame), BUS_OK);
     assert_int_equal(bus->send(bus, &wide), BUS_OK);
-    file = fopen(path, "r"); /* before it is closed: each line is out at once */
+    file = fopen(path, "r"); /* before close: each line is written at once */
     assert_non_null(file);
     assert_true(fread(text, 1, sizeof text - 1, file) > 0);
     assert_string_equal(text, "(1436509053.249713) can0 044#2A360C\n"
@@ -134,7 +134,7 @@ static void test_a_line_looks_as_candump_writes_it(void **state)
     (void)fclose(file);
 }
 
-static void test_lines_of_other_versions_are_understood(void **state)
+static void test_lines_of_other_versions_are_read(void **state)
 {
     (void)state;
     check_reading("(0000000001.000002) can0 123#0011223344556677\r\n"
@@ -155,11 +155,11 @@ static void test_lines_of_other_versions_are_understood(void **state)
     assert_int_equal(bus->now_us(bus), 3000000);
 }
 
-static void test_foreign_lines_are_refused_with_their_number(void **state)
+static void test_invalid_lines_are_refused_with_their_number(void **state)
 {
     static const char *const bad[] = {
         "",                                       /* nothing */
-        "time,id,data",                           /* a table */
+        "time,id,data",                           /* a CSV header */
         "  can0  123   [2]  11 22",               /* candump without -L */
         " (1.000000)  can0  123   [2]  11 22",    /* candump -ta */
         "(1.000000) can0 123##",                  /* CAN FD without its flags */
@@ -169,7 +169,7 @@ static void test_foreign_lines_are_refused_with_their_number(void **state)
         "(1.000000) can0 123#112",                /* half a byte */
         "(1.000000) can0 123#001122334455667788", /* nine bytes */
         "(1.000000) can0 123#1122_9",             /* length code 9 */
-        "(1.000000) can0 123#R9",                 /* no such length */
+        "(1.000000) can0 123#R9",                 /* invalid length */
         "(1.000000) can0 123#11 X",               /* neither R nor T */
         "(1.000000) can0 123#GG",                 /* no digits */
         "(1.000000) can0 8FF#11",                 /* 12 bits */
@@ -178,10 +178,10 @@ static void test_foreign_lines_are_refused_with_their_number(void **state)
         "(1.000000) can0 12345678",               /* no data */
         "(1.00000) can0 123#11",                  /* five decimals */
         "(1.000000)can0 123#11",                  /* no space */
-        "(1.000000) ",                            /* nothing behind the time */
+        "(1.000000) ",                            /* nothing after the time */
         "(1.000000) a_name_of_16_____ 123#11",    /* a name Linux cannot have */
-        "(-1.000000) can0 123#11",                /* before all time */
-        "\x7F\x45LF\x01\x02",                     /* no text at all */
+        "(-1.000000) can0 123#11",                /* a negative time */
+        "\x7F\x45LF\x01\x02",                     /* not text */
     };
     char text[400];
     size_t i;
@@ -197,8 +197,8 @@ static void test_foreign_lines_are_refused_with_their_number(void **state)
     }
 }
 
-/* Cut anywhere, the log gives its whole lines, and then says at its end that it was cut. */
-static void test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line(void **state)
+/* A log truncated at any byte gives its complete lines and then reports the truncation. */
+static void test_a_truncated_log_is_read_up_to_its_last_complete_line(void **state)
 {
     static const char whole[] = "(1.000000) can0 123#1122334455667788\n";
     char text[2 * sizeof whole] = "";
@@ -209,7 +209,7 @@ static void test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line(void *
         (void)snprintf(text, sizeof text, "%s%s", whole, whole);
         text[length] = '\0';
         check_reading(text, 1, BUS_END);
-        assert_non_null(strstr(bus->text, ":2: the last line is cut off"));
+        assert_non_null(strstr(bus->text, ":2: the last line is truncated"));
         assert_int_equal(bus->statistics.received, 1);
     }
     (void)snprintf(text, sizeof text, "%s%s", whole, whole);
@@ -217,7 +217,7 @@ static void test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line(void *
     assert_string_equal(bus->text, "");
 }
 
-/* CAN FD frames of others may be on the bus, as extended and remote frames may. */
+/* Other nodes may send CAN FD, extended and remote frames. */
 static void test_can_fd_frames_are_skipped_and_counted(void **state)
 {
     char text[400], longest[129];
@@ -256,7 +256,7 @@ static void test_an_empty_log_is_refused(void **state)
     assert_non_null(strstr(bus->text, "is empty"));
 }
 
-static void test_a_log_that_is_not_there_is_refused(void **state)
+static void test_a_missing_log_is_refused(void **state)
 {
     (void)state;
     assert_int_equal(bus_candump_open(&candump, "/nonexistent.log", NULL), BUS_BROKEN);
@@ -269,7 +269,7 @@ static void test_a_log_that_is_not_there_is_refused(void **state)
     assert_int_equal(bus->close(bus), BUS_OK);
 }
 
-static void test_only_the_interface_that_was_asked_for_is_read(void **state)
+static void test_only_the_requested_interface_is_read(void **state)
 {
     (void)state;
     put("(1.000000) can0 001#\n(1.000000) can1 002#\n(1.000000) can0 003#\n(1.000000) can 004#\n");
@@ -280,7 +280,7 @@ static void test_only_the_interface_that_was_asked_for_is_read(void **state)
     assert_int_equal(bus->close(bus), BUS_OK);
 }
 
-static void test_names_that_would_spoil_the_log_are_refused(void **state)
+static void test_invalid_interface_names_are_refused(void **state)
 {
     (void)state;
     assert_int_equal(bus_candump_create(&candump, path, "a b", 0), BUS_REFUSED);
@@ -289,7 +289,7 @@ static void test_names_that_would_spoil_the_log_are_refused(void **state)
     assert_int_equal(bus_candump_create(&candump, path, "sixteen_letters_", 0), BUS_REFUSED);
 }
 
-static void test_a_full_disk_is_told(void **state)
+static void test_a_full_disk_is_reported(void **state)
 {
     const bus_frame_t frame = {.id = 1};
 
@@ -301,7 +301,7 @@ static void test_a_full_disk_is_told(void **state)
     (void)bus->close(bus);
 }
 
-static void test_a_log_goes_one_way_only_and_holds_frames_only(void **state)
+static void test_a_log_is_either_read_or_written_and_holds_only_frames(void **state)
 {
     bus_frame_t frame = {.id = 1, .length = 9};
 
@@ -321,19 +321,19 @@ static void test_a_log_goes_one_way_only_and_holds_frames_only(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_what_was_written_is_read_again),
-        TEST(test_a_line_looks_as_candump_writes_it),
-        TEST(test_lines_of_other_versions_are_understood),
-        TEST(test_foreign_lines_are_refused_with_their_number),
-        TEST(test_a_log_that_was_cut_off_is_used_up_to_its_last_whole_line),
+        TEST(test_written_frames_are_read_back),
+        TEST(test_a_line_has_the_format_of_candump),
+        TEST(test_lines_of_other_versions_are_read),
+        TEST(test_invalid_lines_are_refused_with_their_number),
+        TEST(test_a_truncated_log_is_read_up_to_its_last_complete_line),
         TEST(test_can_fd_frames_are_skipped_and_counted),
         TEST(test_a_long_line_is_refused),
         TEST(test_an_empty_log_is_refused),
-        TEST(test_a_log_that_is_not_there_is_refused),
-        TEST(test_only_the_interface_that_was_asked_for_is_read),
-        TEST(test_names_that_would_spoil_the_log_are_refused),
-        TEST(test_a_full_disk_is_told),
-        TEST(test_a_log_goes_one_way_only_and_holds_frames_only),
+        TEST(test_a_missing_log_is_refused),
+        TEST(test_only_the_requested_interface_is_read),
+        TEST(test_invalid_interface_names_are_refused),
+        TEST(test_a_full_disk_is_reported),
+        TEST(test_a_log_is_either_read_or_written_and_holds_only_frames),
     };
 
     cmocka_set_message_output(CM_OUTPUT_TAP);

@@ -1,4 +1,4 @@
-/* The bus in memory: delivery, faults, and that it repeats itself. */
+/* The bus in memory: delivery, faults and repeatability. */
 #include "fake_system.h"
 
 #include <linux/can/error.h>
@@ -39,7 +39,7 @@ static int receive(bus_t *bus)
     return bus->receive(bus, frames, BUS_MEMORY_QUEUE);
 }
 
-static void test_all_others_receive_what_one_sends_in_order(void **state)
+static void test_all_other_ends_receive_the_frames_of_one_in_order(void **state)
 {
     uint32_t i;
 
@@ -58,7 +58,7 @@ static void test_all_others_receive_what_one_sends_in_order(void **state)
     assert_int_equal(a->statistics.sent, 10);
 }
 
-static void test_a_delayed_frame_comes_when_the_clock_has_got_there(void **state)
+static void test_a_delayed_frame_is_received_at_its_time_of_arrival(void **state)
 {
     (void)state;
     hub.end[1].faults.delay_us = 20000;
@@ -102,7 +102,7 @@ static void test_frames_overtake_each_other_and_none_is_lost(void **state)
 }
 
 /* 100000 frames; the rates within five standard deviations (473, 340 frames). */
-static void test_losses_and_duplicates_come_at_their_rates_and_add_up(void **state)
+static void test_losses_and_duplicates_have_their_rates_and_add_up(void **state)
 {
     const bus_memory_end_t *end = &hub.end[1];
     int i, got = 0;
@@ -144,7 +144,7 @@ static void test_the_same_seed_gives_the_same_losses(void **state)
     }
 }
 
-static void test_what_finds_the_queue_full_is_dropped_and_counted(void **state)
+static void test_a_frame_that_finds_the_queue_full_is_dropped_and_counted(void **state)
 {
     int i;
 
@@ -157,7 +157,7 @@ static void test_what_finds_the_queue_full_is_dropped_and_counted(void **state)
     assert_int_equal(number_of(&frames[0]), 0);
 }
 
-static void test_a_busy_end_loses_the_frames_it_says(void **state)
+static void test_a_busy_end_loses_the_reported_frames(void **state)
 {
     (void)state;
     hub.end[0].fail_sends = 2;
@@ -184,7 +184,7 @@ static void test_an_end_that_is_down_neither_sends_nor_receives(void **state)
     assert_int_equal(receive(b), 1);
 }
 
-static void test_an_injected_bus_off_is_news_of_the_controller(void **state)
+static void test_an_injected_bus_off_changes_the_controller_state(void **state)
 {
     const bus_frame_t off = {.id = CAN_ERR_BUSOFF, .length = 8, .flags = BUS_FRAME_ERROR};
 
@@ -197,7 +197,7 @@ static void test_an_injected_bus_off_is_news_of_the_controller(void **state)
     assert_int_equal(receive(c), 0);
 }
 
-static void test_what_is_no_frame_is_refused(void **state)
+static void test_an_invalid_frame_is_refused(void **state)
 {
     bus_frame_t frame = {.id = 0x100, .length = 9};
 
@@ -217,16 +217,16 @@ static void test_what_is_no_frame_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_all_others_receive_what_one_sends_in_order),
-        TEST(test_a_delayed_frame_comes_when_the_clock_has_got_there),
+        TEST(test_all_other_ends_receive_the_frames_of_one_in_order),
+        TEST(test_a_delayed_frame_is_received_at_its_time_of_arrival),
         TEST(test_frames_overtake_each_other_and_none_is_lost),
-        TEST(test_losses_and_duplicates_come_at_their_rates_and_add_up),
+        TEST(test_losses_and_duplicates_have_their_rates_and_add_up),
         TEST(test_the_same_seed_gives_the_same_losses),
-        TEST(test_what_finds_the_queue_full_is_dropped_and_counted),
-        TEST(test_a_busy_end_loses_the_frames_it_says),
+        TEST(test_a_frame_that_finds_the_queue_full_is_dropped_and_counted),
+        TEST(test_a_busy_end_loses_the_reported_frames),
         TEST(test_an_end_that_is_down_neither_sends_nor_receives),
-        TEST(test_an_injected_bus_off_is_news_of_the_controller),
-        TEST(test_what_is_no_frame_is_refused),
+        TEST(test_an_injected_bus_off_changes_the_controller_state),
+        TEST(test_an_invalid_frame_is_refused),
     };
 
     cmocka_set_message_output(CM_OUTPUT_TAP);

@@ -1,4 +1,4 @@
-/* Every path of the SocketCAN back end, on imitated system calls. */
+/* Every path of the SocketCAN back end, with fake system calls. */
 #include "fake_system.h"
 
 #include <errno.h>
@@ -37,7 +37,7 @@ static int closed(void **state)
     return bus->close(bus);
 }
 
-/* Both clocks, as time does. */
+/* Advances both clocks. */
 static void pass(uint64_t us)
 {
     fake.monotonic_us += us;
@@ -58,7 +58,7 @@ static void check_open_fails(int status, const char *words)
     assert_int_equal(bus->close(bus), BUS_OK);
 }
 
-static void test_open_says_that_the_kernel_has_no_can(void **state)
+static void test_open_reports_a_kernel_without_can(void **state)
 {
     (void)state;
     fake.socket_error = EAFNOSUPPORT;
@@ -67,7 +67,7 @@ static void test_open_says_that_the_kernel_has_no_can(void **state)
     check_open_fails(BUS_BROKEN, "modprobe can-raw");
 }
 
-static void test_open_says_that_permission_is_missing(void **state)
+static void test_open_reports_a_missing_permission(void **state)
 {
     (void)state;
     fake.socket_error = EPERM;
@@ -77,7 +77,7 @@ static void test_open_says_that_permission_is_missing(void **state)
     check_open_fails(BUS_BROKEN, "CAP_NET_RAW");
 }
 
-static void test_open_says_that_there_is_no_such_interface(void **state)
+static void test_open_reports_a_missing_interface(void **state)
 {
     (void)state;
     fake.index_error = ENODEV;
@@ -85,7 +85,7 @@ static void test_open_says_that_there_is_no_such_interface(void **state)
     assert_int_equal(fake.closes, 1);
 }
 
-static void test_open_says_that_an_interface_is_not_can(void **state)
+static void test_open_reports_an_interface_that_is_not_can(void **state)
 {
     (void)state;
     fake.bind_error = ENODEV;
@@ -93,7 +93,7 @@ static void test_open_says_that_an_interface_is_not_can(void **state)
     assert_int_equal(fake.closes, 1);
 }
 
-static void test_open_reports_an_error_it_does_not_know(void **state)
+static void test_open_reports_an_unexpected_error(void **state)
 {
     (void)state;
     fake.socket_error = EMFILE;
@@ -106,7 +106,7 @@ static void test_open_reports_an_error_it_does_not_know(void **state)
     check_open_fails(BUS_BROKEN, "Protocol not available");
 }
 
-static void test_open_refuses_names_and_filters_that_cannot_be(void **state)
+static void test_open_refuses_invalid_names_and_filters(void **state)
 {
     (void)state;
     assert_int_equal(bus_socketcan_open(&can, "", NULL, 0), BUS_REFUSED);
@@ -115,7 +115,7 @@ static void test_open_refuses_names_and_filters_that_cannot_be(void **state)
     assert_int_equal(fake.binds, 0);
 }
 
-static void test_open_asks_for_stamps_drops_errors_and_a_large_buffer(void **state)
+static void test_open_requests_timestamps_drops_errors_and_a_large_buffer(void **state)
 {
     (void)state;
     assert_true(fake.stamps);
@@ -126,7 +126,7 @@ static void test_open_asks_for_stamps_drops_errors_and_a_large_buffer(void **sta
     assert_int_equal(fake.filters[0].can_mask, 0);
 }
 
-static void test_open_takes_the_buffer_it_gets_without_privilege(void **state)
+static void test_open_accepts_a_smaller_buffer_without_privilege(void **state)
 {
     (void)state;
     fake.force_error = EPERM;
@@ -135,7 +135,7 @@ static void test_open_takes_the_buffer_it_gets_without_privilege(void **state)
     (void)bus->close(bus);
 }
 
-static void test_a_filter_tells_short_ids_from_long_ones_and_from_remote_requests(void **state)
+static void test_a_filter_distinguishes_short_ids_long_ids_and_remote_requests(void **state)
 {
     const bus_filter_t filters[] = {{0x400, 0x7C0, false}, {0x12345, 0x1FFFFFFF, true}};
     uint32_t id, mask;
@@ -171,7 +171,7 @@ static void test_an_interface_that_is_down_can_be_opened(void **state)
     (void)bus->close(bus);
 }
 
-static void test_send_writes_what_the_kernel_expects(void **state)
+static void test_send_writes_the_format_of_the_kernel(void **state)
 {
     bus_frame_t frame = {.id = 0x1ABCDEF, .length = 3, .flags = BUS_FRAME_EXTENDED};
 
@@ -188,7 +188,7 @@ static void test_send_writes_what_the_kernel_expects(void **state)
     assert_int_equal(bus->statistics.sent, 2);
 }
 
-static void test_send_refuses_what_is_no_frame_without_a_system_call(void **state)
+static void test_send_refuses_an_invalid_frame_without_a_system_call(void **state)
 {
     bus_frame_t frame = {.id = 0x100, .length = 9};
 
@@ -204,7 +204,7 @@ static void test_send_refuses_what_is_no_frame_without_a_system_call(void **stat
     assert_int_equal(fake.writes, 0);
 }
 
-static void test_a_full_send_queue_is_counted_and_passes(void **state)
+static void test_a_full_send_queue_is_counted_and_is_temporary(void **state)
 {
     (void)state;
     fake.write_error = ENOBUFS;
@@ -231,7 +231,7 @@ static void test_an_interrupted_send_is_repeated(void **state)
     assert_int_equal(bus->statistics.sent, 1);
 }
 
-static void test_a_frame_that_the_kernel_cuts_off_is_an_error(void **state)
+static void test_a_frame_that_the_kernel_truncates_is_an_error(void **state)
 {
     (void)state;
     fake.write_short = 5;
@@ -240,7 +240,7 @@ static void test_a_frame_that_the_kernel_cuts_off_is_an_error(void **state)
     assert_int_equal(bus->statistics.sent, 0);
 }
 
-static void test_sending_while_the_link_is_down_is_told_and_counted_once(void **state)
+static void test_sending_while_the_link_is_down_is_reported_and_counted_once(void **state)
 {
     (void)state;
     fake.write_error = ENETDOWN;
@@ -254,7 +254,7 @@ static void test_sending_while_the_link_is_down_is_told_and_counted_once(void **
     assert_int_equal(bus->statistics.link_ups, 1);
 }
 
-static void test_the_same_socket_goes_on_after_link_down(void **state)
+static void test_the_same_socket_works_after_link_down(void **state)
 {
     (void)state;
     fake_arrives_error(ENETDOWN);
@@ -272,7 +272,7 @@ static void test_the_same_socket_goes_on_after_link_down(void **state)
     assert_int_equal(fake.binds, 1);
 }
 
-static void test_frames_that_waited_do_not_make_a_dead_link_look_alive(void **state)
+static void test_queued_frames_do_not_count_as_link_up(void **state)
 {
     (void)state;
     fake_arrives_error(ENETDOWN);
@@ -284,7 +284,7 @@ static void test_frames_that_waited_do_not_make_a_dead_link_look_alive(void **st
     assert_int_equal(receive(), BUS_DOWN);
 }
 
-static void test_an_interface_that_was_unplugged_is_found_again(void **state)
+static void test_an_interface_that_was_unplugged_is_bound_again(void **state)
 {
     (void)state;
     fake_arrives_error(ENETDOWN);
@@ -296,7 +296,7 @@ static void test_an_interface_that_was_unplugged_is_found_again(void **state)
     assert_int_equal(receive(), BUS_DOWN);
     assert_int_equal(fake.binds, 1);
     fake.index_error = 0;
-    fake.filter_count = 0; /* the kernel forgets them with the interface */
+    fake.filter_count = 0; /* the kernel removes them with the interface */
     assert_int_equal(receive(), 0);
     assert_int_equal(fake.binds, 2);
     assert_int_equal(fake.filter_count, 1);
@@ -304,7 +304,7 @@ static void test_an_interface_that_was_unplugged_is_found_again(void **state)
     assert_int_equal(bus->statistics.link_ups, 1);
 }
 
-static void test_receive_reports_an_error_it_does_not_know(void **state)
+static void test_receive_reports_an_unexpected_error(void **state)
 {
     (void)state;
     fake_arrives_error(EIO);
@@ -320,7 +320,7 @@ static void test_an_interrupted_receive_is_repeated(void **state)
     assert_int_equal(receive(), 1);
 }
 
-static void test_receive_takes_many_frames_in_batches_and_in_order(void **state)
+static void test_receive_returns_many_frames_in_batches_and_in_order(void **state)
 {
     int i;
 
@@ -337,7 +337,7 @@ static void test_receive_takes_many_frames_in_batches_and_in_order(void **state)
     assert_int_equal(bus->statistics.received, 300);
 }
 
-static void test_receive_never_gives_more_than_was_asked_for(void **state)
+static void test_receive_never_returns_more_than_requested(void **state)
 {
     int i;
 
@@ -352,7 +352,7 @@ static void test_receive_never_gives_more_than_was_asked_for(void **state)
     assert_int_equal(receive(), 0);
 }
 
-static void test_a_short_read_is_counted_and_left_out(void **state)
+static void test_a_short_read_is_counted_and_discarded(void **state)
 {
     (void)state;
     fake_arrives(0x123, 1);
@@ -365,7 +365,7 @@ static void test_a_short_read_is_counted_and_left_out(void **state)
     assert_int_equal(bus->statistics.malformed, 2);
 }
 
-static void test_ids_flags_and_unused_bytes_are_sorted_out(void **state)
+static void test_ids_flags_and_unused_bytes_are_converted(void **state)
 {
     (void)state;
     fake_arrives(0x1ABCDEF | CAN_EFF_FLAG, 1);
@@ -381,7 +381,7 @@ static void test_ids_flags_and_unused_bytes_are_sorted_out(void **state)
     assert_memory_equal(frames[2].data, "\xFF\xFF\0\0\0\0\0\0", 8);
 }
 
-static void test_error_frames_tell_of_passive_off_and_restarted(void **state)
+static void test_error_frames_report_passive_off_and_restarted(void **state)
 {
     (void)state;
     fake_arrives(CAN_ERR_FLAG | CAN_ERR_CRTL, 0)->frame.data[1] = CAN_ERR_CRTL_RX_WARNING;
@@ -408,7 +408,7 @@ static void test_error_frames_tell_of_passive_off_and_restarted(void **state)
     assert_int_equal(bus->statistics.received, 6);
 }
 
-static void test_drops_are_counted_over_the_wrap_of_the_kernel_counter(void **state)
+static void test_drops_are_counted_across_a_wrap_of_the_kernel_counter(void **state)
 {
     (void)state;
     fake_arrives(0x123, 1);
@@ -435,7 +435,7 @@ static void test_kernel_stamps_become_times_of_the_bus_clock(void **state)
     assert_int_equal(bus->statistics.clock_steps, 0);
 }
 
-static void test_a_frame_without_a_stamp_came_now(void **state)
+static void test_a_frame_without_a_timestamp_arrived_now(void **state)
 {
     (void)state;
     fake_arrives(0x123, 1);
@@ -444,7 +444,7 @@ static void test_a_frame_without_a_stamp_came_now(void **state)
     assert_int_equal(frames[0].t_us, 50005000);
 }
 
-/* Two frames wait while the wall clock is set by `step_us`, one on either side of it. */
+/* Two frames are queued, one before and one after a step of the wall clock by `step_us`. */
 static void check_step(int64_t step_us)
 {
     pass(100000);
@@ -482,7 +482,7 @@ static void test_stamps_survive_a_small_step_of_the_wall_clock(void **state)
     check_step(50000);
 }
 
-static void test_a_wall_clock_that_is_steered_is_no_step(void **state)
+static void test_a_gradual_adjustment_of_the_wall_clock_is_no_step(void **state)
 {
     int i;
 
@@ -501,7 +501,7 @@ static void test_a_wall_clock_that_is_steered_is_no_step(void **state)
     assert_int_equal(bus->statistics.clock_steps, 0);
 }
 
-static void test_a_pause_between_the_readings_of_the_clocks_is_no_step(void **state)
+static void test_an_interruption_between_the_clock_readings_is_no_step(void **state)
 {
     (void)state;
     fake.pause_us = 50000;
@@ -530,41 +530,41 @@ static void test_stamps_never_run_backwards_nor_into_the_future(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_open_says_that_the_kernel_has_no_can, fresh),
-        cmocka_unit_test_setup(test_open_says_that_permission_is_missing, fresh),
-        cmocka_unit_test_setup(test_open_says_that_there_is_no_such_interface, fresh),
-        cmocka_unit_test_setup(test_open_says_that_an_interface_is_not_can, fresh),
-        cmocka_unit_test_setup(test_open_reports_an_error_it_does_not_know, fresh),
-        cmocka_unit_test_setup(test_open_refuses_names_and_filters_that_cannot_be, fresh),
-        OPENED(test_open_asks_for_stamps_drops_errors_and_a_large_buffer),
-        cmocka_unit_test_setup(test_open_takes_the_buffer_it_gets_without_privilege, fresh),
-        cmocka_unit_test_setup(
-            test_a_filter_tells_short_ids_from_long_ones_and_from_remote_requests, fresh),
+        cmocka_unit_test_setup(test_open_reports_a_kernel_without_can, fresh),
+        cmocka_unit_test_setup(test_open_reports_a_missing_permission, fresh),
+        cmocka_unit_test_setup(test_open_reports_a_missing_interface, fresh),
+        cmocka_unit_test_setup(test_open_reports_an_interface_that_is_not_can, fresh),
+        cmocka_unit_test_setup(test_open_reports_an_unexpected_error, fresh),
+        cmocka_unit_test_setup(test_open_refuses_invalid_names_and_filters, fresh),
+        OPENED(test_open_requests_timestamps_drops_errors_and_a_large_buffer),
+        cmocka_unit_test_setup(test_open_accepts_a_smaller_buffer_without_privilege, fresh),
+        cmocka_unit_test_setup(test_a_filter_distinguishes_short_ids_long_ids_and_remote_requests,
+                               fresh),
         cmocka_unit_test_setup(test_an_interface_that_is_down_can_be_opened, fresh),
-        OPENED(test_send_writes_what_the_kernel_expects),
-        OPENED(test_send_refuses_what_is_no_frame_without_a_system_call),
-        OPENED(test_a_full_send_queue_is_counted_and_passes),
+        OPENED(test_send_writes_the_format_of_the_kernel),
+        OPENED(test_send_refuses_an_invalid_frame_without_a_system_call),
+        OPENED(test_a_full_send_queue_is_counted_and_is_temporary),
         OPENED(test_an_interrupted_send_is_repeated),
-        OPENED(test_a_frame_that_the_kernel_cuts_off_is_an_error),
-        OPENED(test_sending_while_the_link_is_down_is_told_and_counted_once),
-        OPENED(test_the_same_socket_goes_on_after_link_down),
-        OPENED(test_frames_that_waited_do_not_make_a_dead_link_look_alive),
-        OPENED(test_an_interface_that_was_unplugged_is_found_again),
-        OPENED(test_receive_reports_an_error_it_does_not_know),
+        OPENED(test_a_frame_that_the_kernel_truncates_is_an_error),
+        OPENED(test_sending_while_the_link_is_down_is_reported_and_counted_once),
+        OPENED(test_the_same_socket_works_after_link_down),
+        OPENED(test_queued_frames_do_not_count_as_link_up),
+        OPENED(test_an_interface_that_was_unplugged_is_bound_again),
+        OPENED(test_receive_reports_an_unexpected_error),
         OPENED(test_an_interrupted_receive_is_repeated),
-        OPENED(test_receive_takes_many_frames_in_batches_and_in_order),
-        OPENED(test_receive_never_gives_more_than_was_asked_for),
-        OPENED(test_a_short_read_is_counted_and_left_out),
-        OPENED(test_ids_flags_and_unused_bytes_are_sorted_out),
-        OPENED(test_error_frames_tell_of_passive_off_and_restarted),
-        OPENED(test_drops_are_counted_over_the_wrap_of_the_kernel_counter),
+        OPENED(test_receive_returns_many_frames_in_batches_and_in_order),
+        OPENED(test_receive_never_returns_more_than_requested),
+        OPENED(test_a_short_read_is_counted_and_discarded),
+        OPENED(test_ids_flags_and_unused_bytes_are_converted),
+        OPENED(test_error_frames_report_passive_off_and_restarted),
+        OPENED(test_drops_are_counted_across_a_wrap_of_the_kernel_counter),
         OPENED(test_kernel_stamps_become_times_of_the_bus_clock),
-        OPENED(test_a_frame_without_a_stamp_came_now),
+        OPENED(test_a_frame_without_a_timestamp_arrived_now),
         OPENED(test_stamps_survive_a_wall_clock_set_forward),
         OPENED(test_stamps_survive_a_wall_clock_set_back),
         OPENED(test_stamps_survive_a_small_step_of_the_wall_clock),
-        OPENED(test_a_wall_clock_that_is_steered_is_no_step),
-        OPENED(test_a_pause_between_the_readings_of_the_clocks_is_no_step),
+        OPENED(test_a_gradual_adjustment_of_the_wall_clock_is_no_step),
+        OPENED(test_an_interruption_between_the_clock_readings_is_no_step),
         OPENED(test_stamps_never_run_backwards_nor_into_the_future),
     };
 

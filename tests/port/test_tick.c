@@ -1,4 +1,4 @@
-/* The tick on the real timer, signals and pipes; what cannot be provoked is imitated. */
+/* The tick with the real timer, signals and pipes; fakes provoke the rest. */
 #include "fake_system.h"
 
 #include <errno.h>
@@ -17,7 +17,7 @@ static int fresh(void **state)
 {
     (void)state;
     memset(&fake, 0, sizeof fake);
-    (void)signal(SIGHUP, SIG_DFL); /* whoever runs this may ignore it */
+    (void)signal(SIGHUP, SIG_DFL); /* the caller may ignore it */
     return 0;
 }
 
@@ -35,7 +35,7 @@ static void sleep_us(uint64_t us)
     (void)nanosleep(&t, NULL);
 }
 
-static void test_ticks_come_at_absolute_times(void **state)
+static void test_ticks_occur_at_absolute_times(void **state)
 {
     int i;
 
@@ -44,7 +44,7 @@ static void test_ticks_come_at_absolute_times(void **state)
     for (i = 0; i < 20; i++) {
         assert_int_equal(tick_wait(&tick, -1), TICK_DUE);
         assert_true(tick_now_us() >= tick.start_us + tick.ticks * 5000);
-        sleep_us(1000); /* work that must not add up */
+        sleep_us(1000); /* the duration of the work must not accumulate */
     }
     assert_true(tick_now_us() < tick.start_us + (tick.ticks + 1) * 5000 + 1000000);
     assert_int_equal(tick.ticks - tick.missed, 20);
@@ -52,7 +52,7 @@ static void test_ticks_come_at_absolute_times(void **state)
     assert_int_equal(fake.timer_flags, TFD_TIMER_ABSTIME);
 }
 
-static void test_ticks_that_were_slept_through_are_counted(void **state)
+static void test_missed_ticks_are_counted(void **state)
 {
     (void)state;
     assert_int_equal(tick_open(&tick, 2000), 0);
@@ -62,7 +62,7 @@ static void test_ticks_that_were_slept_through_are_counted(void **state)
     assert_int_equal(tick.missed, tick.ticks - 1);
 }
 
-static void test_an_overrun_of_seven_is_six_missed(void **state)
+static void test_seven_elapsed_periods_are_six_missed_ticks(void **state)
 {
     (void)state;
     assert_int_equal(tick_open(&tick, 1000), 0);
@@ -73,7 +73,7 @@ static void test_an_overrun_of_seven_is_six_missed(void **state)
     assert_int_equal(tick.missed, 6);
 }
 
-static void test_a_step_of_the_wall_clock_moves_no_tick(void **state)
+static void test_a_step_of_the_wall_clock_shifts_no_tick(void **state)
 {
     (void)state;
     assert_int_equal(tick_open(&tick, 2000), 0);
@@ -105,7 +105,7 @@ static void test_frames_wake_a_program_without_a_timer(void **state)
 
 static const int stops[TICK_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ};
 
-static void test_five_signals_ask_to_stop(void **state)
+static void test_five_signals_request_a_stop(void **state)
 {
     int i;
 
@@ -119,7 +119,7 @@ static void test_five_signals_ask_to_stop(void **state)
     assert_int_equal(tick_wait(&tick, 0), 0);
 }
 
-static void test_writing_to_a_pipe_that_nobody_reads_fails_and_asks_to_stop(void **state)
+static void test_writing_to_a_pipe_without_a_reader_fails_and_requests_a_stop(void **state)
 {
     int ends[2];
 
@@ -135,7 +135,7 @@ static void test_writing_to_a_pipe_that_nobody_reads_fails_and_asks_to_stop(void
     (void)close(ends[1]);
 }
 
-static void test_a_hang_up_that_is_ignored_stays_so(void **state)
+static void test_an_ignored_hang_up_remains_ignored(void **state)
 {
     (void)state;
     assert_true(signal(SIGHUP, SIG_IGN) != SIG_ERR); /* as nohup does */
@@ -145,7 +145,7 @@ static void test_a_hang_up_that_is_ignored_stays_so(void **state)
     assert_true(signal(SIGHUP, SIG_DFL) != SIG_ERR);
 }
 
-static void test_close_gives_the_signals_back(void **state)
+static void test_close_restores_the_signals(void **state)
 {
     sigset_t mask;
     int i;
@@ -164,7 +164,7 @@ static void test_close_gives_the_signals_back(void **state)
     assert_int_equal(fake.closes, 3);
 }
 
-static void test_failures_are_told_and_leave_nothing_open(void **state)
+static void test_failures_are_reported_and_leave_nothing_open(void **state)
 {
     (void)state;
     fake.timer_error = EMFILE;
@@ -181,7 +181,7 @@ static void test_failures_are_told_and_leave_nothing_open(void **state)
     assert_non_null(strstr(tick.text, "Bad file descriptor"));
 }
 
-static void test_real_time_that_is_granted_says_nothing(void **state)
+static void test_granted_real_time_gives_no_text(void **state)
 {
     char text[TICK_TEXT] = "x";
 
@@ -190,7 +190,7 @@ static void test_real_time_that_is_granted_says_nothing(void **state)
     assert_string_equal(text, "");
 }
 
-static void test_real_time_that_is_refused_warns(void **state)
+static void test_refused_real_time_gives_a_warning(void **state)
 {
     char text[TICK_TEXT];
 
@@ -212,18 +212,18 @@ static void test_real_time_that_is_refused_warns(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_ticks_come_at_absolute_times),
-        TEST(test_ticks_that_were_slept_through_are_counted),
-        TEST(test_an_overrun_of_seven_is_six_missed),
-        TEST(test_a_step_of_the_wall_clock_moves_no_tick),
+        TEST(test_ticks_occur_at_absolute_times),
+        TEST(test_missed_ticks_are_counted),
+        TEST(test_seven_elapsed_periods_are_six_missed_ticks),
+        TEST(test_a_step_of_the_wall_clock_shifts_no_tick),
         TEST(test_frames_wake_a_program_without_a_timer),
-        TEST(test_five_signals_ask_to_stop),
-        TEST(test_writing_to_a_pipe_that_nobody_reads_fails_and_asks_to_stop),
-        TEST(test_a_hang_up_that_is_ignored_stays_so),
-        TEST(test_close_gives_the_signals_back),
-        TEST(test_failures_are_told_and_leave_nothing_open),
-        cmocka_unit_test_setup(test_real_time_that_is_granted_says_nothing, fresh),
-        cmocka_unit_test_setup(test_real_time_that_is_refused_warns, fresh),
+        TEST(test_five_signals_request_a_stop),
+        TEST(test_writing_to_a_pipe_without_a_reader_fails_and_requests_a_stop),
+        TEST(test_an_ignored_hang_up_remains_ignored),
+        TEST(test_close_restores_the_signals),
+        TEST(test_failures_are_reported_and_leave_nothing_open),
+        cmocka_unit_test_setup(test_granted_real_time_gives_no_text, fresh),
+        cmocka_unit_test_setup(test_refused_real_time_gives_a_warning, fresh),
     };
 
     cmocka_set_message_output(CM_OUTPUT_TAP);

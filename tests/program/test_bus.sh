@@ -159,7 +159,7 @@ used() {
 head -n -1 run.log >whole.log
 { cat whole.log && printf '(9999.000000) memory 404#11'; } >cut.log
 check "a log that was cut off is used up to its last whole line" \
-    used 'warning: cut.log:[0-9]+: the last line is cut off' cut.log
+    used 'warning: cut.log:[0-9]+: the last line is truncated' cut.log
 exits 0 replay whole.log --sets 1 --json
 check "  as if the cut line were not there" cmp out used.out
 check "a log cut within its only line" refuses 'no frame of auvid' replay <(printf '(1.000000) ca')
@@ -179,7 +179,7 @@ check "  with their causes" grep -Eq "$causes" refused.err
 "$AUVID" replay refused.log --sets 2 --json >refused.json 2>refused.err
 check "  with --json, too" grep -q ': 2 frames of auvid are refused' refused.err
 printf 't_s,u\n0,1\n' >other.log
-check "a file of another kind" refuses 'other.log:1: is no line of' replay other.log
+check "a file of another kind" refuses 'other.log:1: is not a line of' replay other.log
 printf '(1.000000) can0 123#00\n' >foreign.log
 check "a log of another bus" refuses 'foreign.log: no frame of auvid' replay foreign.log
 grep ' 400#' run.log | head -n 9 >tickless.log

@@ -91,7 +91,7 @@ def field():
 def frames():
     """lib/can/README.md: what the frames cost, within its interval."""
     text = document("lib/can/README.md")
-    change = stated(text, rf"that without them to {SIGNED}, {SIGNED}, {SIGNED} %")
+    change = stated(text, rf"error with frames differs by {SIGNED}, {SIGNED}, {SIGNED} %")
     half = stated(text, rf"% \(\+- {NUMBER}, {NUMBER}, {NUMBER}\)")
     found = program("build/release/tests/unit/can/test_can_accuracy",
                     rf"N, 200 seeds, .* mean square {SIGNED} % \(\+- {NUMBER}\)",

@@ -1,4 +1,5 @@
-# Shared by tests/vcan/test_*.sh, sourced first: goes where there is CAN, then offers checks.
+# Shared by tests/vcan/test_*.sh, which source it first. Restarts the test where there is CAN, then
+# defines the checks.
 if [ -z "${VCAN_INSIDE:-}" ]; then
     why=$("$(dirname "$0")/run.sh" --missing) || exec "$(dirname "$0")/run.sh" "$0" "$@"
     echo "ok - $(basename "$0" .sh) # SKIP $why"
@@ -12,8 +13,8 @@ cd "$(mktemp -d)" || exit 1
 trap 'rm -rf "$PWD"' EXIT
 failed=0
 
-# check NAME COMMAND...: one test; it passes when the command, run in a shell of its own that stops
-# at the first failure, succeeds. Not inside `if`: there that shell would not stop.
+# check NAME COMMAND...: one test. The command runs in a separate shell that stops at the first
+# failure; the test passes if it succeeds. Not inside `if`: there that shell would not stop.
 check() {
     local name=$1 status
     shift
@@ -31,7 +32,7 @@ check() {
     sed 's/^/# /' check.log | tail -n 20
 }
 
-# listen INTERFACE [LOG]: starts a receiver; it is open when this returns.
+# listen INTERFACE [LOG]: starts a receiver and waits until it is open.
 listen() {
     "$PEER" receive "$@" >received &
     listener=$!
@@ -41,33 +42,35 @@ listen() {
     done
 }
 
-# hear CONDITION...: ends the receiver and checks what it saw, each an expression over its words.
-hear() {
+# check_received CONDITION...: ends the receiver and checks its output: each condition is an
+# expression.
+check_received() {
     local condition
     sleep 0.2
     kill -TERM "$listener"
     wait "$listener" || exit 1
     cat received
     for condition in "$@"; do
-        saw "$condition" <received || exit 1
+        holds "$condition" <received || exit 1
     done
 }
 
-# saw CONDITION: of key=value words on standard input, as awk: v["received"] > 3.
-saw() {
+# holds CONDITION: checks key=value words on standard input with awk, for instance v["received"] >
+# 3.
+holds() {
     awk -v RS='[ \n]' -F= 'NF == 2 { v[$1] = $2 + 0 } END { exit !('"$1"') }' || {
-        echo "not so: $1"
+        echo "failed condition: $1"
         return 1
     }
 }
 
-# word KEY FILE: the value of a word.
+# word KEY FILE: prints the value of a key.
 word() {
     grep -o "\<$1=[^ ]*" "$2" | cut -d = -f 2
 }
 
-# within SECONDS COMMAND...: waits until the command succeeds, so long on an idle machine: here five
-# times as long.
+# within SECONDS COMMAND...: waits until the command succeeds. SECONDS hold for an idle machine; the
+# limit is five times as long.
 within() {
     local end=$((SECONDS + 5 * $1))
     shift
@@ -77,23 +80,23 @@ within() {
     done
 }
 
-# listening INTERFACE N: so many sockets are open for all its frames.
+# listening INTERFACE N: succeeds if N sockets are open for all frames of the interface.
 listening() {
     [ "$(grep -c "^ *$1 .* raw$" /proc/net/can/rcvlist_all)" = "$2" ]
 }
 
-# passed_by INTERFACE: frames that have been sent on it.
+# passed_by INTERFACE: prints the number of frames sent on it.
 passed_by() {
     cat "/sys/class/net/$1/statistics/tx_packets"
 }
 
-# dump INTERFACE LOG: candump in the background, its pid in $candump.
+# dump INTERFACE LOG: starts candump in the background, with its pid in $candump.
 dump() {
     candump -L -r 268435456 "$1" >"$2" &
     candump=$!
 }
 
-# witness LOG: candump writes down all that passes. all_seen LOG: it has, and has ended.
+# witness LOG: candump logs all frames. all_seen LOG: waits until it has, and ends it.
 witness() {
     passed=$(passed_by vcan0)
     dump vcan0 "$1"
@@ -110,7 +113,7 @@ all_seen() {
     has_all "$1"
 }
 
-# start NAME ARGUMENTS...: the program in the background, its pid in $NAME.
+# start NAME ARGUMENTS...: starts the program in the background, with its pid in $NAME.
 start() {
     local name=$1
     shift

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Make the kernel and the initial file system for run.sh's virtual machine, in third_party/vm.
+# Makes the kernel and the initial file system of run.sh's virtual machine, in third_party/vm.
 #
 # usage: tests/vcan/kernel.sh
-# The kernel is Debian's package linux-image-amd64: only fetched and unpacked, never installed, and
-# of its modules only those named here. Made again when this file or init is newer.
+# The kernel is Debian's package linux-image-amd64. It is fetched and unpacked, never installed,
+# with only the modules named here. It is made again if this file or init is newer.
 set -euo pipefail
 cd "$(dirname "$0")"
 vm=$(cd ../.. && pwd -P)/third_party/vm
 [ ! "$vm/initrd" -nt kernel.sh ] || [ ! "$vm/initrd" -nt init ] || exit 0
 
-# Each after what it depends on.
+# Each module after its dependencies.
 modules="virtio_ring virtio virtio_pci_modern_dev virtio_pci_legacy_dev virtio_pci virtio_console
     netfs fscache 9pnet 9pnet_virtio 9p overlay sch_netem can can-raw can-bcm can-gw can-dev vcan
     vxcan slcan sja1000 kvaser_pci"
@@ -37,7 +37,7 @@ wanted=()
 for module in $modules; do
     wanted+=("*/$module.ko" "*/$module.ko.xz")
 done
-# Not every pattern is met, which tar calls an error.
+# tar reports an error for a pattern without a match.
 dpkg-deb --fsys-tarfile "$work"/deb/*.deb | tar x -C "$work/kernel" --wildcards \
     './boot/vmlinuz-*' "${wanted[@]}" 2>/dev/null || true
 
@@ -55,7 +55,7 @@ cp "$busybox" "$work/root/bin/busybox"
 install -m 755 init "$work/root/init"
 (cd "$work/root" && find . | cpio -o -H newc --quiet | gzip -1) >"$work/vm/initrd"
 
-# Unpacked here and started as an ELF file: the machine would need seconds for it.
+# Unpacked here and started as an ELF file: in the machine that would take seconds.
 image=$(echo "$work"/kernel/boot/vmlinuz-*)
 [ -f "$image" ] || die "$package has no kernel"
 packed=$(LC_ALL=C grep -abo "$(printf '\3757zXZ')" "$image" | head -n 1 | cut -d : -f 1)

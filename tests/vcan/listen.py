@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""cantools as a listener on a real bus: decodes every frame as it comes.
+"""cantools as a listener on a real bus: it decodes every frame on arrival.
 
 usage: listen.py INTERFACE DBC
-Says "ready" when it listens. On SIGTERM it takes what still waits, then prints the last estimates
-("value sigma", one line for each parameter that is identified), and on standard error
-"frames=N undecoded=N".
+Prints "ready" when it listens. On SIGTERM it decodes the queued frames, then prints the last
+estimates ("value sigma", one line per identified parameter), and on standard error "frames=N
+undecoded=N".
 """
 import contextlib
 import math

@@ -1,12 +1,12 @@
 /*
- * One end of a real bus, for tests/vcan: sends numbered frames, or receives them and tells what it
- * saw as key=value words.
+ * One end of a real bus, for tests/vcan. It sends numbered frames, or receives them and prints
+ * statistics as key=value words.
  *
  *   peer send INTERFACE COUNT GAP_US      COUNT frames with id 321 and numbers 0..COUNT-1
  *   peer busoff INTERFACE                 a bus-off and a restarted error frame
- *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with the ids of what a node sends
- *   peer floodall INTERFACE COUNT GAP_US  the same with all ids of auvid's
- *   peer receive INTERFACE [LOG]          receives until SIGTERM; says "ready" when open
+ *   peer flood INTERFACE COUNT GAP_US     COUNT random frames with the ids of a node's frames
+ *   peer floodall INTERFACE COUNT GAP_US  the same with all ids of auvid
+ *   peer receive INTERFACE [LOG]          receives until SIGTERM; prints "ready" when open
  *   peer read LOG                         the same of a log
  */
 #define _GNU_SOURCE
@@ -25,11 +25,11 @@ enum { BATCH = 64, NUMBERS = 1 << 20, NUMBERED = 0x321 };
 
 static uint8_t seen[NUMBERS];
 static struct {
-    unsigned numbered, different, again, late; /* frames of ours; numbers; seen before; overtaken */
+    unsigned numbered, different, again, late; /* numbered frames; numbers; repeated; overtaken */
     uint32_t last;
-    uint64_t last_us, oldest_us; /* age when it was received */
-    bool ordered;                /* stamps never ran backwards, nor into the future */
-    uint64_t checksum;           /* over ids and data of all frames, in their order */
+    uint64_t last_us, oldest_us; /* maximum age at reception */
+    bool ordered;                /* timestamps never ran backwards, nor into the future */
+    uint64_t checksum;           /* over ids and data of all frames, in order */
 } sum = {.ordered = true};
 
 static void wait_us(uint64_t us)
@@ -67,7 +67,7 @@ static void add(const bus_frame_t *frame, uint64_t now_us)
     }
 }
 
-static void tell(const bus_t *bus)
+static void print_statistics(const bus_t *bus)
 {
     const bus_statistics_t *s = &bus->statistics;
 
@@ -88,7 +88,7 @@ static int report_error(const bus_t *bus)
     return 2;
 }
 
-/* Everything that waits. 0, or the status that says that there is no more. */
+/* Receives all queued frames. Returns 0, or the status at the end. */
 static int drain(bus_t *bus, bus_t *log)
 {
     bus_frame_t frames[BATCH];
@@ -131,7 +131,7 @@ static int receive(const char *interface, const char *path)
         }
     } while (!(happened & TICK_STOP));
     printf("buffer=%d ", can.receive_buffer);
-    tell(&can.bus);
+    print_statistics(&can.bus);
     tick_close(&tick);
     return path == NULL || log.bus.close(&log.bus) == BUS_OK ? 0 : report_error(&log.bus);
 }
@@ -147,7 +147,7 @@ static int read_log(const char *path)
     do {
         status = drain(&log.bus, NULL);
     } while (status == 0);
-    tell(&log.bus);
+    print_statistics(&log.bus);
     return status == BUS_END ? 0 : report_error(&log.bus);
 }
 

@@ -1,23 +1,23 @@
 #!/usr/bin/env bash
-# Run a command where there is CAN: as root, alone on its network, with vcan0 up.
+# Runs a command where there is CAN: as root, in a separate network, with vcan0 up.
 #
 # usage: tests/vcan/run.sh COMMAND [ARGUMENT...]
-#        tests/vcan/run.sh --native        exit 0 when this machine needs no virtual one
-#        tests/vcan/run.sh --missing       exit 0, and say why, when nothing can be run
-# Where the kernel has vcan, vxcan and netem, and we may use them, the command runs in a network
-# namespace of its own. Else in a virtual machine (QEMU without KVM, a kernel from kernel.sh): it
-# sees this machine's files and programs under the same names, what it writes is thrown away, except
-# below build/. Standard output, error and exit status come back; the current directory is kept; of
-# the environment only PATH, HOME, CI, AUVID* and VCAN*.
-# The command finds VCAN_INSIDE set, to `namespace` or `machine`.
-#   VCAN_TIMEOUT=600      seconds until everything is stopped (status 124)
-#   VCAN_VIRTUAL=1        the virtual machine even where it is not needed
-#   VCAN_CONTROLLERS=0    so many emulated SJA1000 controllers, can0..., on one bus and left down;
-#                         there are none outside the virtual machine
-#   VCAN_CLOCK=instructions   the virtual machine's clock goes by instructions, 4 ns each: what is
-#                         timed there does not depend on how busy this machine is
+#        tests/vcan/run.sh --native        exit 0 if this machine needs no virtual machine
+#        tests/vcan/run.sh --missing       exit 0 and print the reason if nothing can be run
+# If the kernel has vcan, vxcan and netem, and they may be used, the command runs in a separate
+# network namespace. Otherwise it runs in a virtual machine (QEMU without KVM, a kernel from
+# kernel.sh). There it sees this machine's files and programs under the same names, but its changes
+# are discarded except below build/. Standard output, error and exit status are passed on, and the
+# current directory is the same. Of the environment it gets only PATH, HOME, CI, AUVID* and VCAN*.
+# VCAN_INSIDE is set to `namespace` or `machine`.
+#   VCAN_TIMEOUT=600      time limit in seconds (status 124)
+#   VCAN_VIRTUAL=1        the virtual machine even if it is not needed
+#   VCAN_CONTROLLERS=0    number of emulated SJA1000 controllers, can0..., on one bus and down;
+#                         only in the virtual machine
+#   VCAN_CLOCK=instructions   the virtual machine's clock counts instructions, 4 ns each, so times
+#                         there do not depend on the load of this machine
 #   VCAN_VERBOSE=1        show the virtual machine's console
-# Exit status: the command's; 124 on time-out; 125 when the machine itself failed.
+# Exit status: that of the command; 124 on time-out; 125 if the machine itself failed.
 set -euo pipefail
 
 die() {
@@ -30,8 +30,8 @@ vm=$top/third_party/vm
 limit=${VCAN_TIMEOUT:-600}
 controllers=${VCAN_CONTROLLERS:-0}
 
-# A namespace of our own leaves the machine's interfaces alone, and its tests leave nothing behind.
-# /sys is of the namespace it was mounted in.
+# A separate namespace does not affect the machine's interfaces, and its tests leave nothing behind.
+# /sys belongs to the namespace in which it was mounted.
 in_namespace() {
     if [ "$(id -u)" = 0 ]; then
         unshare --net --mount "$@"
@@ -40,7 +40,7 @@ in_namespace() {
     fi
 }
 
-# Modules are loaded outside: nobody may in a namespace.
+# Modules are loaded outside: a namespace may not.
 is_native() {
     local module
     [ -z "${VCAN_VIRTUAL:-}" ] && [ "$controllers" = 0 ] || return 1
@@ -55,7 +55,7 @@ is_native() {
 }
 
 run_native() {
-    # The inner shell is replaced by the command: its status is the command's.
+    # The command replaces the inner shell, so its status is that of the command.
     # shellcheck disable=SC2016
     in_namespace timeout --kill-after=5 "$limit" sh -c \
         'mount -t sysfs sys /sys && ip link set lo up && ip link add vcan0 type vcan &&
@@ -63,7 +63,7 @@ run_native() {
         exec "$@"' vcan "$@"
 }
 
-# What the machine is to run, as a script it reads: /init calls it.
+# The script that /init runs in the machine.
 write_command() {
     local name
     for name in PATH HOME CI ${!AUVID@} ${!VCAN@}; do
@@ -75,12 +75,12 @@ write_command() {
     echo
 }
 
-# Says what the virtual machine lacks, if anything.
+# Prints what the virtual machine lacks, if anything.
 lacking() {
     local tool
     for tool in qemu-system-x86_64 timeout mkfifo; do
         command -v "$tool" >/dev/null || {
-            echo "no $tool here, and this machine's kernel has no vcan: run 'make setup', or" \
+            echo "$tool is missing, and this machine's kernel has no vcan: run 'make setup', or" \
                 "install qemu-system-x86"
             return
         }
@@ -116,7 +116,7 @@ run_virtual() {
         arguments+=(-device kvaser_pci,canbus=bus)
     done
     [ "${VCAN_CLOCK:-}" != instructions ] || pace=(-icount shift=2 -rtc clock=vm)
-    # TCG: /dev/kvm may be there and still not work, and is not needed. The rest saves seconds.
+    # TCG: /dev/kvm may exist and still not work, and is not needed. The rest saves seconds.
     timeout --kill-after=5 "$limit" qemu-system-x86_64 -M q35 -accel tcg "${pace[@]}" -cpu max \
         -smp 1 -m 1G -nodefaults -no-user-config -display none -no-reboot \
         -serial "file:$work/console" \
@@ -127,7 +127,7 @@ random.trust_cpu=on cryptomgr.notests audit=0 apparmor=0 8250.nr_uarts=1" \
         -chardev "file,id=out,path=$work/out" -device virtserialport,chardev=out,nr=1 \
         -chardev "file,id=err,path=$work/err" -device virtserialport,chardev=err,nr=2 \
         "${arguments[@]}" </dev/null >"$work/qemu" 2>&1 || status=$?
-    # A reader that QEMU never opened its pipe for would wait for ever.
+    # A reader whose pipe QEMU never opened would wait for ever.
     [ "$status" = 0 ] || { sleep 0.3 && kill "${readers[@]}" 2>/dev/null; } || true
     wait "${readers[@]}" || true
     [ -z "${VCAN_VERBOSE:-}" ] || cat "$work/console" >&2

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# bus_socketcan between processes over vcan and vxcan, with can-utils as the other party.
+# bus_socketcan between processes over vcan and vxcan, with can-utils as the peer.
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 
-# refuses WORDS INTERFACE: opening fails with one line that has these words.
+# refuses WORDS INTERFACE: opening fails with one line that contains these words.
 refuses() {
     local status=0
     "$PEER" receive "$2" 2>err || status=$?
@@ -14,8 +14,8 @@ refuses() {
 two_processes() {
     listen vcan0
     "$PEER" send vcan0 5000 0
-    hear 'v["different"] == 5000' 'v["again"] + v["late"] + v["dropped"] == 0' 'v["ordered"]' \
-        'v["oldest_us"] < 5000000'
+    check_received 'v["different"] == 5000' 'v["again"] + v["late"] + v["dropped"] == 0' \
+        'v["ordered"]' 'v["oldest_us"] < 5000000'
 }
 
 down_and_up() {
@@ -28,7 +28,7 @@ down_and_up() {
     ip link set vcan0 up
     sleep 0.1
     "$PEER" send vcan0 10 0
-    hear 'v["received"] == 20' 'v["link_downs"] == 1' 'v["link_ups"] == 1'
+    check_received 'v["received"] == 20' 'v["link_downs"] == 1' 'v["link_ups"] == 1'
     [ "$status" = 2 ] && grep -q "'vcan0' is down" err
 }
 
@@ -43,36 +43,37 @@ unplugged() {
     ip link set vcan7 up
     sleep 0.1
     "$PEER" send vcan7 10 0
-    hear 'v["received"] == 20' 'v["link_downs"] == 1' 'v["link_ups"] == 1'
+    check_received 'v["received"] == 20' 'v["link_downs"] == 1' 'v["link_ups"] == 1'
     ip link del vcan7
 }
 
 bus_off() {
     listen vcan0
     "$PEER" busoff vcan0
-    hear 'v["bus_offs"] == 1' 'v["restarts"] == 1' 'v["received"] == 2'
+    check_received 'v["bus_offs"] == 1' 'v["restarts"] == 1' 'v["received"] == 2'
 }
 
-# asleep PID: the process waits for something.
+# asleep PID: the process is waiting.
 asleep() {
     [ "$(awk '{ print $3 }' "/proc/$1/stat")" = S ]
 }
 
-# The receiver is stopped while more frames come than its buffer holds; one more tells how many.
+# The receiver is stopped while more frames arrive than its buffer holds. One more reports the
+# drops.
 full_buffer() {
     listen vcan0
     kill -STOP "$listener"
     "$PEER" send vcan0 15000 0
     kill -CONT "$listener"
-    within 20 asleep "$listener" # it has read all there is
+    within 20 asleep "$listener" # it has read all frames
     "$PEER" send vcan0 1 0
-    hear 'v["dropped"] > 1000' 'v["received"] > v["buffer"] / 1000' \
+    check_received 'v["dropped"] > 1000' 'v["received"] > v["buffer"] / 1000' \
         'v["received"] + v["dropped"] == 15001'
 }
 
-# 3000 frames; the rates within five standard deviations (82, 57). netem may lose a duplicate too.
-# Of two copies that come without another frame between them the kernel may hand on one only: it
-# takes them for one frame that passed two filters.
+# 3000 frames; the rates within five standard deviations (82, 57). netem may lose a duplicate, too.
+# Of two adjacent copies the kernel may deliver only one: it takes them for one frame that passed
+# two filters.
 disturbed() {
     local left lost merged
     ip link add vx0 type vxcan peer name vx1
@@ -81,7 +82,8 @@ disturbed() {
     tc qdisc add dev vx0 root netem delay 20ms 5ms loss 10% duplicate 5% limit 10000
     listen vx1
     "$PEER" send vx0 3000 500
-    hear 'v["numbered"] == v["different"] + v["again"]' 'v["malformed"] + v["dropped"] == 0' \
+    check_received 'v["numbered"] == v["different"] + v["again"]' \
+        'v["malformed"] + v["dropped"] == 0' \
         'v["late"] > 30' 'v["ordered"]'
     tc -s qdisc show dev vx0 | tee netem
     left=$(sed -n 's/.* bytes \([0-9]*\) pkt .*/\1/p' netem)
@@ -90,10 +92,10 @@ disturbed() {
     echo "netem let $left pass and dropped $lost; $merged were merged"
     [ "$(cat /sys/class/net/vx1/statistics/rx_packets)" = "$left" ]
     [ "$merged" -ge 0 ]
-    saw "$merged <= 0.3 * v[\"again\"]" <received
-    saw "3000 - v[\"different\"] <= $lost" <received
-    saw 'v["different"] >= 2700 - 82 && v["different"] <= 2700 + 82' <received
-    saw "v[\"again\"] + $merged >= 135 - 57 && v[\"again\"] + $merged <= 135 + 57" <received
+    holds "$merged <= 0.3 * v[\"again\"]" <received
+    holds "3000 - v[\"different\"] <= $lost" <received
+    holds 'v["different"] >= 2700 - 82 && v["different"] <= 2700 + 82' <received
+    holds "v[\"again\"] + $merged >= 135 - 57 && v[\"again\"] + $merged <= 135 + 57" <received
     ip link del vx0
 }
 
@@ -106,7 +108,7 @@ candump_log() {
     "$PEER" send vcan0 500 100
     cangen vcan0 -e -g 1 -n 300
     cangen vcan0 -g 1 -n 300 -R
-    hear 'v["received"] == 1100'
+    check_received 'v["received"] == 1100'
     kill "$recorder"
     wait "$recorder" || true
     "$PEER" read theirs.log >theirs
@@ -120,7 +122,7 @@ candump_log() {
 played_log() {
     listen vcan0
     canplayer -t -I ours.log vcan0=vcan0
-    hear 'v["received"] == 1100'
+    check_received 'v["received"] == 1100'
     [ "$(word checksum ours)" = "$(word checksum received)" ]
 }
 
@@ -130,12 +132,12 @@ flood() {
     listen vcan0
     timeout 2 cangen vcan0 -g 0 -i -e || true
     sleep 1
-    hear 'v["received"] > 2000' 'v["malformed"] == 0' 'v["ordered"]' \
+    check_received 'v["received"] > 2000' 'v["malformed"] == 0' 'v["ordered"]' \
         "v[\"received\"] + v[\"dropped\"] == $(passed_by vcan0) - $before"
 }
 
-# Never outside the virtual machine: it would set somebody's clock. Steps between two frames are
-# one step: so there are frames before, between and after, however slow all this is.
+# Only in the virtual machine: it sets the clock. Two steps between two frames count as one, so
+# there are frames before, between and after the steps, however slow the machine is.
 clock_step() {
     listen vcan0
     "$PEER" send vcan0 200 5000 &
@@ -145,21 +147,21 @@ clock_step() {
     date -s "@$(($(date +%s) - 7300))"
     "$PEER" send vcan0 20 5000
     wait $!
-    hear 'v["different"] == 200' 'v["numbered"] == 260' 'v["clock_steps"] == 2' 'v["ordered"]' \
-        'v["oldest_us"] < 5000000'
+    check_received 'v["different"] == 200' 'v["numbered"] == 260' 'v["clock_steps"] == 2' \
+        'v["ordered"]' 'v["oldest_us"] < 5000000'
 }
 
-check "an interface that is not there is named" refuses "there is no interface 'can7'" can7
-check "an interface that is not CAN is named" refuses "'lo' is not a CAN interface" lo
-check "two processes exchange 5000 frames in order, stamps monotone" two_processes
-check "the same socket goes on after the interface was down" down_and_up
+check "a missing interface is reported" refuses "there is no interface 'can7'" can7
+check "an interface that is not CAN is reported" refuses "'lo' is not a CAN interface" lo
+check "two processes exchange 5000 frames in order, with monotone timestamps" two_processes
+check "the same socket works after the interface was down" down_and_up
 check "an interface that vanished and came back is used again" unplugged
-check "an injected bus-off is seen, and the restart" bus_off
+check "an injected bus-off and the restart are reported" bus_off
 check "a full receive buffer: received and dropped add up" full_buffer
 check "10 % loss, 5 % duplication, 20 ms delay, reordering: counters add up" disturbed
-check "a log of candump and our own are read back alike" candump_log
-check "canplayer plays our log" played_log
+check "logs of candump and of auvid are read back alike" candump_log
+check "canplayer plays a log of auvid" played_log
 check "a flood of random frames is received or counted" flood
 [ "$VCAN_INSIDE" = namespace ] ||
-    check "stamps survive a wall clock set forward and back" clock_step
+    check "timestamps survive a wall clock set forward and back" clock_step
 finish

@@ -6,7 +6,7 @@ export VCAN_CONTROLLERS=2
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 
-# Each receiver also hears what the other program sends on its own controller: 500 and 500.
+# Each receiver also receives the frames of the other program on its own controller: 500 and 500.
 both_ways() {
     local other
     "$PEER" receive can0 >other_received &
@@ -16,20 +16,20 @@ both_ways() {
     "$PEER" send can1 500 2000 &
     "$PEER" send can0 500 2000
     wait $!
-    hear 'v["numbered"] == 1000' 'v["different"] == 500' 'v["ordered"]' \
+    check_received 'v["numbered"] == 1000' 'v["different"] == 500' 'v["ordered"]' \
         'v["dropped"] + v["malformed"] == 0'
     kill -TERM "$other"
     wait "$other"
-    saw 'v["numbered"] == 1000 && v["different"] == 500 && v["dropped"] == 0' <other_received
+    holds 'v["numbered"] == 1000 && v["different"] == 500 && v["dropped"] == 0' <other_received
 }
 
 bit_rate() {
     ip -details link show can0 | sed -n 's/.* bitrate \([0-9]*\) .*/\1/p'
 }
 
-# load LOG: percent of the bus that is taken, over the run and in its busiest second. A second is 50
-# tick frames. A frame of n bytes has 47 + 8 n bits, the pause behind it included, and at most
-# (33 + 8 n) / 4 stuff bits, which each is taken to have.
+# load LOG: bus load in percent, over the run and in its busiest second. A second is 50 tick frames.
+# A frame of n bytes has 47 + 8 n bits including the pause after it. It is assumed to have the
+# maximum of (33 + 8 n) / 4 stuff bits.
 load() {
     awk -v bit_rate="$(bit_rate)" '
         {
@@ -52,12 +52,12 @@ sent() {
     echo "$(($(passed_by can0) + $(passed_by can1)))"
 }
 
-# Each log has what both have sent.
+# Each log has the frames of both.
 complete() {
     [ "$(cat can0.log can1.log | wc -l)" = "$((2 * ($(sent) - before)))" ]
 }
 
-# At 50 Hz of real time, the node on can0, the vehicle on can1: all that is sent in cycles.
+# At 50 Hz in real time, the node on can0, the vehicle on can1: all cyclic messages.
 identification() {
     local dumps=() can node vehicle before
     before=$(sent)
@@ -82,7 +82,7 @@ identification() {
     grep -q ' 0 lost,' vehicle.out
     diff <(cut -d ' ' -f 3 can0.log | sort) <(cut -d ' ' -f 3 can1.log | sort)
     load can0.log | tee load
-    saw 'v["seconds"] > 10 && v["load"] > 10 && v["busiest"] <= 20' <load
+    holds 'v["seconds"] > 10 && v["load"] > 10 && v["busiest"] <= 20' <load
 }
 
 LIMIT=25
@@ -91,7 +91,7 @@ for controller in can0 can1; do
     check "$controller comes up at 500 kbit/s" \
         ip link set "$controller" up type can bitrate 500000 restart-ms 100
 done
-check "and says so" [ "$(bit_rate)" = 500000 ]
+check "  and reports it" [ "$(bit_rate)" = 500000 ]
 check "500 frames each way, in order, none lost" both_ways
-check "node and vehicle, a controller each: no frame lost, the bus at most 20 % busy" identification
+check "node and vehicle, each with a controller: none lost, bus load at most 20 %" identification
 finish

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What may go wrong, with the whole program: node (vx1) and vehicle (vcan1), with a gateway between
-# vcan1 and vx0, the other end of vx1, which can lose a sensor.
+# Faults of the whole program: node (vx1) and vehicle (vcan1). A gateway between vcan1 and vx0, the
+# other end of vx1, can drop a sensor.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 export VCAN_CLOCK=instructions VCAN_TIMEOUT=1150
 [ -z "${AUVID_TEST_LONG:-}" ] || VCAN_TIMEOUT=14000
@@ -15,7 +15,7 @@ start_node() {
     within 20 listening vx1 1
 }
 
-# excites: the log has so many command frames.
+# excites: succeeds when the log has enough command frames.
 excites() {
     local more=$1
     until [ "$(grep -c ' 042#' bus.log)" -ge "$more" ]; do
@@ -24,7 +24,7 @@ excites() {
     done
 }
 
-# begin SPEED: a log, a node, a vehicle, and the excitation has begun.
+# begin SPEED: starts a log, a node and a vehicle, and waits for the excitation.
 begin() {
     dump vcan1 bus.log
     within 20 listening vcan1 1
@@ -45,8 +45,9 @@ end() {
     cat vehicle.out node.err
 }
 
-# However it dies: thrust, which the vehicle feeds back in 402 and 403, is that of hovering again
-# within 10 ticks of 20 ms of the last command. The same vehicle, a new node each time.
+# The node is killed. Within 10 ticks of 20 ms after the last command, the thrust is that of
+# hovering again; the vehicle feeds it back in 402 and 403. The vehicle is the same, the node new
+# each time.
 killed() {
     local k
     begin 1
@@ -69,17 +70,17 @@ killed() {
             if (command && !zero && a == hover_a && b == hover_b) { zero = n; at = $1 } }
         f[1] == "402" { a = thrust; if (!command) hover_a = a }
         f[1] == "403" { b = thrust; if (!command) hover_b = b }
-        function tell() { print 20 * (zero - command), 1000 * (substr(at, 2) - t) }
-        f[1] == "042" { if (zero && n - command > 12) tell()
+        function report() { print 20 * (zero - command), 1000 * (substr(at, 2) - t) }
+        f[1] == "042" { if (zero && n - command > 12) report()
             command = n; t = substr($1, 2); zero = 0 }
-        END { tell() }' bus.log | sort -n >ends
+        END { report() }' bus.log | sort -n >ends
     awk -v kills="$KILLS" '{ ms[NR] = $1; real = $2 > real ? $2 : real; over += $2 > 200 }
         END { print NR " kills: zero after " ms[1] ".." ms[NR] " ms, median " ms[int((NR + 1) / 2)]
             print "by the clock of the machine " real " ms at most, over 200 ms " over + 0 " times"
             exit !(NR == kills && ms[1] > 0 && ms[NR] <= 200) }' ends
 }
 
-# All at once: an estimate in the end, and each fault in the report.
+# All faults at once: there is an estimate in the end, and each fault is in the report.
 disturbed() {
     begin 2
     "$PEER" busoff vx0
@@ -120,7 +121,7 @@ lasting() {
     kill -STOP "$node"
     for _ in 1 2 3 4; do
         "$PEER" send vx0 4000 0
-        # The vehicle would end when its node is silent: a heartbeat of before.
+        # The vehicle would end when its node is silent, so it gets an old heartbeat.
         cansend vcan1 "$(awk '/ 410#/ { print $3; exit }' bus.log)"
     done
     kill -CONT "$node"
@@ -142,8 +143,8 @@ gateway() {
 }
 
 # A forged command is good with 2^-8 (checksum) * (8002 / 8192)^4 (range) * 3 / 16 (counter):
-# tests/unit/can/test_can_flood.c. Where they reach the vehicle only, commands stay on time: thrust
-# is not cut.
+# tests/unit/can/test_can_flood.c. If forged commands reach only the vehicle, commands stay on time
+# and thrust is not cut.
 flooded() {
     cangw -F
     cangw -A -s vx0 -d vcan1 -e
@@ -158,7 +159,7 @@ flooded() {
     gateway
 }
 
-# A node takes the first good one for another node's, and aborts: of 20000 forged frames 7 are good.
+# The node aborts on the first good forged command. Of 20000 forged frames 7 are good.
 flooded_to_the_node() {
     begin 1
     "$PEER" flood vcan1 20000 1000
@@ -167,7 +168,7 @@ flooded_to_the_node() {
     grep -q 'thrust  *zero' vehicle.out
 }
 
-# Forged aborts, ticks, sensors may end an excitation, as the guard sees it; no program ends.
+# Forged aborts, ticks and sensors may end an excitation through the guard; no program ends.
 flooded_with_orders() {
     begin 1
     "$PEER" floodall vcan1 3000 500
@@ -178,10 +179,10 @@ ip link add vx0 type vxcan peer name vx1
 ip link add vcan1 type vcan
 for end in vx0 vx1 vcan1; do ip link set "$end" up; done
 gateway
-check "killed at random moments it leaves no thrust" killed
-check "bus-off, link down, full queue, stop, set clock, a sensor off: it identifies" disturbed
-check "an overflow and a lost sensor are told" lasting
-check "in a flood of forged frames commands stay on time" flooded
-check "a node that sees forged commands aborts" flooded_to_the_node
-check "forged orders and sensors end no program" flooded_with_orders
+check "a node killed at random moments leaves no thrust" killed
+check "it identifies despite bus-off, link down, full queue, stop, set clock, lost sensor" disturbed
+check "an overflow and a lost sensor are reported" lasting
+check "commands stay on time in a flood of forged frames" flooded
+check "a node that receives forged commands aborts" flooded_to_the_node
+check "forged commands and sensors end no program" flooded_with_orders
 finish

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Node and vehicle at the two ends of a vxcan pair whose netem loses, doubles, delays and reorders,
-# both ways. Simulated time goes SPEED times as fast as the clock, and so does netem.
+# Node and vehicle at the two ends of a vxcan pair. In both directions netem loses, duplicates,
+# delays and reorders. Simulated time and netem run SPEED times as fast as the clock.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 # Twice the error of the demo: the root mean square over runs is 2.59 % [2.40 2.78] with two sets
 # (build/auvid demo --runs 200 --sets 2), 1.09 % [1.03 1.15] with eight.
@@ -19,20 +19,21 @@ connect() {
         ip link set "$end" up
         tc qdisc add dev "$end" root netem delay $((20000 / SPEED))us $((5000 / SPEED))us loss 10% \
             duplicate 5% limit 10000
-        # What one end sends is in its log before netem, what it gets behind it.
+        # An end's log has its sent frames before netem and its received frames after netem.
         dump "$end" "$end.log"
         within 20 listening "$end" 1
     done
 }
 
-# progress PATTERN: so the node's progress frame (40E) is. What is looked for lasts: the end of the
-# log is enough.
+# progress PATTERN: succeeds if a progress frame of the node (40E) matches. The state persists, so
+# the end of the log is enough.
 progress() {
     tail -n 1000 vx1.log | grep -q " 40E#$1"
 }
 
-# Two DVL samples lost break the record, so that a set takes longer than 30 s: twice as many are
-# excited, and not waited for. Four lost ones make the guard abort: the operator arms again.
+# Two lost DVL samples interrupt the record, so a set takes longer than 30 s. Therefore twice as
+# many sets are excited, but not awaited. After four lost ones the guard aborts, and the operator
+# arms again.
 one_run() {
     start node node --bus vx1 --excite --realtime --sets $((2 * SETS))
     within 20 listening vx1 2
@@ -49,7 +50,7 @@ one_run() {
     wait "$node" || true
 }
 
-# The truth stands in the report of the same run over the bus in memory. A unit may have a blank.
+# The true values are in the report of the same run over the bus in memory. A unit may have a blank.
 identified() {
     [ -e memory.out ] || "$AUVID" node --bus memory --excite --sets 1 >memory.out || true
     awk -v most="$MOST" '
@@ -64,8 +65,8 @@ identified() {
             exit !(n == 13 && rms < most) }' memory.out node.out
 }
 
-# The limit is that of the error's rms over runs. A single one has more in 7 % (two sets) and 9 %
-# (eight) of the runs of tests/unit/can/test_lossy_bus.c: TRIES in a row in less than 1 of 1000.
+# The limit holds for the rms error over runs. A single run exceeds it in 7 % (two sets) and 9 %
+# (eight) of the runs of tests/unit/can/test_lossy_bus.c; TRIES in a row do in less than 1 of 1000.
 run() {
     local end
     for _ in $(seq "$TRIES"); do
@@ -84,9 +85,9 @@ run() {
     cat vehicle.out
 }
 
-# direction SENDER RECEIVER IDS: what netem did to one direction, within five standard deviations. A
-# frame that is lost and doubled passes once, and a copy may be lost like any other frame:
-# 0.1 * 0.95 + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 doubled.
+# direction SENDER RECEIVER IDS: checks the effect of netem on one direction, within five standard
+# deviations. A frame that is lost and duplicated passes once, and a copy may be lost like any other
+# frame: 0.1 * 0.95 + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 duplicated.
 direction() {
     local before behind passed dropped
     before=$(grep -Ec " ($3)#" "$1.log")
@@ -101,9 +102,9 @@ direction() {
                 near(twice, 0.045)) }'
 }
 
-# What the node should have refused, by its rules, of what has come: the counter is the fourth
-# digit; a tick has its number in the next five and the third. A copy may be merged (test_bus.sh)
-# for one socket and not for the other: up to ten. The vehicle has a state for every command.
+# Frames that the node should have refused by its rules. The counter is the fourth digit; a tick has
+# its number in the next five and the third. A copy may be merged (test_bus.sh) for one socket and
+# not for the other: up to ten. The vehicle has a state for every command.
 counters() {
     awk -v OFS= '
         function hex(s, i, n) { n = 0; for (i = 1; i <= length(s); i++)
@@ -118,22 +119,22 @@ counters() {
         { refused += !good }
         END { print "vx1.log: ", NR, " frames, to be refused: ", refused }' vx1.log | tee expected
     sed -n -e 's/.*: \([0-9]*\) frames received.*/received \1/p' \
-        -e 's/.*refused: \([0-9]*\) .*/refused \1/p' node.out | tee told
+        -e 's/.*refused: \([0-9]*\) .*/refused \1/p' node.out | tee reported
     awk -v arrived="$(grep -Ec ' (04[014]|40[0-8])#' vx1.log)" '
         function near(a, b) { return (a - b) ^ 2 <= 100 }
         NR == FNR { refused = $NF; next }
         /received/ { good += near($2, arrived) }
         /refused/ { good += near($2, refused) }
-        END { exit good != 2 }' expected told
+        END { exit good != 2 }' expected reported
     awk -v arrived="$(grep -c ' 042#' vx0.log)" '
         /commands/ { print; good = ($2 + $6 + $8 - arrived) ^ 2 <= 100 && $10 == 0 }
         END { exit !good }' vehicle.out
 }
 
-# Thrust is cut after 150 ms without a good command of each half: eight ticks. A tick brings a half
-# with 0.9^2; six in a row fail with 0.19^6 = 5e-5, seven with 9e-6; and delays differ. So once in
-# some minutes thrust is cut for a tick or two, and never without such a silence. The end is one
-# more cut, two silences. In the log a command may be a tick off.
+# Thrust is cut after 150 ms without a good command of each half: eight ticks. A tick delivers a
+# half with probability 0.9^2. Six in a row fail with 0.19^6 = 5e-5, seven with 9e-6; and delays
+# differ. So thrust is cut for a tick or two once in some minutes, and never without such a silence.
+# The end is one more cut with two silences. In the log a command may be off by a tick.
 interruptions() {
     awk '
         { split($3, f, "#"); id = f[1] }
@@ -151,6 +152,6 @@ interruptions() {
 check "it identifies with 10 % loss, 5 % duplication, 20 ms delay, reordering" run
 check "vehicle to node: counters add up" direction vx0 vx1 '04[014]|40[0-8]'
 check "node to vehicle: counters add up" direction vx1 vx0 '04[235]|409|40[A-F]|41[0-2]'
-check "each receiver refused what it should have" counters
+check "each receiver refused the frames it should refuse" counters
 check "thrust is not interrupted by single losses" interruptions
 finish

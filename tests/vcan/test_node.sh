@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The node and the simulated vehicle as two processes on a bus, with can-utils and cantools beside.
+# The node and the simulated vehicle as two processes on a bus, observed by can-utils and cantools.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 export VCAN_TIMEOUT=1150
 [ -z "${AUVID_TEST_LONG:-}" ] || VCAN_TIMEOUT=9000
@@ -9,8 +9,8 @@ export VCAN_TIMEOUT=1150
 SETS=2 SILENT_SETS=1
 [ -z "${AUVID_TEST_LONG:-}" ] || SETS=8 SILENT_SETS=8
 
-# whole_run NAME SETS OTHERS NODE_OPTION [VEHICLE_OPTION]: a run in lock step, seen by candump
-# (NAME.log) and OTHERS. The vehicle starts when the node listens: no tick is missed.
+# whole_run NAME SETS OTHERS NODE_OPTION [VEHICLE_OPTION]: a run in lock step, observed by candump
+# (NAME.log) and OTHERS. The vehicle starts when the node listens, so no tick is missed.
 whole_run() {
     witness "$1.log"
     within 20 listening vcan0 $(($3 + 1))
@@ -27,13 +27,13 @@ whole_run() {
     all_seen "$1.log"
 }
 
-# estimates JSON: value and sigma, a line for each parameter.
+# estimates JSON: prints value and sigma, one line per parameter.
 estimates() {
     sed -n 's/.*"estimate": \([^,]*\), "sigma": \([^,]*\),.*/\1 \2/p' "$1"
 }
 
-# order LOG: thruster commands, against arm and abort. A thrust is all bits but the checksum and the
-# counter, which are the first byte and the low half of the second.
+# order LOG: counts thruster commands relative to arm and abort. The thrust is all bits but the
+# checksum and the counter, which are the first byte and the low half of the second.
 order() {
     awk '{
         id = substr($3, 1, 3)
@@ -91,40 +91,40 @@ replay() {
     grep -q " $(grep -Ec ' 40[CD]#' bus.log) as in the log, 0 different" replay.out
 }
 
-# Nothing from a passive node, though it is told to arm.
+# No command from a passive node, despite an arm frame.
 passive() {
     whole_run passive "$SILENT_SETS" 0 ''
     order passive.log
-    saw 'v["arms"] > 0 && v["commands"] == 0' <order
+    holds 'v["arms"] > 0 && v["commands"] == 0' <order
 }
 
 no_arm() {
     whole_run no_arm "$SILENT_SETS" 0 --excite --no-arm
     order no_arm.log
-    saw 'v["arms"] == 0 && v["commands"] == 0' <order
+    holds 'v["arms"] == 0 && v["commands"] == 0' <order
 }
 
 excited() {
     [ "$(grep -c ' 042#' abort.log)" -gt 200 ]
 }
 
-# The operator's abort. The command of the tick that was open may follow it; the next tick is
-# answered with one command of zero for each half of the thrusters, and no other is answered.
+# The operator's abort. The command of the current tick may follow it. In the next tick the node
+# sends one command of zero for each half of the thrusters, and none after that.
 aborted() {
     : >abort.log
     (within 60 excited && cansend vcan0 040#AC10000000000000) &
     whole_run abort "$SILENT_SETS" 0 --excite
     order abort.log
-    saw 'v["aborts"] == 1 && v["under_way"] <= 2 && v["ticks"] > 1000' <order
-    saw 'v["arms"] > 0 && v["early"] == 0 && v["moving"] > 300' <order
-    saw 'v["last"] == 2 && v["last_a"] == 1 && v["last_b"] == 1 && v["late"] == 0' <order
+    holds 'v["aborts"] == 1 && v["under_way"] <= 2 && v["ticks"] > 1000' <order
+    holds 'v["arms"] > 0 && v["early"] == 0 && v["moving"] > 300' <order
+    holds 'v["last"] == 2 && v["last_a"] == 1 && v["last_b"] == 1 && v["late"] == 0' <order
 }
 
 check "node and vehicle in lock step identify; candump lost no frame" lock_step
-check "cantools beside them decodes every frame, and the node's estimates" cantools_decodes
-check "bit for bit as over the bus in memory" memory_alike
+check "cantools decodes every frame and the node's estimates" cantools_decodes
+check "the bits are those of the bus in memory" memory_alike
 check "candump's log replays bit for bit" replay
-check "a whole passive run: no thruster command" passive
-check "a whole run that nobody arms: no thruster command" no_arm
-check "a whole run with an abort: none before arm, one of zero after the abort" aborted
+check "a whole passive run has no thruster command" passive
+check "a whole run without an arm frame has no thruster command" no_arm
+check "a whole run with an abort: no command before arm, one of zero after the abort" aborted
 exit "$failed"

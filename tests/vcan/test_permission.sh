@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The program where the bus, or a permission, is missing: one line that says what to do.
+# The program without the bus or a permission prints one line with the remedy.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 
-# refuses WORDS ARGUMENTS...: exit status 2 and one line with these words.
+# refuses WORDS ARGUMENTS...: exit status 2 and one line that contains these words.
 refuses() {
     local status=0 words=$1
     shift
@@ -13,7 +13,7 @@ refuses() {
     [ "$status" = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$words" err
 }
 
-# A raw CAN socket needs no privilege; priority and locked memory do: one line, and it goes on.
+# A raw CAN socket needs no privilege; priority and locked memory do: one line, and it continues.
 unprivileged() {
     local node status=0
     setpriv --reuid 65534 --regid 65534 --clear-groups --bounding-set=-all \
@@ -30,9 +30,9 @@ unprivileged() {
     grep -q "no real-time priority .* 'ulimit -r'. memory not locked .* 'ulimit -l'" err
 }
 
-check "an interface that is not there" \
+check "a missing interface is reported" \
     refuses "there is no interface 'can7': 'ip link' lists them" node --bus can7
-check "an interface that is not CAN" \
+check "an interface that is not CAN is reported" \
     refuses "'lo' is not a CAN interface: 'ip link show type can'" vehicle --bus lo
-check "without privileges the node runs, and says what --realtime lacks" unprivileged
+check "without privileges the node runs and reports what --realtime lacks" unprivileged
 finish

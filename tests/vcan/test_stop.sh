@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# How a node that excites ends, on a bus: with a command of zero to both halves of the thrusters,
-# whatever ends it.
+# The end of a node that excites, on a bus: it always sends a command of zero to both halves of the
+# thrusters.
 AUVID=$(realpath "${AUVID:-build/auvid}")
 export VCAN_TIMEOUT=230
 # shellcheck source=tests/vcan/common.sh
 . "$(dirname "$0")/common.sh"
 
-# end_with_zero NAME: ends the vehicle; the last command of all was one of zero, of both halves.
+# end_with_zero NAME: ends the vehicle and checks that the last command was zero in both halves.
 end_with_zero() {
     kill -TERM "$vehicle"
     wait "$vehicle"
@@ -26,7 +26,7 @@ stopped() {
     end_with_zero stopped
 }
 
-# Its log goes into a pipe whose reader goes away.
+# Its log is a pipe whose reader ends.
 unread() {
     local status=0
     witness unread.log
@@ -41,7 +41,7 @@ unread() {
     end_with_zero unread
 }
 
-# They notice each other as soon as their fading in differs.
+# They detect each other as soon as their fade-in differs.
 two_nodes() {
     witness two.log
     start node node --bus vcan0 --excite --seed 1
@@ -58,7 +58,7 @@ two_nodes() {
     [ "$(grep -c ' 042#' two.log)" -lt 40 ]
 }
 
-check "one that is stopped sends zero" stopped
-check "one whose log cannot be written any more sends zero to both halves" unread
-check "two that excite on one bus abort, and end with zero" two_nodes
+check "a node that is stopped sends zero" stopped
+check "a node that can no longer write its log sends zero to both halves" unread
+check "two nodes that excite on one bus abort and end with zero" two_nodes
 exit "$failed"

@@ -2,9 +2,9 @@
  * @file can_messages.h
  * Generated from lib/can/auvid.dbc by `make can`: do not edit.
  *
- * The messages of the bus, as structs of physical values. can.h packs and unpacks them; what they
- * are for is said in lib/can/README.md. Real numbers are rounded to the step of their signal on the
- * way; integers arrive as they are.
+ * The messages of the bus as structs of physical values. can.h packs and unpacks them;
+ * lib/can/README.md documents them. Packing rounds real numbers to the step of their signal;
+ * integers are sent unchanged.
  */
 #ifndef AUVID_CAN_MESSAGES_H
 #define AUVID_CAN_MESSAGES_H
@@ -15,16 +15,16 @@
 extern "C" {
 #endif
 
-/** Version of the frames, in every heartbeat. */
+/** Version of the frames. Every heartbeat carries it. */
 #define AUVID_CAN_PROTOCOL 1u
-/** First identifiers of the two blocks, unless moved (can.h). */
+/** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
-/** Messages in each. */
+/** Number of messages in each block. */
 #define AUVID_CAN_FAST_KINDS 6u
 #define AUVID_CAN_SLOW_KINDS 19u
 
-/** The messages. A smaller identifier goes first on the bus; the enumeration has that order. */
+/** The messages, in the order of their identifiers. A smaller one has priority on the bus. */
 typedef enum {
     AUVID_CAN_ABORT = 0,
     AUVID_CAN_TICK = 1,
@@ -171,15 +171,15 @@ enum {
     AUVID_CAN_POINT_YAW_BACKWARD_1_0 = 35
 };
 
-/** 0x040, on event. Stop exciting and disarm. On event, and repeated until the vehicle is
- * disarmed. A receiver obeys any authentic one, even if its counter repeats or jumps. */
+/** 0x040, on event. Stop exciting and disarm. The sender repeats it until the vehicle is
+ * disarmed. A receiver obeys every authentic abort, even if the counter repeats or jumps. */
 typedef struct {
-    /** Why: auvid_guard_cause_t of guard.h; 0..31 */
+    /** Cause of the abort: auvid_guard_cause_t of guard.h; 0..31 */
     uint32_t cause;
 } auvid_can_abort_t;
 
-/** 0x041, every 20 ms. Opens a control tick. The node that owns the clock sends it; ages count
- * back from it. */
+/** 0x041, every 20 ms. Opens a control tick. The node that owns the clock sends it. The ages of
+ * samples refer to its time. */
 typedef struct {
     /** Number of the tick; 0..1048575 */
     uint32_t sequence;
@@ -187,11 +187,11 @@ typedef struct {
     uint32_t time;
 } auvid_can_tick_t;
 
-/** 0x042, every 20 ms. Command of thrusters 1 to 4. Not available: this thruster is not
- * commanded, its thrust is zero. */
+/** 0x042, every 20 ms. Command of thrusters 1 to 4. A thruster whose value is not available is
+ * not commanded: its thrust is zero. */
 typedef struct {
-    /** Thruster 1: commanded force over its largest in that direction, and so on; -1..1, step
-     * 1/4000 */
+    /** Thruster 1: commanded force divided by the maximum force in that direction; the other
+     * elements likewise; -1..1, step 1/4000 */
     auvid_real_t thrust[4];
 } auvid_can_thruster_command_a_t;
 
@@ -202,10 +202,11 @@ enum {
     AUVID_CAN_THRUSTER_COMMAND_A_NO_THRUST_4 = 1 << 3
 };
 
-/** 0x043, every 20 ms. Command of thrusters 5 to 8; not sent by a vehicle with up to four. */
+/** 0x043, every 20 ms. Command of thrusters 5 to 8. Not sent for a vehicle with up to four
+ * thrusters. */
 typedef struct {
-    /** Thruster 5: commanded force over its largest in that direction, and so on; -1..1, step
-     * 1/4000 */
+    /** Thruster 5: commanded force divided by the maximum force in that direction; the other
+     * elements likewise; -1..1, step 1/4000 */
     auvid_real_t thrust[4];
 } auvid_can_thruster_command_b_t;
 
@@ -216,23 +217,23 @@ enum {
     AUVID_CAN_THRUSTER_COMMAND_B_NO_THRUST_8 = 1 << 3
 };
 
-/** 0x044, on event. Order to the node. Arm: excite as soon as the guard permits; disarm: end it
- * at once; stop: fade out. On event. Arm needs a counter that follows the last one; disarm and
- * stop take thrust away whatever theirs says, but only a disarm with such a counter clears an
- * abort. A frame without the key is refused. */
+/** 0x044, on event. Command to the node. Arm: excite as soon as the guard permits. Disarm: end
+ * the excitation at once. Stop: fade it out. Arm needs a good counter. Disarm and stop take
+ * thrust away with any counter, but only a disarm with a good counter clears an abort. The
+ * node refuses a frame without the key. */
 typedef struct {
-    /** What to do; 0..2 */
+    /** Arm, disarm or stop; 0..2 */
     uint32_t action;
-    /** Always 0xA55A; a frame of chance is not an order; 0xA55A */
+    /** Constant, so that a random frame is no command; 0xA55A */
     uint32_t key;
 } auvid_can_arm_t;
 
-/** 0x045, on event. The node has done its work of a tick. Sent only to a simulated vehicle that
- * waits for it. */
+/** 0x045, on event. The node has finished the work of a tick. Sent only to a simulated vehicle
+ * that waits for it. */
 typedef struct {
     /** Number of the tick; 0..1048575 */
     uint32_t sequence;
-    /** Time that the tick's work took, of its length; 0..255 % */
+    /** Time spent on the tick, in percent of its length; 0..255 % */
     uint32_t load;
 } auvid_can_tick_done_t;
 
@@ -272,10 +273,10 @@ enum {
     AUVID_CAN_IMU_RATES_NO_R = 1 << 2
 };
 
-/** 0x402, every 20 ms. Thrust of thrusters 1 to 4 as it acts, whoever commanded it. */
+/** 0x402, every 20 ms. Acting thrust of thrusters 1 to 4, from all sources of commands. */
 typedef struct {
-    /** Thruster 1: acting force over the largest in its direction, mean since the frame before,
-     * and so on; -1..1, step 1/4000 */
+    /** Thruster 1: acting force divided by the maximum force in that direction; mean since the
+     * previous frame; the other elements likewise; -1..1, step 1/4000 */
     auvid_real_t thrust[4];
 } auvid_can_thruster_feedback_a_t;
 
@@ -286,10 +287,11 @@ enum {
     AUVID_CAN_THRUSTER_FEEDBACK_A_NO_THRUST_4 = 1 << 3
 };
 
-/** 0x403, every 20 ms. Thrust of thrusters 5 to 8; not sent by a vehicle with up to four. */
+/** 0x403, every 20 ms. Acting thrust of thrusters 5 to 8. Not sent for a vehicle with up to
+ * four thrusters. */
 typedef struct {
-    /** Thruster 5: acting force over the largest in its direction, mean since the frame before,
-     * and so on; -1..1, step 1/4000 */
+    /** Thruster 5: acting force divided by the maximum force in that direction; mean since the
+     * previous frame; the other elements likewise; -1..1, step 1/4000 */
     auvid_real_t thrust[4];
 } auvid_can_thruster_feedback_b_t;
 
@@ -300,7 +302,7 @@ enum {
     AUVID_CAN_THRUSTER_FEEDBACK_B_NO_THRUST_8 = 1 << 3
 };
 
-/** 0x404, every 200 ms. DVL locked on the bottom: velocity over ground, instrument frame. */
+/** 0x404, every 200 ms. DVL with bottom lock: velocity over ground, instrument frame. */
 typedef struct {
     /** Forward; -8.191..8.191 m/s, step 1/1000 */
     auvid_real_t u;
@@ -318,7 +320,7 @@ enum {
     AUVID_CAN_DVL_BOTTOM_NO_W = 1 << 2
 };
 
-/** 0x405, every 200 ms. DVL locked on the water: velocity through it, instrument frame. */
+/** 0x405, every 200 ms. DVL with water lock: velocity through the water, instrument frame. */
 typedef struct {
     /** Forward; -8.191..8.191 m/s, step 1/1000 */
     auvid_real_t u;
@@ -368,19 +370,19 @@ typedef struct {
 
 enum { AUVID_CAN_GPS_NO_X = 1 << 0, AUVID_CAN_GPS_NO_Y = 1 << 1 };
 
-/** 0x409, every 100 ms. Estimated position of the navigation filter, at the last tick. */
+/** 0x409, every 100 ms. Position estimate of the navigation filter, at the last tick. */
 typedef struct {
     /** North; -10485.75..10485.75 m, step 1/100 */
     auvid_real_t x;
     /** East; -10485.75..10485.75 m, step 1/100 */
     auvid_real_t y;
-    /** AUVID_NAV_... of nav.h, bit by bit; 0..1023 */
+    /** Bit mask of AUVID_NAV_... of nav.h; 0..1023 */
     uint32_t flags;
 } auvid_can_nav_position_t;
 
 enum { AUVID_CAN_NAV_POSITION_NO_X = 1 << 0, AUVID_CAN_NAV_POSITION_NO_Y = 1 << 1 };
 
-/** 0x40A, every 100 ms. Estimated velocity, body frame, at the last tick. */
+/** 0x40A, every 100 ms. Velocity estimate, body frame, at the last tick. */
 typedef struct {
     /** Surge; -8.191..8.191 m/s, step 1/1000 */
     auvid_real_t u;
@@ -396,7 +398,7 @@ enum {
     AUVID_CAN_NAV_VELOCITY_NO_W = 1 << 2
 };
 
-/** 0x40B, every 100 ms. Estimated depth, at the last tick. */
+/** 0x40B, every 100 ms. Depth estimate, at the last tick. */
 typedef struct {
     /** Positive down; -8388.606..8388.606 m, step 1/500 */
     auvid_real_t z;
@@ -404,15 +406,16 @@ typedef struct {
 
 enum { AUVID_CAN_NAV_DEPTH_NO_Z = 1 << 0 };
 
-/** 0x40C, every 100 ms. One parameter of the last estimate; the indices take turns. */
+/** 0x40C, every 100 ms. One parameter of the last estimate. The frames cycle through the
+ * indices. */
 typedef struct {
     /** Parameter, in the order of the model; 0..31 */
     uint32_t index;
     /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
     uint32_t number;
     /** Bit 0: identified; 1: its degree of freedom was excited; 2: the search did not converge;
-     * 3: identifiable; 4: implausible; 5: the estimate predicted a set that it had not seen;
-     * 0..255 */
+     * 3: identifiable; 4: implausible; 5: accepted, because the estimate predicted a set that
+     * was not used for it; 0..255 */
     uint32_t flags;
     /** Value in the parameter's unit; NaN: not available; float32 */
     auvid_real_t value;
@@ -420,82 +423,83 @@ typedef struct {
 
 enum { AUVID_CAN_ESTIMATE_NO_VALUE = 1 << 3 };
 
-/** 0x40D, every 100 ms. Standard error of the parameter in the estimate frame before it. */
+/** 0x40D, every 100 ms. Standard error of the parameter in the preceding estimate frame. */
 typedef struct {
     /** Parameter, in the order of the model; 0..31 */
     uint32_t index;
     /** Number of the estimate, modulo 128; 0..127 */
     uint32_t number;
-    /** What is to be said about it: auvid_note_t of confidence.h; 0..15 */
+    /** Finding on the parameter: auvid_note_t of confidence.h; 0..15 */
     uint32_t note;
-    /** Standard error, bias included, in the parameter's unit; NaN: not available. It has what
-     * the scale of the thrust, uncertain by a relative e (0.05 unless configured), adds: with
-     * the thrust as told it is sqrt(sigma^2 - (e value)^2), if no parameter is fixed; float32 */
+    /** Standard error, bias included, in the parameter's unit; NaN: not available. It includes
+     * the uncertainty of the thrust scale, a relative error e (default 0.05). For the thrust
+     * as supplied it is sqrt(sigma^2 - (e value)^2), if no parameter is fixed; float32 */
     auvid_real_t sigma;
 } auvid_can_estimate_sigma_t;
 
 enum { AUVID_CAN_ESTIMATE_SIGMA_NO_SIGMA = 1 << 3 };
 
-/** 0x40E, every 200 ms. Where the identification is. */
+/** 0x40E, every 200 ms. Progress of the identification. */
 typedef struct {
     /** State of the guard: auvid_guard_state_t of guard.h; 0..5 */
     uint32_t guard;
-    /** What the optimizer does: auvid_work_phase_t of identifier.h; 0..10 */
+    /** Phase of the search: auvid_work_phase_t of identifier.h; 0..10 */
     uint32_t work;
-    /** What ended the excitation, or why arming was refused: auvid_guard_cause_t of guard.h;
+    /** Why the excitation ended, or why arming was refused: auvid_guard_cause_t of guard.h;
      * 0..31 */
     uint32_t cause;
-    /** Of the excitation's length; 0..100 % */
+    /** Elapsed part of the excitation; 0..100 % */
     uint32_t percent;
     /** Data sets completed, modulo 256; 0..255 */
     uint32_t sets;
-    /** Searches begun, modulo 256; 0..255 */
+    /** Searches started, modulo 256; 0..255 */
     uint32_t searches;
-    /** Degrees of freedom that were excited in the data of the last estimate: bit 0 surge .. 5
-     * yaw; 0..63 */
+    /** Degrees of freedom that were excited in the data of the last estimate: bit 0 surge ..
+     * bit 5 yaw; 0..63 */
     uint32_t excited;
-    /** Degree of freedom in which the newest set shows most clearly that the vehicle has
-     * changed; 0: it does not; 0..63 */
+    /** Degree of freedom in which the newest set shows a change of the vehicle most clearly; 0:
+     * no change; 0..63 */
     uint32_t changed;
 } auvid_can_progress_t;
 
-/** 0x40F, every 1000 ms. Counters since the start; they stay at their largest value. */
+/** 0x40F, every 1000 ms. Counters since the start. They saturate. */
 typedef struct {
-    /** Ticks that came too late; 0..4095 */
+    /** Ticks that the node missed; 0..4095 */
     uint32_t ticks_missed;
-    /** Received frames refused: checksum, length, range, counter; 0..4095 */
+    /** Received frames that were refused: checksum, length, range, counter; 0..4095 */
     uint32_t frames_refused;
-    /** Sensor samples refused; 0..4095 */
+    /** Sensor samples that were refused; 0..4095 */
     uint32_t samples_dropped;
-    /** Values limited to what a frame can carry; 0..255 */
+    /** Values limited to the range of their signal; 0..255 */
     uint32_t saturated;
-    /** Longest tick since the frame before, of the tick's length; 0..255 % */
+    /** Longest tick since the previous frame, in percent of the tick's length; 0..255 % */
     uint32_t load;
 } auvid_can_health_t;
 
-/** 0x410, every 500 ms. The sender is alive. */
+/** 0x410, every 500 ms. Shows that the sender is running. */
 typedef struct {
     /** Version of this file: AuvidProtocol; 0..255 */
     uint32_t protocol;
-    /** Who sends; 0..2 */
+    /** Role of the sender; 0..2 */
     uint32_t role;
     /** Time since the start; 0..16777215 s */
     uint32_t uptime;
-    /** Version of the library; 0..255 */
+    /** Major version of the library; 0..255 */
     uint32_t major;
-    /** Version of the library; 0..255 */
+    /** Minor version of the library; 0..255 */
     uint32_t minor;
 } auvid_can_heartbeat_t;
 
-/** 0x411, every 200 ms. Drag force of the last estimate at a part of the largest speed that its
- * data have seen in a direction. The points take turns; none before the first estimate. */
+/** 0x411, every 200 ms. Drag force of the last estimate at a fraction of the maximum speed of
+ * its data in one direction. The frames cycle through the points. None before the first
+ * estimate. */
 typedef struct {
     /** Bit 0: identifiable, see auvid_drag_t of identifier.h; 0..31 */
     uint32_t flags;
     /** Number of the estimate, modulo 128; 0..127 */
     uint32_t number;
-    /** Degree of freedom, direction, and part of the largest speed: 6 dof + 3 (backward) + 0,
-     * 1, 2; 0..255 */
+    /** Degree of freedom, direction, and fraction of the maximum speed: 6 dof + 3 (backward) +
+     * 0, 1, 2; 0..255 */
     uint32_t point;
     /** Force of the water on the hull, N or Nm; NaN: not available, the data have no motion in
      * this direction; float32 */
@@ -504,11 +508,11 @@ typedef struct {
 
 enum { AUVID_CAN_DRAG_NO_FORCE = 1 << 3 };
 
-/** 0x412, every 200 ms. Speed and half-width of the force in the drag frame before it. */
+/** 0x412, every 200 ms. Speed and half-width of the force in the preceding drag frame. */
 typedef struct {
     /** Speed, m/s or rad/s; backward is negative; -8.191..8.191, step 1/1000 */
     auvid_real_t speed;
-    /** As in the drag frame; 0..63 */
+    /** Same as in the drag frame; 0..63 */
     uint32_t point;
     /** Half-width (95 %) of the force, N or Nm; NaN: not available; float32 */
     auvid_real_t half_width;
@@ -521,10 +525,10 @@ enum {
 
 /** Any message. */
 typedef struct {
-    auvid_can_kind_t kind; /**< which of the structs below holds */
+    auvid_can_kind_t kind; /**< selects the struct below */
     uint8_t counter;       /**< 0..15; written by unpack, not read by pack */
-    uint32_t absent;       /**< AUVID_CAN_<message>_NO_<signal>: this real is not available; it is
-                                not read by pack, and NaN after unpack. Other bits: nothing */
+    uint32_t absent;       /**< AUVID_CAN_<message>_NO_<signal>: this real is not available. Pack
+                                does not read it; it is NaN after unpack. Other bits are ignored */
     union {
         auvid_can_abort_t abort;
         auvid_can_tick_t tick;

@@ -1,11 +1,11 @@
 /*
- * The codec: loops over the tables that are generated from lib/can/auvid.dbc.
+ * The codec. It loops over the tables generated from lib/can/auvid.dbc.
  *
  * Frame, little-endian bit numbers: 0-7 CRC, 8-11 counter, 12-63 signals.
  *   raw = round(value per_unit), value = raw / per_unit
- * per_unit and raw are integers, exact in float32, and |raw| <= 2^22: a value unpacked is the float
- * nearest to the decimal number of the DBC, and packs to the same raw again. So unpacking needs no
- * limits of its own: what does not pack to the same raw again was out of range.
+ * per_unit and raw are integers, exact in float32, and |raw| <= 2^22. So an unpacked value is the
+ * float nearest to the decimal number of the DBC, and packs to the same raw value. Therefore
+ * unpacking needs no limits: a value that packs to another raw value was out of range.
  */
 #include "auvid/can.h"
 
@@ -22,15 +22,15 @@
 /* Finite in float32 with a margin for the decimal notation of the DBC. */
 #define FLOAT_LIMIT AUVID_C(3.4e38)
 #define FLOAT_ABSENT 0x7FC00000u
-/* Sign of a number of 32 bits; that of a shorter one lies `unused` lower. */
+/* Sign bit of a 32-bit number. That of a shorter one is `unused` bits lower. */
 #define SIGN 0x80000000u
 
 typedef union {
     auvid_real_t real;
     uint32_t integer;
-} field_t;
+} can_field_t;
 
-/* A bit at a time, the shortest way. */
+/* Bit by bit: the smallest code. */
 uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id)
 {
     uint32_t crc = 0xFFu;
@@ -43,74 +43,74 @@ uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id)
     return (uint8_t)(crc ^ 0xFFu);
 }
 
-static bool is_integer(const auvid_can_type_t *type)
+static bool can_type_is_integer(const auvid_can_type_t *type)
 {
     return type->kind <= AUVID_CAN_TYPE_CONSTANT;
 }
 
-static bool is_float(const auvid_can_type_t *type)
+static bool can_type_is_float(const auvid_can_type_t *type)
 {
     return type->kind >= AUVID_CAN_TYPE_FLOAT;
 }
 
-/* Bytes of a member: real numbers may be longer than integers. */
-static size_t size_of(const auvid_can_type_t *type)
+/* Size of a member in bytes: real numbers may be longer than integers. */
+static size_t can_type_size(const auvid_can_type_t *type)
 {
-    return is_integer(type) ? sizeof(uint32_t) : sizeof(auvid_real_t);
+    return can_type_is_integer(type) ? sizeof(uint32_t) : sizeof(auvid_real_t);
 }
 
-/* Half away from zero, to within the rounding of the sum. */
-static int32_t round_nearest(auvid_real_t x)
+/* Rounds half away from zero, to within the rounding of the sum. */
+static int32_t can_round_nearest(auvid_real_t x)
 {
     return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
 }
 
-static uint32_t limit_integer(const auvid_can_type_t *type, uint32_t x)
+static uint32_t can_limit_integer(const auvid_can_type_t *type, uint32_t x)
 {
     uint32_t high = type->number != 0 ? type->number : UINT32_MAX >> type->unused;
     return x > high || type->kind == AUVID_CAN_TYPE_CONSTANT ? high : x;
 }
 
-/* Field to raw value. What is out of range is limited and counted; what is NaN or absent becomes
- * "not available". @return is it neither? */
-static bool encode(const auvid_can_type_t *type, field_t field, bool absent, uint32_t *raw,
-                   uint32_t *saturated)
+/* Field to raw value. A value out of range is limited and counted; NaN or an absent value becomes
+ * "not available". Returns false if the value is NaN or absent. */
+static bool can_encode_signal(const auvid_can_type_t *type, can_field_t field, bool absent,
+                              uint32_t *raw, uint32_t *saturated)
 {
-    if (is_integer(type)) {
-        *raw = limit_integer(type, field.integer);
+    if (can_type_is_integer(type)) {
+        *raw = can_limit_integer(type, field.integer);
         *saturated += *raw != field.integer;
         return true;
     }
     uint32_t sign = SIGN >> type->unused;
-    *raw = is_float(type) ? FLOAT_ABSENT : sign;
+    *raw = can_type_is_float(type) ? FLOAT_ABSENT : sign;
     auvid_real_t x = field.real * (auvid_real_t)type->number;
     if (absent || auvid_is_nan(x)) {
         return false;
     }
     uint32_t limit = type->kind == AUVID_CAN_TYPE_REAL_UNIT ? type->number : sign - 1u;
-    auvid_real_t high = is_float(type) ? FLOAT_LIMIT : (auvid_real_t)limit;
+    auvid_real_t high = can_type_is_float(type) ? FLOAT_LIMIT : (auvid_real_t)limit;
     auvid_real_t y = auvid_clamp(x, (type->kind & 1u) != 0 ? AUVID_C(0.0) : -high, high);
-    if (is_float(type)) {
+    if (can_type_is_float(type)) {
         float single = (float)y;
         memcpy(raw, &single, sizeof single);
     } else {
-        *raw = (uint32_t)round_nearest(y) & UINT32_MAX >> type->unused;
+        *raw = (uint32_t)can_round_nearest(y) & UINT32_MAX >> type->unused;
     }
-    /* Less than half a step beyond the limit is rounding: a limit unpacked may be there. */
+    /* Less than half a step beyond the limit is rounding: an unpacked limit may lie there. */
     *saturated += (x - y) * (x - y) >= AUVID_C(0.25);
     return true;
 }
 
-/* Raw value to field; what is not available becomes NaN. Nothing is checked. */
-static field_t decode(const auvid_can_type_t *type, uint32_t raw)
+/* Raw value to field, without checks. "Not available" becomes NaN. */
+static can_field_t can_decode_signal(const auvid_can_type_t *type, uint32_t raw)
 {
-    field_t field;
+    can_field_t field;
     uint32_t sign = SIGN >> type->unused;
-    if (is_integer(type)) {
+    if (can_type_is_integer(type)) {
         field.integer = raw;
-    } else if (is_float(type) || raw == sign) {
+    } else if (can_type_is_float(type) || raw == sign) {
         float single;
-        raw = is_float(type) ? raw : FLOAT_ABSENT;
+        raw = can_type_is_float(type) ? raw : FLOAT_ABSENT;
         memcpy(&single, &raw, sizeof single);
         field.real = (auvid_real_t)single;
     } else {
@@ -128,7 +128,7 @@ void auvid_can_ids_defaults(auvid_can_ids_t *ids)
     }
 }
 
-static const auvid_can_ids_t default_ids = {AUVID_CAN_FAST_BASE, AUVID_CAN_SLOW_BASE};
+static const auvid_can_ids_t can_default_ids = {AUVID_CAN_FAST_BASE, AUVID_CAN_SLOW_BASE};
 
 auvid_status_t auvid_can_ids_check(const auvid_can_ids_t *ids)
 {
@@ -139,14 +139,14 @@ auvid_status_t auvid_can_ids_check(const auvid_can_ids_t *ids)
     uint32_t slow = ids->slow;
     bool fit = fast <= 0x800u - AUVID_CAN_FAST_KINDS && slow <= 0x800u - AUVID_CAN_SLOW_KINDS;
     /* Not -SLOW_KINDS < slow - fast < FAST_KINDS, unsigned. */
-    bool apart =
+    bool disjoint =
         slow - fast + AUVID_CAN_SLOW_KINDS - 1u >= AUVID_CAN_FAST_KINDS + AUVID_CAN_SLOW_KINDS - 1u;
-    return fit && apart ? AUVID_OK : AUVID_ERR_RANGE;
+    return fit && disjoint ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
 auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id)
 {
-    ids = ids != NULL ? ids : &default_ids;
+    ids = ids != NULL ? ids : &can_default_ids;
     uint32_t fast = (uint32_t)id - ids->fast;
     uint32_t slow = (uint32_t)id - ids->slow;
     if (fast < AUVID_CAN_FAST_KINDS) {
@@ -158,7 +158,7 @@ auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id)
 
 uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind)
 {
-    ids = ids != NULL ? ids : &default_ids;
+    ids = ids != NULL ? ids : &can_default_ids;
     if ((uint32_t)kind >= AUVID_CAN_KINDS) {
         return UINT16_MAX;
     }
@@ -175,7 +175,7 @@ uint32_t auvid_can_cycle_us(auvid_can_kind_t kind)
 
 auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can_ids_t *ids)
 {
-    ids = ids != NULL ? ids : &default_ids;
+    ids = ids != NULL ? ids : &can_default_ids;
     auvid_status_t status = sender == NULL ? AUVID_ERR_NULL : auvid_can_ids_check(ids);
     if (status == AUVID_OK) {
         memset(sender, 0, sizeof *sender);
@@ -184,16 +184,18 @@ auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can
     return status;
 }
 
-/* The signals of a message into *bits. @return false: one is NaN and not marked absent. */
-static bool encode_all(const auvid_can_message_t *message, uint64_t *bits, uint32_t *saturated)
+/* Packs the signals of a message into *bits. Returns false if one is NaN and not marked absent. */
+static bool can_encode_message(const auvid_can_message_t *message, uint64_t *bits,
+                               uint32_t *saturated)
 {
     const auvid_can_signal_t *signal = &auvid_can_signals[auvid_can_first[message->kind]];
     for (uint32_t absent = message->absent;; absent >>= 1, ++signal) {
         const auvid_can_type_t *type = &auvid_can_types[signal->type];
-        field_t field;
+        can_field_t field;
         uint32_t raw;
-        memcpy(&field, (const uint32_t *)&message->as + signal->word, size_of(type));
-        if (!encode(type, field, (absent & 1u) != 0, &raw, saturated) && (absent & 1u) == 0) {
+        memcpy(&field, (const uint32_t *)&message->as + signal->word, can_type_size(type));
+        if (!can_encode_signal(type, field, (absent & 1u) != 0, &raw, saturated) &&
+            (absent & 1u) == 0) {
             return false;
         }
         *bits |= (uint64_t)raw << signal->start;
@@ -215,7 +217,7 @@ auvid_status_t auvid_can_pack(auvid_can_sender_t *sender, const auvid_can_messag
     uint32_t saturated = 0;
     uint64_t bits = 0;
     bool known = (uint32_t)message->kind < AUVID_CAN_KINDS;
-    if (!known || !encode_all(message, &bits, &saturated)) {
+    if (!known || !can_encode_message(message, &bits, &saturated)) {
         ++sender->refused;
         return known ? AUVID_ERR_NOT_FINITE : AUVID_ERR_RANGE;
     }
@@ -249,10 +251,10 @@ auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_fram
     if (frame->data[0] != auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(kind))) {
         return AUVID_ERR_CHECKSUM;
     }
-    auvid_can_message_t read;
-    memset(&read, 0, sizeof read);
-    read.kind = kind;
-    read.counter = frame->data[1] & COUNTER_MASK;
+    auvid_can_message_t unpacked;
+    memset(&unpacked, 0, sizeof unpacked);
+    unpacked.kind = kind;
+    unpacked.counter = frame->data[1] & COUNTER_MASK;
     uint64_t bits = 0;
     for (int i = AUVID_CAN_BYTES - 1; i >= 0; --i) {
         bits = bits << 8 | frame->data[i];
@@ -261,20 +263,20 @@ auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_fram
     for (uint32_t bit = 1;; bit <<= 1, ++signal) {
         const auvid_can_type_t *type = &auvid_can_types[signal->type];
         uint32_t raw = (uint32_t)(bits >> signal->start) & UINT32_MAX >> type->unused;
-        field_t field = decode(type, raw);
-        uint32_t again, saturated = 0;
-        if (!encode(type, field, false, &again, &saturated)) {
-            read.absent |= bit;
+        can_field_t field = can_decode_signal(type, raw);
+        uint32_t repacked, saturated = 0;
+        if (!can_encode_signal(type, field, false, &repacked, &saturated)) {
+            unpacked.absent |= bit;
         }
-        if (again != raw) {
+        if (repacked != raw) {
             return AUVID_ERR_RANGE;
         }
-        memcpy((uint32_t *)&read.as + signal->word, &field, size_of(type));
+        memcpy((uint32_t *)&unpacked.as + signal->word, &field, can_type_size(type));
         if (signal->last) {
             break;
         }
     }
-    *message = read;
+    *message = unpacked;
     return AUVID_OK;
 }
 

@@ -1,6 +1,6 @@
 /*
- * The queue between interrupt and task. `pushed` and `popped` run freely; their difference is the
- * number of frames inside, because size divides 2^32.
+ * The queue between interrupt and task. `pushed` and `popped` wrap; their difference is the number
+ * of queued frames, because size divides 2^32.
  */
 #include "auvid/can_fifo.h"
 
@@ -25,7 +25,7 @@ auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *st
     return AUVID_OK;
 }
 
-static bool is_abort(const auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame)
+static bool can_fifo_is_abort(const auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame)
 {
     return frame->id == fifo->ids.fast + AUVID_CAN_ABORT && frame->length == AUVID_CAN_BYTES &&
            frame->data[0] == auvid_can_crc(frame->data, AUVID_CAN_DATA_ID(AUVID_CAN_ABORT));
@@ -40,22 +40,22 @@ auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame
         return AUVID_ERR_STATE;
     }
     uint32_t at = fifo->pushed;
-    auvid_can_frame_t *place = &fifo->frame[at & (fifo->size - 1u)];
-    bool abort = is_abort(fifo, frame);
+    auvid_can_frame_t *slot = &fifo->frame[at & (fifo->size - 1u)];
+    bool abort = can_fifo_is_abort(fifo, frame);
     if (abort) {
         fifo->before = at;
-        place = &fifo->abort;
-        AUVID_CAN_BARRIER(); /* whoever takes the one that is there sees this `before` */
+        slot = &fifo->abort;
+        AUVID_CAN_BARRIER(); /* the consumer of a pending abort sees this `before` */
         if (fifo->aborts != fifo->aborted) {
-            return AUVID_OK; /* the one that is there does for both */
+            return AUVID_OK; /* the pending abort stands for both */
         }
     } else if (at - fifo->popped >= fifo->size) {
         fifo->dropped = fifo->dropped + 1u;
         return AUVID_ERR_LIMIT;
     }
-    AUVID_CAN_BARRIER(); /* the place was read before it is written again */
-    *place = *frame;
-    AUVID_CAN_BARRIER(); /* the frame is there before it is announced */
+    AUVID_CAN_BARRIER(); /* the slot was read before it is overwritten */
+    *slot = *frame;
+    AUVID_CAN_BARRIER(); /* the frame is written before it is published */
     if (abort) {
         fifo->aborts = fifo->aborts + 1u;
     } else {
@@ -75,9 +75,9 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
     if (fifo->aborted != fifo->aborts) {
         AUVID_CAN_BARRIER();
         *frame = fifo->abort;
-        AUVID_CAN_BARRIER(); /* read before another may be set aside */
+        AUVID_CAN_BARRIER(); /* read before another one may be stored */
         fifo->aborted = fifo->aborted + 1u;
-        AUVID_CAN_BARRIER(); /* given before `before` is read: see push */
+        AUVID_CAN_BARRIER(); /* `aborted` is written before `before` is read: see push */
         fifo->older = fifo->before - fifo->popped;
         return AUVID_OK;
     }
@@ -87,9 +87,9 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
         if (at == fifo->pushed) {
             return AUVID_EMPTY;
         }
-        AUVID_CAN_BARRIER(); /* announced before it is read */
+        AUVID_CAN_BARRIER(); /* published before it is read */
         *frame = fifo->frame[at & (fifo->size - 1u)];
-        AUVID_CAN_BARRIER(); /* read before the place is free */
+        AUVID_CAN_BARRIER(); /* read before the slot is free */
         fifo->popped = at + 1u;
         older = fifo->older;
         fifo->older = older - (older > 0);

@@ -1,5 +1,5 @@
 /*
- * Counter and time-out of a message; the command of the thrusters.
+ * Counter and time-out of a message; reception of the thruster commands.
  */
 #include "auvid/can_receiver.h"
 
@@ -32,26 +32,29 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
     return status;
 }
 
-/* Neither up to a time-out old, nor less than that ahead: such a frame came while now was used. One
- * of the two differences is huge. */
-static bool is_silent(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+/* Is t_us more than a time-out before now_us, or at least a time-out after it? A frame less than
+ * that ahead arrived after the caller read the clock. One of the two differences wraps. */
+static bool can_receiver_is_silent(const auvid_can_receiver_t *receiver, uint64_t t_us,
+                                   uint64_t now_us)
 {
     uint64_t timeout = receiver->timeout_us != 0 ? receiver->timeout_us : UINT64_MAX;
     return now_us - t_us > timeout && t_us - now_us >= timeout;
 }
 
-static bool is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us, uint64_t now_us)
+static bool can_receiver_is_ahead(const auvid_can_receiver_t *receiver, uint64_t t_us,
+                                  uint64_t now_us)
 {
-    return t_us > now_us && is_silent(receiver, t_us, now_us);
+    return t_us > now_us && can_receiver_is_silent(receiver, t_us, now_us);
 }
 
-/* After a silence there is no frame to follow; `ends`: and the last good one has ended. */
-static void can_receiver_look(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
+/* Detects silence: the next frame then has no predecessor. With `ends` the last good frame expires,
+ * too. */
+static void can_receiver_check_timeout(auvid_can_receiver_t *receiver, uint64_t now_us, bool ends)
 {
-    if (is_silent(receiver, receiver->seen_us, now_us)) {
+    if (can_receiver_is_silent(receiver, receiver->seen_us, now_us)) {
         receiver->started = false;
     }
-    if (ends && receiver->is_fresh && is_silent(receiver, receiver->good_us, now_us)) {
+    if (ends && receiver->is_fresh && can_receiver_is_silent(receiver, receiver->good_us, now_us)) {
         receiver->is_fresh = false;
         receiver->state = AUVID_CAN_TIMED_OUT;
         ++receiver->timeouts;
@@ -63,12 +66,12 @@ auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint6
     if (receiver == NULL) {
         return AUVID_CAN_SILENT;
     }
-    can_receiver_look(receiver, now_us, true);
+    can_receiver_check_timeout(receiver, now_us, true);
     return (auvid_can_state_t)receiver->state;
 }
 
-/* What an authentic frame is worth. */
-static auvid_can_state_t judge(auvid_can_receiver_t *receiver, uint8_t counter)
+/* Verdict on an authentic frame by its counter. */
+static auvid_can_state_t can_receiver_check_counter(auvid_can_receiver_t *receiver, uint8_t counter)
 {
     uint32_t step = (uint32_t)(counter - receiver->counter) % COUNTERS;
     bool first = !receiver->started;
@@ -97,15 +100,15 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
         frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
         return AUVID_CAN_FOREIGN;
     }
-    can_receiver_look(receiver, frame->t_us,
-                      !receiver->strict); /* a command ends by the clock, not by stamps */
-    auvid_can_message_t read;
-    auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &read);
+    /* a command expires by the clock, not by timestamps */
+    can_receiver_check_timeout(receiver, frame->t_us, !receiver->strict);
+    auvid_can_message_t unpacked;
+    auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &unpacked);
     auvid_can_state_t state = AUVID_CAN_BAD;
     if (status == AUVID_OK) {
-        state = judge(receiver, read.counter);
+        state = can_receiver_check_counter(receiver, unpacked.counter);
         receiver->seen_us = frame->t_us;
-        *message = read;
+        *message = unpacked;
     } else if (status == AUVID_ERR_CHECKSUM) {
         ++receiver->checksum;
     } else {
@@ -165,19 +168,19 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
     return state;
 }
 
-/* Is this half's command a good one at now_us? What is stamped too far ahead is undone. */
-static bool is_good(auvid_can_command_t *command, int i, uint64_t now_us)
+/* Is the command of this half good at now_us? A frame with a timestamp too far ahead is undone. */
+static bool can_receiver_half_is_good(auvid_can_command_t *command, int i, uint64_t now_us)
 {
     auvid_can_receiver_t *half = &command->half[i], *before = &command->half_before[i];
     auvid_real_t *thrust = &command->thrust[RECEIVER_HALF * i],
                  *kept = &command->thrust_before[RECEIVER_HALF * i];
-    if ((half->started && is_ahead(half, half->seen_us, now_us)) ||
-        (half->is_fresh && is_ahead(half, half->good_us, now_us))) {
+    if ((half->started && can_receiver_is_ahead(half, half->seen_us, now_us)) ||
+        (half->is_fresh && can_receiver_is_ahead(half, half->good_us, now_us))) {
         *half = *before;
         memcpy(thrust, kept, RECEIVER_HALF * sizeof *kept);
         ++half->ahead;
     }
-    can_receiver_look(half, now_us, true);
+    can_receiver_check_timeout(half, now_us, true);
     *before = *half;
     memcpy(kept, thrust, RECEIVER_HALF * sizeof *kept);
     return half->is_fresh;
@@ -198,7 +201,7 @@ auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t n
     }
     bool good = true;
     for (int i = 0; i < command->halves; ++i) {
-        good = is_good(command, i, now_us) && good;
+        good = can_receiver_half_is_good(command, i, now_us) && good;
     }
     if (!good) {
         return AUVID_ERR_STALE;

@@ -1,45 +1,45 @@
 /**
  * @file auvid_can_table_internal.h
- * Private: the tables that `make can` writes from lib/can/auvid.dbc and the codec reads.
+ * Private: the tables of the codec. `make can` writes them from lib/can/auvid.dbc.
  */
 #ifndef AUVID_CAN_TABLE_INTERNAL_H
 #define AUVID_CAN_TABLE_INTERNAL_H
 
 #include "auvid/can.h"
 
-/** Of auvid_can_type_t. An odd kind is a signal whose smallest value is not minus its largest. */
+/** Kinds of auvid_can_type_t. Odd kinds: the minimum is not minus the maximum. */
 typedef enum {
-    AUVID_CAN_TYPE_UINT = 0,          /**< unsigned integer, 0..number; number 0: all its bits */
+    AUVID_CAN_TYPE_UINT = 0,          /**< unsigned integer, 0..number; number 0: all bits */
     AUVID_CAN_TYPE_CONSTANT = 1,      /**< unsigned integer, always `number` */
-    AUVID_CAN_TYPE_REAL = 2,          /**< signed fixed point, all its bits, `number` steps to 1;
-                                           the most negative raw value: not available */
+    AUVID_CAN_TYPE_REAL = 2,          /**< signed fixed point, all bits, step 1/number; the
+                                           most negative raw value: not available */
     AUVID_CAN_TYPE_REAL_POSITIVE = 3, /**< the same, not negative */
     AUVID_CAN_TYPE_REAL_UNIT = 4,     /**< the same, -1..1 */
     AUVID_CAN_TYPE_FLOAT = 6,         /**< float32, number 1; NaN: not available */
     AUVID_CAN_TYPE_FLOAT_POSITIVE = 7 /**< the same, not negative */
 } auvid_can_type_kind_t;
 
-/** What several signals have in common. */
+/** Type of a signal. Several signals share one. */
 typedef struct {
-    uint16_t number; /**< see the kinds; as an integer it is exact in float */
+    uint16_t number; /**< see the kinds; exact in float */
     uint8_t unused;  /**< 32 - bits of the signal, which has 1..24 or 32; of fixed point <= 23 */
     uint8_t kind;    /**< auvid_can_type_kind_t */
 } auvid_can_type_t;
 
-/** A signal. Messages with the same signals share them. */
+/** A signal. Messages with the same layout share their signals. */
 typedef struct {
-    uint16_t start : 6; /**< bit of the frame, counted as DBC does for little-endian signals */
+    uint16_t start : 6; /**< first bit in the frame, little-endian as in the DBC */
     uint16_t type : 5;  /**< index into auvid_can_types */
-    uint16_t word : 3;  /**< place of the member in its struct [4 bytes] */
-    uint16_t last : 1;  /**< of its message */
+    uint16_t word : 3;  /**< offset of the member in its struct [4 bytes] */
+    uint16_t last : 1;  /**< the last signal of its message */
 } auvid_can_signal_t;
 
-/** Data id of a message for E2E profile 2: they are numbered from 1 on. */
+/** Data id of a message for E2E profile 2; the ids start at 1. */
 #define AUVID_CAN_DATA_ID(kind) ((uint8_t)((uint32_t)(kind) + 1u))
 
 extern const auvid_can_type_t auvid_can_types[];
 extern const auvid_can_signal_t auvid_can_signals[];
-extern const uint8_t auvid_can_first[AUVID_CAN_KINDS];      /**< signal of each message */
+extern const uint8_t auvid_can_first[AUVID_CAN_KINDS];      /**< first signal of each message */
 extern const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS]; /**< 0: on event */
 
 #endif

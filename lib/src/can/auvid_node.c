@@ -1,5 +1,5 @@
 /*
- * The node: frames in, step, command.
+ * The node: configuration and received frames.
  */
 #include "auvid/node.h"
 
@@ -8,11 +8,11 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_node_step_internal.h"
 
-/* A tick's clock that goes ahead by more than this was set [us]. It goes on where it was, this much
- * later, so that the record has a gap. */
+/* If the clock of the tick advances by more than this [us], it was set. Time then advances by this
+ * much only, and the record has a gap. */
 #define CLOCK_STEP_US 1000000u
 
-/* Ticks numbered up to this much behind the last one are stragglers, or copies of them. */
+/* A tick numbered less than this behind the last one is late, or a copy. */
 #define LATE_TICKS 16u
 
 void auvid_node_defaults(auvid_node_config_t *cfg)
@@ -23,7 +23,7 @@ void auvid_node_defaults(auvid_node_config_t *cfg)
     }
 }
 
-static auvid_status_t init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
+static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
 {
     auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
     for (int i = 0; i < AUVID_NODE_KINDS && status >= 0; ++i) {
@@ -39,10 +39,10 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
         return AUVID_ERR_NULL;
     }
     int thrusters = identifier->allocation.thrusters;
-    bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
-    /* all but the identifier, in which its configuration may be */
+    bool thrusters_fit = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+    /* all but the identifier, which may contain its configuration */
     memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
-    auvid_status_t status = some ? init_frames(node, cfg) : AUVID_ERR_SIZE;
+    auvid_status_t status = thrusters_fit ? node_init_frames(node, cfg) : AUVID_ERR_SIZE;
     if (status >= 0) {
         status = auvid_identifier_init(&node->id, identifier);
     }
@@ -55,32 +55,32 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
     return status;
 }
 
-/* ---- frames in ---- */
+/* ---- received frames ---- */
 
-/* Time of a sample of this age, at the tick to come; the age is counted back in step. */
-static AUVID_NOINLINE bool has_age(auvid_node_t *node, uint32_t age_ms)
+/* Is the age of the sample known? Counts those without. */
+static AUVID_NOINLINE bool node_has_age(auvid_node_t *node, uint32_t age_ms)
 {
     bool known = age_ms != AUVID_CAN_AGE_UNKNOWN;
     node->counters.unknown_age += !known;
     return known;
 }
 
-/* Samples wait with their age in place of their time until the tick gives the time. */
-static uint64_t age_us(uint32_t age_ms)
+/* Until the step, the time of a sample holds its age: the time of the tick is not known yet. */
+static uint64_t node_age_us(uint32_t age_ms)
 {
     return (uint64_t)age_ms * 1000u;
 }
 
-static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
+static void node_take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool bottom = m->kind == AUVID_CAN_DVL_BOTTOM;
     const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom; /* dvl_water is laid out alike */
     auvid_dvl_sample_t *sample = bottom ? &node->in.dvl.sample : &node->in.dvl_water.sample;
-    if (!has_age(node, b->age)) {
+    if (!node_has_age(node, b->age)) {
         return;
     }
     *(bottom ? &node->in.dvl.present : &node->in.dvl_water.present) = true;
-    sample->t_us = age_us(b->age);
+    sample->t_us = node_age_us(b->age);
     sample->velocity[0] = b->u;
     sample->velocity[1] = b->v;
     sample->velocity[2] = b->w;
@@ -89,11 +89,11 @@ static void take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
     sample->valid = (uint8_t)(~m->absent & 7u);
 }
 
-static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)
+static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool attitude = m->kind == AUVID_CAN_IMU_ATTITUDE;
     uint32_t age = attitude ? m->as.imu_attitude.age : m->as.imu_rates.age;
-    if ((m->absent & 7u) != 0 || !has_age(node, age)) {
+    if ((m->absent & 7u) != 0 || !node_has_age(node, age)) {
         return;
     }
     if (attitude) {
@@ -101,38 +101,38 @@ static void take_imu(auvid_node_t *node, const auvid_can_message_t *m)
         node->in.imu.attitude[0] = a->phi;
         node->in.imu.attitude[1] = a->theta;
         node->in.imu.attitude[2] = a->psi;
-        node->attitude_us = age_us(age);
+        node->attitude_us = node_age_us(age);
         node->attitude = node->new_attitude = true;
     } else {
         const auvid_can_imu_rates_t *r = &m->as.imu_rates;
         node->in.imu.rates[0] = r->p;
         node->in.imu.rates[1] = r->q;
         node->in.imu.rates[2] = r->r;
-        node->rates_us = age_us(age);
+        node->rates_us = node_age_us(age);
         node->rates = node->new_rates = true;
     }
 }
 
-static void take_scalar(auvid_node_t *node, const auvid_can_message_t *m)
+static void node_take_scalar(auvid_node_t *node, const auvid_can_message_t *m)
 {
-    if (m->kind == AUVID_CAN_DEPTH && m->absent == 0 && has_age(node, m->as.depth.age)) {
+    if (m->kind == AUVID_CAN_DEPTH && m->absent == 0 && node_has_age(node, m->as.depth.age)) {
         node->in.depth.present = true;
-        node->in.depth.t_us = age_us(m->as.depth.age);
+        node->in.depth.t_us = node_age_us(m->as.depth.age);
         node->in.depth.depth_m = m->as.depth.depth;
-    } else if (m->kind == AUVID_CAN_GPS && m->absent == 0 && has_age(node, m->as.gps.age)) {
+    } else if (m->kind == AUVID_CAN_GPS && m->absent == 0 && node_has_age(node, m->as.gps.age)) {
         node->in.gps.present = true;
-        node->in.gps.t_us = age_us(m->as.gps.age);
+        node->in.gps.t_us = node_age_us(m->as.gps.age);
         node->in.gps.x_m = m->as.gps.x;
         node->in.gps.y_m = m->as.gps.y;
     } else if (m->kind == AUVID_CAN_DVL_ALTITUDE && m->absent == 0 &&
-               has_age(node, m->as.dvl_altitude.age)) {
+               node_has_age(node, m->as.dvl_altitude.age)) {
         node->in.altitude.present = true;
-        node->in.altitude.t_us = age_us(m->as.dvl_altitude.age);
+        node->in.altitude.t_us = node_age_us(m->as.dvl_altitude.age);
         node->in.altitude.altitude_m = m->as.dvl_altitude.altitude;
     }
 }
 
-static void take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
+static void node_take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool first = m->kind == AUVID_CAN_THRUSTER_FEEDBACK_A;
     const auvid_real_t *thrust =
@@ -144,9 +144,9 @@ static void take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
     node->feedback = true;
 }
 
-/* Time of the tick: the bus's, with what it was set by taken out. A bus that reorders and doubles
- * may bring a tick again that the counter lets pass: that is no clock set back. */
-static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
+/* Time of the tick: the time on the bus less the clock steps. A bus that reorders and duplicates
+ * frames may deliver a tick twice, and the counter may accept it. Such a tick is no clock step. */
+static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
 {
     uint32_t behind = (node->sequence - tick->sequence) & 0xFFFFFu;
     if (node->started && behind < LATE_TICKS) {
@@ -163,7 +163,7 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
         node->tick_us += CLOCK_STEP_US;
     } else {
         node->tick_us += bus_us - node->bus_us;
-        node->counters.ticks_missed += passed - 1u; /* it is one at least: see `behind` */
+        node->counters.ticks_missed += passed - 1u; /* passed >= 1: see `behind` */
     }
     node->bus_us = bus_us;
     node->sequence = tick->sequence;
@@ -171,8 +171,9 @@ static auvid_status_t take_tick(auvid_node_t *node, const auvid_can_tick_t *tick
     return AUVID_TICK;
 }
 
-/* Is it one of our own last commands of the thrusters? */
-static bool is_echo(const auvid_node_t *node, auvid_can_kind_t kind, const auvid_can_frame_t *frame)
+/* Is the frame one of the last four commands of this node? */
+static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
+                         const auvid_can_frame_t *frame)
 {
     bool second = kind == AUVID_CAN_THRUSTER_COMMAND_B;
     uint64_t data;
@@ -182,7 +183,7 @@ static bool is_echo(const auvid_node_t *node, auvid_can_kind_t kind, const auvid
 }
 
 /* Another node commands the thrusters. */
-static void take_foreign_command(auvid_node_t *node)
+static void node_take_foreign_command(auvid_node_t *node)
 {
     auvid_guard_t *guard = &node->id.guard;
     ++node->counters.foreign_commands;
@@ -192,8 +193,8 @@ static void take_foreign_command(auvid_node_t *node)
     }
 }
 
-/* Is this message obeyed? What takes thrust away is, whatever its counter says. */
-static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
+/* Is this message obeyed? A message that takes thrust away is obeyed with any counter. */
+static bool node_obeys(auvid_can_state_t state, const auvid_can_message_t *m)
 {
     const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
                            1u << AUVID_CAN_THRUSTER_COMMAND_B;
@@ -201,10 +202,11 @@ static bool is_obeyed(auvid_can_state_t state, const auvid_can_message_t *m)
     return state == AUVID_CAN_GOOD || (kinds >> m->kind & 1u) != 0 || disarms;
 }
 
-static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t *m, bool fresh)
+static auvid_status_t node_take_message(auvid_node_t *node, const auvid_can_message_t *m,
+                                        bool fresh)
 {
     switch ((int)m->kind) {
-    case AUVID_CAN_ABORT: /* an order to arm that waits finds the guard ABORTED */
+    case AUVID_CAN_ABORT: /* a pending arm frame then finds the guard ABORTED */
         (void)auvid_identifier_abort(&node->id);
         break;
     case AUVID_CAN_ARM:
@@ -212,24 +214,24 @@ static auvid_status_t take_message(auvid_node_t *node, const auvid_can_message_t
         break;
     case AUVID_CAN_THRUSTER_COMMAND_A:
     case AUVID_CAN_THRUSTER_COMMAND_B:
-        take_foreign_command(node);
+        node_take_foreign_command(node);
         break;
     case AUVID_CAN_TICK:
-        return take_tick(node, &m->as.tick);
+        return node_take_tick(node, &m->as.tick);
     case AUVID_CAN_IMU_ATTITUDE:
     case AUVID_CAN_IMU_RATES:
-        take_imu(node, m);
+        node_take_imu(node, m);
         break;
     case AUVID_CAN_DVL_BOTTOM:
     case AUVID_CAN_DVL_WATER:
-        take_dvl(node, m);
+        node_take_dvl(node, m);
         break;
     case AUVID_CAN_THRUSTER_FEEDBACK_A:
     case AUVID_CAN_THRUSTER_FEEDBACK_B:
-        take_feedback(node, m);
+        node_take_feedback(node, m);
         break;
     default:
-        take_scalar(node, m);
+        node_take_scalar(node, m);
         break;
     }
     return AUVID_OK;
@@ -245,18 +247,18 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
     if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE ||
-        is_echo(node, kind, frame)) {
+        node_is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
-    at_tick.t_us = node->t_us; /* so that nothing depends on when it came */
+    at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
     auvid_can_state_t state = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
-    if (state == AUVID_CAN_BAD || !is_obeyed(state, &message)) {
+    if (state == AUVID_CAN_BAD || !node_obeys(state, &message)) {
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
     }
-    auvid_status_t status = take_message(node, &message, state == AUVID_CAN_GOOD);
+    auvid_status_t status = node_take_message(node, &message, state == AUVID_CAN_GOOD);
     node->counters.frames += status >= 0;
     return status;
 }

@@ -1,14 +1,14 @@
 /*
- * The node: what it tells. Each message has its turn in a round of 50 ticks, a second at 50 Hz.
+ * The node: periodic reports. Each message has its ticks in a cycle of 50 ticks, 1 s at 50 Hz.
  */
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
 #include "auvid_node_step_internal.h"
 
-static uint32_t most(uint32_t value, uint32_t largest)
+static uint32_t node_min(uint32_t a, uint32_t b)
 {
-    return value < largest ? value : largest;
+    return a < b ? a : b;
 }
 
 static void node_report_position(auvid_node_t *node, const auvid_nav_state_t *state,
@@ -17,7 +17,7 @@ static void node_report_position(auvid_node_t *node, const auvid_nav_state_t *st
     auvid_can_message_t m = {.kind = AUVID_CAN_NAV_POSITION};
     m.as.nav_position.x = state->position[0];
     m.as.nav_position.y = state->position[1];
-    m.as.nav_position.flags = most(state->flags, 1023u);
+    m.as.nav_position.flags = node_min(state->flags, 1023u);
     auvid_node_send(node, &m, frame, count);
     m = (auvid_can_message_t){.kind = AUVID_CAN_NAV_DEPTH};
     m.as.nav_depth.z = state->position[2];
@@ -34,8 +34,8 @@ static void node_report_velocity(auvid_node_t *node, const auvid_nav_state_t *st
     auvid_node_send(node, &m, frame, count);
 }
 
-/* Flags of parameter i, see the DBC. */
-static uint32_t flags_of(const auvid_node_t *node, int i)
+/* Flags of parameter i: see the DBC. */
+static uint32_t node_parameter_flags(const auvid_node_t *node, int i)
 {
     const auvid_estimate_t *e = &node->id.estimate;
     auvid_dof_t dof = node->id.metric.cfg.vehicle->parameter[i].dof;
@@ -44,7 +44,7 @@ static uint32_t flags_of(const auvid_node_t *node, int i)
            (e->confidence.implausible >> i & 1u) << 4 | (uint32_t)e->accepted << 5;
 }
 
-/* Parameters take turns; a value that is not known is absent. */
+/* Each call reports the next parameter; an unknown value is absent. */
 static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_estimate_t *e = &node->id.estimate;
@@ -53,7 +53,7 @@ static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, i
     auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
     m.as.estimate.index = (uint32_t)i;
     m.as.estimate.number = e->number % 128u;
-    m.as.estimate.flags = flags_of(node, i);
+    m.as.estimate.flags = node_parameter_flags(node, i);
     m.as.estimate.value = e->pi[i];
     m.absent = e->number == 0 ? AUVID_CAN_ESTIMATE_NO_VALUE : 0u;
     auvid_node_send(node, &m, frame, count);
@@ -67,29 +67,29 @@ static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, i
     auvid_node_send(node, &m, frame, count);
 }
 
-/* Parts of the largest speed seen in a direction. */
-static const auvid_real_t drag_part[] = {AUVID_C(0.3), AUVID_C(0.6), AUVID_C(1.0)};
-enum { PARTS = sizeof drag_part / sizeof drag_part[0], POINTS = 2 * PARTS };
+/* Fractions of the maximum speed in one direction. */
+static const auvid_real_t drag_fraction[] = {AUVID_C(0.3), AUVID_C(0.6), AUVID_C(1.0)};
+enum { FRACTIONS = sizeof drag_fraction / sizeof drag_fraction[0], POINTS = 2 * FRACTIONS };
 
 /* Drag force at a point: see the DBC. */
-static auvid_status_t drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)
+static auvid_status_t node_drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)
 {
     const auvid_estimate_t *e = &node->id.estimate;
-    int dof = point / POINTS, backward = point % POINTS >= PARTS;
-    auvid_real_t speed = drag_part[point % PARTS] * e->speed[dof][backward];
+    int dof = point / POINTS, backward = point % POINTS >= FRACTIONS;
+    auvid_real_t speed = drag_fraction[point % FRACTIONS] * e->speed[dof][backward];
     return auvid_estimate_drag(e, node->id.metric.cfg.vehicle, (auvid_dof_t)dof,
                                backward ? -speed : speed, drag);
 }
 
-/* Points take turns; degrees of freedom without drag have none. */
+/* Each call reports the next point; degrees of freedom without drag are skipped. */
 static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     auvid_drag_t drag;
     int point = node->point;
-    auvid_status_t status = drag_at(node, point, &drag);
+    auvid_status_t status = node_drag_at(node, point, &drag);
     for (int j = 0; status == AUVID_ERR_RANGE && j < AUVID_DOF_COUNT; ++j) {
         point = (point / POINTS + 1) % AUVID_DOF_COUNT * POINTS;
-        status = drag_at(node, point, &drag);
+        status = node_drag_at(node, point, &drag);
     }
     if (status < 0) {
         return;
@@ -136,10 +136,10 @@ static void node_report_health(auvid_node_t *node, uint32_t load, auvid_can_fram
 {
     const auvid_node_counters_t *c = &node->counters;
     auvid_can_message_t m = {.kind = AUVID_CAN_HEALTH};
-    m.as.health.ticks_missed = most(c->ticks_missed, 4095u);
-    m.as.health.frames_refused = most(c->refused, 4095u);
-    m.as.health.samples_dropped = most(c->samples_dropped, 4095u);
-    m.as.health.saturated = most(node->sender.saturated, 255u);
+    m.as.health.ticks_missed = node_min(c->ticks_missed, 4095u);
+    m.as.health.frames_refused = node_min(c->refused, 4095u);
+    m.as.health.samples_dropped = node_min(c->samples_dropped, 4095u);
+    m.as.health.saturated = node_min(node->sender.saturated, 255u);
     m.as.health.load = load;
     auvid_node_send(node, &m, frame, count);
 }
@@ -149,7 +149,7 @@ static void node_report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, 
     auvid_can_message_t m = {.kind = AUVID_CAN_HEARTBEAT};
     m.as.heartbeat.protocol = AUVID_CAN_PROTOCOL;
     m.as.heartbeat.role = AUVID_CAN_ROLE_NODE;
-    m.as.heartbeat.uptime = most((uint32_t)auvid_divide(node->t_us, 1000000u), 0xFFFFFFu);
+    m.as.heartbeat.uptime = node_min((uint32_t)auvid_divide(node->t_us, 1000000u), 0xFFFFFFu);
     m.as.heartbeat.major = AUVID_VERSION_MAJOR;
     m.as.heartbeat.minor = AUVID_VERSION_MINOR;
     auvid_node_send(node, &m, frame, count);
@@ -182,7 +182,7 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
     } else if (turn % 10u == 8u) {
         node_report_drag(node, frame, count);
     } else if (turn == 4u) {
-        node_report_health(node, most(node->load, 255u), frame, count);
+        node_report_health(node, node_min(node->load, 255u), frame, count);
         node->load = 0;
     } else if (turn % 25u == 9u) {
         node_report_heartbeat(node, frame, count);
@@ -190,7 +190,7 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
     if (node->cfg.answer) {
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK_DONE};
         m.as.tick_done.sequence = node->sequence;
-        m.as.tick_done.load = most(load, 255u);
+        m.as.tick_done.load = node_min(load, 255u);
         auvid_node_send(node, &m, frame, count);
     }
     return AUVID_OK;

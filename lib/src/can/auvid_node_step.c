@@ -7,8 +7,8 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_node_step_internal.h"
 
-/* Halves of an IMU sample further apart are of different ones [us]. */
-#define IMU_APART_US 30000u
+/* Maximum time between the two halves of one IMU sample [us]. */
+#define MAX_IMU_SKEW_US 30000u
 
 void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
                      auvid_can_frame_t *frame, int *count)
@@ -23,8 +23,9 @@ void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
     }
 }
 
-/* Abort what may act, or is to. DISARMED and DONE stay: there is nothing to take away. */
-static void withdraw(auvid_node_t *node)
+/* Aborts the excitation and cancels a pending arm frame. DISARMED and DONE remain: they have
+ * no thrust. */
+static void node_abort_thrust(auvid_node_t *node)
 {
     auvid_guard_state_t state = node->id.guard.state;
     node->arming = false;
@@ -41,13 +42,13 @@ void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
     } else if (action == AUVID_CAN_ACTION_DISARM && fresh) {
         (void)auvid_identifier_disarm(&node->id);
     } else if (action == AUVID_CAN_ACTION_DISARM) {
-        withdraw(node);
+        node_abort_thrust(node);
     }
 }
 
-/* An order to arm is tried once, with the sensors as they are; why it was refused is in the guard,
- * and in the progress frame. */
-static void arm(auvid_node_t *node)
+/* Tries a pending arm frame once, with the present state of the sensors. The guard and the progress
+ * frame give the cause of a refusal. */
+static void node_arm(auvid_node_t *node)
 {
     if (node->arming && auvid_identifier_arm(&node->id) >= 0) {
         (void)auvid_identifier_excite(&node->id);
@@ -55,25 +56,25 @@ static void arm(auvid_node_t *node)
     node->arming = false;
 }
 
-/* ---- samples: from ages to times ---- */
+/* ---- ages of samples to times ---- */
 
-static void age(uint64_t *t_us, bool present, uint64_t tick_us)
+static void node_age_to_time(uint64_t *t_us, bool present, uint64_t tick_us)
 {
     if (present) {
         *t_us = tick_us > *t_us ? tick_us - *t_us : 0;
     }
 }
 
-/* Both halves of the IMU's sample, which may have come in different ticks. */
-static void date_imu(auvid_node_t *node)
+/* Forms a sample of the IMU from its halves, which may arrive in different ticks. */
+static void node_complete_imu(auvid_node_t *node)
 {
     uint64_t a = node->attitude_us, r = node->rates_us;
     node->in.imu.present = false;
     if (!node->attitude || !node->rates) {
         return;
     }
-    if ((a > r ? a - r : r - a) > IMU_APART_US) {
-        node->attitude = a > r; /* wait for the other half of the later one */
+    if ((a > r ? a - r : r - a) > MAX_IMU_SKEW_US) {
+        node->attitude = a > r; /* keep the later half and wait for its other half */
         node->rates = !node->attitude;
         return;
     }
@@ -82,31 +83,31 @@ static void date_imu(auvid_node_t *node)
     node->attitude = node->rates = false;
 }
 
-static void date_samples(auvid_node_t *node, uint64_t tick_us)
+static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
 {
     auvid_input_t *in = &node->in;
     in->t_us = tick_us;
-    age(&in->dvl.sample.t_us, in->dvl.present, tick_us);
-    age(&in->dvl_water.sample.t_us, in->dvl_water.present, tick_us);
-    age(&in->depth.t_us, in->depth.present, tick_us);
-    age(&in->gps.t_us, in->gps.present, tick_us);
-    age(&in->altitude.t_us, in->altitude.present, tick_us);
-    age(&node->attitude_us, node->new_attitude, tick_us);
-    age(&node->rates_us, node->new_rates, tick_us);
+    node_age_to_time(&in->dvl.sample.t_us, in->dvl.present, tick_us);
+    node_age_to_time(&in->dvl_water.sample.t_us, in->dvl_water.present, tick_us);
+    node_age_to_time(&in->depth.t_us, in->depth.present, tick_us);
+    node_age_to_time(&in->gps.t_us, in->gps.present, tick_us);
+    node_age_to_time(&in->altitude.t_us, in->altitude.present, tick_us);
+    node_age_to_time(&node->attitude_us, node->new_attitude, tick_us);
+    node_age_to_time(&node->rates_us, node->new_rates, tick_us);
     node->new_attitude = node->new_rates = false;
-    date_imu(node);
+    node_complete_imu(node);
 }
 
-/* The thrust fed back acted from the tick before on. It is made up in the input, not on the stack
- * of so deep a call; there it is not present, so that the step leaves it alone. */
-static AUVID_NOINLINE void record_thrust(auvid_node_t *node)
+/* Records the thrust feedback, which acted since the previous tick. The wrench is computed in the
+ * input to save stack in this deep call. It is not marked present there, so the step ignores it. */
+static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 {
     const auvid_allocation_config_t *cfg = &node->id.allocation.config;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
     auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
-    bool since_known = node->feedback && node->counters.ticks > 0; /* when the tick before was */
+    bool covers_tick = node->feedback && node->counters.ticks > 0; /* the previous tick is known */
     node->feedback = false;
-    if (!since_known) {
+    if (!covers_tick) {
         return;
     }
     for (int i = 0; i < cfg->thrusters; ++i) {
@@ -125,16 +126,16 @@ static AUVID_NOINLINE void record_thrust(auvid_node_t *node)
 
 /* ---- thruster commands ---- */
 
-/* Forces as parts of what each thruster can do; null: none. */
-static void command(auvid_node_t *node, const auvid_real_t *force_N, auvid_can_frame_t *frame,
-                    int *count)
+/* Sends the forces as fractions of the maximum force of each thruster; NULL: zero. */
+static void node_send_command(auvid_node_t *node, const auvid_real_t *force_N,
+                              auvid_can_frame_t *frame, int *count)
 {
     const auvid_allocation_config_t *cfg = &node->id.allocation.config;
     auvid_real_t part[AUVID_CAN_THRUSTERS] = {AUVID_C(0.0)};
     for (int i = 0; i < cfg->thrusters && force_N != NULL; ++i) {
-        auvid_real_t most =
+        auvid_real_t max_N =
             force_N[i] > AUVID_C(0.0) ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N;
-        part[i] = most > AUVID_C(0.0) ? force_N[i] / most : AUVID_C(0.0);
+        part[i] = max_N > AUVID_C(0.0) ? force_N[i] / max_N : AUVID_C(0.0);
     }
     auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
     auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_COMMAND_B};
@@ -146,18 +147,18 @@ static void command(auvid_node_t *node, const auvid_real_t *force_N, auvid_can_f
     }
 }
 
-/* While exciting, the excitation; in the first tick after it, zero; then nothing. */
-static void command_thrusters(auvid_node_t *node, const auvid_output_t *out,
-                              auvid_can_frame_t *frame, int *count)
+/* Sends the excitation while exciting, zero in the first tick after it, and then nothing. */
+static void node_command_thrusters(auvid_node_t *node, const auvid_output_t *out,
+                                   auvid_can_frame_t *frame, int *count)
 {
     bool exciting = out->guard == AUVID_GUARD_EXCITING && node->cfg.excite;
     if (exciting || node->commanding) {
-        command(node, exciting ? out->thruster_N : NULL, frame, count);
+        node_send_command(node, exciting ? out->thruster_N : NULL, frame, count);
     }
     node->commanding = exciting;
 }
 
-static void open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t *frame, int *count)
+static void node_open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t *frame, int *count)
 {
     auvid_can_message_t tick = {.kind = AUVID_CAN_TICK};
     node->sequence = (node->sequence + 1u) & 0xFFFFFu;
@@ -168,7 +169,7 @@ static void open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t *fram
     node->started = true;
 }
 
-static void count_drops(auvid_node_t *node, uint32_t events)
+static void node_count_drops(auvid_node_t *node, uint32_t events)
 {
     static const uint32_t dropped[] = {AUVID_EVENT_IMU_DROPPED,   AUVID_EVENT_DVL_DROPPED,
                                        AUVID_EVENT_DEPTH_DROPPED, AUVID_EVENT_GPS_DROPPED,
@@ -178,8 +179,8 @@ static void count_drops(auvid_node_t *node, uint32_t events)
     }
 }
 
-/* All but the IMU's: halves of its sample may be waiting. */
-static void forget_samples(auvid_input_t *in)
+/* Clears all samples but the IMU's: a half of it may be pending. */
+static void node_clear_samples(auvid_input_t *in)
 {
     const size_t after = offsetof(auvid_input_t, imu) + sizeof in->imu;
     memset(in, 0, offsetof(auvid_input_t, imu));
@@ -200,23 +201,24 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
     }
     auvid_output_t out;
     uint64_t tick_us = t_us != NULL ? *t_us : node->tick_us;
-    if (!node->id.started || tick_us > node->id.t_us) { /* else it is no tick, and refused below */
+    if (!node->id.started ||
+        tick_us > node->id.t_us) { /* otherwise auvid_identifier_step refuses the tick */
         if (t_us != NULL) {
-            open_tick(node, tick_us, frame, count);
+            node_open_tick(node, tick_us, frame, count);
         }
-        record_thrust(node);
-        arm(node);
+        node_record_thrust(node);
+        node_arm(node);
     }
-    date_samples(node, tick_us);
+    node_set_sample_times(node, tick_us);
     auvid_status_t status = auvid_identifier_step(&node->id, &node->in, &out);
-    command_thrusters(node, &out, frame, count);
-    count_drops(node, out.events);
+    node_command_thrusters(node, &out, frame, count);
+    node_count_drops(node, out.events);
     node->events = out.events;
     if (status >= 0) {
         node->t_us = tick_us;
         ++node->counters.ticks;
     }
-    forget_samples(&node->in);
+    node_clear_samples(&node->in);
     return status;
 }
 
@@ -239,9 +241,9 @@ auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int
     if (!node->ready) {
         return AUVID_ERR_STATE;
     }
-    withdraw(node);
+    node_abort_thrust(node);
     if (node->commanding) {
-        command(node, NULL, frame, count);
+        node_send_command(node, NULL, frame, count);
         node->commanding = false;
     }
     return AUVID_OK;

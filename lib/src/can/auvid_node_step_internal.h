@@ -1,17 +1,17 @@
 /**
  * @file auvid_node_step_internal.h
- * Private: what the tick shares with the other files of the node.
+ * Private: functions of the tick that the other files of the node use.
  */
 #ifndef AUVID_NODE_STEP_INTERNAL_H
 #define AUVID_NODE_STEP_INTERNAL_H
 
 #include "auvid/node.h"
 
-/** Obey an arm frame. @param fresh its counter is good: a disarm may clear an abort */
+/** Obeys an arm frame. @param fresh its counter is good, so a disarm may clear an abort */
 void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh);
 
-/** Pack a message as the next of the frames to be sent. One that is refused is left out, and
- * counted by the sender. */
+/** Packs a message as the next frame to send. A refused message is omitted, and the sender counts
+ * it. */
 void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
                      auvid_can_frame_t *frame, int *count);
 

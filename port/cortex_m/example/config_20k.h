@@ -1,7 +1,7 @@
 /**
  * @file config_20k.h
- * auvid's sizes (auvid/config.h) for 20 KiB of RAM: Girona500's 13 parameters on its six thrusters,
- * from two sets of two minutes instead of eight of 30 s.
+ * Sizes of auvid (auvid/config.h) for 20 KiB of RAM. They suffice for the 13 parameters and six
+ * thrusters of Girona500, with two sets of two minutes instead of eight of 30 s.
  */
 #define AUVID_REGRESSOR_ONLY 1
 #define AUVID_MAX_PARAMETERS 13

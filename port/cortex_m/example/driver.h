@@ -1,33 +1,34 @@
 /**
  * @file driver.h
- * What the control loop (main.c) needs of your board: CAN, a clock, a watchdog. Write these
- * functions for it; nothing else in this folder has to change. driver_qemu.c has them for QEMU.
+ * The functions that the control loop (main.c) needs from your board: CAN, a clock, a watchdog.
+ * Write them for your board; nothing else in this folder has to change. driver_qemu.c has them for
+ * QEMU.
  */
 #ifndef DRIVER_H
 #define DRIVER_H
 
 #include "auvid/can_fifo.h"
 
-/** Clock, CAN at 500 kbit/s, watchdog. From now on the receive interrupt puts every frame that a
- * node listens to (AUVID_NODE_KINDS of node.h; the controller's acceptance filter keeps others out)
- * into *received, with auvid_can_fifo_push and auvid_can_kind: the only functions of auvid that an
- * interrupt may call. */
+/** Starts the clock, CAN at 500 kbit/s and the watchdog. From then on the receive interrupt pushes
+ * every frame that a node receives into *received. Those are the first AUVID_NODE_KINDS messages of
+ * node.h; the acceptance filter of the controller rejects all others. The interrupt may call only
+ * auvid_can_fifo_push and auvid_can_kind. */
 void driver_start(auvid_can_fifo_t *received);
 
-/** Put a frame into a transmit mailbox, or a queue in front of it. A frame that does not fit may be
- * lost: every message is repeated, and its receiver sees by the counter that one is missing. */
+/** Puts a frame into a transmit mailbox, or into a queue before it. A frame that does not fit may
+ * be lost: every message is repeated, and its counter shows the receiver that one is missing. */
 void driver_send(const auvid_can_frame_t *frame);
 
-/** A clock that never stops; wraps. */
+/** Returns a clock that never stops [us]; wraps. */
 uint32_t driver_now_us(void);
 
-/** Until the next interrupt. */
+/** Sleeps until the next interrupt. */
 void driver_sleep(void);
 
-/** To be called once a tick; else the watchdog resets the board. */
+/** Feeds the watchdog. main.c calls it once per tick; otherwise the watchdog resets the board. */
 void driver_feed_watchdog(void);
 
-/** Something that only a change of the program can mend: thrusters off, tell, stop. */
+/** Handles a programming error: thrusters off, report `what`, stop. */
 void driver_fault(const char *what) __attribute__((noreturn));
 
 #endif

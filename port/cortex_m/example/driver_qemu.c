@@ -1,12 +1,12 @@
 /*
- * The driver in QEMU: a recorded log takes the place of the bus. To be replaced.
+ * The driver for QEMU: a recorded log replaces the bus. Replace this file on a board.
  *
- * bus.log, as `candump -L` or `auvid node --log` writes it, is read through semihosting by a timer
- * interrupt, which comes at any moment of the control loop and puts a tick's frames into the queue
- * whenever there is room. So nothing is lost however slow the core is, and the loop works through
- * the log as fast as it can. What the loop sends is written to sent.log, in the same format. The
- * clock runs only while the loop sleeps, for what is sent must not depend on the core's speed: a
- * millisecond each time, through the log's pauses and the time before it begins.
+ * A timer interrupt reads bus.log through semihosting, in the format of `candump -L` or `auvid node
+ * --log`. It may interrupt the control loop at any instruction. It pushes the frames of a tick when
+ * the queue has room, so no frame is lost on a slow core, and the loop runs at full speed. The
+ * frames that the loop sends are written to sent.log in the same format. They must not depend on
+ * the core's speed. So the clock advances only while the loop sleeps, by a millisecond each time:
+ * in pauses of the log and before it starts.
  */
 #include "auvid/node.h"
 #include "driver.h"
@@ -14,40 +14,40 @@
 
 #include <string.h>
 
-/* Room for the frames of one tick. */
+/* Maximum number of frames of one tick. */
 #define TICK_FRAMES 16u
 
-/* A controller that starts so much later than this board; a pause in the log that is waited for
- * [us]. Shorter ones pass at once. */
-#define LATE_US 300000u
+/* Delay of the controller's start after that of this board [us]. Minimum pause in the log to wait
+ * for [us]; the interrupt skips shorter ones. */
+#define START_US 300000u
 #define PAUSE_US 100000
 
-/* Interrupts without a fed watchdog, after which the run has failed: some seconds. */
+/* The run fails after this number of interrupts without a fed watchdog: some seconds. */
 #define WATCHDOG 20000u
 
 typedef struct {
     int file;
-    size_t place, bytes;
+    size_t position, bytes;
     char buffer[64];
 } text_t;
 
-static text_t in, out;
+static text_t log_in, log_out;
 static auvid_can_fifo_t *queue;
-static volatile bool over; /* the log is */
+static volatile bool at_end; /* at the end of the log */
 static volatile uint32_t clock_us;
-static auvid_can_frame_t coming; /* the next one of the log, when the clock is at due_us */
+static auvid_can_frame_t next_frame; /* the next frame of the log, due at due_us */
 static uint32_t due_us;
-static volatile uint32_t unfed;
+static volatile uint32_t since_fed;
 
 /* ---- bus.log ---- */
 
-static int next(void)
+static int read_char(void)
 {
-    if (in.place == in.bytes) {
-        in.place = 0;
-        in.bytes = machine_read(in.file, in.buffer, sizeof in.buffer);
+    if (log_in.position == log_in.bytes) {
+        log_in.position = 0;
+        log_in.bytes = machine_read(log_in.file, log_in.buffer, sizeof log_in.buffer);
     }
-    return in.place < in.bytes ? (unsigned char)in.buffer[in.place++] : -1;
+    return log_in.position < log_in.bytes ? (unsigned char)log_in.buffer[log_in.position++] : -1;
 }
 
 static int digit(int c)
@@ -55,51 +55,51 @@ static int digit(int c)
     return c >= '0' && c <= '9' ? c - '0' : (c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1);
 }
 
-/* "(1795246679.020000) can0 400#0790FFDBFFEE3F00". The time wraps; only pauses are seen by it. */
+/* "(1795246679.020000) can0 400#0790FFDBFFEE3F00". The time wraps; only pauses use it. */
 static bool read_frame(auvid_can_frame_t *frame)
 {
-    int c = next(), nibbles = 0;
+    int c = read_char(), nibbles = 0;
     uint32_t t_us = 0;
     memset(frame, 0, sizeof *frame);
-    for (int blanks = 0; c >= 0 && blanks < 2; c = next()) {
+    for (int blanks = 0; c >= 0 && blanks < 2; c = read_char()) {
         blanks += c == ' ';
         t_us = blanks == 0 && digit(c) >= 0 ? 10u * t_us + (uint32_t)digit(c) : t_us;
     }
     frame->t_us = t_us;
-    for (; digit(c) >= 0; c = next()) {
+    for (; digit(c) >= 0; c = read_char()) {
         frame->id = (uint16_t)(frame->id * 16 + digit(c));
     }
     while (c == '#' || digit(c) >= 0) {
-        c = next();
+        c = read_char();
         if (digit(c) >= 0 && nibbles < 2 * AUVID_CAN_BYTES) {
             uint8_t *byte = &frame->data[nibbles++ / 2];
             *byte = (uint8_t)(*byte * 16 + digit(c));
         }
     }
     while (c >= 0 && c != '\n') {
-        c = next();
+        c = read_char();
     }
     frame->length = (uint8_t)(nibbles / 2);
     return c >= 0;
 }
 
-/* A tick's frames, from the next one of the log on. */
+/* Pushes the frames of the next tick. */
 static void interrupt(void)
 {
-    if (++unfed > WATCHDOG) {
+    if (++since_fed > WATCHDOG) {
         driver_fault("watchdog");
     }
     if (queue->size - (queue->pushed - queue->popped) < TICK_FRAMES) {
         return;
     }
-    while (!over && clock_us >= due_us) {
-        auvid_can_kind_t kind = auvid_can_kind(NULL, coming.id);
+    while (!at_end && clock_us >= due_us) {
+        auvid_can_kind_t kind = auvid_can_kind(NULL, next_frame.id);
         if (kind < AUVID_NODE_KINDS) {
-            (void)auvid_can_fifo_push(queue, &coming);
+            (void)auvid_can_fifo_push(queue, &next_frame);
         }
-        uint32_t before_us = (uint32_t)coming.t_us;
-        over = !read_frame(&coming);
-        uint32_t pause_us = (uint32_t)coming.t_us - before_us;
+        uint32_t before_us = (uint32_t)next_frame.t_us;
+        at_end = !read_frame(&next_frame);
+        uint32_t pause_us = (uint32_t)next_frame.t_us - before_us;
         due_us = (int32_t)pause_us > PAUSE_US ? clock_us + pause_us : 0;
         if (kind == AUVID_CAN_TICK) {
             return;
@@ -111,19 +111,19 @@ static void interrupt(void)
 
 static void flush(void)
 {
-    if (out.place > 0 && !machine_write(out.file, out.buffer, out.place)) {
+    if (log_out.position > 0 && !machine_write(log_out.file, log_out.buffer, log_out.position)) {
         driver_fault("sent.log cannot be written");
     }
-    out.place = 0;
+    log_out.position = 0;
 }
 
 static void put(const char *text)
 {
     for (; *text != '\0'; ++text) {
-        if (out.place == sizeof out.buffer) {
+        if (log_out.position == sizeof log_out.buffer) {
             flush();
         }
-        out.buffer[out.place++] = *text;
+        log_out.buffer[log_out.position++] = *text;
     }
 }
 
@@ -147,18 +147,18 @@ void driver_send(const auvid_can_frame_t *frame)
     put("\n");
 }
 
-/* ---- the rest ---- */
+/* ---- driver.h ---- */
 
 void driver_start(auvid_can_fifo_t *received)
 {
     queue = received;
-    in.file = machine_open("bus.log", false);
-    out.file = machine_open("sent.log", true);
-    if (in.file < 0 || out.file < 0) {
+    log_in.file = machine_open("bus.log", false);
+    log_out.file = machine_open("sent.log", true);
+    if (log_in.file < 0 || log_out.file < 0) {
         driver_fault("bus.log or sent.log cannot be opened");
     }
-    over = !read_frame(&coming);
-    due_us = LATE_US;
+    at_end = !read_frame(&next_frame);
+    due_us = START_US;
     machine_timer(interrupt);
 }
 
@@ -167,10 +167,10 @@ uint32_t driver_now_us(void)
     return clock_us;
 }
 
-/* The loop has nothing to do. The order of the two reads: frames come before the end does. */
+/* The loop is idle. `at_end` is read first: the last frames are pushed before it is set. */
 void driver_sleep(void)
 {
-    bool ended = over;
+    bool ended = at_end;
     if (ended && queue->pushed == queue->popped) {
         flush();
         machine_print("frames lost: ");
@@ -186,7 +186,7 @@ void driver_sleep(void)
 
 void driver_feed_watchdog(void)
 {
-    unfed = 0;
+    since_fed = 0;
 }
 
 void driver_fault(const char *what)

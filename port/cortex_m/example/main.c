@@ -1,40 +1,40 @@
 /*
- * auvid in firmware: the identifier as a node on the vehicle's CAN bus. To be copied.
+ * auvid in firmware: the identifier as a node on the vehicle's CAN bus. Copy this file.
  *
- * The receive interrupt fills a queue; this loop empties it. A tick frame, which the vehicle's
- * controller sends every 20 ms after its sensor frames, makes one control tick: step, send what is
- * urgent, optimize with the time that is left, report, feed the watchdog. lib/can/README.md has the
- * frames. driver.h is what you write for your board.
+ * The receive interrupt fills a queue; this loop empties it. The vehicle's controller sends a tick
+ * frame every 20 ms, after its sensor frames. It starts one control tick: step, send the commands,
+ * search in the time that is left, report, feed the watchdog. lib/can/README.md documents the
+ * frames. Write the functions of driver.h for your board.
  */
 #include "auvid/can_fifo.h"
 #include "auvid/node.h"
 #include "driver.h"
 
-/* Units of optimizing in each tick. It must fit into 20 ms beside everything else in the worst
- * case: the health frame tells how much of a tick was used. A fixed number, rather than a look at
- * the clock, makes a log of the bus replay on a desk bit for bit (auvid replay). */
+/* Units of search work in each tick. In the worst case the whole tick must fit into 20 ms; the
+ * health frame reports the load. The number is fixed and does not depend on the clock, so a log of
+ * the bus replays on a desk bit for bit (auvid replay). */
 #ifndef BUDGET
 #define BUDGET AUVID_DEFAULT_BUDGET
 #endif
 
 #define TICK_US 20000u
-#define SILENCE_US 150000u /* no tick for so long: somebody pulled the plug */
+#define SILENCE_US 150000u /* without a tick for this long, the bus is disconnected */
 
-static auvid_node_t node; /* all the memory auvid has */
+static auvid_node_t node; /* all the memory that auvid uses */
 static auvid_can_fifo_t received;
-static auvid_can_frame_t received_storage[16]; /* more than a tick's frames; a power of two */
+static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick; a power of two */
 
-/* Your vehicle: its model, its thrusters, what the guard permits, what excitation it bears. */
+/* Your vehicle: model, thrusters, limits of the guard, excitation. */
 static bool configure(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    auvid_identifier_config_t *cfg = &node.id.config; /* init takes the memory back */
+    auvid_identifier_config_t *cfg = &node.id.config; /* undefined after auvid_node_init */
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
-    bus.excite = true; /* false, the default: listen and identify, never command a thruster */
+    bus.excite = true; /* false (default): listen and identify, never command a thruster */
     auvid_identifier_defaults(cfg, &auvid_girona500);
     cfg->allocation = auvid_allocation_girona500;
-    cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* of half a second: 240 s fill the memory */
+    cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
     return auvid_excitation_plan(&cfg->excitation, amplitude, 30, 8, 1) >= 0 &&
            auvid_node_init(&node, &bus, cfg) >= 0;
 }
@@ -64,15 +64,15 @@ static void report(uint32_t load_percent)
 
 static void control_tick(void)
 {
-    uint32_t began_us = driver_now_us();
-    step();                               /* sense, navigate, record, excite */
-    (void)auvid_node_work(&node, BUDGET); /* optimize */
-    report(100u * (driver_now_us() - began_us) / TICK_US);
+    uint32_t start_us = driver_now_us();
+    step();                               /* navigate, record, excite */
+    (void)auvid_node_work(&node, BUDGET); /* search */
+    report(100u * (driver_now_us() - start_us) / TICK_US);
     driver_feed_watchdog();
 }
 
-/* The tick is lost, and with it every sensor: nothing may be driven any more. Before the first tick
- * there is nothing to lose: the vehicle's controller may start later than this board. */
+/* Without ticks there are no samples, so the thrusters must stop. Before the first tick this is no
+ * fault: the vehicle's controller may start later than this board. */
 static void control_silence(void)
 {
     auvid_can_frame_t frame[AUVID_NODE_COMMANDS];

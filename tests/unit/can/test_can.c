@@ -1,6 +1,5 @@
 /*
- * The codec through its header. What cantools and an independent CRC say of it is checked in
- * tests/can.
+ * The codec through its header. tests/can compares it with cantools and an independent CRC.
  */
 #include <math.h>
 #include <string.h>
@@ -23,7 +22,7 @@ void tearDown(void)
 {
 }
 
-/* A frame of each kind that carries zeros where it may. */
+/* A frame of each kind, with zeros where they are valid. */
 static void pack_plain(auvid_can_kind_t kind)
 {
     memset(&message, 0, sizeof message);
@@ -44,7 +43,7 @@ static void seal(uint8_t data_id)
     frame.data[0] = auvid_can_crc(frame.data, data_id);
 }
 
-/* One command, there and back. @return what arrives of thrust[1] */
+/* Packs and unpacks one command. @return thrust[1] as unpacked */
 static auvid_real_t thrust_there_and_back(auvid_real_t asked, auvid_status_t expected)
 {
     memset(&message, 0, sizeof message);
@@ -58,18 +57,18 @@ static auvid_real_t thrust_there_and_back(auvid_real_t asked, auvid_status_t exp
     return back.as.thruster_command_a.thrust[1];
 }
 
-static void test_a_command_of_one_and_a_half_leaves_as_one(void)
+static void test_a_command_of_one_and_a_half_is_sent_as_one(void)
 {
     TEST_ASSERT_TRUE(thrust_there_and_back(AUVID_C(1.5), AUVID_SATURATED) == 1);
     TEST_ASSERT_EQUAL_UINT32(1, sender.saturated);
 }
 
-static void test_a_command_of_minus_two_leaves_as_minus_one(void)
+static void test_a_command_of_minus_two_is_sent_as_minus_one(void)
 {
     TEST_ASSERT_TRUE(thrust_there_and_back(-2, AUVID_SATURATED) == -1);
 }
 
-static void test_infinity_and_the_largest_numbers_leave_saturated(void)
+static void test_infinity_and_the_largest_numbers_are_saturated(void)
 {
     const auvid_real_t large[] = {(auvid_real_t)INFINITY, AUVID_LARGEST,         AUVID_C(1e30),
                                   AUVID_C(2147483648.0),  AUVID_C(4294967296.0), AUVID_C(1.00013)};
@@ -79,17 +78,17 @@ static void test_infinity_and_the_largest_numbers_leave_saturated(void)
     }
 }
 
-static void test_one_itself_is_not_saturated(void)
+static void test_a_command_of_one_is_not_saturated(void)
 {
     TEST_ASSERT_TRUE(thrust_there_and_back(1, AUVID_OK) == 1);
     TEST_ASSERT_TRUE(thrust_there_and_back(-1, AUVID_OK) == -1);
     TEST_ASSERT_EQUAL_UINT32(0, sender.saturated);
 }
 
-static void test_no_message_leaves_out_of_range(void)
+static void test_no_message_is_sent_out_of_range(void)
 {
-    /* Every real of every message far beyond its range: what leaves is in range and available. That
-     * it lies at the right end is checked against cantools. */
+    /* Every real of every message is far beyond its range: the packed value is in range and
+     * available. The comparison with cantools checks that it is at the right end. */
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         for (int side = -1; side <= 1; side += 2) {
             auvid_real_t huge = (auvid_real_t)side * AUVID_C(3e38);
@@ -105,7 +104,7 @@ static void test_no_message_leaves_out_of_range(void)
     }
 }
 
-static void test_nan_does_not_leave(void)
+static void test_nan_is_not_sent(void)
 {
     auvid_can_frame_t before;
     memset(&frame, 0x5A, sizeof frame);
@@ -123,7 +122,7 @@ static void test_nan_does_not_leave(void)
     TEST_ASSERT_EQUAL_UINT8(0, sender.counter[AUVID_CAN_THRUSTER_COMMAND_A]);
 }
 
-static void test_what_is_absent_arrives_as_absent_and_not_a_number(void)
+static void test_an_absent_value_arrives_as_absent_and_nan(void)
 {
     message.kind = AUVID_CAN_DVL_BOTTOM;
     message.absent = AUVID_CAN_DVL_BOTTOM_NO_V;
@@ -172,7 +171,7 @@ static void test_integers_saturate_too(void)
     TEST_ASSERT_EQUAL_UINT32(AUVID_CAN_AGE_UNKNOWN, back.as.imu_rates.age);
 }
 
-static void test_the_tick_carries_all_its_bits(void)
+static void test_the_tick_carries_all_bits(void)
 {
     message.kind = AUVID_CAN_TICK;
     message.as.tick.sequence = 0xFEDCBu;
@@ -186,7 +185,7 @@ static void test_the_tick_carries_all_its_bits(void)
     TEST_ASSERT_EQUAL_HEX32(0x89ABCDEFu, back.as.tick.time);
 }
 
-static void test_arming_needs_its_key(void)
+static void test_an_arm_frame_needs_the_key(void)
 {
     message.kind = AUVID_CAN_ARM;
     message.as.arm.action = AUVID_CAN_ACTION_ARM;
@@ -198,7 +197,7 @@ static void test_arming_needs_its_key(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, unpack());
 }
 
-static void test_each_message_comes_back_and_packs_to_the_same_frame(void)
+static void test_each_message_unpacks_and_packs_to_the_same_frame(void)
 {
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         pack_plain((auvid_can_kind_t)kind);
@@ -213,7 +212,7 @@ static void test_each_message_comes_back_and_packs_to_the_same_frame(void)
     }
 }
 
-static void test_the_counter_goes_round_for_each_message_by_itself(void)
+static void test_each_message_has_its_own_counter_modulo_16(void)
 {
     for (int i = 0; i < 40; ++i) {
         pack_plain(AUVID_CAN_DEPTH);
@@ -225,18 +224,18 @@ static void test_the_counter_goes_round_for_each_message_by_itself(void)
     TEST_ASSERT_EQUAL_UINT8(0, back.counter);
 }
 
-/* Bits as they are sent: 0..63 data, 64..67 the length code. */
+/* Bits in the order of sending: 0..63 data, 64..67 length code. */
 static void flip(int bit)
 {
     frame.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
 }
 
-static void test_every_error_of_one_or_two_bits_is_found_in_each_message(void)
+static void test_every_error_of_one_or_two_bits_is_detected_in_each_message(void)
 {
     int found = 0;
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         for (int content = 0; content < 2; ++content) {
-            pack_plain((auvid_can_kind_t)kind); /* a frame of zeros, and one of many ones */
+            pack_plain((auvid_can_kind_t)kind); /* a frame of zeros, and one with many ones */
             for (int i = 2; content != 0 && i < 8; ++i) {
                 frame.data[i] = (uint8_t)(0xFF - 37 * i);
             }
@@ -259,7 +258,7 @@ static void test_every_error_of_one_or_two_bits_is_found_in_each_message(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_KINDS * 2 * (64 + 64 * 63 / 2), found);
 }
 
-static void test_every_error_of_three_bits_is_found(void)
+static void test_every_error_of_three_bits_is_detected(void)
 {
     int missed = 0;
     pack_plain(AUVID_CAN_THRUSTER_COMMAND_A);
@@ -279,7 +278,7 @@ static void test_every_error_of_three_bits_is_found(void)
     TEST_ASSERT_EQUAL(0, missed);
 }
 
-static void test_a_frame_under_another_message_s_identifier_is_found(void)
+static void test_a_frame_under_another_message_s_identifier_is_detected(void)
 {
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         for (int other = 0; other < AUVID_CAN_KINDS; ++other) {
@@ -306,7 +305,7 @@ static void test_the_checksum_is_crc_8h2f(void)
     TEST_ASSERT_EQUAL_HEX8(crc ^ 0xFFu, auvid_can_crc(data, '8'));
 }
 
-static void test_length_and_foreign_identifiers_are_named(void)
+static void test_a_wrong_length_and_a_foreign_identifier_have_their_statuses(void)
 {
     pack_plain(AUVID_CAN_GPS);
     memset(&back, 0x77, sizeof back);
@@ -324,7 +323,7 @@ static void test_length_and_foreign_identifiers_are_named(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &back, sizeof back);
 }
 
-static void test_a_value_beyond_its_range_is_refused_with_a_right_checksum(void)
+static void test_a_value_out_of_range_is_refused_despite_a_right_checksum(void)
 {
     pack_plain(AUVID_CAN_THRUSTER_COMMAND_A);
     /* thrust 1: bits 12..24, 4001 = 0xFA1 */
@@ -376,19 +375,19 @@ static void test_blocks_that_overlap_or_do_not_fit_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_ids_check(&good));
 }
 
-static void test_every_identifier_is_found_again(void)
+static void test_every_identifier_maps_to_its_message_and_back(void)
 {
-    int ours = 0;
+    int known = 0;
     for (int id = 0; id < 0x10000; ++id) {
         auvid_can_kind_t kind = auvid_can_kind(NULL, (uint16_t)id);
-        ours += kind != AUVID_CAN_KINDS;
+        known += kind != AUVID_CAN_KINDS;
         TEST_ASSERT_TRUE(kind == AUVID_CAN_KINDS || auvid_can_id(NULL, kind) == id);
     }
-    TEST_ASSERT_EQUAL(AUVID_CAN_KINDS, ours);
+    TEST_ASSERT_EQUAL(AUVID_CAN_KINDS, known);
     TEST_ASSERT_EQUAL_HEX16(0xFFFF, auvid_can_id(NULL, AUVID_CAN_KINDS));
 }
 
-static void test_wrong_calls_are_named(void)
+static void test_wrong_calls_return_their_statuses(void)
 {
     message.kind = AUVID_CAN_KINDS;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_pack(&sender, &message, &frame));
@@ -405,7 +404,7 @@ static void test_wrong_calls_are_named(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_can_pack(&sender, &message, &frame));
 }
 
-static void test_cycles_are_those_of_the_contract(void)
+static void test_cycle_times_are_those_of_the_dbc(void)
 {
     TEST_ASSERT_EQUAL_UINT32(20000, auvid_can_cycle_us(AUVID_CAN_TICK));
     TEST_ASSERT_EQUAL_UINT32(1000000, auvid_can_cycle_us(AUVID_CAN_GPS));
@@ -413,7 +412,7 @@ static void test_cycles_are_those_of_the_contract(void)
     TEST_ASSERT_EQUAL_UINT32(0, auvid_can_cycle_us(AUVID_CAN_KINDS));
 }
 
-static void test_a_wrapped_time_is_extended_both_ways(void)
+static void test_a_wrapped_time_is_extended_forwards_and_backwards(void)
 {
     const uint64_t t = 0x500000000ull;
     TEST_ASSERT_EQUAL_UINT64(t + 20000, auvid_can_extend_us(t, 20000));
@@ -425,32 +424,32 @@ static void test_a_wrapped_time_is_extended_both_ways(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_command_of_one_and_a_half_leaves_as_one);
-    RUN_TEST(test_a_command_of_minus_two_leaves_as_minus_one);
-    RUN_TEST(test_infinity_and_the_largest_numbers_leave_saturated);
-    RUN_TEST(test_one_itself_is_not_saturated);
-    RUN_TEST(test_no_message_leaves_out_of_range);
-    RUN_TEST(test_nan_does_not_leave);
-    RUN_TEST(test_what_is_absent_arrives_as_absent_and_not_a_number);
+    RUN_TEST(test_a_command_of_one_and_a_half_is_sent_as_one);
+    RUN_TEST(test_a_command_of_minus_two_is_sent_as_minus_one);
+    RUN_TEST(test_infinity_and_the_largest_numbers_are_saturated);
+    RUN_TEST(test_a_command_of_one_is_not_saturated);
+    RUN_TEST(test_no_message_is_sent_out_of_range);
+    RUN_TEST(test_nan_is_not_sent);
+    RUN_TEST(test_an_absent_value_arrives_as_absent_and_nan);
     RUN_TEST(test_an_absent_float_arrives_as_absent);
     RUN_TEST(test_a_float_arrives_bit_for_bit);
     RUN_TEST(test_integers_saturate_too);
-    RUN_TEST(test_the_tick_carries_all_its_bits);
-    RUN_TEST(test_arming_needs_its_key);
-    RUN_TEST(test_each_message_comes_back_and_packs_to_the_same_frame);
-    RUN_TEST(test_the_counter_goes_round_for_each_message_by_itself);
-    RUN_TEST(test_every_error_of_one_or_two_bits_is_found_in_each_message);
-    RUN_TEST(test_every_error_of_three_bits_is_found);
-    RUN_TEST(test_a_frame_under_another_message_s_identifier_is_found);
+    RUN_TEST(test_the_tick_carries_all_bits);
+    RUN_TEST(test_an_arm_frame_needs_the_key);
+    RUN_TEST(test_each_message_unpacks_and_packs_to_the_same_frame);
+    RUN_TEST(test_each_message_has_its_own_counter_modulo_16);
+    RUN_TEST(test_every_error_of_one_or_two_bits_is_detected_in_each_message);
+    RUN_TEST(test_every_error_of_three_bits_is_detected);
+    RUN_TEST(test_a_frame_under_another_message_s_identifier_is_detected);
     RUN_TEST(test_the_checksum_is_crc_8h2f);
-    RUN_TEST(test_length_and_foreign_identifiers_are_named);
-    RUN_TEST(test_a_value_beyond_its_range_is_refused_with_a_right_checksum);
+    RUN_TEST(test_a_wrong_length_and_a_foreign_identifier_have_their_statuses);
+    RUN_TEST(test_a_value_out_of_range_is_refused_despite_a_right_checksum);
     RUN_TEST(test_a_float_that_is_not_finite_is_refused);
     RUN_TEST(test_both_blocks_can_be_moved);
     RUN_TEST(test_blocks_that_overlap_or_do_not_fit_are_refused);
-    RUN_TEST(test_every_identifier_is_found_again);
-    RUN_TEST(test_wrong_calls_are_named);
-    RUN_TEST(test_cycles_are_those_of_the_contract);
-    RUN_TEST(test_a_wrapped_time_is_extended_both_ways);
+    RUN_TEST(test_every_identifier_maps_to_its_message_and_back);
+    RUN_TEST(test_wrong_calls_return_their_statuses);
+    RUN_TEST(test_cycle_times_are_those_of_the_dbc);
+    RUN_TEST(test_a_wrapped_time_is_extended_forwards_and_backwards);
     return UNITY_END();
 }

@@ -1,6 +1,7 @@
 /*
- * Does identification survive the frames? The whole chain twice with the same seeds: everything
- * that passes between sensors, thrusters and identifier as it is, and through pack and unpack.
+ * Do the frames reduce the accuracy of the identification? The whole chain runs twice with the same
+ * seeds. The data between sensors, thrusters and identifier pass directly, or through pack and
+ * unpack.
  */
 #include <math.h>
 #include <stdio.h>
@@ -36,7 +37,7 @@ static void pass(auvid_can_message_t *message)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame, message));
 }
 
-/* Three reals through a message whose first three signals they are. */
+/* Passes three reals through a message as its first three signals. */
 static void pass3(auvid_can_kind_t kind, auvid_real_t x[3])
 {
     auvid_can_message_t message;
@@ -66,7 +67,7 @@ static void sensors_pass(auvid_input_t *in)
     }
 }
 
-/* The wrench as the thrusters make it; with frames, of the commands they get. */
+/* The wrench of the thrusters; with frames, that of the commands they receive. */
 static void thrusters_act(chain_t *chain, auvid_input_t *in, bool frames)
 {
     auvid_allocation_result_t result;
@@ -74,7 +75,7 @@ static void thrusters_act(chain_t *chain, auvid_input_t *in, bool frames)
     TEST_ASSERT_TRUE(auvid_allocation_solve(&allocation, chain->wrench, &result) >= 0);
     memset(message, 0, sizeof message);
     for (int i = 0; i < 2; ++i) {
-        auvid_real_t *thrust = message[i].as.thruster_command_a.thrust; /* b is laid out alike */
+        auvid_real_t *thrust = message[i].as.thruster_command_a.thrust; /* b has the same layout */
         message[i].kind = i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
         for (int j = 0; j < 4; ++j) {
             int n = 4 * i + j;
@@ -131,7 +132,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Half the width of the 95 % interval of the ratio of the mean squares, by bootstrap over seeds. */
+/* Half-width of the 95 % interval of the ratio of the mean squares, by bootstrap over seeds. */
 static double half_width(int seeds)
 {
     static double ratio[RESAMPLES];
@@ -150,9 +151,9 @@ static double half_width(int seeds)
     return 0.5 * (ratio[RESAMPLES - 1 - RESAMPLES / 40] - ratio[RESAMPLES / 40]);
 }
 
-/* The two runs of a seed have the same noise but not the same rounding, so that single seeds differ
- * either way; quantisation that mattered would show in the mean square over all of them. Without
- * disturbance it has the least to hide behind. */
+/* The two runs of a seed have the same noise, but different rounding, so single seeds differ either
+ * way. A relevant quantisation would show in the mean square over all seeds. Without disturbance it
+ * would show most clearly. */
 static void compare(double disturbance_N, int seeds, double *plain, double *framed)
 {
     *plain = *framed = 0.0;
@@ -169,7 +170,7 @@ static void compare(double disturbance_N, int seeds, double *plain, double *fram
            100.0 * (*framed / *plain - 1.0), 100.0 * half_width(seeds));
 }
 
-static void test_the_frames_cost_no_accuracy(void)
+static void test_the_frames_do_not_reduce_accuracy(void)
 {
     const double disturbance_N[] = {0.0, 1.0, 3.0};
     double plain, framed;
@@ -184,6 +185,6 @@ static void test_the_frames_cost_no_accuracy(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_frames_cost_no_accuracy);
+    RUN_TEST(test_the_frames_do_not_reduce_accuracy);
     return UNITY_END();
 }

@@ -1,5 +1,5 @@
 /*
- * The queue, alone and between two threads.
+ * The queue, in one thread and between two threads.
  */
 #define _POSIX_C_SOURCE 200809L /* nanosleep */
 #include <pthread.h>
@@ -25,7 +25,7 @@ void tearDown(void)
 {
 }
 
-/* Every byte of the frame follows from the number, so that a torn frame shows. */
+/* The number determines every byte of the frame, so a torn frame is detected. */
 static auvid_can_frame_t numbered(uint32_t number)
 {
     auvid_can_frame_t frame;
@@ -44,7 +44,7 @@ static bool is_numbered(const auvid_can_frame_t *frame, uint32_t number)
            frame->length == expected.length && memcmp(frame->data, expected.data, 8) == 0;
 }
 
-static void test_frames_come_out_in_the_order_they_went_in(void)
+static void test_frames_are_popped_in_the_order_of_pushing(void)
 {
     auvid_can_frame_t frame;
     uint32_t in = 0, out = 0;
@@ -60,7 +60,7 @@ static void test_frames_come_out_in_the_order_they_went_in(void)
     TEST_ASSERT_EQUAL_UINT32(in, out);
 }
 
-static void test_a_full_queue_drops_the_newest_and_counts(void)
+static void test_a_full_queue_drops_and_counts_the_newest(void)
 {
     auvid_can_frame_t frame;
     for (uint32_t i = 0; i < SIZE + 3; ++i) {
@@ -76,15 +76,15 @@ static void test_a_full_queue_drops_the_newest_and_counts(void)
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
 }
 
-static void test_the_indices_may_wrap(void)
+static void test_the_queue_works_across_a_wrap_of_its_indices(void)
 {
     fifo.pushed = UINT32_MAX - 2;
     fifo.popped = UINT32_MAX - 2;
-    test_frames_come_out_in_the_order_they_went_in();
+    test_frames_are_popped_in_the_order_of_pushing();
     setUp();
     fifo.pushed = UINT32_MAX - 2;
     fifo.popped = UINT32_MAX - 2;
-    test_a_full_queue_drops_the_newest_and_counts();
+    test_a_full_queue_drops_and_counts_the_newest();
 }
 
 static auvid_can_frame_t of_operator(auvid_can_sender_t *from, auvid_can_kind_t kind)
@@ -116,7 +116,7 @@ static void is_empty(void)
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_fifo_pop(&fifo, &frame));
 }
 
-static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full(void)
+static void test_an_abort_is_popped_before_all_frames_even_from_a_full_queue(void)
 {
     for (uint32_t inside = 0; inside <= SIZE; ++inside) {
         auvid_can_frame_t frame;
@@ -142,7 +142,7 @@ static void test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_ful
     }
 }
 
-static void test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again(void)
+static void test_pending_aborts_become_one_and_a_later_abort_is_popped_again(void)
 {
     auvid_can_frame_t first = of_operator(&console, AUVID_CAN_ABORT);
     auvid_can_frame_t second = of_operator(&console, AUVID_CAN_ABORT);
@@ -155,8 +155,8 @@ static void test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_take
     is_empty();
 }
 
-/* An order to arm, sent before the abort, must not be obeyed after it. */
-static void test_arm_frames_from_before_an_abort_are_left_out(void)
+/* An arm frame sent before the abort must not be obeyed after it. */
+static void test_arm_frames_from_before_an_abort_are_discarded(void)
 {
     auvid_can_frame_t arm = of_operator(&console, AUVID_CAN_ARM), sensor = numbered(1);
     auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), last = numbered(2);
@@ -166,7 +166,7 @@ static void test_arm_frames_from_before_an_abort_are_left_out(void)
         push(&sensor);
         push(&abort);
         push(&arm);
-        push(&abort); /* the one that counts for `arm` before */
+        push(&abort); /* the abort that discards the `arm` before it */
         push(&last);
         push(&later);
         pops(&abort);
@@ -174,7 +174,7 @@ static void test_arm_frames_from_before_an_abort_are_left_out(void)
         pops(&last);
         pops(&later);
         push(&arm);
-        pops(&arm); /* of no abort */
+        pops(&arm); /* from before no abort */
         push(&arm);
         push(&abort);
         pops(&abort);
@@ -182,7 +182,7 @@ static void test_arm_frames_from_before_an_abort_are_left_out(void)
     }
 }
 
-static void test_what_is_no_abort_waits_in_its_place(void)
+static void test_a_frame_that_is_no_valid_abort_stays_in_order(void)
 {
     for (int wrong = 0; wrong < 3; ++wrong) {
         auvid_can_frame_t abort = of_operator(&console, AUVID_CAN_ABORT), before = numbered(1);
@@ -196,7 +196,7 @@ static void test_what_is_no_abort_waits_in_its_place(void)
     }
 }
 
-static void test_an_abort_of_moved_identifiers_is_one(void)
+static void test_an_abort_with_moved_identifiers_is_recognised(void)
 {
     const auvid_can_ids_t ids = {0x200, 0x300};
     auvid_can_sender_t moved;
@@ -218,13 +218,13 @@ static void test_an_abort_of_moved_identifiers_is_one(void)
 
 enum { MANY = 400000 };
 
-/* Who only yields waits, on a busy machine, for a time slice of every other program. */
+/* On a busy machine, yielding would wait for a time slice of every other program. */
 static void pause_thread(void)
 {
     (void)nanosleep(&(struct timespec){.tv_nsec = 1}, NULL);
 }
 
-/* Tries again when full: the consumer must see all frames. */
+/* Retries if the queue is full: the consumer must see all frames. */
 static void *produce(void *unused)
 {
     for (uint32_t i = 0; i < MANY;) {
@@ -238,7 +238,7 @@ static void *produce(void *unused)
     return unused;
 }
 
-static void test_two_threads_lose_and_tear_nothing(void)
+static void test_two_threads_lose_and_tear_no_frame(void)
 {
     pthread_t producer;
     auvid_can_frame_t frame;
@@ -258,7 +258,7 @@ static void test_two_threads_lose_and_tear_nothing(void)
 
 static volatile bool produced;
 
-/* An abort each 50 frames, an arm frame before each. What finds no room is lost, but for aborts. */
+/* An abort every 50 frames, with an arm frame before each. A full queue drops all but aborts. */
 static void *produce_aborts(void *unused)
 {
     for (uint32_t i = 0; i < MANY / 10; ++i) {
@@ -275,8 +275,8 @@ static void *produce_aborts(void *unused)
     return unused;
 }
 
-/* Every abort is in the count of those taken, or is one with an earlier one that was not yet. */
-static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(void)
+/* Every abort is popped, or merged with an earlier pending one. */
+static void test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it(void)
 {
     pthread_t producer;
     auvid_can_frame_t frame;
@@ -286,11 +286,11 @@ static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(
     produced = false;
     TEST_ASSERT_EQUAL(0, pthread_create(&producer, NULL, produce_aborts, NULL));
     for (bool ended = false; !ended;) {
-        ended = produced; /* read before the queue is */
+        ended = produced; /* read before the queue is read */
         while (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
             auvid_can_kind_t kind = auvid_can_kind(NULL, frame.id);
-            bool ours = kind == AUVID_CAN_ABORT || kind == AUVID_CAN_ARM;
-            wrong += ours && auvid_can_unpack(NULL, &frame, &m) != AUVID_OK; /* torn */
+            bool is_order = kind == AUVID_CAN_ABORT || kind == AUVID_CAN_ARM;
+            wrong += is_order && auvid_can_unpack(NULL, &frame, &m) != AUVID_OK; /* torn */
             wrong += kind == AUVID_CAN_ARM && frame.t_us < last_us;
             wrong += kind == AUVID_CAN_ABORT && aborts > 0 && frame.t_us <= last_us;
             last_us = kind == AUVID_CAN_ABORT ? frame.t_us : last_us;
@@ -304,7 +304,7 @@ static void test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it(
     TEST_ASSERT_EQUAL_UINT32(fifo.aborts, aborts);
 }
 
-static void test_wrong_calls_are_named(void)
+static void test_wrong_calls_return_their_statuses(void)
 {
     auvid_can_frame_t frame = numbered(0);
     const uint32_t bad[] = {0, 1, 3, 12, 0x10000, 0x80000000u, UINT32_MAX};
@@ -325,16 +325,16 @@ static void test_wrong_calls_are_named(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_frames_come_out_in_the_order_they_went_in);
-    RUN_TEST(test_a_full_queue_drops_the_newest_and_counts);
-    RUN_TEST(test_the_indices_may_wrap);
-    RUN_TEST(test_an_abort_is_taken_before_all_frames_also_where_the_queue_is_full);
-    RUN_TEST(test_aborts_that_have_not_been_taken_are_one_and_later_ones_are_taken_again);
-    RUN_TEST(test_arm_frames_from_before_an_abort_are_left_out);
-    RUN_TEST(test_what_is_no_abort_waits_in_its_place);
-    RUN_TEST(test_an_abort_of_moved_identifiers_is_one);
-    RUN_TEST(test_two_threads_lose_and_tear_nothing);
-    RUN_TEST(test_two_threads_lose_no_abort_and_give_no_arm_frame_from_before_it);
-    RUN_TEST(test_wrong_calls_are_named);
+    RUN_TEST(test_frames_are_popped_in_the_order_of_pushing);
+    RUN_TEST(test_a_full_queue_drops_and_counts_the_newest);
+    RUN_TEST(test_the_queue_works_across_a_wrap_of_its_indices);
+    RUN_TEST(test_an_abort_is_popped_before_all_frames_even_from_a_full_queue);
+    RUN_TEST(test_pending_aborts_become_one_and_a_later_abort_is_popped_again);
+    RUN_TEST(test_arm_frames_from_before_an_abort_are_discarded);
+    RUN_TEST(test_a_frame_that_is_no_valid_abort_stays_in_order);
+    RUN_TEST(test_an_abort_with_moved_identifiers_is_recognised);
+    RUN_TEST(test_two_threads_lose_and_tear_no_frame);
+    RUN_TEST(test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it);
+    RUN_TEST(test_wrong_calls_return_their_statuses);
     return UNITY_END();
 }

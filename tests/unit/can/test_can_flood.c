@@ -1,8 +1,8 @@
 /*
- * A flood of random frames under the identifiers of thruster commands: how many does the receiver
- * take for good ones? The rules in can_receiver.h say
+ * A flood of random frames with the identifiers of thruster commands. How many are good for the
+ * receiver? By the rules in can_receiver.h
  *     p = 2^-8 (checksum) * (8002 / 8192)^4 (four thrusts in range, or not available) * 3 / 16
- * and what was taken in by chance acts until the next good command, or for 150 ms.
+ * and such a command acts until the next good command, or for 150 ms.
  */
 #include <stdio.h>
 #include <string.h>
@@ -30,7 +30,7 @@ static void random_frame(auvid_rng_t *rng, auvid_can_frame_t *frame)
     memcpy(frame->data + 4, &high, 4);
 }
 
-static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
+static void test_forged_commands_are_good_at_the_rate_of_the_rules(void)
 {
     const uint32_t frames = campaign_is_long() ? 100000000u : 10000000u;
     const double part = 8002.0 / 8192.0;
@@ -44,7 +44,7 @@ static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 4, NULL));
     frame.id = auvid_can_id(&command.half[0].ids, AUVID_CAN_THRUSTER_COMMAND_A);
     for (uint32_t i = 0; i < frames; ++i) {
-        frame.t_us += 10; /* so that no time-out starts the count anew */
+        frame.t_us += 10; /* so that no time-out restarts the count */
         random_frame(&rng, &frame);
         good += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
     }
@@ -56,9 +56,11 @@ static void test_forged_commands_are_good_as_often_as_the_rules_say(void)
     TEST_ASSERT_TRUE(low < p && p < high);
 }
 
-/* Genuine commands of zero each tick and 100 forged frames between two of them, more than a bus of
- * 500 kbit/s holds. Forged counters make genuine commands jump too, so that it takes a few. */
-static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
+/* Genuine commands of zero in each tick, with 100 forged frames between two of them: more than a
+ * bus of 500 kbit/s can carry. Forged counters also make genuine commands jump, so recovery takes a
+ * few.
+ */
+static void test_no_forged_command_acts_for_150_ms_on_a_flooded_bus(void)
 {
     auvid_can_command_t command;
     auvid_can_sender_t sender;
@@ -85,7 +87,7 @@ static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
             acted += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
         }
     }
-    printf("%u forged commands acted; one outlasted %u good ones at most; %u ticks silent\n",
+    printf("%u forged commands acted; one outlasted at most %u good ones; %u ticks silent\n",
            (unsigned)acted, (unsigned)longest, (unsigned)silent);
     TEST_ASSERT_TRUE(acted > 1000);
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(AUVID_CAN_COMMAND_TIMEOUT_US / TICK_US, longest);
@@ -95,7 +97,7 @@ static void test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_forged_commands_are_good_as_often_as_the_rules_say);
-    RUN_TEST(test_on_a_bus_full_of_forged_commands_none_acts_for_150_ms);
+    RUN_TEST(test_forged_commands_are_good_at_the_rate_of_the_rules);
+    RUN_TEST(test_no_forged_command_acts_for_150_ms_on_a_flooded_bus);
     return UNITY_END();
 }

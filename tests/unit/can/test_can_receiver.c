@@ -54,7 +54,7 @@ static auvid_can_frame_t half_frame(int half, auvid_real_t thrust)
     memset(&message, 0, sizeof message);
     message.kind = half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
     for (int i = 0; i < 4; ++i) {
-        message.as.thruster_command_a.thrust[i] = thrust; /* both halves are laid out alike */
+        message.as.thruster_command_a.thrust[i] = thrust; /* both halves have the same layout */
     }
     TEST_ASSERT_TRUE(auvid_can_pack(&sender, &message, &frame) >= 0);
     frame.t_us = now;
@@ -69,7 +69,7 @@ static void drive(auvid_real_t thrust)
     }
 }
 
-/* All thrusts must be this; a half that this vehicle does not need is zero. */
+/* All thrusts must have this value; those of an unused half must be zero. */
 static auvid_status_t thrust_is(auvid_real_t expected)
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
@@ -109,14 +109,14 @@ static void test_steps_of_one_to_three_are_good_and_others_are_not(void)
     }
 }
 
-static void test_after_a_jump_the_next_in_order_is_good(void)
+static void test_after_a_jump_the_next_in_sequence_is_good(void)
 {
     depth(0);
     TEST_ASSERT_EQUAL(AUVID_CAN_COUNTER_JUMP, depth(8));
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
 }
 
-static void test_a_bad_checksum_is_counted_and_the_count_of_the_good_goes_on(void)
+static void test_a_bad_checksum_is_counted_and_the_sequence_continues(void)
 {
     depth(3);
     auvid_can_frame_t frame = depth_frame(4);
@@ -131,7 +131,7 @@ static void test_a_bad_checksum_is_counted_and_the_count_of_the_good_goes_on(voi
     TEST_ASSERT_EQUAL_UINT32(1, receiver.lost);
 }
 
-static void test_length_and_range_count_as_invalid(void)
+static void test_a_wrong_length_or_range_counts_as_invalid(void)
 {
     auvid_can_frame_t frame = depth_frame(0);
     frame.length = 7;
@@ -141,7 +141,7 @@ static void test_length_and_range_count_as_invalid(void)
     TEST_ASSERT_EQUAL_UINT32(0, receiver.good);
 }
 
-static void test_silence_is_a_time_out_and_counted_once(void)
+static void test_a_time_out_is_counted_once(void)
 {
     TEST_ASSERT_EQUAL(AUVID_CAN_SILENT, auvid_can_receiver_state(&receiver, now));
     depth(0);
@@ -152,7 +152,7 @@ static void test_silence_is_a_time_out_and_counted_once(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
-static void test_repeated_and_bad_frames_do_not_keep_a_message_alive(void)
+static void test_repeated_and_bad_frames_do_not_prevent_a_time_out(void)
 {
     depth(0);
     for (int i = 0; i < 20; ++i) {
@@ -163,7 +163,7 @@ static void test_repeated_and_bad_frames_do_not_keep_a_message_alive(void)
     TEST_ASSERT_FALSE(receiver.is_fresh);
 }
 
-static void test_after_a_time_out_any_counter_is_a_new_start(void)
+static void test_after_a_time_out_any_counter_is_good(void)
 {
     depth(0);
     now += 1000000;
@@ -172,7 +172,7 @@ static void test_after_a_time_out_any_counter_is_a_new_start(void)
     TEST_ASSERT_EQUAL_UINT32(0, receiver.repeated);
 }
 
-static void test_without_time_out_silence_does_not_matter(void)
+static void test_without_a_time_out_silence_has_no_effect(void)
 {
     auvid_can_receiver_init(&receiver, AUVID_CAN_DEPTH, 0, NULL);
     depth(0);
@@ -181,7 +181,7 @@ static void test_without_time_out_silence_does_not_matter(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0));
 }
 
-static void test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_there_on(void)
+static void test_a_timestamp_ahead_is_a_time_out_from_the_time_out_on(void)
 {
     depth(0);
     TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 1));
@@ -190,11 +190,11 @@ static void test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_ther
     TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
-static void test_the_count_outlasts_a_stamp_that_is_a_little_behind(void)
+static void test_a_timestamp_slightly_behind_does_not_restart_the_count(void)
 {
     depth(0);
     now -= 300000 - 1 + TICK;
-    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* of 299999 us before */
+    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* 299999 us old */
     setUp();
     depth(0);
     now -= 300000 + TICK;
@@ -214,7 +214,7 @@ static void test_frames_of_other_messages_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &receiver, sizeof receiver);
 }
 
-static void test_thrust_is_zero_until_two_commands_follow_each_other(void)
+static void test_thrust_is_zero_until_two_commands_in_sequence(void)
 {
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
     drive(1);
@@ -233,7 +233,7 @@ static void test_thrust_is_zero_150_ms_after_the_last_good_command(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
 }
 
-static void test_driving_goes_on_after_a_time_out_however_often_it_is_asked(void)
+static void test_thrust_resumes_after_a_time_out_that_was_polled_often(void)
 {
     start_driving();
     now += 10 * TIMEOUT;
@@ -247,7 +247,7 @@ static void test_driving_goes_on_after_a_time_out_however_often_it_is_asked(void
     TEST_ASSERT_EQUAL_UINT32(1, command.half[0].timeouts);
 }
 
-static void test_a_start_that_is_too_old_counts_for_nothing(void)
+static void test_a_first_command_that_is_too_old_does_not_start_the_count(void)
 {
     drive(1);
     now += TIMEOUT + 1;
@@ -255,7 +255,7 @@ static void test_a_start_that_is_too_old_counts_for_nothing(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
 }
 
-static void test_repeated_commands_stop_the_vehicle(void)
+static void test_repeated_commands_time_out(void)
 {
     start_driving();
     for (int i = 0; i < 8; ++i) {
@@ -290,7 +290,7 @@ static void test_up_to_two_lost_commands_do_not_interrupt(void)
     TEST_ASSERT_EQUAL_UINT32(100, command.half[1].lost);
 }
 
-static void test_all_thrust_is_zero_when_one_half_falls_silent(void)
+static void test_all_thrust_is_zero_when_one_half_times_out(void)
 {
     for (int half = 0; half < 2; ++half) {
         setUp();
@@ -312,7 +312,7 @@ static void test_four_thrusters_need_the_first_half_only(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_command_take(&command, &frame));
 }
 
-static void test_a_thruster_that_is_not_commanded_stands_still(void)
+static void test_a_thruster_that_is_not_commanded_has_zero_thrust(void)
 {
     start_driving();
     auvid_can_message_t message;
@@ -331,8 +331,8 @@ static void test_a_thruster_that_is_not_commanded_stands_still(void)
     TEST_ASSERT_TRUE(thrust[5] == 0);
 }
 
-/* The usual order: the clock is read, then the frames are taken, then the thrust. */
-static void test_frames_that_come_while_the_thrust_is_worked_out_are_of_now(void)
+/* The usual order: read the clock, take the frames, get the thrust. */
+static void test_frames_that_arrive_after_the_clock_was_read_have_age_0(void)
 {
     start_driving();
     for (int i = 0; i < 50; ++i) {
@@ -342,11 +342,11 @@ static void test_frames_that_come_while_the_thrust_is_worked_out_are_of_now(void
         now = clock;
         TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.25)));
     }
-    TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first only starts the count */
+    TEST_ASSERT_EQUAL_UINT32(52 - 1, command.half[0].good); /* the first starts the count */
     TEST_ASSERT_EQUAL_UINT32(0, command.half[0].timeouts + command.half[0].ahead);
 }
 
-/* Commands that are stamped so much ahead of the clock. */
+/* Commands with timestamps this far ahead of the clock. */
 static void drive_ahead(uint64_t by_us, int frames)
 {
     now += by_us;
@@ -357,7 +357,7 @@ static void drive_ahead(uint64_t by_us, int frames)
     now -= by_us + (uint64_t)frames * TICK;
 }
 
-static void test_a_stamp_ahead_by_less_than_the_time_out_has_age_0(void)
+static void test_a_command_ahead_by_less_than_the_time_out_has_age_0(void)
 {
     start_driving();
     drive_ahead(TIMEOUT - 1, 1);
@@ -368,7 +368,7 @@ static void test_a_stamp_ahead_by_less_than_the_time_out_has_age_0(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
 }
 
-static void test_stamps_further_ahead_are_refused_and_the_last_good_command_stays(void)
+static void test_commands_further_ahead_are_refused_and_the_last_good_one_stays(void)
 {
     for (int frames = 1; frames <= 5; ++frames) {
         setUp();
@@ -386,7 +386,7 @@ static void test_stamps_further_ahead_are_refused_and_the_last_good_command_stay
     }
 }
 
-static void test_the_command_after_one_of_the_future_is_good_at_once(void)
+static void test_the_command_after_one_from_the_future_is_good_at_once(void)
 {
     start_driving();
     drive_ahead(10 * TIMEOUT, 1);
@@ -396,7 +396,7 @@ static void test_the_command_after_one_of_the_future_is_good_at_once(void)
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.75)));
 }
 
-static void test_the_last_good_command_stays_between_two_of_which_one_is_of_the_future(void)
+static void test_a_refused_command_from_the_future_keeps_the_last_good_one(void)
 {
     start_driving();
     drive_ahead(10 * TIMEOUT, 2);
@@ -410,7 +410,7 @@ static void test_the_last_good_command_stays_between_two_of_which_one_is_of_the_
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(AUVID_C(0.75)));
 }
 
-static void test_one_half_of_the_future_is_refused_like_both(void)
+static void test_one_half_from_the_future_is_refused_like_both(void)
 {
     start_driving();
     now += 10 * TIMEOUT;
@@ -422,29 +422,29 @@ static void test_one_half_of_the_future_is_refused_like_both(void)
     TEST_ASSERT_EQUAL_UINT32(1, command.half[1].ahead);
 }
 
-static void test_commands_from_the_start_of_the_future_drive_nothing(void)
+static void test_commands_only_from_the_future_give_no_thrust(void)
 {
     drive_ahead(TIMEOUT, 4);
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
     drive(1);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0)); /* the first one of now */
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0)); /* the first one with a valid timestamp */
     now += TICK;
     drive(1);
     TEST_ASSERT_EQUAL(AUVID_OK, thrust_is(1));
 }
 
-static void test_frames_of_the_future_are_counted_when_they_are_refused_and_not_again(void)
+static void test_frames_from_the_future_are_counted_once(void)
 {
     start_driving();
-    now -= 100 * TIMEOUT; /* all that came is of the future by now */
+    now -= 100 * TIMEOUT; /* all earlier frames are now from the future */
     for (int i = 0; i < 5; ++i) {
         TEST_ASSERT_EQUAL(AUVID_ERR_STALE, thrust_is(0));
         TEST_ASSERT_EQUAL_UINT32(1, command.half[0].ahead);
     }
 }
 
-/* For good: whether the thrust is asked for at once, or after frames of the new time. */
-static void test_after_the_clock_was_set_back_driving_goes_on(void)
+/* Whether the thrust is read at once, or only after frames with the new time. */
+static void test_thrust_resumes_after_the_clock_was_set_back(void)
 {
     for (int asked = 0; asked < 2; ++asked) {
         int frames = 0;
@@ -465,7 +465,7 @@ static void test_after_the_clock_was_set_back_driving_goes_on(void)
     }
 }
 
-static void test_one_to_eight_thrusters_need_a_half_for_each_four(void)
+static void test_one_to_eight_thrusters_need_one_half_per_four(void)
 {
     for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, thrusters, NULL));
@@ -475,7 +475,7 @@ static void test_one_to_eight_thrusters_need_a_half_for_each_four(void)
     }
 }
 
-static void test_frames_of_chance_are_good_no_more_often_than_they_must(void)
+static void test_random_frames_are_good_at_the_expected_rate(void)
 {
     /* 2^-8 by the checksum, 3/16 by the counter, (8002/8192)^4 by the range. 2e6 frames: 1332
      * expected; six standard deviations are 219. */
@@ -495,7 +495,7 @@ static void test_frames_of_chance_are_good_no_more_often_than_they_must(void)
     TEST_ASSERT_UINT32_WITHIN(219, (uint32_t)(p * frames), command.half[0].good);
 }
 
-static void test_wrong_calls_are_named_and_give_no_thrust(void)
+static void test_wrong_calls_return_their_statuses_and_no_thrust(void)
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS] = {1, 1, 1, 1, 1, 1, 1, 1};
     const auvid_can_ids_t overlap = {0x40, 0x40};
@@ -521,37 +521,37 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_steps_of_one_to_three_are_good_and_others_are_not);
-    RUN_TEST(test_after_a_jump_the_next_in_order_is_good);
-    RUN_TEST(test_a_bad_checksum_is_counted_and_the_count_of_the_good_goes_on);
-    RUN_TEST(test_length_and_range_count_as_invalid);
-    RUN_TEST(test_silence_is_a_time_out_and_counted_once);
-    RUN_TEST(test_repeated_and_bad_frames_do_not_keep_a_message_alive);
-    RUN_TEST(test_after_a_time_out_any_counter_is_a_new_start);
-    RUN_TEST(test_without_time_out_silence_does_not_matter);
-    RUN_TEST(test_a_stamp_ahead_has_age_0_up_to_the_time_out_and_is_one_from_there_on);
-    RUN_TEST(test_the_count_outlasts_a_stamp_that_is_a_little_behind);
+    RUN_TEST(test_after_a_jump_the_next_in_sequence_is_good);
+    RUN_TEST(test_a_bad_checksum_is_counted_and_the_sequence_continues);
+    RUN_TEST(test_a_wrong_length_or_range_counts_as_invalid);
+    RUN_TEST(test_a_time_out_is_counted_once);
+    RUN_TEST(test_repeated_and_bad_frames_do_not_prevent_a_time_out);
+    RUN_TEST(test_after_a_time_out_any_counter_is_good);
+    RUN_TEST(test_without_a_time_out_silence_has_no_effect);
+    RUN_TEST(test_a_timestamp_ahead_is_a_time_out_from_the_time_out_on);
+    RUN_TEST(test_a_timestamp_slightly_behind_does_not_restart_the_count);
     RUN_TEST(test_frames_of_other_messages_change_nothing);
-    RUN_TEST(test_thrust_is_zero_until_two_commands_follow_each_other);
+    RUN_TEST(test_thrust_is_zero_until_two_commands_in_sequence);
     RUN_TEST(test_thrust_is_zero_150_ms_after_the_last_good_command);
-    RUN_TEST(test_driving_goes_on_after_a_time_out_however_often_it_is_asked);
-    RUN_TEST(test_a_start_that_is_too_old_counts_for_nothing);
-    RUN_TEST(test_repeated_commands_stop_the_vehicle);
+    RUN_TEST(test_thrust_resumes_after_a_time_out_that_was_polled_often);
+    RUN_TEST(test_a_first_command_that_is_too_old_does_not_start_the_count);
+    RUN_TEST(test_repeated_commands_time_out);
     RUN_TEST(test_a_repeated_command_is_not_obeyed);
     RUN_TEST(test_up_to_two_lost_commands_do_not_interrupt);
-    RUN_TEST(test_all_thrust_is_zero_when_one_half_falls_silent);
+    RUN_TEST(test_all_thrust_is_zero_when_one_half_times_out);
     RUN_TEST(test_four_thrusters_need_the_first_half_only);
-    RUN_TEST(test_a_thruster_that_is_not_commanded_stands_still);
-    RUN_TEST(test_frames_that_come_while_the_thrust_is_worked_out_are_of_now);
-    RUN_TEST(test_a_stamp_ahead_by_less_than_the_time_out_has_age_0);
-    RUN_TEST(test_stamps_further_ahead_are_refused_and_the_last_good_command_stays);
-    RUN_TEST(test_the_command_after_one_of_the_future_is_good_at_once);
-    RUN_TEST(test_the_last_good_command_stays_between_two_of_which_one_is_of_the_future);
-    RUN_TEST(test_one_half_of_the_future_is_refused_like_both);
-    RUN_TEST(test_commands_from_the_start_of_the_future_drive_nothing);
-    RUN_TEST(test_frames_of_the_future_are_counted_when_they_are_refused_and_not_again);
-    RUN_TEST(test_after_the_clock_was_set_back_driving_goes_on);
-    RUN_TEST(test_one_to_eight_thrusters_need_a_half_for_each_four);
-    RUN_TEST(test_frames_of_chance_are_good_no_more_often_than_they_must);
-    RUN_TEST(test_wrong_calls_are_named_and_give_no_thrust);
+    RUN_TEST(test_a_thruster_that_is_not_commanded_has_zero_thrust);
+    RUN_TEST(test_frames_that_arrive_after_the_clock_was_read_have_age_0);
+    RUN_TEST(test_a_command_ahead_by_less_than_the_time_out_has_age_0);
+    RUN_TEST(test_commands_further_ahead_are_refused_and_the_last_good_one_stays);
+    RUN_TEST(test_the_command_after_one_from_the_future_is_good_at_once);
+    RUN_TEST(test_a_refused_command_from_the_future_keeps_the_last_good_one);
+    RUN_TEST(test_one_half_from_the_future_is_refused_like_both);
+    RUN_TEST(test_commands_only_from_the_future_give_no_thrust);
+    RUN_TEST(test_frames_from_the_future_are_counted_once);
+    RUN_TEST(test_thrust_resumes_after_the_clock_was_set_back);
+    RUN_TEST(test_one_to_eight_thrusters_need_one_half_per_four);
+    RUN_TEST(test_random_frames_are_good_at_the_expected_rate);
+    RUN_TEST(test_wrong_calls_return_their_statuses_and_no_thrust);
     return UNITY_END();
 }

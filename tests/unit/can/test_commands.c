@@ -1,9 +1,10 @@
 /*
- * Who commands the thrusters, and when: every frame of whole runs, as somebody sees them who
- * listens at an end of his own of the bus in memory.
+ * Who commands the thrusters, and when: every frame of whole runs, seen by a separate end of the
+ * bus in memory.
  *
- * No command before an order to arm. After an abort, or the excitation's own end: one command of
- * zero (both its frames) if the tick before commanded thrust, then none, whatever is ordered.
+ * There is no command before an arm frame. After an abort or the end of the excitation there is one
+ * command of zero (both frames) if the previous tick commanded thrust. Then there is none, even
+ * after further arm frames.
  */
 #include <math.h>
 #include <stdio.h>
@@ -14,13 +15,13 @@
 
 enum { SETS = 2, TICKS = 4000, FRAMES = 60000, NEVER = TICKS + 1 };
 
-/* The tick in which the vehicle's operator arms: the node has navigated for a second. */
+/* The tick of the operator's arm frame: the node has navigated for a second. */
 enum { ARM_TICK = 51 };
 
 typedef struct {
     uint32_t tick;
     auvid_can_kind_t kind;
-    double largest; /* thrust commanded */
+    double largest; /* maximum thrust commanded */
 } seen_t;
 
 static world_t world;
@@ -41,11 +42,11 @@ void tearDown(void)
 
 static double largest(const auvid_can_message_t *m)
 {
-    double most = 0.0;
-    for (int i = 0; i < 4; ++i) { /* b is laid out alike */
-        most = fmax(most, fabs((double)m->as.thruster_command_a.thrust[i]));
+    double max_thrust = 0.0;
+    for (int i = 0; i < 4; ++i) { /* b has the same layout */
+        max_thrust = fmax(max_thrust, fabs((double)m->as.thruster_command_a.thrust[i]));
     }
-    return most;
+    return max_thrust;
 }
 
 static bool commands(auvid_can_kind_t kind)
@@ -65,9 +66,9 @@ static void watch(uint32_t tick)
     }
 }
 
-/* A whole run; abort goes out in tick `abort`, and an order to arm every second from `insist` on.
+/* A whole run with an abort in tick `abort`, and an arm frame every second from tick `arm_from` on.
  * @return was thrust commanded in the tick before the abort? */
-static bool run(uint32_t abort, uint32_t insist)
+static bool run(uint32_t abort, uint32_t arm_from)
 {
     bool commanding = false;
     frames = 0;
@@ -77,7 +78,7 @@ static bool run(uint32_t abort, uint32_t insist)
             commanding = world.node[0].commanding;
             world.craft.order_abort = true;
         }
-        world.craft.order_arm = tick >= insist && tick % 50 == 0;
+        world.craft.order_arm = tick >= arm_from && tick % 50 == 0;
         world_tick(&world);
         (void)world_work(&world, AUVID_DEFAULT_BUDGET);
         watch(tick);
@@ -86,7 +87,7 @@ static bool run(uint32_t abort, uint32_t insist)
     return commanding;
 }
 
-/* Frames of a kind, from number `from` on. */
+/* Number of frames of a kind, from frame `from` on. */
 static int count(auvid_can_kind_t kind, int from)
 {
     int n = 0;
@@ -101,7 +102,7 @@ static int count_commands(int from)
     return count(AUVID_CAN_THRUSTER_COMMAND_A, from) + count(AUVID_CAN_THRUSTER_COMMAND_B, from);
 }
 
-/* Number of the first frame of a kind; `frames` where there is none. */
+/* Index of the first frame of a kind; `frames` if there is none. */
 static int first(auvid_can_kind_t kind)
 {
     int i = 0;
@@ -116,13 +117,13 @@ static void test_a_passive_node_sends_no_command_in_a_whole_run(void)
     config.passive = true;
     for (config.seed = 1; config.seed <= 4; ++config.seed) {
         (void)run(NEVER, NEVER);
-        TEST_ASSERT_TRUE(count(AUVID_CAN_ARM, 0) > 60); /* every second, as it is not obeyed */
+        TEST_ASSERT_TRUE(count(AUVID_CAN_ARM, 0) > 60); /* every second, because it is not obeyed */
         TEST_ASSERT_TRUE(count(AUVID_CAN_HEARTBEAT, 0) > 100);
         TEST_ASSERT_EQUAL(0, count_commands(0));
     }
 }
 
-static void test_no_order_to_arm_no_command_in_a_whole_run(void)
+static void test_without_an_arm_frame_a_whole_run_has_no_command(void)
 {
     config.no_arm = true;
     for (config.seed = 1; config.seed <= 4; ++config.seed) {
@@ -133,7 +134,7 @@ static void test_no_order_to_arm_no_command_in_a_whole_run(void)
     }
 }
 
-static void test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero(void)
+static void test_commands_begin_after_the_arm_frame_and_end_with_one_of_zero(void)
 {
     for (config.seed = 1; config.seed <= 4; ++config.seed) {
         (void)run(NEVER, NEVER);
@@ -151,14 +152,14 @@ static void test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero(
     }
 }
 
-static void test_after_an_abort_one_command_of_zero_at_most_and_then_none(void)
+static void test_after_an_abort_there_is_at_most_one_command_and_it_is_zero(void)
 {
-    static const uint32_t ticks[] = {/* before navigation, before arming, with the order to arm */
+    static const uint32_t ticks[] = {/* before navigation, before arming, with the arm frame */
                                      1, 30, ARM_TICK,
                                      /* in the fade-in, and in the sets */
                                      ARM_TICK + 1, ARM_TICK + 2, ARM_TICK + 20, 700, 1551, 1552,
                                      2222, 3000,
-                                     /* in the fade-out, about its end, and after it */
+                                     /* in the fade-out, near its end, and after it */
                                      3045, 3050, 3051, 3052, 3053, 3054, 3300};
     int zeros = 0;
     for (config.seed = 1; config.seed <= 3; ++config.seed) {
@@ -185,8 +186,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_passive_node_sends_no_command_in_a_whole_run);
-    RUN_TEST(test_no_order_to_arm_no_command_in_a_whole_run);
-    RUN_TEST(test_commands_begin_after_the_order_to_arm_and_end_with_one_of_zero);
-    RUN_TEST(test_after_an_abort_one_command_of_zero_at_most_and_then_none);
+    RUN_TEST(test_without_an_arm_frame_a_whole_run_has_no_command);
+    RUN_TEST(test_commands_begin_after_the_arm_frame_and_end_with_one_of_zero);
+    RUN_TEST(test_after_an_abort_there_is_at_most_one_command_and_it_is_zero);
     return UNITY_END();
 }

@@ -1,9 +1,9 @@
 /*
- * Node and vehicle with a bad bus between them, both ways: 10 % of the frames lost, 5 % doubled,
- * each late by 20 ms +-10 ms, so that they overtake each other. Four DVL samples lost in a row make
- * the guard abort; the operator arms again then. Every run ends with estimates whose error, rms
- * over all runs, is at most twice that of the demo (build/auvid demo --runs 200 [--sets 2]: 1.09 %
- * [1.03 1.15] with eight sets, 2.59 % [2.40 2.78] with two).
+ * Node and vehicle with a bad bus between them, in both directions. 10 % of the frames are lost and
+ * 5 % duplicated. Each is late by 20 ms +-10 ms, so frames overtake each other. After four lost DVL
+ * samples in a row the guard aborts, and the operator arms again. Every run ends with estimates.
+ * The rms of their error over all runs is at most twice that of the demo (build/auvid demo --runs
+ * 200 [--sets 2]: 1.09 % [1.03 1.15] with eight sets, 2.59 % [2.40 2.78] with two).
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@
 
 enum { TICK_US = 20000, SLICE_US = 250, QUEUE = 512, LAST_SEARCH = 500 };
 
-/* One direction: frames under way. */
+/* Frames on their way in one direction. */
 typedef struct {
     uint64_t at_us[QUEUE];
     auvid_can_frame_t frame[QUEUE];
@@ -56,7 +56,7 @@ static void put(channel_t *channel, uint64_t t_us, const auvid_can_frame_t *fram
     }
 }
 
-/* The earliest frame that is there by t_us. */
+/* The earliest frame that has arrived by t_us. */
 static bool take(channel_t *channel, uint64_t t_us, auvid_can_frame_t *frame)
 {
     int first = 0;
@@ -91,7 +91,7 @@ static void begin(uint32_t seed, uint32_t sets)
     to_node.count = to_vehicle.count = 0;
 }
 
-/* The node's tick. @return is it at work on an estimate? */
+/* A tick of the node. @return is a search running? */
 static bool serve(uint64_t t_us)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
@@ -106,7 +106,7 @@ static bool serve(uint64_t t_us)
     return busy;
 }
 
-/* @return rms error [%] after so many sets and the last search */
+/* @return rms error [%] after this number of sets and the last search */
 static double run(uint32_t seed, uint32_t sets)
 {
     auvid_can_frame_t frame, sent[CRAFT_FRAMES];
@@ -130,7 +130,7 @@ static double run(uint32_t seed, uint32_t sets)
     return vehicle_sim_rms_percent(&craft);
 }
 
-static void check(uint32_t sets, uint32_t runs, double most)
+static void check(uint32_t sets, uint32_t runs, double max_rms)
 {
     double sum = 0.0, worst = 0.0;
     aborts = 0;
@@ -143,7 +143,7 @@ static void check(uint32_t sets, uint32_t runs, double most)
     double rms = sqrt(sum / runs);
     printf("%u sets, %u runs, %u aborts: rms error %.2f %%, worst run %.2f %%\n", (unsigned)sets,
            (unsigned)runs, (unsigned)aborts, rms, worst);
-    TEST_ASSERT_TRUE(rms <= most);
+    TEST_ASSERT_TRUE(rms <= max_rms);
 }
 
 static void test_two_sets_are_identified_within_twice_the_error_of_the_demo(void)

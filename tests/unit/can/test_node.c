@@ -19,19 +19,19 @@ static chain_t chain;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
 
-/* What the node was given, in its order. */
+/* Frames received by the node, in order. */
 static auvid_can_frame_t taken[LOG];
 static int taken_count;
 
-/* Of the run under way. */
+/* State of the current run. */
 static struct {
     uint32_t commands;   /* frames of thruster command A sent by the node */
-    uint32_t last_zero;  /* the last one commanded zero */
-    double largest;      /* thrust commanded in the last one */
-    uint32_t ticks;      /* so far */
-    uint32_t jump_at;    /* tick in which the bus's clock is set... */
-    int32_t jump_us;     /* ... by so much */
-    bool random_arrival; /* times of arrival are nonsense */
+    uint32_t last_zero;  /* the last command was zero */
+    double largest;      /* maximum thrust of the last command */
+    uint32_t ticks;      /* number so far */
+    uint32_t jump_at;    /* tick in which the bus's clock is set ... */
+    int32_t jump_us;     /* ... by this much */
+    bool random_arrival; /* times of arrival are random */
     uint64_t random;
 } run;
 
@@ -76,7 +76,7 @@ static uint64_t draw(void)
     return run.random;
 }
 
-/* What the node sends goes to the vehicle. */
+/* Passes the frames of the node to the vehicle. */
 static void deliver(const auvid_can_frame_t *frame, int count)
 {
     for (int i = 0; i < count; ++i) {
@@ -96,7 +96,7 @@ static void deliver(const auvid_can_frame_t *frame, int count)
     }
 }
 
-/* A tick has been opened: the node's part of it. */
+/* The node's part of a tick that has begun. */
 static void serve(auvid_node_t *n)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
@@ -179,7 +179,7 @@ static void abort_run(void)
     send(&m);
 }
 
-/* Until all sets are searched. */
+/* Runs until the search over all sets has finished. */
 static void identify(void)
 {
     uint32_t limit = SETS * SET_TICKS + 6000;
@@ -212,8 +212,8 @@ static void same_estimate(const auvid_node_t *a, const auvid_node_t *b)
 
 /* ---- identification ---- */
 
-/* The same seeds, but other draws of the search: the ratio is not 1 to the last digit. */
-static void test_frames_identify_as_well_as_no_frames(void)
+/* The seeds are the same, but the search draws other numbers: the ratio is not exactly 1. */
+static void test_identification_through_frames_is_as_accurate_as_without(void)
 {
     double with = 0.0, without = 0.0;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -232,7 +232,7 @@ static void test_frames_identify_as_well_as_no_frames(void)
     TEST_ASSERT_TRUE(sqrt(with / without) < 1.3);
 }
 
-static void test_the_same_frames_again_give_the_same_bits(void)
+static void test_the_same_frames_give_the_same_bits(void)
 {
     begin(true);
     identify();
@@ -244,12 +244,12 @@ static void test_the_same_frames_again_give_the_same_bits(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.sender.refused);
     TEST_ASSERT_EQUAL(0, craft.command.half[0].lost + craft.command.half[1].lost);
 
-    /* the same frames again */
+    /* replay the same frames */
     uint32_t ticks = node.counters.ticks;
     TEST_ASSERT_TRUE(taken_count < LOG);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&other, &config, &identifier));
     for (int i = 0; i < taken_count; ++i) {
-        taken[i].t_us = draw(); /* whenever they come */
+        taken[i].t_us = draw(); /* at random times of arrival */
         if (auvid_node_take(&other, &taken[i]) == AUVID_TICK) {
             serve(&other);
         }
@@ -258,7 +258,7 @@ static void test_the_same_frames_again_give_the_same_bits(void)
     same_estimate(&node, &other);
 }
 
-static void test_arrival_times_change_no_bit(void)
+static void test_times_of_arrival_change_no_bit(void)
 {
     begin(true);
     go(SET_TICKS / 3);
@@ -272,7 +272,7 @@ static void test_arrival_times_change_no_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
 }
 
-/* ---- who commands ---- */
+/* ---- thruster commands ---- */
 
 static void test_a_passive_node_never_commands(void)
 {
@@ -284,7 +284,7 @@ static void test_a_passive_node_never_commands(void)
     TEST_ASSERT_EQUAL_UINT32(0, run.commands);
 }
 
-static void test_no_command_before_the_order_to_arm(void)
+static void test_there_is_no_command_before_the_arm_frame(void)
 {
     craft.no_arm = true;
     begin(true);
@@ -295,7 +295,7 @@ static void test_no_command_before_the_order_to_arm(void)
     TEST_ASSERT_TRUE(run.commands > 0);
 }
 
-static void test_an_order_to_arm_without_sensors_is_refused_and_forgotten(void)
+static void test_an_arm_frame_without_sensors_is_refused_and_discarded(void)
 {
     craft.no_arm = true;
     begin(true);
@@ -306,7 +306,7 @@ static void test_an_order_to_arm_without_sensors_is_refused_and_forgotten(void)
     TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_NO_CAUSE, node.id.guard.refused.cause);
 }
 
-static void test_abort_gives_one_command_of_zero_and_then_none(void)
+static void test_an_abort_gives_one_command_of_zero_and_then_none(void)
 {
     begin(true);
     go(500);
@@ -338,7 +338,7 @@ static void test_an_abort_with_a_repeated_counter_is_obeyed(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
 }
 
-static void test_stop_fades_the_excitation(void)
+static void test_a_stop_fades_the_excitation_out(void)
 {
     begin(true);
     go(500);
@@ -353,7 +353,7 @@ static void test_stop_fades_the_excitation(void)
     TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
 }
 
-static void test_a_breach_of_the_guard_commands_zero(void)
+static void test_a_trip_of_the_guard_commands_zero(void)
 {
     begin(true);
     go(500);
@@ -366,7 +366,7 @@ static void test_a_breach_of_the_guard_commands_zero(void)
     TEST_ASSERT_FALSE(craft.commanded);
 }
 
-static void test_halt_sends_zero_once_and_only_if_it_commanded(void)
+static void test_halt_commands_zero_once_and_only_after_a_command(void)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
     int count = -1;
@@ -447,22 +447,22 @@ static void clock_is_set(int32_t by_us)
     go(200);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
     TEST_ASSERT_EQUAL_UINT32(600, node.counters.ticks);
-    uint32_t dropped = node.counters.samples_dropped; /* gated, until navigation has settled */
+    uint32_t dropped = node.counters.samples_dropped; /* gated until converged */
     go(200);
     TEST_ASSERT_EQUAL_UINT32(dropped, node.counters.samples_dropped);
 }
 
-static void test_a_clock_set_back_is_counted_and_the_node_goes_on(void)
+static void test_a_clock_set_back_is_counted_and_the_node_continues(void)
 {
     clock_is_set(-5000000);
 }
 
-static void test_a_clock_set_ahead_is_counted_and_the_node_goes_on(void)
+static void test_a_clock_set_ahead_is_counted_and_the_node_continues(void)
 {
     clock_is_set(5000000);
 }
 
-static void test_the_clock_wraps_without_notice(void)
+static void test_a_wrap_of_the_clock_has_no_effect(void)
 {
     begin(true);
     run.jump_at = 1;
@@ -494,8 +494,8 @@ static auvid_can_frame_t tick_frame(auvid_can_sender_t *from, uint32_t sequence)
     return frame;
 }
 
-/* 2 overtakes 1, and comes again behind it, where its counter is in order. */
-static void test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_back(void)
+/* 2 overtakes 1 and is repeated after it, where its counter is in sequence. */
+static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
 {
     auvid_can_sender_t from;
     begin(false);
@@ -511,7 +511,7 @@ static void test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_bac
     TEST_ASSERT_EQUAL_UINT32(2, node.counters.frames);
 }
 
-static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
+static void test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks(void)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES], late;
     bool has = false;
@@ -525,7 +525,7 @@ static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
                 (void)give(&frame[i]);
                 continue;
             }
-            if (has) { /* that of the tick before: it is 20 ms old by now */
+            if (has) { /* from the previous tick: it is 20 ms old now */
                 (void)give(&late);
             }
             auvid_can_sender_t sender;
@@ -542,7 +542,7 @@ static void test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
 }
 
-static void test_its_own_clock_sends_the_tick_and_refuses_to_go_back(void)
+static void test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back(void)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
     auvid_can_message_t m;
@@ -617,46 +617,47 @@ SAME(AUVID_CAN_NOTE_NOT_CONVERGED, AUVID_NOTE_NOT_CONVERGED);
 SAME(AUVID_CAN_NOTE_DISCREDITED, AUVID_NOTE_DISCREDITED);
 SAME(AUVID_CAN_NOTE_THRUST_SCALE, AUVID_NOTE_THRUST_SCALE);
 
-static void test_the_configuration_may_be_filled_in_the_node_itself(void)
+static void test_the_configuration_may_be_inside_the_node(void)
 {
-    static auvid_node_t apart, within;
+    static auvid_node_t separate, inside;
     static auvid_identifier_config_t cfg;
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
-    memset(&apart, 0xA5, sizeof apart);
-    memset(&within, 0x5A, sizeof within);
+    memset(&separate, 0xA5, sizeof separate);
+    memset(&inside, 0x5A, sizeof inside);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.allocation = auvid_allocation_girona500;
-    within.id.config = cfg;
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&apart, &bus, &cfg));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&within, &bus, &within.id.config));
-    TEST_ASSERT_EQUAL_MEMORY(&apart, &within, offsetof(auvid_identifier_t, config));
-    TEST_ASSERT_EQUAL_MEMORY(&apart.cfg, &within.cfg, sizeof apart - offsetof(auvid_node_t, cfg));
+    inside.id.config = cfg;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&separate, &bus, &cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&inside, &bus, &inside.id.config));
+    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, config));
+    TEST_ASSERT_EQUAL_MEMORY(&separate.cfg, &inside.cfg,
+                             sizeof separate - offsetof(auvid_node_t, cfg));
 }
 
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_frames_identify_as_well_as_no_frames);
-    RUN_TEST(test_the_same_frames_again_give_the_same_bits);
-    RUN_TEST(test_arrival_times_change_no_bit);
+    RUN_TEST(test_identification_through_frames_is_as_accurate_as_without);
+    RUN_TEST(test_the_same_frames_give_the_same_bits);
+    RUN_TEST(test_times_of_arrival_change_no_bit);
     RUN_TEST(test_a_passive_node_never_commands);
-    RUN_TEST(test_no_command_before_the_order_to_arm);
-    RUN_TEST(test_an_order_to_arm_without_sensors_is_refused_and_forgotten);
-    RUN_TEST(test_abort_gives_one_command_of_zero_and_then_none);
+    RUN_TEST(test_there_is_no_command_before_the_arm_frame);
+    RUN_TEST(test_an_arm_frame_without_sensors_is_refused_and_discarded);
+    RUN_TEST(test_an_abort_gives_one_command_of_zero_and_then_none);
     RUN_TEST(test_an_abort_with_a_repeated_counter_is_obeyed);
-    RUN_TEST(test_stop_fades_the_excitation);
-    RUN_TEST(test_a_breach_of_the_guard_commands_zero);
-    RUN_TEST(test_halt_sends_zero_once_and_only_if_it_commanded);
+    RUN_TEST(test_a_stop_fades_the_excitation_out);
+    RUN_TEST(test_a_trip_of_the_guard_commands_zero);
+    RUN_TEST(test_halt_commands_zero_once_and_only_after_a_command);
     RUN_TEST(test_foreign_repeated_and_bad_frames_are_refused_and_counted);
     RUN_TEST(test_null_and_not_initialised_are_refused);
-    RUN_TEST(test_a_clock_set_back_is_counted_and_the_node_goes_on);
-    RUN_TEST(test_a_clock_set_ahead_is_counted_and_the_node_goes_on);
-    RUN_TEST(test_the_clock_wraps_without_notice);
+    RUN_TEST(test_a_clock_set_back_is_counted_and_the_node_continues);
+    RUN_TEST(test_a_clock_set_ahead_is_counted_and_the_node_continues);
+    RUN_TEST(test_a_wrap_of_the_clock_has_no_effect);
     RUN_TEST(test_a_lost_tick_is_counted);
-    RUN_TEST(test_a_tick_that_comes_late_or_again_is_refused_and_no_clock_set_back);
-    RUN_TEST(test_halves_of_an_imu_sample_may_come_in_neighbouring_ticks);
-    RUN_TEST(test_its_own_clock_sends_the_tick_and_refuses_to_go_back);
-    RUN_TEST(test_the_configuration_may_be_filled_in_the_node_itself);
+    RUN_TEST(test_a_late_or_repeated_tick_is_refused_and_no_clock_step);
+    RUN_TEST(test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks);
+    RUN_TEST(test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back);
+    RUN_TEST(test_the_configuration_may_be_inside_the_node);
     return UNITY_END();
 }

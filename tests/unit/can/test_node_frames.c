@@ -1,5 +1,5 @@
 /*
- * What becomes of each frame in the node, and what it tells in its own.
+ * The effect of each received frame on the node, and the contents of its own frames.
  */
 #include <math.h>
 #include <string.h>
@@ -69,7 +69,7 @@ static void step_at(uint32_t sequence)
     step_at_us(sequence, 20000 * sequence);
 }
 
-/* A tick of the vehicle, without the messages of these bits. */
+/* A tick of the vehicle without the messages of this bit mask. */
 static void tick_without(uint32_t kinds)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
@@ -117,7 +117,7 @@ static void give_imu(uint32_t attitude_age, uint32_t rates_age)
     }
 }
 
-/* Time of the last attitude and rates that entered navigation; 0: none. */
+/* Time of the last attitude and rates used by navigation; 0: none. */
 static uint64_t imu_us(void)
 {
     auvid_nav_state_t state;
@@ -132,7 +132,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     begin();
     for (int water = 0; water < 2; ++water) {
         m = (auvid_can_message_t){.kind = water ? AUVID_CAN_DVL_WATER : AUVID_CAN_DVL_BOTTOM};
-        auvid_can_dvl_bottom_t *dvl = &m.as.dvl_bottom; /* dvl_water is laid out alike */
+        auvid_can_dvl_bottom_t *dvl = &m.as.dvl_bottom; /* dvl_water has the same layout */
         dvl->u = 1;
         dvl->v = 2;
         dvl->w = 3;
@@ -155,7 +155,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     TEST_ASSERT_TRUE(node.in.gps.present);
     TEST_ASSERT_TRUE(node.in.gps.x_m == 4);
     TEST_ASSERT_TRUE(node.in.gps.y_m == 5);
-    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* until the tick, its age */
+    TEST_ASSERT_EQUAL_UINT64(8000, node.in.gps.t_us); /* its age until the tick */
     m = (auvid_can_message_t){.kind = AUVID_CAN_DEPTH};
     m.as.depth.depth = 6;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
@@ -163,7 +163,7 @@ static void test_every_value_of_a_sensor_frame_arrives(void)
     TEST_ASSERT_TRUE(node.in.depth.depth_m == 6);
 }
 
-static void test_attitude_and_rates_arrive_as_they_are(void)
+static void test_attitude_and_rates_arrive_unchanged(void)
 {
     auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
     auvid_nav_state_t s;
@@ -187,7 +187,7 @@ static void test_attitude_and_rates_arrive_as_they_are(void)
     }
 }
 
-/* Both halves of an IMU sample, one of them without an axis or its age: attitude for 0-3, rates for
+/* Both halves of an IMU sample, one of them with a missing axis or age: attitude for 0-3, rates for
  * 4-7. */
 static void give_wrong_imu(int wrong)
 {
@@ -195,14 +195,14 @@ static void give_wrong_imu(int wrong)
     auvid_can_message_t *m = wrong < 4 ? &a : &r;
     m->absent = wrong % 4 < 3 ? 1u << wrong % 4 : 0u;
     if (wrong % 4 == 3) {
-        m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates is laid out alike */
+        m->as.imu_attitude.age = AUVID_CAN_AGE_UNKNOWN; /* imu_rates has the same layout */
     }
     TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
     TEST_ASSERT_EQUAL(AUVID_OK, give(&r));
 }
 
-/* Half a sample is none. */
-static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
+/* Half a sample is no sample. */
+static void test_an_imu_sample_with_a_missing_axis_or_age_is_ignored(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
         begin();
@@ -213,7 +213,7 @@ static void test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out(void)
     }
 }
 
-static void test_a_sample_is_as_old_as_its_frame_says(void)
+static void test_the_age_of_a_sample_is_that_of_its_frame(void)
 {
     auvid_can_message_t m;
     begin();
@@ -239,7 +239,7 @@ static void test_a_sample_is_as_old_as_its_frame_says(void)
     TEST_ASSERT_TRUE(node.id.altitude_m == 12);
 }
 
-static void test_samples_without_an_age_or_a_value_are_left_out(void)
+static void test_samples_without_an_age_or_a_value_are_ignored(void)
 {
     static const auvid_can_kind_t kinds[] = {AUVID_CAN_DVL_BOTTOM, AUVID_CAN_DVL_WATER,
                                              AUVID_CAN_DVL_ALTITUDE, AUVID_CAN_DEPTH,
@@ -252,7 +252,7 @@ static void test_samples_without_an_age_or_a_value_are_left_out(void)
         } else if (kinds[i] == AUVID_CAN_GPS) {
             m.as.gps.age = AUVID_CAN_AGE_UNKNOWN;
         } else {
-            m.as.depth.age = AUVID_CAN_AGE_UNKNOWN; /* dvl_altitude is laid out alike */
+            m.as.depth.age = AUVID_CAN_AGE_UNKNOWN; /* dvl_altitude has the same layout */
         }
         TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
         TEST_ASSERT_EQUAL_UINT32(i + 1, node.counters.unknown_age);
@@ -265,7 +265,7 @@ static void test_samples_without_an_age_or_a_value_are_left_out(void)
                       node.in.altitude.present || node.in.depth.present);
 }
 
-static void test_an_age_beyond_the_tick_is_the_beginning_of_time(void)
+static void test_an_age_beyond_the_time_of_the_tick_gives_time_0(void)
 {
     begin();
     give_imu(1000, 1000);
@@ -276,14 +276,14 @@ static void test_an_age_beyond_the_tick_is_the_beginning_of_time(void)
 
 static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
 {
-    for (uint32_t apart = 29; apart <= 31; ++apart) {
+    for (uint32_t gap_ms = 29; gap_ms <= 31; ++gap_ms) {
         for (int attitude_older = 0; attitude_older < 2; ++attitude_older) {
             begin();
             step_at(100);
-            give_imu(attitude_older ? apart : 0, attitude_older ? 0 : apart);
+            give_imu(attitude_older ? gap_ms : 0, attitude_older ? 0 : gap_ms);
             step_at(101);
-            TEST_ASSERT_EQUAL_UINT64(apart <= 30 ? 2020000 : 0, imu_us());
-            if (apart > 30) { /* the later half waits for its other one */
+            TEST_ASSERT_EQUAL_UINT64(gap_ms <= 30 ? 2020000 : 0, imu_us());
+            if (gap_ms > 30) { /* the later half waits for its other half */
                 give_imu(attitude_older ? 10 : AUVID_CAN_AGE_UNKNOWN,
                          attitude_older ? AUVID_CAN_AGE_UNKNOWN : 10);
                 step_at(102);
@@ -293,7 +293,7 @@ static void test_halves_of_an_imu_sample_are_up_to_30_ms_apart(void)
     }
 }
 
-static void test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond(void)
+static void test_halves_of_different_ticks_are_at_most_30000_us_apart(void)
 {
     for (uint32_t more = 0; more < 2; ++more) {
         begin();
@@ -336,20 +336,20 @@ static void test_a_half_that_waits_keeps_its_values(void)
     TEST_ASSERT_TRUE(fabs((double)s.attitude[0] - 0.25) < 0.00021);
 }
 
-static void test_the_earlier_half_of_two_too_far_apart_is_dropped(void)
+static void test_the_earlier_of_two_halves_too_far_apart_is_dropped(void)
 {
     for (int half = 0; half < 2; ++half) {
         begin();
         give_imu(half == 0 ? 50 : 0, half == 1 ? 50 : 0);
         step_at(100);
         give_imu(half == 1 ? 70 : AUVID_CAN_AGE_UNKNOWN, half == 0 ? 70 : AUVID_CAN_AGE_UNKNOWN);
-        step_at(101); /* of the same time as the one that was dropped */
+        step_at(101); /* at the same time as the dropped one */
         TEST_ASSERT_EQUAL_UINT64(0, imu_us());
     }
 }
 
-/* A half that lacks something would end the wait of the other one. */
-static void test_a_half_without_an_axis_or_its_age_counts_as_not_sent(void)
+/* An incomplete half must not end the wait of the other one. */
+static void test_a_half_with_a_missing_axis_or_age_counts_as_not_sent(void)
 {
     for (int wrong = 0; wrong < 8; ++wrong) {
         begin();
@@ -367,24 +367,24 @@ static void test_an_imu_sample_that_navigation_refuses_is_counted(void)
     give_imu(0, 0);
     step_at(100);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
-    give_imu(100, 100); /* before the last one */
+    give_imu(100, 100); /* earlier than the last one */
     step_at(101);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
 }
 
-static void test_an_imu_sample_enters_once(void)
+static void test_an_imu_sample_is_used_once(void)
 {
     begin();
     go(NAVIGATED);
     uint64_t last = imu_us();
     for (int k = 0; k < 5; ++k) {
-        tick_without(~(1u << AUVID_CAN_TICK)); /* others would be ahead of it */
+        tick_without(~(1u << AUVID_CAN_TICK)); /* others would be later than it */
     }
     TEST_ASSERT_EQUAL_UINT64(last, imu_us());
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
 }
 
-static void test_lost_ticks_are_counted_each(void)
+static void test_each_lost_tick_is_counted(void)
 {
     begin();
     step_at(5);
@@ -394,8 +394,8 @@ static void test_lost_ticks_are_counted_each(void)
     TEST_ASSERT_EQUAL_UINT32(3, node.counters.ticks_missed);
 }
 
-/* Up to a second ahead is a pause, and more a clock that was set. */
-static void test_a_clock_more_than_a_second_ahead_was_set(void)
+/* Up to a second ahead is a pause; more is a clock step. */
+static void test_a_clock_that_advances_more_than_a_second_was_set(void)
 {
     for (uint32_t more = 0; more < 2; ++more) {
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
@@ -406,7 +406,7 @@ static void test_a_clock_more_than_a_second_ahead_was_set(void)
         TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
         TEST_ASSERT_EQUAL_UINT32(more, node.counters.clock_steps);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
-        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* it goes on a second later */
+        TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us); /* time continues a second later */
     }
 }
 
@@ -419,7 +419,7 @@ static void test_a_clock_that_stands_still_was_set(void)
     TEST_ASSERT_EQUAL_UINT64(6000000, node.t_us);
 }
 
-static void test_ticks_are_numbered_from_anywhere_and_begin_again_at_0(void)
+static void test_ticks_may_start_at_any_number_and_wrap_to_0(void)
 {
     begin();
     for (uint32_t k = 0; k < 4; ++k) {
@@ -430,7 +430,7 @@ static void test_ticks_are_numbered_from_anywhere_and_begin_again_at_0(void)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
 }
 
-static void test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock(void)
+static void test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts(void)
 {
     for (uint32_t behind = 0; behind < 20; ++behind) {
         begin();
@@ -442,9 +442,9 @@ static void test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_ne
     }
 }
 
-/* ---- its own clock ---- */
+/* ---- the node's own clock ---- */
 
-static void test_its_own_clock_may_begin_at_0(void)
+static void test_a_node_s_own_clock_may_start_at_0(void)
 {
     uint64_t t_us = 0;
     begin();
@@ -453,7 +453,7 @@ static void test_its_own_clock_may_begin_at_0(void)
     TEST_ASSERT_EQUAL(AUVID_CAN_TICK, auvid_can_kind(NULL, sent[0].id));
 }
 
-static void test_the_tick_that_it_gave_last_is_no_new_one(void)
+static void test_a_node_s_own_tick_at_the_same_time_is_refused(void)
 {
     uint64_t t_us = 1000000;
     begin();
@@ -461,9 +461,9 @@ static void test_the_tick_that_it_gave_last_is_no_new_one(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, NULL, sent, &count));
 }
 
-/* ---- frames that are not taken ---- */
+/* ---- refused and unused frames ---- */
 
-static void test_what_a_node_does_not_listen_to_is_unused(void)
+static void test_a_message_that_a_node_does_not_receive_is_unused(void)
 {
     begin();
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
@@ -493,7 +493,7 @@ static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(vo
     }
 }
 
-/* Nor is it taken for the echo of a command, none of which has been sent. */
+/* It is no echo of a command either: none has been sent. */
 static void test_a_sensor_frame_of_zeros_is_refused(void)
 {
     for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
@@ -542,7 +542,7 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, sent, &count));
 }
 
-static void test_one_to_eight_thrusters_are_taken(void)
+static void test_one_to_eight_thrusters_are_accepted(void)
 {
     identifier.excitation.segments = 0;
     for (uint8_t thrusters = 0; thrusters <= AUVID_CAN_THRUSTERS + 1; ++thrusters) {
@@ -571,7 +571,7 @@ static void test_null_and_overlapping_identifiers_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
 }
 
-static void test_after_init_no_sample_has_come(void)
+static void test_after_init_there_is_no_sample(void)
 {
     static const auvid_input_t none;
     memset(&node, 0xFF, sizeof node);
@@ -601,7 +601,7 @@ static void test_an_altitude_frame_below_the_limit_ends_the_excitation(void)
     TEST_ASSERT_EQUAL(2, count);
 }
 
-static void test_altitude_frames_without_altitude_are_an_altitude_lost(void)
+static void test_altitude_frames_without_a_value_are_a_lost_altitude(void)
 {
     excite();
     for (int k = 0; k < 60; ++k) {
@@ -645,14 +645,14 @@ static void give_feedback(auvid_real_t first)
     TEST_ASSERT_EQUAL(AUVID_OK, give(&b));
 }
 
-static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
+static void test_thrust_feedback_is_recorded_from_the_previous_tick_on(void)
 {
     static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
     identifier.listener = &listener;
     begin();
     give_feedback(AUVID_C(0.25));
-    step_at(1); /* since when it acts is not known */
+    step_at(1); /* the start of its action is unknown */
     TEST_ASSERT_EQUAL(0, heard.calls);
     TEST_ASSERT_FALSE(node.id.applied.known);
     give_feedback(AUVID_C(0.25));
@@ -664,11 +664,11 @@ static void test_thrust_fed_back_is_recorded_from_the_tick_before_on(void)
         TEST_ASSERT_TRUE(heard.command[i] == AUVID_C(0.25) + AUVID_C(0.125) * (auvid_real_t)i);
     }
     TEST_ASSERT_TRUE(heard.command[4] == AUVID_C(-0.5));
-    step_at(3); /* nothing was fed back */
+    step_at(3); /* no feedback */
     TEST_ASSERT_EQUAL(1, heard.calls);
 }
 
-static void test_a_thruster_without_feedback_gives_nothing(void)
+static void test_a_thruster_without_feedback_has_zero_thrust(void)
 {
     static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
@@ -698,8 +698,8 @@ static void test_thrust_that_the_recorder_refuses_is_counted(void)
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
 }
 
-/* A thruster gives less backwards: the part commanded is that of its own direction. */
-static void test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction(void)
+/* A thruster has less force backwards: the commanded fraction refers to its direction. */
+static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
 {
     bool forward = false, backward = false;
     for (int i = 0; i < identifier.allocation.thrusters; ++i) {
@@ -727,7 +727,7 @@ static void test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direct
             auvid_can_message_t c;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[i / 4], &c));
             const auvid_thruster_t *t = &identifier.allocation.thruster[i];
-            auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b is laid out alike */
+            auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b has the same layout */
             auvid_real_t most = part > 0 ? t->max_N : -t->min_N;
             TEST_ASSERT_TRUE(fabs((double)(part * most - out.thruster_N[i])) <=
                              0.51 * (double)most / 4000.0);
@@ -743,10 +743,10 @@ static auvid_real_t commanded(int thruster)
     auvid_can_message_t m;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[thruster / 4], &m));
     TEST_ASSERT_EQUAL_HEX32(0, m.absent);
-    return m.as.thruster_command_a.thrust[thruster % 4]; /* b is laid out alike */
+    return m.as.thruster_command_a.thrust[thruster % 4]; /* b has the same layout */
 }
 
-static void test_each_half_that_has_thrusters_is_commanded_in_every_tick(void)
+static void test_each_half_with_thrusters_is_commanded_in_every_tick(void)
 {
     static const auvid_real_t ahead[AUVID_DOF_COUNT] = {20};
     (void)auvid_excitation_plan(&identifier.excitation, ahead, 30, 2, 1);
@@ -770,8 +770,8 @@ static void test_each_half_that_has_thrusters_is_commanded_in_every_tick(void)
     }
 }
 
-/* allocation.h: no force either way is a thruster out of order. */
-static void test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part(void)
+/* allocation.h: a thruster without force in either direction has failed. */
+static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {AUVID_C(0.5)};
     bool driven = false;
@@ -791,7 +791,7 @@ static void test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its
     TEST_ASSERT_TRUE(driven);
 }
 
-/* The application may arm the identifier; thrusters it may command by itself. */
+/* The application may arm the identifier and command the thrusters itself. */
 static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
 {
     config.excite = false;
@@ -808,7 +808,7 @@ static void test_a_passive_node_commands_nothing_though_its_identifier_excites(v
 
 /* ---- reports ---- */
 
-/* The next message of this kind within a round of reports. */
+/* The next message of this kind within a cycle of reports. */
 static auvid_can_message_t reported(auvid_can_kind_t kind)
 {
     auvid_can_message_t m;
@@ -830,13 +830,13 @@ static void near(auvid_real_t expected, auvid_real_t got, double step)
     TEST_ASSERT_TRUE(fabs((double)(expected - got)) <= 0.51 * step);
 }
 
-static void test_navigation_is_reported_as_it_is(void)
+static void test_the_reported_navigation_is_that_of_the_filter(void)
 {
     auvid_nav_state_t s;
     excite();
     go(1000);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &s));
-    for (int i = 0; i < 3; ++i) { /* else nothing could be exchanged unseen */
+    for (int i = 0; i < 3; ++i) { /* all different, so that an exchange is detected */
         TEST_ASSERT_TRUE(fabs((double)s.velocity[i]) > 0.004);
         TEST_ASSERT_TRUE(fabs((double)s.position[i]) > 0.04);
     }
@@ -852,8 +852,8 @@ static void test_navigation_is_reported_as_it_is(void)
     near(s.velocity[2], m.as.nav_velocity.w, 0.001);
 }
 
-/* lib/can/auvid.dbc: identified, driven, capped, identifiable, implausible, foretold. */
-static void test_each_flag_of_an_estimate_is_its_own_bit(void)
+/* lib/can/auvid.dbc: identified, excited, not converged, identifiable, implausible, accepted. */
+static void test_each_flag_of_an_estimate_is_one_bit(void)
 {
     auvid_estimate_t *e = &node.id.estimate;
     for (unsigned k = 0; k < 6u * auvid_girona500.parameters; ++k) {
@@ -874,7 +874,7 @@ static void test_each_flag_of_an_estimate_is_its_own_bit(void)
     }
 }
 
-/* An estimate that knows drag in surge, sway, heave and yaw; yaw was turned to starboard only. */
+/* An estimate with drag in surge, sway, heave and yaw; the yaw rate was positive only. */
 static void know_drag(void)
 {
     const auvid_parameter_t *p = auvid_girona500.parameter;
@@ -896,21 +896,21 @@ static void know_drag(void)
     }
 }
 
-/* The pair of frames that is reported next. */
+/* The next pair of drag frames. */
 static void next_drag(auvid_can_drag_t *force, auvid_can_drag_half_width_t *half,
                       uint32_t absent[2])
 {
     auvid_can_message_t m = reported(AUVID_CAN_DRAG);
     *force = m.as.drag;
     absent[0] = m.absent;
-    TEST_ASSERT_EQUAL(2, count); /* its half-width is in the same tick */
+    TEST_ASSERT_EQUAL(2, count); /* the half-width is in the same tick */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[1], &m));
     TEST_ASSERT_EQUAL(AUVID_CAN_DRAG_HALF_WIDTH, m.kind);
     *half = m.as.drag_half_width;
     absent[1] = m.absent;
 }
 
-static void test_drag_forces_take_turns_and_are_those_of_the_estimate(void)
+static void test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate(void)
 {
     static const auvid_dof_t dofs[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
     static const double parts[] = {0.3, 0.6, 1.0};
@@ -927,7 +927,7 @@ static void test_drag_forces_take_turns_and_are_those_of_the_estimate(void)
         TEST_ASSERT_EQUAL_UINT32(6 * dof + 3 * backward + part, force.point);
         TEST_ASSERT_EQUAL_UINT32(force.point, half.point);
         TEST_ASSERT_EQUAL_UINT32(130 % 128, force.number);
-        if (dof == AUVID_YAW && backward) { /* never seen */
+        if (dof == AUVID_YAW && backward) { /* not in the data */
             TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_NO_FORCE, absent[0]);
             TEST_ASSERT_EQUAL_HEX32(AUVID_CAN_DRAG_HALF_WIDTH_NO_SPEED |
                                         AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH,
@@ -966,46 +966,46 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_value_of_a_sensor_frame_arrives);
-    RUN_TEST(test_attitude_and_rates_arrive_as_they_are);
-    RUN_TEST(test_an_imu_sample_with_an_axis_missing_or_no_age_is_left_out);
-    RUN_TEST(test_a_sample_is_as_old_as_its_frame_says);
-    RUN_TEST(test_samples_without_an_age_or_a_value_are_left_out);
-    RUN_TEST(test_an_age_beyond_the_tick_is_the_beginning_of_time);
+    RUN_TEST(test_attitude_and_rates_arrive_unchanged);
+    RUN_TEST(test_an_imu_sample_with_a_missing_axis_or_age_is_ignored);
+    RUN_TEST(test_the_age_of_a_sample_is_that_of_its_frame);
+    RUN_TEST(test_samples_without_an_age_or_a_value_are_ignored);
+    RUN_TEST(test_an_age_beyond_the_time_of_the_tick_gives_time_0);
     RUN_TEST(test_halves_of_an_imu_sample_are_up_to_30_ms_apart);
-    RUN_TEST(test_halves_of_different_ticks_are_up_to_30_ms_apart_to_the_microsecond);
+    RUN_TEST(test_halves_of_different_ticks_are_at_most_30000_us_apart);
     RUN_TEST(test_one_half_of_an_imu_sample_waits_for_the_other);
     RUN_TEST(test_a_half_that_waits_keeps_its_values);
-    RUN_TEST(test_the_earlier_half_of_two_too_far_apart_is_dropped);
-    RUN_TEST(test_a_half_without_an_axis_or_its_age_counts_as_not_sent);
+    RUN_TEST(test_the_earlier_of_two_halves_too_far_apart_is_dropped);
+    RUN_TEST(test_a_half_with_a_missing_axis_or_age_counts_as_not_sent);
     RUN_TEST(test_an_imu_sample_that_navigation_refuses_is_counted);
-    RUN_TEST(test_an_imu_sample_enters_once);
-    RUN_TEST(test_lost_ticks_are_counted_each);
-    RUN_TEST(test_a_clock_more_than_a_second_ahead_was_set);
+    RUN_TEST(test_an_imu_sample_is_used_once);
+    RUN_TEST(test_each_lost_tick_is_counted);
+    RUN_TEST(test_a_clock_that_advances_more_than_a_second_was_set);
     RUN_TEST(test_a_clock_that_stands_still_was_set);
-    RUN_TEST(test_ticks_are_numbered_from_anywhere_and_begin_again_at_0);
-    RUN_TEST(test_a_number_up_to_15_behind_is_late_and_one_further_behind_of_a_new_clock);
-    RUN_TEST(test_its_own_clock_may_begin_at_0);
-    RUN_TEST(test_the_tick_that_it_gave_last_is_no_new_one);
-    RUN_TEST(test_what_a_node_does_not_listen_to_is_unused);
+    RUN_TEST(test_ticks_may_start_at_any_number_and_wrap_to_0);
+    RUN_TEST(test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts);
+    RUN_TEST(test_a_node_s_own_clock_may_start_at_0);
+    RUN_TEST(test_a_node_s_own_tick_at_the_same_time_is_refused);
+    RUN_TEST(test_a_message_that_a_node_does_not_receive_is_unused);
     RUN_TEST(test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused);
     RUN_TEST(test_a_sensor_frame_of_zeros_is_refused);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
-    RUN_TEST(test_one_to_eight_thrusters_are_taken);
+    RUN_TEST(test_one_to_eight_thrusters_are_accepted);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
-    RUN_TEST(test_after_init_no_sample_has_come);
+    RUN_TEST(test_after_init_there_is_no_sample);
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
-    RUN_TEST(test_altitude_frames_without_altitude_are_an_altitude_lost);
-    RUN_TEST(test_thrust_fed_back_is_recorded_from_the_tick_before_on);
-    RUN_TEST(test_a_thruster_without_feedback_gives_nothing);
+    RUN_TEST(test_altitude_frames_without_a_value_are_a_lost_altitude);
+    RUN_TEST(test_thrust_feedback_is_recorded_from_the_previous_tick_on);
+    RUN_TEST(test_a_thruster_without_feedback_has_zero_thrust);
     RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
-    RUN_TEST(test_a_command_is_the_part_of_what_the_thruster_gives_in_that_direction);
-    RUN_TEST(test_each_half_that_has_thrusters_is_commanded_in_every_tick);
-    RUN_TEST(test_a_thruster_out_of_order_is_commanded_nothing_and_a_weak_one_its_part);
+    RUN_TEST(test_a_command_is_a_fraction_of_the_maximum_in_its_direction);
+    RUN_TEST(test_each_half_with_thrusters_is_commanded_in_every_tick);
+    RUN_TEST(test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction);
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
-    RUN_TEST(test_navigation_is_reported_as_it_is);
-    RUN_TEST(test_each_flag_of_an_estimate_is_its_own_bit);
-    RUN_TEST(test_drag_forces_take_turns_and_are_those_of_the_estimate);
+    RUN_TEST(test_the_reported_navigation_is_that_of_the_filter);
+    RUN_TEST(test_each_flag_of_an_estimate_is_one_bit);
+    RUN_TEST(test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate);
     RUN_TEST(test_before_the_first_estimate_no_drag_force_is_reported);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * What the node is ordered, by whom and with which counter; who else commands the thrusters; and
- * its own clock. Frames in plain arrays, from a moment that is reached once and copied.
+ * Arm, disarm, stop and abort with any counter; commands of other nodes; the node's own clock.
+ * Frames in plain arrays. Each test starts from a copy of a prepared state.
  */
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 
 enum { NAVIGATED = 100, EXCITED = 150 };
 
-/* A node with its vehicle, and what the node has commanded in the last tick. */
+/* A node with its vehicle, and its commands of the last tick. */
 typedef struct {
     auvid_node_t node;
     vehicle_sim_t craft;
@@ -21,7 +21,7 @@ typedef struct {
     double largest; /* thrust */
 } pair_t;
 
-static pair_t idle, exciting; /* reached once */
+static pair_t idle, exciting; /* prepared once */
 static pair_t now, other;
 static auvid_can_sender_t operator;
 
@@ -43,14 +43,14 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&p->node, &config, &identifier));
 }
 
-/* What was commanded goes to the vehicle. */
+/* Passes the commands to the vehicle. */
 static void deliver(pair_t *p)
 {
     p->largest = 0.0;
     for (int i = 0; i < p->count; ++i) {
         auvid_can_message_t m;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &p->sent[i], &m));
-        for (int k = 0; k < 4; ++k) { /* b is laid out alike */
+        for (int k = 0; k < 4; ++k) { /* b has the same layout */
             p->largest = fmax(p->largest, fabs((double)m.as.thruster_command_a.thrust[k]));
         }
         vehicle_sim_take(&p->craft, &p->sent[i]);
@@ -76,7 +76,7 @@ static void go(pair_t *p, int ticks)
     }
 }
 
-/* A frame of the operator; the next one's counter follows. */
+/* A frame of the operator; its counter increases. */
 static auvid_can_frame_t order_frame(uint32_t action, unsigned counter)
 {
     auvid_can_frame_t frame;
@@ -131,19 +131,19 @@ void tearDown(void)
 {
 }
 
-/* ---- disarm and stop, whatever their counter says ---- */
+/* ---- disarm and stop with any counter ---- */
 
-/* The last authentic arm frame that the node has taken had this counter. */
+/* Counter of the last authentic arm frame taken by the node. */
 #define LAST 9u
 
 typedef enum { IDLE, PENDING, EXCITING, STOPPING, ABORTED, AFTER_BREACH, SITUATIONS } situation_t;
 
-/* Arm frames up to the counter LAST, and then the situation. */
+/* Sends arm frames up to the counter LAST, then prepares the situation. */
 static void reach(situation_t situation)
 {
     now = situation <= PENDING ? idle : exciting;
     TEST_ASSERT_NOT_EQUAL(AUVID_UNUSED, order(&now, AUVID_CAN_ACTION_ARM, LAST - 1u));
-    now.node.arming = false; /* that order is not the situation's */
+    now.node.arming = false; /* the situation has no pending arm frame */
     if (situation == PENDING) {
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, LAST));
         return;
@@ -167,7 +167,7 @@ static void reach(situation_t situation)
 }
 
 typedef struct {
-    auvid_guard_state_t state; /* after the order and a tick */
+    auvid_guard_state_t state; /* after the frame and a tick */
     auvid_guard_cause_t cause;
 } wanted_t;
 
@@ -190,7 +190,7 @@ static void check_order(situation_t situation, uint32_t action, unsigned step, i
                    (int)situation, (unsigned)action, step, copies);
     reach(situation);
     uint32_t refused = now.node.counters.refused;
-    for (int k = 0; k < copies; ++k) { /* a copy is one that is repeated */
+    for (int k = 0; k < copies; ++k) { /* a copy is a repeated frame */
         TEST_ASSERT_EQUAL_MESSAGE(AUVID_OK, order(&now, action, LAST + step), where);
     }
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(refused, now.node.counters.refused, where);
@@ -212,7 +212,7 @@ static void check_order(situation_t situation, uint32_t action, unsigned step, i
     TEST_ASSERT_EQUAL_MESSAGE(0, now.count, where);
 }
 
-static void test_disarm_and_stop_take_thrust_away_whatever_their_counter_says(void)
+static void test_disarm_and_stop_take_thrust_away_with_any_counter(void)
 {
     for (int situation = IDLE; situation < SITUATIONS; ++situation) {
         for (unsigned step = 0; step < 16; ++step) {
@@ -224,13 +224,13 @@ static void test_disarm_and_stop_take_thrust_away_whatever_their_counter_says(vo
     }
 }
 
-/* Its second frame follows the first one, whatever the first one's counter was. */
-static void test_a_restarted_console_clears_the_abort_with_its_second_frame_at_the_latest(void)
+/* Its second frame follows the first one, with any counter of the first one. */
+static void test_a_restarted_console_clears_the_abort_within_two_frames(void)
 {
     for (unsigned last = 0; last < 16; ++last) {
         now = exciting;
         abort_run(&now);
-        (void)order(&now, AUVID_CAN_ACTION_STOP, last); /* of the console before */
+        (void)order(&now, AUVID_CAN_ACTION_STOP, last); /* from the previous console */
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_DISARM, 0));
         bool fresh = last >= 13;
         TEST_ASSERT_EQUAL(fresh ? AUVID_GUARD_DISARMED : AUVID_GUARD_ABORTED, state(&now));
@@ -242,8 +242,8 @@ static void test_a_restarted_console_clears_the_abort_with_its_second_frame_at_t
     }
 }
 
-/* Sent before the order to arm, and overtaken by it. */
-static void test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_tick(void)
+/* Sent before the arm frame and overtaken by it. */
+static void test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame(void)
 {
     for (uint32_t action = 0; action <= 2; action += 2) {
         now = idle;
@@ -256,7 +256,7 @@ static void test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_ti
     }
 }
 
-static void test_an_abort_cancels_an_order_to_arm_of_the_same_tick(void)
+static void test_an_abort_cancels_a_pending_arm_frame(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -266,7 +266,7 @@ static void test_an_abort_cancels_an_order_to_arm_of_the_same_tick(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
 }
 
-static void test_only_an_order_to_arm_needs_a_good_counter(void)
+static void test_only_the_arm_action_needs_a_good_counter(void)
 {
     for (unsigned step = 0; step < 16; ++step) {
         bool fresh = step >= 1 && step <= AUVID_CAN_LARGEST_STEP;
@@ -276,14 +276,14 @@ static void test_only_an_order_to_arm_needs_a_good_counter(void)
         tick(&now);
         TEST_ASSERT_EQUAL(fresh ? AUVID_GUARD_EXCITING : AUVID_GUARD_DISARMED, state(&now));
     }
-    now = idle; /* a copy does not undo the order */
+    now = idle; /* a copy does not cancel the arm frame */
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 3));
     TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, order(&now, AUVID_CAN_ACTION_ARM, 3));
     tick(&now);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
 }
 
-static void test_a_disarm_that_is_not_authentic_does_nothing(void)
+static void test_a_disarm_that_is_not_authentic_has_no_effect(void)
 {
     auvid_can_frame_t frame = order_frame(AUVID_CAN_ACTION_DISARM, 1);
     for (int i = 0; i < AUVID_CAN_BYTES; ++i) {
@@ -298,7 +298,7 @@ static void test_a_disarm_that_is_not_authentic_does_nothing(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
 }
 
-/* Ticks until the guard has left EXCITING, an order to stop in each of them. */
+/* Number of ticks until the guard leaves EXCITING, with a stop in each tick. */
 static int ticks_to_stop(int orders)
 {
     int ticks = 0;
@@ -314,14 +314,14 @@ static int ticks_to_stop(int orders)
     return ticks;
 }
 
-static void test_stop_again_and_again_fades_out_as_one_does(void)
+static void test_repeated_stops_fade_out_like_one(void)
 {
     int once = ticks_to_stop(1);
     TEST_ASSERT_TRUE(once > 10 && once < 1000);
     TEST_ASSERT_EQUAL(once, ticks_to_stop(1000));
 }
 
-static void test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on(void)
+static void test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -334,7 +334,7 @@ static void test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on(voi
 
 /* ---- halt ---- */
 
-static void test_halt_aborts_what_is_armed_and_nothing_else(void)
+static void test_halt_aborts_only_an_armed_guard(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
@@ -350,7 +350,7 @@ static void test_halt_aborts_what_is_armed_and_nothing_else(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now));
 }
 
-static void test_halt_leaves_a_run_that_is_done_as_it_is(void)
+static void test_halt_does_not_change_a_finished_run(void)
 {
     now = idle;
     now.node.id.guard.state = AUVID_GUARD_DONE;
@@ -358,7 +358,7 @@ static void test_halt_leaves_a_run_that_is_done_as_it_is(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, state(&now));
 }
 
-static void test_halt_cancels_an_order_to_arm(void)
+static void test_halt_cancels_a_pending_arm_frame(void)
 {
     now = idle;
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
@@ -370,7 +370,7 @@ static void test_halt_cancels_an_order_to_arm(void)
 
 /* ---- another node's commands ---- */
 
-/* What one has sent in its last tick comes to the other. */
+/* Passes the last commands of one node to the other. */
 static void hear(pair_t *to, const auvid_can_frame_t *frame, int count)
 {
     for (int i = 0; i < count; ++i) {
@@ -378,7 +378,7 @@ static void hear(pair_t *to, const auvid_can_frame_t *frame, int count)
     }
 }
 
-/* Both on one bus, armed by the same frame. @return ticks until one of them has aborted */
+/* Both on one bus, armed by the same frame. @return ticks until one of them aborts */
 static int both_excite(uint64_t seed, int ticks)
 {
     int k = 0;
@@ -414,9 +414,9 @@ static void test_two_nodes_that_excite_on_one_bus_both_abort(void)
     }
 }
 
-/* The limit of the method: what they send is the same, byte for byte, so that a receiver obeys one
- * of each two and drives as with one node. */
-static void test_a_twin_that_sends_the_same_bytes_is_not_noticed(void)
+/* The limit of the method: both send the same bytes, so a receiver obeys one of every two frames,
+ * as from one node. */
+static void test_a_node_that_sends_identical_bytes_is_not_detected(void)
 {
     TEST_ASSERT_EQUAL(200, both_excite(1, 200));
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
@@ -426,7 +426,7 @@ static void test_a_twin_that_sends_the_same_bytes_is_not_noticed(void)
     }
 }
 
-/* Echoes of what was sent `late` ticks ago, `copies` of each. @return is it exciting still? */
+/* Echoes of the commands of `late` ticks ago, `copies` of each. @return is it still exciting? */
 static bool echoed(int late, int copies)
 {
     static auvid_can_frame_t sent[8][AUVID_NODE_COMMANDS];
@@ -441,7 +441,7 @@ static bool echoed(int late, int copies)
     return state(&now) == AUVID_GUARD_EXCITING && now.node.counters.foreign_commands == 0;
 }
 
-static void test_echoes_of_the_last_four_commands_are_its_own(void)
+static void test_echoes_of_the_last_four_commands_are_not_foreign(void)
 {
     for (int late = 0; late < 4; ++late) {
         TEST_ASSERT_TRUE(echoed(late, 1));
@@ -484,20 +484,20 @@ static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&now.node.id));
     hear(&now, &frame, 1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_FOREIGN_COMMAND, cause(&now));
-    now = exciting; /* in SETTLING nothing is commanded any more */
+    now = exciting; /* SETTLING sends no commands */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&now.node.id.guard, now.node.t_us));
     hear(&now, &frame, 1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, state(&now));
 }
 
-static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(void)
+static void test_a_node_that_is_not_armed_only_counts_foreign_commands(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
     auvid_can_frame_t second = foreign_command(AUVID_CAN_THRUSTER_COMMAND_B);
     for (int excite = 0; excite < 2; ++excite) {
         configure(&now, 1, excite);
         go(&now, NAVIGATED);
-        for (uint32_t k = 1; k <= 3; ++k) { /* whatever their counter says */
+        for (uint32_t k = 1; k <= 3; ++k) { /* with any counter */
             hear(&now, &frame, 1);
             hear(&now, &second, 1);
             TEST_ASSERT_EQUAL_UINT32(2 * k, now.node.counters.foreign_commands);
@@ -510,12 +510,12 @@ static void test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more(vo
     now = exciting;
     abort_run(&now);
     hear(&now, &frame, 1);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now)); /* the first cause stays */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now)); /* the first cause is kept */
 }
 
-/* ---- a clock of its own ---- */
+/* ---- the node's own clock ---- */
 
-/* A tick by the node's clock: the vehicle's frames but for its tick. */
+/* A tick of the node's clock: all frames of the vehicle except its tick. */
 static auvid_status_t own_tick(pair_t *p, uint64_t t_us)
 {
     auvid_can_frame_t frame[CRAFT_FRAMES];
@@ -540,7 +540,7 @@ static void excite_by_own_clock(uint64_t *t_us)
         }
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
-    *t_us -= 20000; /* of the last tick */
+    *t_us -= 20000; /* time of the last tick */
 }
 
 static uint32_t own_sequence(const pair_t *p)
@@ -551,7 +551,7 @@ static uint32_t own_sequence(const pair_t *p)
     return m.as.tick.sequence;
 }
 
-static void test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_else(void)
+static void test_an_own_clock_set_back_sends_only_the_command_of_zero(void)
 {
     for (uint64_t back_us = 0; back_us <= 100000; back_us += 100000) {
         uint64_t t_us;
@@ -569,12 +569,12 @@ static void test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_el
         TEST_ASSERT_EQUAL(0, now.count);
         TEST_ASSERT_EQUAL(AUVID_OK, own_tick(&now, t_us + 20000));
         TEST_ASSERT_EQUAL(1, now.count);
-        TEST_ASSERT_EQUAL_UINT32(before + 1, own_sequence(&now)); /* no number was left out */
+        TEST_ASSERT_EQUAL_UINT32(before + 1, own_sequence(&now)); /* no number is missing */
         TEST_ASSERT_EQUAL_UINT64(t_us + 20000, now.node.t_us);
     }
 }
 
-static void test_an_order_to_arm_waits_for_a_tick_that_is_one(void)
+static void test_an_arm_frame_remains_pending_until_a_valid_tick(void)
 {
     uint64_t t_us;
     excite_by_own_clock(&t_us);
@@ -590,24 +590,24 @@ static void test_an_order_to_arm_waits_for_a_tick_that_is_one(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_disarm_and_stop_take_thrust_away_whatever_their_counter_says);
-    RUN_TEST(test_a_restarted_console_clears_the_abort_with_its_second_frame_at_the_latest);
-    RUN_TEST(test_a_delayed_disarm_or_stop_cancels_an_order_to_arm_of_the_same_tick);
-    RUN_TEST(test_an_abort_cancels_an_order_to_arm_of_the_same_tick);
-    RUN_TEST(test_only_an_order_to_arm_needs_a_good_counter);
-    RUN_TEST(test_a_disarm_that_is_not_authentic_does_nothing);
-    RUN_TEST(test_stop_again_and_again_fades_out_as_one_does);
-    RUN_TEST(test_thrust_is_commanded_in_every_tick_from_that_of_the_order_on);
-    RUN_TEST(test_halt_aborts_what_is_armed_and_nothing_else);
-    RUN_TEST(test_halt_leaves_a_run_that_is_done_as_it_is);
-    RUN_TEST(test_halt_cancels_an_order_to_arm);
+    RUN_TEST(test_disarm_and_stop_take_thrust_away_with_any_counter);
+    RUN_TEST(test_a_restarted_console_clears_the_abort_within_two_frames);
+    RUN_TEST(test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame);
+    RUN_TEST(test_an_abort_cancels_a_pending_arm_frame);
+    RUN_TEST(test_only_the_arm_action_needs_a_good_counter);
+    RUN_TEST(test_a_disarm_that_is_not_authentic_has_no_effect);
+    RUN_TEST(test_repeated_stops_fade_out_like_one);
+    RUN_TEST(test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on);
+    RUN_TEST(test_halt_aborts_only_an_armed_guard);
+    RUN_TEST(test_halt_does_not_change_a_finished_run);
+    RUN_TEST(test_halt_cancels_a_pending_arm_frame);
     RUN_TEST(test_two_nodes_that_excite_on_one_bus_both_abort);
-    RUN_TEST(test_a_twin_that_sends_the_same_bytes_is_not_noticed);
-    RUN_TEST(test_echoes_of_the_last_four_commands_are_its_own);
+    RUN_TEST(test_a_node_that_sends_identical_bytes_is_not_detected);
+    RUN_TEST(test_echoes_of_the_last_four_commands_are_not_foreign);
     RUN_TEST(test_one_foreign_command_of_either_half_aborts);
     RUN_TEST(test_a_foreign_command_aborts_a_guard_that_is_armed_only);
-    RUN_TEST(test_a_node_that_is_not_armed_counts_foreign_commands_and_no_more);
-    RUN_TEST(test_its_own_clock_set_back_sends_the_command_of_zero_and_nothing_else);
-    RUN_TEST(test_an_order_to_arm_waits_for_a_tick_that_is_one);
+    RUN_TEST(test_a_node_that_is_not_armed_only_counts_foreign_commands);
+    RUN_TEST(test_an_own_clock_set_back_sends_only_the_command_of_zero);
+    RUN_TEST(test_an_arm_frame_remains_pending_until_a_valid_tick);
     return UNITY_END();
 }

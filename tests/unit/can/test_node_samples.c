@@ -1,6 +1,6 @@
 /*
- * What the node makes of frames: an identifier that is handed the same samples by calls comes to
- * the same state, byte for byte of its checkpoint, and commands what the node commands.
+ * The effect of frames on the node. An identifier that receives the same samples by calls reaches
+ * the same state, byte for byte of its checkpoint, and gives the same commands.
  */
 #include <math.h>
 #include <string.h>
@@ -16,15 +16,15 @@ static auvid_node_t node;
 static auvid_identifier_t id;
 static auvid_identifier_config_t config;
 static auvid_node_config_t node_config;
-static auvid_input_t in; /* of the identifier beside the node */
+static auvid_input_t in; /* of the reference identifier */
 static auvid_output_t out;
-static auvid_real_t thrust[8]; /* fed back last */
+static auvid_real_t thrust[8]; /* of the last feedback */
 static auvid_can_sender_t sender;
 static auvid_rng_t rng;
 static struct {
     uint32_t ticks;
     uint32_t unknown_age, dropped; /* samples */
-    double largest;                /* thrust commanded by the node in the last tick */
+    double largest;                /* maximum thrust of the node in the last tick */
     bool fed_back;                 /* since the last tick */
     bool arm;
     double altitude_m, depth_m;
@@ -41,7 +41,7 @@ void setUp(void)
     auvid_rng_seed(&rng, 1);
     auvid_identifier_defaults(&config, &auvid_girona500);
     config.allocation = auvid_allocation_girona500;
-    for (int i = 0; i < THRUSTERS; ++i) { /* backwards they have less, each its own part */
+    for (int i = 0; i < THRUSTERS; ++i) { /* each has a different, smaller force backwards */
         config.allocation.thruster[i].min_N *= AUVID_C(0.5) + AUVID_C(0.07) * (auvid_real_t)i;
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, amplitude, 20, 2, 1));
@@ -64,7 +64,7 @@ static bool chance(double p)
     return (double)auvid_rng_uniform(&rng) < p;
 }
 
-/* To the node as a frame; the message is afterwards what the frame could carry of it. */
+/* Sends the message to the node as a frame, then rounds it to the values of the frame. */
 static auvid_status_t give(auvid_can_message_t *m)
 {
     auvid_can_frame_t frame;
@@ -73,7 +73,7 @@ static auvid_status_t give(auvid_can_message_t *m)
     return auvid_node_take(&node, &frame);
 }
 
-/* Mostly young, sometimes older than anything is used at, sometimes unknown. */
+/* Mostly small, sometimes too old for any use, sometimes unknown. */
 static uint32_t draw_age(void)
 {
     return chance(0.02)   ? AUVID_CAN_AGE_UNKNOWN
@@ -81,7 +81,7 @@ static uint32_t draw_age(void)
                           : auvid_rng_below(&rng, 10);
 }
 
-/* Is the sample to be used? Its time in the call. */
+/* Returns true if the sample is used; sets its time for the call. */
 static bool dated(uint32_t age, uint64_t *t_us)
 {
     run.unknown_age += age == AUVID_CAN_AGE_UNKNOWN;
@@ -178,12 +178,12 @@ static void altitude(void)
     in.altitude.altitude_m = m.as.dvl_altitude.altitude;
 }
 
-/* Now and then of one half only: the other keeps what it was fed back last. */
+/* Sometimes of one half only: the other keeps its last feedback. */
 static void feedback(void)
 {
     for (int half = 0; half < 2; ++half) {
         auvid_can_message_t m = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
-        auvid_real_t *of = m.as.thruster_feedback_a.thrust; /* b is laid out alike */
+        auvid_real_t *of = m.as.thruster_feedback_a.thrust; /* b has the same layout */
         if (chance(0.1)) {
             continue;
         }
@@ -197,7 +197,7 @@ static void feedback(void)
     }
 }
 
-/* What was fed back acted from the tick before on. */
+/* The feedback acted from the previous tick on. */
 static void apply(uint64_t before_us)
 {
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
@@ -213,8 +213,8 @@ static void apply(uint64_t before_us)
     run.dropped += auvid_identifier_applied(&id, before_us, wrench, command) < 0;
 }
 
-/* The node's commands are the forces that the identifier answers, each over the thruster's largest
- * in that direction. */
+/* The node's commands are the forces of the identifier, each divided by the thruster's maximum in
+ * that direction. */
 static void check_commands(const auvid_can_frame_t *frame, int count)
 {
     double force_N[8] = {0};
@@ -326,7 +326,7 @@ static void go(int ticks)
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.refused);
 }
 
-static void test_frames_are_what_calls_with_their_samples_are(void)
+static void test_frames_have_the_effect_of_calls_with_their_samples(void)
 {
     auvid_nav_state_t state;
     run.depth_m = 0.25; /* a fix counts near the surface */
@@ -339,7 +339,7 @@ static void test_frames_are_what_calls_with_their_samples_are(void)
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
 }
 
-static void test_so_they_are_with_water_lock(void)
+static void test_frames_have_the_effect_of_calls_with_water_lock(void)
 {
     config.velocity = AUVID_VELOCITY_WATER;
     begin();
@@ -347,7 +347,7 @@ static void test_so_they_are_with_water_lock(void)
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
 }
 
-static void test_commands_are_the_forces_over_what_each_thruster_has_in_that_direction(void)
+static void test_commands_are_the_forces_divided_by_the_maximum_in_that_direction(void)
 {
     node_config.excite = true;
     begin();
@@ -381,9 +381,9 @@ static void test_an_altitude_below_the_limit_ends_the_excitation(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_frames_are_what_calls_with_their_samples_are);
-    RUN_TEST(test_so_they_are_with_water_lock);
-    RUN_TEST(test_commands_are_the_forces_over_what_each_thruster_has_in_that_direction);
+    RUN_TEST(test_frames_have_the_effect_of_calls_with_their_samples);
+    RUN_TEST(test_frames_have_the_effect_of_calls_with_water_lock);
+    RUN_TEST(test_commands_are_the_forces_divided_by_the_maximum_in_that_direction);
     RUN_TEST(test_an_altitude_below_the_limit_ends_the_excitation);
     return UNITY_END();
 }
