@@ -126,6 +126,7 @@ check_cppcheck() {
 }
 
 step "the rules below can fail" tests/lint/selftest.sh
+step "bits that no longer fit do not compile" tests/lint/packed_bits.sh
 step "text: includes, rooms, circles, columns, lengths, version" tests/lint/sources.py
 step "the library, gcc and clang, float and double, three sizes, no warning" check_matrix
 step "objects: no statics, heap, libm, double, recursion" check_objects

@@ -6,11 +6,13 @@ Writes, below DIRECTORY (default: the repository),
   lib/include/auvid/can_messages.h   enumerations, one struct per message, a union of them
   lib/src/can/auvid_can_table.c      the tables that the codec uses
   lib/can/README.md                  the part between the two marks: frames and bus load
+  lib/can/published.txt              the protocol number and the wire layout of each message
 With --check nothing is written. Exit status 1: a file differs from what would be written.
 Exit status 2: the DBC breaks a rule. The calls of need() are the rules.
 Needs cantools.
 """
 import argparse
+import hashlib
 import pathlib
 import re
 import sys
@@ -20,8 +22,9 @@ from fractions import Fraction
 import cantools
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
-HEADER, TABLE, README = (
-    "lib/include/auvid/can_messages.h", "lib/src/can/auvid_can_table.c", "lib/can/README.md")
+HEADER, TABLE, README, PUBLISHED = (
+    "lib/include/auvid/can_messages.h", "lib/src/can/auvid_can_table.c", "lib/can/README.md",
+    "lib/can/published.txt")
 FAST, SLOW = 0x040, 0x400  # first identifiers of the two blocks
 BITRATE = 500_000
 LARGEST_LOAD = 0.20
@@ -94,6 +97,11 @@ class Signal:
             kind = "CONSTANT" if self.low == self.high else "UINT"
             number = 0 if self.high == largest and kind == "UINT" else self.high
         self.type = (kind, self.length, number)
+        # What a receiver must know to read the bits.
+        numbers = (signal.scale, signal.offset, signal.minimum, signal.maximum)
+        self.layout = (self.start, self.length, signal.byte_order, signal.is_signed,
+                       signal.is_float, *map(float, numbers), self.unit,
+                       sorted(self.choices.items()))
 
     @property
     def may_be_absent(self):
@@ -126,6 +134,7 @@ class Message:
         self.comment = message.comment or ""
         self.sender = message.senders[0] if message.senders else ""
         self.cycle_ms = message.cycle_time or 0
+        need("AuvidDataId" in message.dbc.attributes, self.name, "no AuvidDataId")
         self.data_id = message.dbc.attributes["AuvidDataId"].value
         need(self.data_id == index + 1, self.name, f"AuvidDataId {self.data_id}, not {index + 1}")
         need(self.comment, self.name, "no comment")
@@ -141,6 +150,8 @@ class Message:
         for s in self.signals:
             need(s.start >= end, self.name, s.name, "overlap")
             end = s.start + s.length
+        layout = repr((self.id, message.length, self.data_id, [s.layout for s in self.signals]))
+        self.digest = hashlib.sha256(layout.encode()).hexdigest()[:16]
 
     def fields(self):
         """(C declarator, signals) in order; x_1, x_2, ... become one array."""
@@ -383,6 +394,41 @@ def between_marks(text, inner):
     return text[:text.index(begin)] + f"{begin}\n{inner}\n" + text[text.index(end):]
 
 
+def published(messages, protocol):
+    rows = "\n".join(" ".join([m.name, m.digest, *(s.name for s in m.signals)]) for m in messages)
+    return f"""\
+# Written by `make can`: do not edit. What receivers rely on: the protocol number, then for each
+# message its name, a digest of its wire layout, and its signals in the order of their bits.
+AuvidProtocol {protocol}
+{rows}
+"""
+
+
+def check_published(text, messages, protocol):
+    """Under one protocol number messages may be added, and signals and comments reworded: the wire
+    does not carry them. Anything else needs a higher number. Returns what the author should know.
+    """
+    lines = [line.split() for line in text.splitlines() if not line.startswith("#")]
+    if not lines:
+        return []
+    number = int(lines[0][1])
+    need(protocol >= number, f"AuvidProtocol {protocol}", f"{number} is published already")
+    if protocol > number:
+        return []
+    remedy = f"set AuvidProtocol to {number + 1} in lib/can/auvid.dbc, or take the change back"
+    notes, current = [], {m.name: m for m in messages}
+    for name, digest, *signals in lines[1:]:
+        need(name in current, name, "this published message is removed or renamed", remedy)
+        need(digest == current[name].digest, name,
+             "the layout of this published message has changed", remedy)
+        names = [s.name for s in current[name].signals]
+        renamed = [(old, new) for old, new in zip(signals, names) if old != new]
+        need(not any(old in names for old, _ in renamed), name,
+             "signals of this published message have exchanged their names", remedy)
+        notes += [f"{name}.{old} is now {new}: note it in CHANGELOG.md" for old, new in renamed]
+    return notes
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true")
@@ -391,15 +437,20 @@ def main():
     args = parser.parse_args()
     try:
         messages, protocol = load(args.dbc or args.root / "lib/can/auvid.dbc")
-        old = (args.root / README).read_text() if (args.root / README).exists() else ""
+        old, before = ((args.root / name).read_text() if (args.root / name).exists() else ""
+                       for name in (README, PUBLISHED))
+        notes = check_published(before, messages, protocol)
         files = {
             HEADER: header(messages, protocol),
             TABLE: table(messages),
             README: between_marks(old, readme(messages)),
+            PUBLISHED: published(messages, protocol),
         }
     except Broken as broken:
         print(f"can_codegen: {broken}", file=sys.stderr)
         sys.exit(2)
+    for note in notes:
+        print(f"can_codegen: {note}", file=sys.stderr)
     status = 0
     for name, text in files.items():
         path = args.root / name

@@ -79,8 +79,9 @@ typedef enum {
                                  impossible: a mass not above the dry mass, a drag that drives.
                                  It is so by more than its half-width, or its impossible part makes
                                  more than a tenth of the equation's rms wrench */
-    AUVID_NOTE_THRUST_SCALE /**< identifiable with the thrust as told; the uncertainty of its scale
+    AUVID_NOTE_THRUST_SCALE, /**< identifiable with the thrust as told; the uncertainty of its scale
                                  alone makes the half-width too large */
+    AUVID_NOTE_COUNT
 } auvid_note_t;
 
 /** Standard errors in a 95 % half-width: eight sets are few. */

@@ -195,9 +195,10 @@ enum {
     AUVID_EVENT_RESTORED = 1u << 18,  /**< the last estimate predicted a new set worse than the last
                                           accepted one, which replaces it. Not if other DoF were
                                           excited in the accepted one */
-    AUVID_EVENT_ROWS_DROPPED = 1u << 19 /**< a search took so long that complete rows were dropped;
+    AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
                                           counted in metric.rows_dropped. Regressor path: a waiting
                                           set. Residual path: rows of the next set */
+    AUVID_EVENT_END /**< the last event + 1; no event */
 };
 
 /** Output of a step. */
@@ -294,7 +295,8 @@ typedef enum {
     AUVID_WORK_MEASURE,     /**< measures the residuals of the result */
     AUVID_WORK_LINEARISE,   /**< residual path: differentiates the residuals; regressor path: finds
                                  the minimum within the bounds */
-    AUVID_WORK_CONFIDENCE   /**< computes standard errors and findings */
+    AUVID_WORK_CONFIDENCE,  /**< computes standard errors and findings */
+    AUVID_WORK_PHASE_COUNT
 } auvid_work_phase_t;
 
 /** State of the adaptive excitation (adaptive.h). */

@@ -172,7 +172,8 @@ enum {
     AUVID_NAV_POSITION_KNOWN = 1 << 6, /**< a GPS fix was applied; until then x y are dead
                                             reckoned from the start */
     AUVID_NAV_WATER_AIDED = 1 << 7,    /**< the last applied velocity was from water lock */
-    AUVID_NAV_IN_GAP = 1 << 8          /**< the last tick was longer than gap_us */
+    AUVID_NAV_IN_GAP = 1 << 8,         /**< the last tick was longer than gap_us */
+    AUVID_NAV_FLAG_END                 /**< the last flag + 1; no flag */
 };
 
 /** The filter's output. Written by auvid_nav_state(). */

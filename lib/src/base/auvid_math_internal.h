@@ -18,6 +18,8 @@
 #pragma GCC optimize("fp-contract=off")
 #endif
 
+_Static_assert(AUVID_DOF_COUNT <= 8, "masks of degrees of freedom are uint8_t");
+
 /* For the few functions that dominate the cost of a tick; not with -Os. */
 #if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define AUVID_INLINE static inline __attribute__((always_inline))

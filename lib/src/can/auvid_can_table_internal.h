@@ -37,6 +37,8 @@ typedef struct {
 /** Data id of a message for E2E profile 2; the ids start at 1. */
 #define AUVID_CAN_DATA_ID(kind) ((uint8_t)((uint32_t)(kind) + 1u))
 
+_Static_assert(AUVID_CAN_KINDS <= UINT8_MAX, "AUVID_CAN_DATA_ID");
+
 extern const auvid_can_type_t auvid_can_types[];
 extern const auvid_can_signal_t auvid_can_signals[];
 extern const uint8_t auvid_can_first[AUVID_CAN_KINDS];      /**< first signal of each message */

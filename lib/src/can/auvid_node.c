@@ -196,6 +196,7 @@ static void node_take_foreign_command(auvid_node_t *node)
 /* Is this message obeyed? A message that takes thrust away is obeyed with any counter. */
 static bool node_obeys(auvid_can_state_t state, const auvid_can_message_t *m)
 {
+    _Static_assert(AUVID_NODE_KINDS <= 32, "a bit of `kinds` for each message");
     const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
                            1u << AUVID_CAN_THRUSTER_COMMAND_B;
     bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;

@@ -6,6 +6,15 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_node_step_internal.h"
 
+/* What is reported has its values in the DBC, or fits the bits that the DBC gives it. */
+_Static_assert(AUVID_NAV_FLAG_END - 1 <= 512, "nav_position.flags: 10 bits");
+_Static_assert(AUVID_MAX_PARAMETERS <= 32, "estimate.index: 5 bits");
+_Static_assert(AUVID_DOF_COUNT <= 6, "progress.excited: 6 bits");
+_Static_assert((int)AUVID_NOTE_COUNT == AUVID_CAN_NOTE_THRUST_SCALE + 1, "estimate_sigma.note");
+_Static_assert((int)AUVID_GUARD_STATE_COUNT == AUVID_CAN_GUARD_ABORTED + 1, "progress.guard");
+_Static_assert((int)AUVID_GUARD_CAUSE_COUNT == AUVID_CAN_CAUSE_FOREIGN_COMMAND + 1, "abort.cause");
+_Static_assert((int)AUVID_WORK_PHASE_COUNT == AUVID_CAN_WORK_CONFIDENCE + 1, "progress.work");
+
 static uint32_t node_min(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
@@ -70,6 +79,7 @@ static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, i
 /* Fractions of the maximum speed in one direction. */
 static const auvid_real_t drag_fraction[] = {AUVID_C(0.3), AUVID_C(0.6), AUVID_C(1.0)};
 enum { FRACTIONS = sizeof drag_fraction / sizeof drag_fraction[0], POINTS = 2 * FRACTIONS };
+_Static_assert(AUVID_CAN_POINT_YAW_BACKWARD_1_0 + 1 == POINTS * AUVID_DOF_COUNT, "drag.point");
 
 /* Drag force at a point: see the DBC. */
 static auvid_status_t node_drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)

@@ -7,6 +7,8 @@
 
 #include "../base/auvid_math_internal.h"
 
+_Static_assert(AUVID_GUARD_CAUSE_COUNT <= 32, "AUVID_GUARD_BIT: a bit for each cause");
+
 void auvid_guard_defaults(auvid_guard_config_t *cfg)
 {
     if (cfg == NULL) {

@@ -18,8 +18,10 @@ enum {
     PART_LOCAL = 8,       /**< the same, local phase */
     PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
     PART_ADAPTIVE = 32,   /**< only a mark: the excitation is adaptive */
-    PART_OPTIMUM = 64     /**< the minimum cost is being found */
+    PART_OPTIMUM = 64,    /**< the minimum cost is being found */
+    PART_END              /**< the last part + 1 */
 };
+_Static_assert(PART_END - 1 <= UINT8_MAX, "auvid_checkpoint_row_t.parts");
 
 /** Adjacent members, all of scalars of one width: `count` scalars of `width` bytes, each the lower
  * bytes of `stride` bytes in memory. Width 0: structs of another table. */
@@ -70,6 +72,7 @@ enum {
     TABLE_ROW, /**< of the storage of a model without regressor */
     TABLE_COUNT
 };
+_Static_assert(TABLE_COUNT - 1 <= UINT8_MAX, "auvid_checkpoint_row_t.table");
 extern const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT];
 
 /** Bytes of each struct in the stream. */

@@ -468,7 +468,7 @@ static bool checkpoint_search_matches_phase(const view_t *v)
 static bool checkpoint_check_identifier(const view_t *v)
 {
     uint32_t parts = v->sizes->parts;
-    return parts < 2u * PART_OPTIMUM && WORD(spent) <= SEARCH_START_COST + 1u &&
+    return parts < 2u * (PART_END - 1u) && WORD(spent) <= SEARCH_START_COST + 1u &&
            ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
            ((parts & PART_SIMULATED) == 0 || checkpoint_check_prediction(v)) &&
            (WORD(active) & ~auvid_metric_free_of(&v->id->metric, UINT8_MAX)) == 0 &&

@@ -8,6 +8,8 @@
 
 #include "../base/auvid_math_internal.h"
 
+_Static_assert(AUVID_EVENT_END - 1u <= 1u << 30, "an enumerator of C11 is an int");
+
 /* Pass complete cells, at most max_cells, to the metric and the attached validation. */
 static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {

@@ -253,6 +253,7 @@ static void identifier_restart_phase(auvid_identifier_t *id)
     case AUVID_WORK_IDLE:
     case AUVID_WORK_ASK:
     case AUVID_WORK_COST:
+    case AUVID_WORK_PHASE_COUNT:
     default: /* the search uses the merged sets */
         break;
     }
@@ -289,6 +290,7 @@ static auvid_status_t identifier_advance(auvid_identifier_t *id, uint32_t *budge
         status = auvid_identifier_change_test(id, budget);
         break;
     case AUVID_WORK_IDLE:
+    case AUVID_WORK_PHASE_COUNT:
     default:
         id->phase = AUVID_WORK_IDLE;
         break;

@@ -41,6 +41,11 @@ enum {
     RECORD_CHECK = 232
 };
 
+_Static_assert(RECORD_VARIANCE_INFLATION + 4 * AUVID_DOF_COUNT <= RECORD_VALUE &&
+                   RECORD_VALUE + 4 * AUVID_MAX_PARAMETERS <= RECORD_SIGMA &&
+                   RECORD_SIGMA + 2 * AUVID_MAX_PARAMETERS <= RECORD_CHECK,
+               "the record has room for all degrees of freedom and parameters");
+
 static auvid_real_t prior_real(uint32_t bits)
 {
     float single;

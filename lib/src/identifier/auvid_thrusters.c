@@ -62,6 +62,7 @@ static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
 /* Returns the number of groups; 0 if their numbers have gaps or are too large. */
 static int thrusters_count_groups(const auvid_thrusters_config_t *cfg)
 {
+    _Static_assert(AUVID_THRUSTERS_GROUPS < 32, "a bit of `used` for each group");
     uint32_t used = 0;
     for (int i = 0; i < cfg->thrusters; ++i) {
         used |= cfg->group[i] < AUVID_THRUSTERS_GROUPS ? 1u << cfg->group[i] : ~UINT32_C(0);

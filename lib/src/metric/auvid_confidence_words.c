@@ -35,6 +35,7 @@ const char *auvid_note_str(auvid_note_t note)
         return "its equation has an impossible estimate";
     case AUVID_NOTE_THRUST_SCALE:
         return "known in your newtons only";
+    case AUVID_NOTE_COUNT:
     default:
         return "unknown note";
     }
@@ -236,6 +237,7 @@ static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
 static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
                     int i)
 {
+    _Static_assert(AUVID_NOTE_COUNT <= 32, "a bit of `told` for each note");
     static const uint32_t told = 1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION |
                                  1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |

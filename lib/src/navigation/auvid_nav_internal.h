@@ -19,6 +19,11 @@ enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 /* Index of element (i, j) of a symmetric block in its six numbers. */
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
+_Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) < AUVID_NAV_VELOCITY_KNOWN,
+               "1 << sensor in `flags` is below the other flags");
+_Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) <= UINT8_MAX, "auvid_nav_t.holding");
+_Static_assert(AUVID_NAV_FLAG_END - 1 <= UINT16_MAX, "auvid_nav_t.flags");
+
 /** Increment a counter that saturates. */
 static inline void nav_increment(uint16_t *counter)
 {

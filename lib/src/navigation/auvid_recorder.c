@@ -13,6 +13,7 @@
 #include "../base/auvid_math_internal.h"
 
 enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
+_Static_assert(INPUT - VELOCITY <= 8, "auvid_recorder_t.measured: a bit for each velocity");
 
 /* Channels of each stream in a cell: phi theta psi p q r | u | v | w | tau, commands. */
 static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER_CHANNELS};
