@@ -6,16 +6,16 @@
  * After a search the residuals at its result are examined again, set by set:
  * - *Standard errors* that hold for correlated residuals. The smoothing and the disturbances of the
  *   vehicle correlate the residuals of neighbouring rows, so the inverse of the normal matrix is
- *   too small. With g_s the score (gradient of half the cost) of set s, the covariance is the sandwich
- *   P (sum_s g_s g_s') P. Eight sets are few, so the size of the scores is pooled over the
+ *   too small. With g_s the score (gradient of half the cost) of set s, the covariance is the
+ *   sandwich P (sum_s g_s g_s') P. Eight sets are few, so the size of the scores is pooled over the
  *   parameters of each DoF. It is combined with what the smoothing makes of white noise, and with
  *   the scatter of the scores for each parameter.
  * - *Bias* of the masses: noise of the measured acceleration makes them smaller. The size of the
  *   bias is predicted from the high band of the residuals and added to the uncertainty. The
  *   estimate is not corrected.
  * - *Considered parameters*: the common scale of the supplied thrust, and that of the DVL. No
- *   motion shows them, so they are not estimated. The change of the estimate by one standard deviation of
- *   each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all
+ *   motion shows them, so they are not estimated. The change of the estimate by one standard
+ *   deviation of each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all
  *   parameters change in proportion, thrust_error = thrust_scale pi, unless some are fixed: fixed
  *   drags are accounted for, fixed masses are assumed orthogonal to the rest. In a model without
  *   regressor, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust no

@@ -43,19 +43,20 @@
 
 #define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
 #define RIDGE                                                                                      \
-    AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
+    AUVID_C(1e-4)          /* smallest pivot, relative to its column: what the data do not
                                      determine gets an error of 1e4 times the column's own */
-#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
+#define NEAR AUVID_C(1e-3) /* a bound, in distances of the two */
 
 typedef auvid_confidence_job_t job_t;
 
-static bool is_driven(const job_t *c, int j)
+static bool confidence_is_excited(const job_t *c, int j)
 {
     return (c->metric->excited >> j & 1) != 0 && c->metric->count[j] > 0;
 }
 
 /* Weights of the wrench at DoF j's delay, or their derivatives. */
-static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUVID_METRIC_DELAYS])
+static void confidence_delay_weights(const job_t *c, int j, bool slopes,
+                                     auvid_real_t l[AUVID_METRIC_DELAYS])
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
@@ -65,7 +66,7 @@ static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUV
 
 /* ---- OWN: a DoF's optimum and mean square residual ---- */
 
-static void find_own(job_t *c, int j)
+static void confidence_find_single_dof_optimum(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
@@ -95,7 +96,7 @@ static void find_own(job_t *c, int j)
     }
     (void)auvid_qr_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4),
                          c->single_dof_optimum + at);
-    delay_weights(c, j, false, l);
+    confidence_delay_weights(c, j, false, l);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         c->single_dof_optimum[at + count + d] = -l[d];
     }
@@ -108,29 +109,30 @@ static void find_own(job_t *c, int j)
 /* ---- ROTATE: the DoF's rows into the joint triangle ---- */
 
 /* Does the uncertainty of DoF j's delay count, and that of its shape? */
-static bool is_considered(const job_t *c, int j)
+static bool confidence_delay_is_uncertain(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return is_driven(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
+    return confidence_is_excited(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
            (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
 }
 
 /* Was DoF j's delay estimated? */
-static bool is_estimated(const job_t *c, int j)
+static bool confidence_delay_is_estimated(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return is_driven(c, j) && m->cfg.estimate_delay && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
+    return confidence_is_excited(c, j) && m->cfg.estimate_delay &&
+           auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
 }
 
 /* Columns of DoF j's delay in `part`. */
-static int delay_columns(const job_t *c, int j)
+static int confidence_delay_columns(const job_t *c, int j)
 {
-    return is_considered(c, j) ? 2 : 1;
+    return confidence_delay_is_uncertain(c, j) ? 2 : 1;
 }
 
 /* The priors of DoF j's delay and of half its second moment, as rows: 1 / sigma times the noise,
  * that of what neither parameters nor delay explain. */
-static void add_priors(job_t *c, int j, int order)
+static void confidence_add_delay_priors(job_t *c, int j, int order)
 {
     auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
     auvid_real_t left = c->part[AUVID_QR_FACTOR(order) - 1];
@@ -146,16 +148,16 @@ static void add_priors(job_t *c, int j, int order)
 /* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
  * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay,
  * half its second moment, the parameters, the residual at the estimate. */
-static void border(job_t *c, int j)
+static void confidence_border_factor(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
-    int first = delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
+    int first = confidence_delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
     auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
     static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
                                                            AUVID_C(1.0)};
-    delay_weights(c, j, true, slope);
-    delay_weights(c, j, false, l);
+    confidence_delay_weights(c, j, true, slope);
+    confidence_delay_weights(c, j, false, l);
     memset(c->part, 0, sizeof c->part);
     for (int i = 0; i < n; ++i) {
         const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
@@ -177,7 +179,7 @@ static void border(job_t *c, int j)
         auvid_qr_update(c->part, order, 0, row);
     }
     if (first == 2) {
-        add_priors(c, j, order);
+        confidence_add_delay_priors(c, j, order);
     }
 }
 
@@ -187,11 +189,12 @@ static void confidence_rotate_row(job_t *c, int j, int i)
     const auvid_metric_t *m = c->metric;
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    int count = m->count[j], first = delay_columns(c, j);
+    int count = m->count[j], first = confidence_delay_columns(c, j);
     const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(auvid_metric_order(m, j), i);
-    if (c->delayed && (is_considered(c, j) || is_estimated(c, j))) {
+    if (c->delayed &&
+        (confidence_delay_is_uncertain(c, j) || confidence_delay_is_estimated(c, j))) {
         if (i == 0) {
-            border(c, j);
+            confidence_border_factor(c, j);
         }
         r = c->part + auvid_qr_row(first == 1 ? count + 1 : count + 3, i + first);
         residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
@@ -208,14 +211,14 @@ static void confidence_rotate_row(job_t *c, int j, int i)
 
 /* ---- BOUND: a smallest pivot for column i; INVERT: (J'J)^-1_ii ---- */
 
-static void bound_pivot(job_t *c, int i)
+static void confidence_bound_pivot(job_t *c, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
     row[i] = RIDGE * auvid_qr_column_norm(c->joint_factor, c->n, i);
     auvid_qr_update(c->joint_factor, c->n, i, row);
 }
 
-static void invert(job_t *c, int i)
+static void confidence_invert_column(job_t *c, int i)
 {
     auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
     if (c->delayed && i == 0) {
@@ -240,7 +243,7 @@ static void invert(job_t *c, int i)
 /* ---- BIAS ---- */
 
 /* All sets are through: s_j^2, and DoF j's part of the bias' right-hand side into influence. */
-static void find_bias(job_t *c, int j)
+static void confidence_find_noise(job_t *c, int j)
 {
     auvid_real_t residual = c->result.residual_rms[j];
     bool several = c->degrees_of_freedom[j] > AUVID_C(1e-4);
@@ -254,9 +257,9 @@ static void find_bias(job_t *c, int j)
 /* ---- the machine ---- */
 
 /* The first driven DoF from j on. @return there is one */
-static bool seek_dof(job_t *c, int j)
+static bool confidence_seek_dof(job_t *c, int j)
 {
-    while (j < AUVID_DOF_COUNT && !is_driven(c, j)) {
+    while (j < AUVID_DOF_COUNT && !confidence_is_excited(c, j)) {
         ++j;
     }
     c->at_dof = (uint8_t)j;
@@ -264,23 +267,23 @@ static bool seek_dof(job_t *c, int j)
 }
 
 /* One step of the present phase. */
-static void work_step(job_t *c)
+static void confidence_step(job_t *c)
 {
     int j = c->at_dof, i = c->at_row,
         n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
     const auvid_set_t *set = &c->metric->set[auvid_metric_slot(c->metric, c->at_set)];
     switch (c->phase) {
     case OWN:
-        find_own(c, j);
+        confidence_find_single_dof_optimum(c, j);
         break;
     case ROTATE:
         confidence_rotate_row(c, j, i);
         break;
     case BOUND:
-        bound_pivot(c, i);
+        confidence_bound_pivot(c, i);
         break;
     case INVERT:
-        invert(c, i);
+        confidence_invert_column(c, i);
         break;
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
@@ -290,7 +293,7 @@ static void work_step(job_t *c)
         }
         break;
     case BIAS:
-        find_bias(c, j);
+        confidence_find_noise(c, j);
         break;
     case JUDGE:
         auvid_confidence_judge(c, i);
@@ -298,7 +301,7 @@ static void work_step(job_t *c)
     default:
         auvid_confidence_scale(c, i);
         for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
-            if (is_driven(c, j)) {
+            if (confidence_is_excited(c, j)) {
                 auvid_confidence_discredit(c, j);
             }
         }
@@ -307,7 +310,7 @@ static void work_step(job_t *c)
 }
 
 /* How often work_step is due before the next DoF, or the end of a phase that has none. */
-static int steps_of(const job_t *c)
+static int confidence_steps(const job_t *c)
 {
     switch (c->phase) {
     case OWN:
@@ -322,7 +325,7 @@ static int steps_of(const job_t *c)
     }
 }
 
-static void end_phase(job_t *c)
+static void confidence_end_phase(job_t *c)
 {
     if (c->phase == INVERT && c->delayed) {
         c->delayed = false; /* once more, for given delays */
@@ -335,36 +338,36 @@ static void end_phase(job_t *c)
     if (c->phase <= JUDGE) { /* from then on the covariance stands there */
         memset(c->part, 0, sizeof c->part);
     }
-    (void)seek_dof(c, 0);
+    (void)confidence_seek_dof(c, 0);
 }
 
 /* What the next step costs beside its phase's price. */
-static int price_of_border(const job_t *c)
+static int confidence_border_cost(const job_t *c)
 {
     bool due = c->phase == ROTATE && c->delayed && c->at_row == 0;
     return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at_dof) + 2) : 0;
 }
 
 /* Go on to the next step. */
-static void move_on(job_t *c)
+static void confidence_next_step(job_t *c)
 {
     bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase < JUDGE;
-    if (++c->at_row < steps_of(c)) {
+    if (++c->at_row < confidence_steps(c)) {
         return;
     }
     c->at_row = 0;
-    if (by_dof && seek_dof(c, c->at_dof + 1)) {
+    if (by_dof && confidence_seek_dof(c, c->at_dof + 1)) {
         return;
     }
     if (c->phase == SCATTER) {
         auvid_confidence_finish_set(c);
         if (++c->at_set < auvid_metric_sets(c->metric)) {
-            (void)seek_dof(c, 0);
+            (void)confidence_seek_dof(c, 0);
             return;
         }
         c->at_set = 0;
     }
-    end_phase(c);
+    confidence_end_phase(c);
 }
 
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
@@ -399,12 +402,13 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     /* with delays taken or uncertain, first what they cost: INVERT comes back here for the plain
      * triangle */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        c->delayed = c->delayed || is_considered(c, j) || is_estimated(c, j);
+        c->delayed = c->delayed || confidence_delay_is_uncertain(c, j) ||
+                     confidence_delay_is_estimated(c, j);
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         auvid_confidence_note_idle(c, i);
     }
-    (void)seek_dof(c, 0);
+    (void)confidence_seek_dof(c, 0);
     c->metric = NULL;
 }
 
@@ -439,12 +443,12 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
     job->metric = metric;
     while (job->phase != DONE && *budget > 0) {
         --*budget;
-        if (++job->spent < price[job->phase] + price_of_border(job)) {
+        if (++job->spent < price[job->phase] + confidence_border_cost(job)) {
             continue;
         }
         job->spent = 0;
-        work_step(job);
-        move_on(job);
+        confidence_step(job);
+        confidence_next_step(job);
     }
     job->metric = NULL;
     return job->phase == DONE ? AUVID_OK : AUVID_PENDING;

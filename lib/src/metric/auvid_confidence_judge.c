@@ -32,7 +32,8 @@
 typedef auvid_confidence_job_t job_t;
 
 /* y = Q x, Q = sum_j w_j^2 s_j^2 R_j'R_j. @return x'Q x */
-static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *y)
+static auvid_real_t confidence_pooled_product(const job_t *c, const auvid_real_t *x,
+                                              auvid_real_t *y)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t sum = AUVID_C(0.0);
@@ -97,7 +98,7 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
 
 /* Root mean square of the column that parameter p has in DoF j's equation: most of the motion is in
  * the low band. */
-static auvid_real_t column_rms(const job_t *c, int j, int p)
+static auvid_real_t confidence_column_rms(const job_t *c, int j, int p)
 {
     auvid_real_t rows = c->rows[j] * c->metric->band_weight[0][j];
     auvid_real_t norm = auvid_confidence_column(c, j, p);
@@ -106,13 +107,13 @@ static auvid_real_t column_rms(const job_t *c, int j, int p)
 
 /* Coefficient of the regression of the known drag f's column on the drag p's, of the same DoF. The
  * mean of u^2 is at most the root of that of u^4; for Gaussian u, E|u|^3 / E u^2 = 1.6 sigma. */
-static auvid_real_t share_of(const job_t *c, int p, int f)
+static auvid_real_t confidence_drag_regression(const job_t *c, int p, int f)
 {
     const auvid_parameter_t *of = c->metric->cfg.vehicle->parameter;
     if (of[p].dof != of[f].dof) {
         return AUVID_C(0.0);
     }
-    auvid_real_t rms = column_rms(c, (int)of[p].dof, p);
+    auvid_real_t rms = confidence_column_rms(c, (int)of[p].dof, p);
     if (of[p].kind == AUVID_PARAMETER_LINEAR_DRAG && of[f].kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
         return AUVID_C(1.6) * rms;
     }
@@ -129,7 +130,7 @@ static void confidence_consider(job_t *c, int p)
     auvid_real_t dvl = auvid_confidence_dvl_degree(vehicle, p) * c->pi[p];
     for (int f = 0; f < vehicle->parameters; ++f) {
         if (c->column_of[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
-            auvid_real_t share = share_of(c, p, f) * c->pi[f];
+            auvid_real_t share = confidence_drag_regression(c, p, f) * c->pi[f];
             thrust += auvid_confidence_thrust_degree(vehicle, f) * share;
             dvl += auvid_confidence_dvl_degree(vehicle, f) * share;
         }
@@ -143,29 +144,31 @@ static void confidence_consider(job_t *c, int p)
 /* ---- covariance ---- */
 
 /* Where row p of the covariance has its diagonal. */
-static auvid_real_t *diagonal(job_t *c, int p)
+static auvid_real_t *confidence_diagonal(job_t *c, int p)
 {
     return c->covariance + auvid_qr_row(c->metric->cfg.vehicle->parameters, p);
 }
 
 /* Row i, not scaled, from its diagonal and y = Q P e_i, which is used up. */
-static void write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
+static void confidence_write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
 {
     int p = c->parameter_of[i];
     confidence_invert(c, y);
     y[i] = variance;
     for (int k = i; k < c->n; ++k) {
-        diagonal(c, p)[c->parameter_of[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
+        confidence_diagonal(c, p)[c->parameter_of[k] - p] =
+            auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
     }
 }
 
 void auvid_confidence_scale(job_t *c, int i)
 {
     int p = c->parameter_of[i];
-    auvid_real_t *row = diagonal(c, p);
+    auvid_real_t *row = confidence_diagonal(c, p);
     for (int k = c->n - 1; k >= i; --k) { /* the scales stand in widening since judge */
         auvid_real_t *entry = row + (c->parameter_of[k] - p);
-        auvid_real_t most = auvid_sqrt(*row) * auvid_sqrt(*diagonal(c, c->parameter_of[k]));
+        auvid_real_t most =
+            auvid_sqrt(*row) * auvid_sqrt(*confidence_diagonal(c, c->parameter_of[k]));
         *entry = c->widening[i] * c->widening[k] * auvid_clamp(*entry, -most, most);
     }
 }
@@ -195,7 +198,7 @@ void auvid_confidence_judge(job_t *c, int i)
         partner = correlation > largest ? k : partner;
         largest = auvid_max(largest, correlation);
     }
-    auvid_real_t plain = pooled(c, x, y), variance = plain;
+    auvid_real_t plain = confidence_pooled_product(c, x, y), variance = plain;
     if (c->result.sets > 1) {
         auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
         own *= (auvid_real_t)c->metric->sets_merged / sets; /* those that are gone scattered, too */
@@ -207,7 +210,7 @@ void auvid_confidence_judge(job_t *c, int i)
     found.partner = largest > CORRELATED ? c->parameter_of[partner] : NOWHERE;
     confidence_consider(c, p);
     auvid_confidence_conclude(c, i, &found);
-    write_row(c, i, plain, y);
+    confidence_write_row(c, i, plain, y);
     if (c->result.sigma[p] < AUVID_LARGEST && plain > AUVID_C(0.0)) {
         c->widening[i] = auvid_sqrt((found.sigma * found.sigma + found.bias * found.bias) / plain);
     }

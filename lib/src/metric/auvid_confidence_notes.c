@@ -17,7 +17,7 @@
 /* Tap k of white velocity noise that has become an acceleration and passed the rows' filter. DVL
  * samples two cells apart are interpolated (0.5 1 0.5), rates come in every cell; the derivative is
  * (0.5 0 -0.5). */
-static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
+static auvid_real_t confidence_noise_tap(const auvid_metric_t *m, int moment, int k)
 {
     enum { LENGTH = 5 };
     static const auvid_real_t shape[2][LENGTH] = {
@@ -32,21 +32,21 @@ static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
 }
 
 /* Its correlation at the bands' distance. */
-static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+static auvid_real_t confidence_noise_correlation(const auvid_metric_t *m, int j)
 {
     int moment = j >= AUVID_ROLL, lag = m->cfg.lag[moment] * m->cfg.row_cells;
     auvid_real_t square = AUVID_C(0.0), product = AUVID_C(0.0);
     for (int k = 0; k < m->taps + 4; ++k) {
-        auvid_real_t tap = noise_tap(m, moment, k);
+        auvid_real_t tap = confidence_noise_tap(m, moment, k);
         square += tap * tap;
-        product += tap * noise_tap(m, moment, k - lag);
+        product += tap * confidence_noise_tap(m, moment, k - lag);
     }
     return product / square;
 }
 
 /* a: derivatives of DoF j's row by its acceleration. */
-static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
-                     auvid_real_t a[AUVID_MAX_PARAMETERS])
+static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                                        auvid_real_t a[AUVID_MAX_PARAMETERS])
 {
     auvid_sample_t sample;
     memset(&sample, 0, sizeof sample);
@@ -70,11 +70,11 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     if (auvid_metric_smooths_motion(m)) {
         return;
     }
-    mass_row(m->cfg.vehicle, j, &c->regressor, a);
+    confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         mass += a[i] * c->pi[i];
     }
-    auvid_real_t rho = noise_correlation(m, j);
+    auvid_real_t rho = confidence_noise_correlation(m, j);
     auvid_real_t noise =
         m->band_sse[1][j] *
         (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
@@ -117,7 +117,7 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
 }
 
 /* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
-static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
+static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
@@ -133,11 +133,11 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
 }
 
 /* The same in whichever driven DoF it matters most. */
-static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t least = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t value = small_in(c, i, j);
+        auvid_real_t value = confidence_small_value_in_dof(c, i, j);
         least = (c->metric->excited >> j & 1) && value < least ? value : least;
     }
     return least < AUVID_LARGEST ? least : AUVID_C(0.0);
@@ -145,7 +145,7 @@ static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
 
 /* Does the model leave less of DoF j's wrench than the wrench's mean does? An optimum does, unless
  * bounds, or what is wrong with the model, keep the search from it. */
-static bool is_explained(const auvid_metric_t *m, int j)
+static bool confidence_is_explained(const auvid_metric_t *m, int j)
 {
     auvid_real_t total = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
@@ -156,7 +156,7 @@ static bool is_explained(const auvid_metric_t *m, int j)
 }
 
 /* How far parameter i is beyond what is possible; 0: it is not. */
-static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
+static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t value = c->pi[i], beyond = AUVID_C(0.0);
     switch (c->metric->cfg.vehicle->parameter[i].kind) {
@@ -179,7 +179,7 @@ static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
 }
 
 /* Norm of DoF j's wrench at its delay, less what known parameters explain. */
-static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
+static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
@@ -192,7 +192,7 @@ static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
 }
 
 /* Does its note say that the parameter is known? */
-static bool is_claimed(const auvid_confidence_t *c, int p)
+static bool confidence_is_known(const auvid_confidence_t *c, int p)
 {
     return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_IMPLAUSIBLE ||
            c->note[p] == AUVID_NOTE_THRUST_SCALE;
@@ -201,7 +201,7 @@ static bool is_claimed(const auvid_confidence_t *c, int p)
 void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
 {
     auvid_confidence_t *to = &c->result;
-    auvid_real_t most = IMPOSSIBLE * wrench_norm(c, j), worst = AUVID_C(0.0);
+    auvid_real_t most = IMPOSSIBLE * confidence_wrench_norm(c, j), worst = AUVID_C(0.0);
     uint32_t beyond = 0, claimed = 0;
     uint8_t culprit = NOWHERE;
     for (int k = 0; k < c->n; ++k) {
@@ -209,12 +209,12 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
         if ((int)c->metric->cfg.vehicle->parameter[p].dof != j) {
             continue;
         }
-        auvid_real_t part = impossible_part(c, p);
+        auvid_real_t part = confidence_impossible_part(c, p);
         auvid_real_t force =
             part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
         bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
         to->implausible |= (uint32_t)sure << p;
-        claimed |= (uint32_t)is_claimed(to, p) << p;
+        claimed |= (uint32_t)confidence_is_known(to, p) << p;
         if (sure || force > most) {
             beyond |= 1u << p;
             culprit = force > worst ? (uint8_t)p : culprit;
@@ -237,8 +237,8 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
 }
 
 /* Does a bound, or the end of the search, decide the parameter? @return the note; 0: no */
-static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_t half,
-                             const auvid_finding_t *found)
+static auvid_note_t confidence_limiting_note(const auvid_confidence_job_t *c, int p,
+                                             auvid_real_t half, const auvid_finding_t *found)
 {
     auvid_real_t distance = auvid_abs(c->pi[p] - c->result.bound[p]);
     if (c->not_converged) {
@@ -270,7 +270,8 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     /* where a bound holds the estimate, the delays' step would lead it back, too */
     auvid_real_t apart =
         auvid_max(sigma * sigma - c->delay_step[i] * c->delay_step[i], AUVID_C(0.0));
-    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
+    auvid_note_t limit =
+        confidence_limiting_note(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
     bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
     to->sigma[p] = known ? total : AUVID_LARGEST;
     to->note[p] = AUVID_NOTE_UNCERTAIN;
@@ -278,11 +279,11 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         to->note[p] = (uint8_t)limit;
         to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
     } else if (known && half <= allowed) {
-        bool plausible = is_explained(c->metric, (int)parameter->dof);
+        bool plausible = confidence_is_explained(c->metric, (int)parameter->dof);
         to->identifiable |= 1u << p;
         to->implausible |= (uint32_t)!plausible << p;
         to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
-    } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
+    } else if (auvid_abs(c->pi[p]) + half <= confidence_small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
     } else if (known && AUVID_HALF_WIDTH * told + bias <= allowed) {
         auvid_real_t room = (allowed - bias) / AUVID_HALF_WIDTH;

@@ -111,8 +111,8 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
 }
 
 /* One pass of Savitzky-Golay in the middle of `taps`. @return its first coefficient */
-static auvid_real_t *make_pass(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
-                               uint8_t derivative)
+static auvid_real_t *metric_make_pass(const auvid_metric_t *m, auvid_real_t *kernel,
+                                      uint8_t half_width, uint8_t derivative)
 {
     auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
     auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
@@ -122,7 +122,7 @@ static auvid_real_t *make_pass(const auvid_metric_t *m, auvid_real_t *kernel, ui
 }
 
 /* A pass of n coefficients at `first`, and after it one at c, which may be the same. */
-static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
+static void metric_convolve(auvid_real_t *first, const auvid_real_t *c, int n)
 {
     for (int t = 2 * n - 2; t >= 0; --t) { /* in place: what is still needed stands before t */
         auvid_real_t sum = AUVID_C(0.0);
@@ -134,7 +134,7 @@ static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
 }
 
 /* Binomial weights over an odd number of rows: n of them have a variance of (n - 1) / 4. */
-static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
+static void metric_make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 {
     auvid_real_t rows = deviation_s * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
@@ -153,38 +153,39 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 }
 
 /* The residual path with rows of its own kind: means over the row; residuals are smoothed later. */
-static bool averages(const auvid_metric_config_t *cfg)
+static bool metric_averages(const auvid_metric_config_t *cfg)
 {
     return !auvid_metric_is_linear(cfg) && !auvid_metric_is_literal(cfg);
 }
 
-static uint32_t widest(const auvid_metric_config_t *cfg)
+static uint32_t metric_max_half_width(const auvid_metric_config_t *cfg)
 {
     return cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
 }
 
-static uint32_t taps_of(const auvid_metric_config_t *cfg)
+static uint32_t metric_taps(const auvid_metric_config_t *cfg)
 {
     uint32_t ends = !auvid_metric_is_literal(cfg) && cfg->velocity_us > 0 ? 2u : 0u;
-    return averages(cfg) ? cfg->row_cells : 2 * widest(cfg) * cfg->passes + 1 + ends;
+    return metric_averages(cfg) ? cfg->row_cells
+                                : 2 * metric_max_half_width(cfg) * cfg->passes + 1 + ends;
 }
 
-static uint32_t overlap_of(const auvid_metric_config_t *cfg)
+static uint32_t metric_overlap(const auvid_metric_config_t *cfg)
 {
-    return (taps_of(cfg) + cfg->row_cells - 1) / cfg->row_cells;
+    return (metric_taps(cfg) + cfg->row_cells - 1) / cfg->row_cells;
 }
 
 /* Does the filter exist (smoother.h), and is there room for it? */
-static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check_filter(const auvid_metric_config_t *cfg)
 {
     int least = cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
-    if (taps_of(cfg) > AUVID_MAX_TAPS || overlap_of(cfg) > AUVID_MAX_OVERLAP) {
+    if (metric_taps(cfg) > AUVID_MAX_TAPS || metric_overlap(cfg) > AUVID_MAX_OVERLAP) {
         return AUVID_ERR_SIZE;
     }
-    if (averages(cfg)) {
+    if (metric_averages(cfg)) {
         return AUVID_OK;
     }
-    if (widest(cfg) > AUVID_MAX_HALF_WIDTH) {
+    if (metric_max_half_width(cfg) > AUVID_MAX_HALF_WIDTH) {
         return AUVID_ERR_SIZE;
     }
     if (cfg->order > AUVID_SMOOTHER_MAX_ORDER ||
@@ -195,7 +196,7 @@ static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
 }
 
 /* Is there room for all channels and triangles? */
-static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg)
 {
     uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -210,35 +211,35 @@ static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
     return fit ? AUVID_OK : AUVID_ERR_SIZE;
 }
 
-static void make_filter(auvid_metric_t *m)
+static void metric_make_filter(auvid_metric_t *m)
 {
     const auvid_metric_config_t *cfg = &m->cfg;
-    m->taps = (uint8_t)taps_of(cfg);
-    m->overlap = (uint8_t)overlap_of(cfg);
-    if (averages(cfg)) {
+    m->taps = (uint8_t)metric_taps(cfg);
+    m->overlap = (uint8_t)metric_overlap(cfg);
+    if (metric_averages(cfg)) {
         for (int i = 0; i < m->taps; ++i) {
             m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
         }
-        make_window(m, RESIDUAL_SMOOTHING_S);
+        metric_make_window(m, RESIDUAL_SMOOTHING_S);
         return;
     }
-    make_window(m, AUVID_C(0.0));
+    metric_make_window(m, AUVID_C(0.0));
     bool literal = auvid_metric_is_literal(cfg);
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
     m->interpolation_spread = literal ? AUVID_C(0.0) : spread;
     uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
-    auvid_real_t *smooth = make_pass(m, m->kernel[0], half, 0);
-    auvid_real_t *second = make_pass(m, m->kernel[1], other, literal);
+    auvid_real_t *smooth = metric_make_pass(m, m->kernel[0], half, 0);
+    auvid_real_t *second = metric_make_pass(m, m->kernel[1], other, literal);
     if (cfg->passes == 2) { /* a derivative is taken once */
-        convolve(second, literal ? smooth : second, 2 * other + 1);
-        convolve(smooth, smooth, 2 * half + 1);
+        metric_convolve(second, literal ? smooth : second, 2 * other + 1);
+        metric_convolve(smooth, smooth, 2 * half + 1);
     }
 }
 
 /* Give each modelled DoF its channels and its triangle. In the residual path they serve the model
  * linearised at an estimate. */
-static void lay_out(auvid_metric_t *m)
+static void metric_lay_out(auvid_metric_t *m)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
@@ -268,15 +269,15 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = metric_check(cfg);
-    status = status == AUVID_OK ? filter_fits(cfg) : status;
-    status = status == AUVID_OK ? columns_fit(cfg) : status;
+    status = status == AUVID_OK ? metric_check_filter(cfg) : status;
+    status = status == AUVID_OK ? metric_check_columns(cfg) : status;
     if (status < 0) {
         return status;
     }
     metric->cfg = *cfg;
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
-    make_filter(metric);
-    lay_out(metric);
+    metric_make_filter(metric);
+    metric_lay_out(metric);
     memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
     metric->first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;

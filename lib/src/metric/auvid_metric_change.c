@@ -24,7 +24,7 @@ void auvid_metric_change_begin(auvid_metric_t *metric)
 }
 
 /* The set of DoF j has been taken in as number `place` of the chain: what it tells. */
-static void note_set(auvid_metric_t *m, int j, int place)
+static void metric_record_change(auvid_metric_t *m, int j, int place)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
@@ -50,7 +50,7 @@ static void note_set(auvid_metric_t *m, int j, int place)
 }
 
 /* One row of one band of the set of that place in DoF j's chain. @return its rows are at an end */
-static bool metric_judge_row(auvid_metric_t *m, int j, int place)
+static bool metric_change_row(auvid_metric_t *m, int j, int place)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = place < sets ? sets - 1 - place : place - sets;
@@ -78,8 +78,8 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
                 return AUVID_PENDING;
             }
             if (auvid_metric_spend(m, budget, AUVID_METRIC_ROTATION) &&
-                metric_judge_row(m, j, m->at_set)) {
-                note_set(m, j, m->at_set++);
+                metric_change_row(m, j, m->at_set)) {
+                metric_record_change(m, j, m->at_set++);
                 m->at_row = 0;
             }
         }

@@ -21,9 +21,8 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     uint8_t driven = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t least = m->cfg.excitation_threshold * m->cfg.tau_max[j];
-        bool is_driven =
-            m->cfg.vehicle->columns[j] != 0 &&
-            m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
+        bool is_driven = m->cfg.vehicle->columns[j] != 0 &&
+                         m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
         driven = (uint8_t)(driven | (unsigned)is_driven << j);
     }
     bool kept = auvid_metric_free_of(m, driven) != 0;

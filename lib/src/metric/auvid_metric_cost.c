@@ -46,7 +46,7 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auv
 }
 
 /* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
-static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
+static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
         int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
@@ -93,7 +93,7 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
 }
 
 /* Residuals of one stored row into the window. @return the window is full of successive rows */
-static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
+static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     uint8_t without = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
@@ -112,7 +112,7 @@ static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
     return m->window_rows >= m->window_length;
 }
 
-static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
+static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 {
     auvid_real_t e = AUVID_C(0.0);
     for (uint32_t k = 0; k < m->window_length; ++k) {
@@ -122,7 +122,7 @@ static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
 }
 
 /* J = sum over stored rows, oldest set first; compensated, since the constant part is in it. */
-static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
+static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
     int sets = auvid_metric_sets(m);
     for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
@@ -133,12 +133,12 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
-            if (!push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
+            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
-                    auvid_real_t e = smoothed_residual(m, j);
+                    auvid_real_t e = metric_smoothed_residual(m, j);
                     squares += m->weight[j] * e * e;
                     m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
                 }
@@ -157,8 +157,8 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
     if (metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
-    return auvid_metric_has_regressor(metric) ? triangle_cost(metric, budget)
-                                              : sample_cost(metric, budget);
+    return auvid_metric_has_regressor(metric) ? metric_factor_cost(metric, budget)
+                                              : metric_sample_cost(metric, budget);
 }
 
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
@@ -196,7 +196,7 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     }
     auvid_metric_t *m = metric;
     bool done = auvid_metric_has_regressor(m) ? auvid_metric_for_each_row(m, budget)
-                                              : sample_cost(m, budget) == AUVID_OK;
+                                              : metric_sample_cost(m, budget) == AUVID_OK;
     if (!done) {
         return AUVID_PENDING;
     }

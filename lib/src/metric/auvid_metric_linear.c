@@ -40,7 +40,7 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
 }
 
 /* The row `back` rows before row r of the set of that age, if it is still there. */
-static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, int back)
+static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, int r, int back)
 {
     if (back > r) {
         if (age + 1 >= auvid_metric_sets(m)) {
@@ -53,11 +53,11 @@ static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, in
 }
 
 /* Do the rows that end with row r make a whole window? */
-static bool has_window(const auvid_metric_t *m, int age, int r)
+static bool metric_has_window(const auvid_metric_t *m, int age, int r)
 {
-    const auvid_row_t *later = row_before(m, age, r, 0);
+    const auvid_row_t *later = metric_row_before(m, age, r, 0);
     for (int k = 1; k < m->window_length; ++k) {
-        const auvid_row_t *row = row_before(m, age, r, k);
+        const auvid_row_t *row = metric_row_before(m, age, r, k);
         if (row == NULL || !auvid_metric_succeeds(m, row->sample.t_us, later->sample.t_us)) {
             return false;
         }
@@ -68,8 +68,8 @@ static bool has_window(const auvid_metric_t *m, int age, int r)
 
 /* Residuals of a stored row with value number v moved by half a step up or down, or as it is:
  * v = 0; parameter (v - 1) / 2; the delay. */
-static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *row, int v,
-                                          auvid_real_t residual[AUVID_DOF_COUNT])
+static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row_t *row, int v,
+                                              auvid_real_t residual[AUVID_DOF_COUNT])
 {
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
@@ -93,10 +93,11 @@ static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *
 
 /* Add one evaluation to the derivatives, which gather in z: for each DoF those by its parameters,
  * then e, then e_d. */
-static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t share, int v)
+static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t share,
+                                  int v)
 {
     auvid_real_t residual[AUVID_DOF_COUNT];
-    auvid_real_t weight = share * metric_evaluate_moved(m, row, v, residual);
+    auvid_real_t weight = share * metric_evaluate_perturbed(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *z = m->z + m->channel_at[j];
@@ -112,17 +113,18 @@ static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real
 }
 
 /* The DoF that the window ending with row r of the set of that age lacks a velocity of. */
-static uint8_t without_window(const auvid_metric_t *m, int age, int r)
+static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int r)
 {
     uint8_t missing = 0;
     for (int k = 0; k < m->window_length; ++k) {
-        missing |= row_before(m, age, r, k)->sample.missing;
+        missing |= metric_row_before(m, age, r, k)->sample.missing;
     }
     return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
 }
 
 /* The derivatives are complete: into the triangles, but for the DoF `without`. */
-static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
+static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
+                                                uint8_t without)
 {
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
     for (int j = 0; j < AUVID_DOF_COUNT;
@@ -161,7 +163,7 @@ static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, ui
 }
 
 /* Values that are moved: is number v one of them? */
-static bool metric_moves(const auvid_metric_t *m, int v)
+static bool metric_is_perturbed(const auvid_metric_t *m, int v)
 {
     int i = (v - 1) / 2;
     return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
@@ -169,27 +171,28 @@ static bool metric_moves(const auvid_metric_t *m, int v)
 }
 
 /* All windows of one set. @return done */
-static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
+static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
 {
     int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
     for (; m->at_row < set->rows; m->at_row = (uint16_t)(m->at_row + stride), m->at_part = 0) {
         if (m->at_part == 0) {
-            if (!has_window(m, m->at_set, m->at_row)) {
+            if (!metric_has_window(m, m->at_set, m->at_row)) {
                 continue;
             }
             memset(m->z, 0, sizeof m->z);
         }
         for (; m->at_part < values * m->window_length; ++m->at_part) {
             int k = m->at_part / values, v = m->at_part % values;
-            if (!metric_moves(m, v)) {
+            if (!metric_is_perturbed(m, v)) {
                 continue;
             }
             if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->window_weight[k], v);
+            metric_add_evaluation(m, metric_row_before(m, m->at_set, m->at_row, k),
+                                  m->window_weight[k], v);
         }
-        finish_window(m, set, without_window(m, m->at_set, m->at_row));
+        metric_finish_window(m, set, metric_dofs_without_window(m, m->at_set, m->at_row));
     }
     return true;
 }
@@ -209,7 +212,7 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
             memset(m->factor, 0, sizeof m->factor);
             memset(set->windows, 0, sizeof set->windows);
         }
-        if (!linearise_set(m, set, budget)) {
+        if (!metric_linearise_set(m, set, budget)) {
             return AUVID_PENDING;
         }
         auvid_metric_pack(m, set);

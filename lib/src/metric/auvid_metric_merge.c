@@ -33,8 +33,7 @@
  * stamps make it look so: where the delay is uncertain, shifts from -2/3 (two cells) are tried. */
 enum { DELAY_STEPS = 20, EARLY_STEPS = 7 };
 #define DELAY_STEP AUVID_C(0.1)
-#define EARLIEST                                                                                   \
-    (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
+#define EARLIEST (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
 
 /* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
  * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
@@ -67,7 +66,7 @@ auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real
 
 /* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola
  * through the best point and its neighbours. */
-static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
+static auvid_real_t metric_best_delay(const auvid_metric_t *m, int j, bool lag)
 {
     auvid_real_t least = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     bool early = !lag && m->cfg.delay_sigma_s > AUVID_C(0.0);
@@ -89,9 +88,9 @@ static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
 
 /* Shift or first-order lag, whichever leaves less unexplained; none without evidence. With E(s) the
  * unexplained part, N rows and E nearly a parabola: sigma^2 = s^2 / (N (E(0) / E(s) - 1)). */
-static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
+static auvid_real_t metric_estimate_delay(const auvid_metric_t *m, int j, bool *lag)
 {
-    auvid_real_t as_shift = best_delay(m, j, false), as_lag = best_delay(m, j, true);
+    auvid_real_t as_shift = metric_best_delay(m, j, false), as_lag = metric_best_delay(m, j, true);
     auvid_real_t shift_leaves = auvid_metric_unexplained(m, j, as_shift, false);
     auvid_real_t lag_leaves = auvid_metric_unexplained(m, j, as_lag, true);
     *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
@@ -138,7 +137,7 @@ void auvid_metric_solve_dof(auvid_metric_t *m, int j)
         s = driven ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
         lag = false;
     } else if (m->cfg.estimate_delay) {
-        s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
+        s = driven ? metric_estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * auvid_metric_node_s(m);
     m->first_order_lag = (uint8_t)((m->first_order_lag & ~(1u << j)) | (unsigned)lag << j);
@@ -169,16 +168,16 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     auvid_qr_update(m->merged + m->factor_at[j], n, i, row);
 }
 
-static bool rotates(const auvid_metric_t *m)
+static bool metric_rotates(const auvid_metric_t *m)
 {
     return m->pass != PASS_RESIDUAL && m->pass != PASS_MEASURE;
 }
 
 /* One row of one band of one set: rotate it in, or add its residual at the candidate. */
-static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
     int n = auvid_metric_order(m, j);
-    if (!rotates(m)) {
+    if (!metric_rotates(m)) {
         const auvid_real_t *x = m->candidate + m->channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
         auvid_metric_unpack_row(m, set, band, j, i, row);
@@ -217,8 +216,8 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            if (auvid_metric_spend(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
-                visit_row(m, set, m->at_band, j, m->at_row++);
+            if (auvid_metric_spend(m, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+                metric_visit_row(m, set, m->at_band, j, m->at_row++);
             }
             continue;
         }
@@ -235,7 +234,7 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 }
 
 /* weight_b ~ 1 / sse_b, geometric mean one. */
-static void weigh_bands(auvid_metric_t *m, int j)
+static void metric_weigh_bands(auvid_metric_t *m, int j)
 {
     auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
     auvid_real_t ratio = AUVID_C(1.0);
@@ -247,7 +246,7 @@ static void weigh_bands(auvid_metric_t *m, int j)
 }
 
 /* After a pass, one DoF at a time: eight units each. @return all done */
-static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
+static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_dof < AUVID_DOF_COUNT) {
         int j = m->at_dof;
@@ -259,7 +258,7 @@ static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
                 continue; /* the work of two rows */
             }
             if (m->pass == PASS_RESIDUAL) {
-                weigh_bands(m, j);
+                metric_weigh_bands(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
@@ -276,7 +275,7 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
     while (status == AUVID_EMPTY) {
         if (m->pass == PASS_PRIOR) {
             status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
-        } else if (auvid_metric_for_each_row(m, budget) && metric_settle_dof(m, budget)) {
+        } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
             auvid_metric_restart_pass(m, (uint8_t)(m->pass + 1));
         } else {
             status = AUVID_PENDING;

@@ -18,7 +18,7 @@
 enum { DIGITS = AUVID_METRIC_DIGITS };
 
 /* 2^e, -126 <= e <= 126. */
-static auvid_real_t power_of_two(int e)
+static auvid_real_t metric_power_of_two(int e)
 {
     uint32_t bits = (uint32_t)(e + 127) << 23;
     float power;
@@ -27,7 +27,7 @@ static auvid_real_t power_of_two(int e)
 }
 
 /* The least e with x < 2^(e + DIGITS), a little less to have room for rounding; from -126 on. */
-static int exponent_of(auvid_real_t x)
+static int metric_exponent(auvid_real_t x)
 {
     float single = (float)(AUVID_C(1.0001) * x);
     uint32_t bits;
@@ -37,13 +37,13 @@ static int exponent_of(auvid_real_t x)
 }
 
 /* To the nearest whole number. */
-static auvid_packed_t rounded(auvid_real_t share)
+static auvid_packed_t metric_round(auvid_real_t share)
 {
     return (auvid_packed_t)(share + (share < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
 /* Column k of DoF j's triangle, of order n. Rows were within bounds, so all is finite. */
-static void pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n, int k)
+static void metric_pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n, int k)
 {
     int top = m->factor_at[j] + k;
     auvid_real_t largest = AUVID_C(0.0);
@@ -52,12 +52,12 @@ static void pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n,
         largest = low > largest ? low : largest;
         largest = high > largest ? high : largest;
     }
-    int e = exponent_of(largest);
-    auvid_real_t scale = power_of_two(-e);
+    int e = metric_exponent(largest);
+    auvid_real_t scale = metric_power_of_two(-e);
     set->exponent[m->channel_at[j] + k] = (int8_t)e;
     for (int i = 0, at = top; i <= k; at += n - ++i) {
-        set->factor[0][at] = rounded(scale * m->factor[0][at]);
-        set->factor[1][at] = rounded(scale * m->factor[1][at]);
+        set->factor[0][at] = metric_round(scale * m->factor[0][at]);
+        set->factor[1][at] = metric_round(scale * m->factor[1][at]);
     }
 }
 
@@ -66,34 +66,35 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(m, j);
         for (int k = 0; k < n; ++k) {
-            pack_column(m, set, j, n, k);
+            metric_pack_column(m, set, j, n, k);
         }
     }
 }
 
 /* The set of the ring that is `back` turns old: 0 is where the next one goes. */
-static auvid_set_t *metric_place(auvid_metric_t *m, uint32_t back)
+static auvid_set_t *metric_set_slot(auvid_metric_t *m, uint32_t back)
 {
     return &m->set[(m->sets_stored + m->cfg.sets - back) % m->cfg.sets];
 }
 
 /* Would the next set overwrite one that is still needed? */
-static bool is_taken(auvid_metric_t *m)
+static bool metric_slot_is_needed(auvid_metric_t *m)
 {
     uint32_t most = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
     if (!m->held) {
         return m->waiting >= m->cfg.sets;
     }
-    return metric_place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
+    return metric_set_slot(m, 0)->rows > 0 &&
+           (m->waiting >= most || auvid_metric_sets(m) <= m->least);
 }
 
 /* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
  * those that wait the oldest is lost then, and the others move up. Null: the new one is lost. */
-static auvid_set_t *make_room(auvid_metric_t *m)
+static auvid_set_t *metric_make_room(auvid_metric_t *m)
 {
-    bool lose = is_taken(m);
+    bool lose = metric_slot_is_needed(m);
     if (lose) {
-        m->rows_dropped += m->waiting > 0 ? metric_place(m, m->waiting)->rows : m->rows;
+        m->rows_dropped += m->waiting > 0 ? metric_set_slot(m, m->waiting)->rows : m->rows;
     } else {
         ++m->waiting;
     }
@@ -102,19 +103,19 @@ static auvid_set_t *make_room(auvid_metric_t *m)
     }
     if (lose && m->held) {
         for (uint32_t back = m->waiting; back > 1; --back) {
-            *metric_place(m, back) = *metric_place(m, back - 1u);
+            *metric_set_slot(m, back) = *metric_set_slot(m, back - 1u);
         }
     } else {
         ++m->sets_stored;
         m->from = (uint8_t)(m->from + m->held);
         m->ring_changed = m->held;
     }
-    return metric_place(m, 1);
+    return metric_set_slot(m, 1);
 }
 
 void auvid_metric_store_set(auvid_metric_t *m, uint8_t driven)
 {
-    auvid_set_t *set = make_room(m);
+    auvid_set_t *set = metric_make_room(m);
     if (set == NULL) {
         return;
     }
@@ -138,6 +139,6 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
     const auvid_packed_t *share = set->factor[band] + m->factor_at[j] + auvid_qr_row(n, i) - i;
     const int8_t *exponent = set->exponent + m->channel_at[j];
     for (int k = i; k < n; ++k) {
-        row[k] = (auvid_real_t)share[k] * power_of_two(exponent[k]);
+        row[k] = (auvid_real_t)share[k] * metric_power_of_two(exponent[k]);
     }
 }

@@ -22,7 +22,7 @@
 #define LARGEST_ERROR AUVID_C(2e30)
 
 /* Parameters of DoF j's own that are remembered: bit k, by column. */
-static uint32_t columns_known(const auvid_metric_t *m, int j)
+static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 {
     uint32_t known = 0;
     for (int k = 0; k < m->count[j]; ++k) {
@@ -33,7 +33,7 @@ static uint32_t columns_known(const auvid_metric_t *m, int j)
     return known;
 }
 
-static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
@@ -48,16 +48,16 @@ static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 }
 
 /* @return are these sets and the memory of the same vehicle? */
-static bool recall_dof(auvid_metric_t *m, int j)
+static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
     bool lag = (m->first_order_lag >> j & 1) != 0;
     auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
     auvid_real_t square = m->prior.variance_inflation[j] * before / rows, freedom = AUVID_C(0.0);
-    uint32_t known = columns_known(m, j);
+    uint32_t known = metric_prior_columns(m, j);
     for (int k = 0; k < m->count[j]; ++k) {
         if (known >> k & 1u) {
-            metric_rotate(m, j, k, auvid_sqrt(square));
+            metric_add_prior_row(m, j, k, auvid_sqrt(square));
             freedom += AUVID_C(1.0);
         }
     }
@@ -68,7 +68,7 @@ static bool recall_dof(auvid_metric_t *m, int j)
 }
 
 /* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (forgotten: the last pass begins anew) */
-static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
+static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
         int j = m->at_dof;
@@ -81,7 +81,7 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
         } while (!auvid_metric_spend(m, budget, price));
-        if (!recall_dof(m, j)) {
+        if (!metric_apply_prior_dof(m, j)) {
             m->prior.known = 0;
             m->apply_prior = NULL;
             auvid_metric_restart_pass(m, PASS_LAST);
@@ -91,7 +91,7 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-static bool is_error(auvid_real_t x)
+static bool metric_is_valid_error(auvid_real_t x)
 {
     return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
 }
@@ -105,8 +105,8 @@ auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvi
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         int j = (int)metric->cfg.vehicle->parameter[i].dof;
-        if ((memory->known >> i & 1u) &&
-            !(is_error(memory->sigma[i]) && is_error(memory->variance_inflation[j]))) {
+        if ((memory->known >> i & 1u) && !(metric_is_valid_error(memory->sigma[i]) &&
+                                           metric_is_valid_error(memory->variance_inflation[j]))) {
             return AUVID_ERR_RANGE;
         }
     }
@@ -128,6 +128,6 @@ auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_
         return AUVID_ERR_MODEL;
     }
     metric->prior = *memory;
-    metric->apply_prior = memory->known == 0 ? NULL : recall;
+    metric->apply_prior = memory->known == 0 ? NULL : metric_apply_prior;
     return AUVID_OK;
 }

@@ -78,7 +78,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
 }
 
 /* The wrench of DoF j, `ago` cells before the newest, straight between cells. */
-static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t ago)
+static auvid_real_t validation_past_wrench(const auvid_validation_t *v, int j, auvid_real_t ago)
 {
     ago = auvid_min(ago, (auvid_real_t)(AUVID_VALIDATION_PAST - 1)); /* rounding */
     uint32_t whole = (uint32_t)ago;
@@ -90,9 +90,9 @@ static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t
 
 /* nu_dot with the recorded signals `part` of the way from the last cell to `to`, commands of
  * `half`. */
-static void rates(const auvid_validation_t *v, const auvid_sample_t *to, const auvid_sample_t *half,
-                  auvid_real_t part, const auvid_real_t *nu, const auvid_real_t *tau,
-                  auvid_real_t *nu_dot)
+static void validation_rates(const auvid_validation_t *v, const auvid_sample_t *to,
+                             const auvid_sample_t *half, auvid_real_t part, const auvid_real_t *nu,
+                             const auvid_real_t *tau, auvid_real_t *nu_dot)
 {
     auvid_sample_t s = v->last;
     memcpy(s.command, half->command, sizeof s.command);
@@ -109,8 +109,9 @@ static void rates(const auvid_validation_t *v, const auvid_sample_t *to, const a
 }
 
 /* One step over `part` of a cell, begun `from` of the way, under a constant wrench. */
-static void runge_kutta(auvid_validation_t *v, const auvid_sample_t *to, const auvid_sample_t *half,
-                        auvid_real_t from, auvid_real_t part, const auvid_real_t *tau)
+static void validation_runge_kutta(auvid_validation_t *v, const auvid_sample_t *to,
+                                   const auvid_sample_t *half, auvid_real_t from, auvid_real_t part,
+                                   const auvid_real_t *tau)
 {
     static const auvid_real_t reach[4] = {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.5), AUVID_C(1.0)};
     static const auvid_real_t share[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
@@ -121,7 +122,7 @@ static void runge_kutta(auvid_validation_t *v, const auvid_sample_t *to, const a
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             nu[j] = v->predicted[j] + reach[stage] * h * k[j];
         }
-        rates(v, to, half, from + part * reach[stage], nu, tau, k);
+        validation_rates(v, to, half, from + part * reach[stage], nu, tau, k);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             step[j] += share[stage] * k[j];
         }
@@ -133,26 +134,26 @@ static void runge_kutta(auvid_validation_t *v, const auvid_sample_t *to, const a
 }
 
 /* Half a cell under a constant wrench. */
-static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t from,
-                      const auvid_real_t *tau)
+static void validation_half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t from,
+                                 const auvid_real_t *tau)
 {
     const auvid_sample_t *half = from > AUVID_C(0.0) ? to : &v->last;
     auvid_real_t part = AUVID_C(0.5) / (auvid_real_t)STEPS;
     for (int i = 0; i < STEPS; ++i) {
-        runge_kutta(v, to, half, from + part * (auvid_real_t)i, part, tau);
+        validation_runge_kutta(v, to, half, from + part * (auvid_real_t)i, part, tau);
     }
 }
 
 /* The wrench of one half cell, mean over it: `ago` is that half's cell, before delay. */
-static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
+static void validation_half_cell_wrench(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (!(v->first_order_lag >> j & 1u) || !(v->delay_cells[j] > AUVID_C(0.0))) {
-            tau[j] = past_wrench(v, j, ago + v->delay_cells[j]);
+            tau[j] = validation_past_wrench(v, j, ago + v->delay_cells[j]);
             continue;
         }
         /* y(h) - y(0) by the trapezoidal rule, h half a cell */
-        auvid_real_t target = past_wrench(v, j, ago);
+        auvid_real_t target = validation_past_wrench(v, j, ago);
         auvid_real_t step =
             (target - v->wrench[j]) * AUVID_C(0.5) / (v->delay_cells[j] + AUVID_C(0.25));
         tau[j] = v->wrench[j] + AUVID_C(0.5) * step;
@@ -179,7 +180,7 @@ static void validation_compare(auvid_validation_t *v, const auvid_sample_t *s)
 }
 
 /* Do the integrated equations read one of these velocities? */
-static bool lacks(const auvid_validation_t *v, uint32_t missing)
+static bool validation_lacks_velocity(const auvid_validation_t *v, uint32_t missing)
 {
     return (auvid_vehicle_unmeasured(v->vehicle, (uint8_t)missing) & v->dofs) != 0;
 }
@@ -198,18 +199,20 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     auvid_validation_t *v = validation;
     ++v->since_gap;
     memcpy(v->past[v->since_gap % AUVID_VALIDATION_PAST], sample->tau, sizeof sample->tau);
-    if (lacks(v, sample->missing & ~v->dofs)) { /* of what comes from the record */
+    if (validation_lacks_velocity(v,
+                                  sample->missing & ~v->dofs)) { /* of what comes from the record */
         v->running = false;
-    } else if (!v->running && v->since_gap >= WARM_UP && !lacks(v, sample->missing)) {
+    } else if (!v->running && v->since_gap >= WARM_UP &&
+               !validation_lacks_velocity(v, sample->missing)) {
         memcpy(v->predicted, sample->nu, sizeof v->predicted);
         memcpy(v->wrench, v->last.tau, sizeof v->wrench);
         v->running = true;
     } else if (v->running) {
         auvid_real_t tau[AUVID_DOF_COUNT];
-        wrench_of_half(v, AUVID_C(1.0), tau);
-        half_cell(v, sample, AUVID_C(0.0), tau);
-        wrench_of_half(v, AUVID_C(0.0), tau);
-        half_cell(v, sample, AUVID_C(0.5), tau);
+        validation_half_cell_wrench(v, AUVID_C(1.0), tau);
+        validation_half_cell(v, sample, AUVID_C(0.0), tau);
+        validation_half_cell_wrench(v, AUVID_C(0.0), tau);
+        validation_half_cell(v, sample, AUVID_C(0.5), tau);
     }
     if (v->running) {
         validation_compare(v, sample);
