@@ -1,15 +1,15 @@
 /*
- * Metric: the checksum of its model, for records that outlive the power.
+ * Metric: the checksum of its model, for records in non-volatile memory.
  */
 #include "../base/auvid_checksum_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "auvid_metric_internal.h"
 
-/* With its final zero. */
+/* Checksum of a string with its terminating zero. */
 static uint32_t metric_checksum_name(uint32_t c, const char *name)
 {
     const uint8_t none = 0;
-    for (; name != NULL && *name != '\0'; ++name) { /* a model may have none */
+    for (; name != NULL && *name != '\0'; ++name) { /* a model may have no name */
         uint8_t letter = (uint8_t)*name;
         c = auvid_checksum(c, &letter, 1);
     }
