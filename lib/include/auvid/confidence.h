@@ -15,11 +15,11 @@
  *   estimate is not corrected.
  * - *Considered parameters*: the common scale of the supplied thrust, and that of the DVL. No
  *   motion shows them, so they are not estimated. The change of the estimate by one standard
- *   deviation of each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale all
- *   parameters change in proportion, thrust_error = thrust_scale pi, unless some are fixed: fixed
- *   drags are accounted for, fixed masses are assumed orthogonal to the rest. In a model without
- *   regressor, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust no
- *   parameter scales.
+ *   deviation of each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale
+ *   all parameters change in proportion, thrust_error = thrust_scale pi, unless some are fixed:
+ *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. In a model
+ *   without regressor, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
+ *   no parameter scales.
  * - *Identifiable*: the DoF was excited, and the 95 % half-width, with all of the above, is at most
  *   20 % of the value (for a constant force, 2 % of tau_max). Otherwise a note gives the reason.
  *   The DoF was not excited. Only a combination with another parameter is known. The force is too

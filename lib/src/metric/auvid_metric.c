@@ -178,7 +178,8 @@ static uint32_t metric_overlap(const auvid_metric_config_t *cfg)
 /* Check that the filter exists (smoother.h) and fits. */
 static auvid_status_t metric_check_filter(const auvid_metric_config_t *cfg)
 {
-    int min_half = cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+    int min_half =
+        cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
     if (metric_taps(cfg) > AUVID_MAX_TAPS || metric_overlap(cfg) > AUVID_MAX_OVERLAP) {
         return AUVID_ERR_SIZE;
     }
@@ -237,8 +238,8 @@ static void metric_make_filter(auvid_metric_t *m)
     }
 }
 
-/* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised at
- * an estimate uses them. */
+/* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised
+ * at an estimate uses them. */
 static void metric_lay_out(auvid_metric_t *m)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;

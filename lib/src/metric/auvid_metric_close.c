@@ -21,7 +21,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j];
         bool is_excited = m->cfg.vehicle->columns[j] != 0 &&
-                         m->tau_m2[j] > min_rms * min_rms * (auvid_real_t)m->rows_of[j];
+                          m->tau_m2[j] > min_rms * min_rms * (auvid_real_t)m->rows_of[j];
         excited = (uint8_t)(excited | (unsigned)is_excited << j);
     }
     bool kept = auvid_metric_free_of(m, excited) != 0;

@@ -162,7 +162,8 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
 
 /** Row i < count[j] of DoF j in the regressor path's cost, which is ||R pi - z||^2 over all rows
  * of excited DoF. The row has the columns of the n parameters of `active`, then z less what the
- * other parameters explain. row[] has n + 1 entries, at least as many as the model has parameters. */
+ * other parameters explain. row[] has n + 1 entries, at least as many as the model has parameters.
+ * */
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
 

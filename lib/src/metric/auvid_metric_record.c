@@ -1,9 +1,9 @@
 /*
- * Metric, recording (Karras et al. 2013, III-B): cells to rows. Sets are completed in
- * auvid_metric_close.c.
+ * Metric, recording (Karras et al. 2013, III-B): cells to rows. auvid_metric_close.c completes
+ * sets.
  *
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
- * rows under construction, so no window of cells is kept.
+ * rows under construction, so no window of cells is stored.
  */
 #include "auvid/metric.h"
 
@@ -12,12 +12,12 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Cells of which the inputs are kept. */
+/* Number of cells whose inputs are stored. */
 enum { PAST = AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1 };
 /* Wrench and commands. */
 enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
 
-/* Where the regressor is evaluated: in memory that the residual path alone needs, or else on the
+/* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
  * stack. */
 #if AUVID_REGRESSOR_ONLY
 #define REGRESSOR(metric) (&(auvid_regressor_t){{{AUVID_C(0.0)}}})
@@ -25,23 +25,23 @@ enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
 #define REGRESSOR(metric) (&(metric)->regressor)
 #endif
 
-/* Wrench and commands at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
+/* Returns wrench and commands at delay number `delay`, in steps of AUVID_METRIC_DELAY_CELLS. */
 static const auvid_real_t *metric_delayed_inputs(const auvid_metric_t *m, int delay)
 {
     uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->cells % PAST;
     return m->past_tau[now >= ago ? now - ago : now + PAST - ago];
 }
 
-/* Channels of the regressor path stand in sections of one weight each: of the forces what their
- * parameters are multiplied by, then their wrench at three delays; then the same of the moments.
- * Where section i of these four begins: */
+/* The channels of the regressor path form four sections of one weight each. The forces have the
+ * factors of their parameters, then their wrench at three delays; the moments have the same.
+ * Returns where section i begins. */
 static int metric_section(const auvid_metric_t *m, int i)
 {
     int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
     return m->channel_at[j] + (i % 2 ? m->count[j] + m->count[j + 1] + m->count[j + 2] : 0);
 }
 
-/* What fixed parameters explain of DoF j's wrench. */
+/* Returns the part of DoF j's wrench that fixed parameters explain. */
 static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
                                               const auvid_real_t *row)
 {
@@ -56,16 +56,18 @@ static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
     return sum;
 }
 
+/* Evaluate the regressor into *y. */
 static void metric_evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_clear(y->row[0], sizeof *y / sizeof y->row[0][0]);
     m->cfg.vehicle->regressor(m->cfg.vehicle->context, s, y);
 }
 
-/* Fill the sections; late: inputs at each node. @return do fixed parameters explain anything? */
+/* Fill the sections. late: inputs at each delay; fixed: wrench explained by fixed parameters.
+ * @return true if it is not zero */
 static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
                                 const auvid_real_t *const late[AUVID_METRIC_DELAYS],
-                                auvid_real_t *channel, auvid_real_t known[AUVID_DOF_COUNT])
+                                auvid_real_t *channel, auvid_real_t fixed[AUVID_DOF_COUNT])
 {
     auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     bool any = false;
@@ -74,12 +76,12 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
             motion = channel + metric_section(m, 2);
             wrench = channel + metric_section(m, 3);
         }
-        known[j] = AUVID_C(0.0);
+        fixed[j] = AUVID_C(0.0);
         if (m->cfg.vehicle->columns[j] == 0) {
             continue;
         }
-        known[j] = metric_explained_by_fixed(m, j, y->row[j]);
-        any = any || auvid_abs(known[j]) > AUVID_C(0.0);
+        fixed[j] = metric_explained_by_fixed(m, j, y->row[j]);
+        any = any || auvid_abs(fixed[j]) > AUVID_C(0.0);
         const uint8_t *index = m->index + m->channel_at[j];
         for (int k = m->count[j]; k > 0; --k) {
             *motion++ = y->row[j][*index++];
@@ -91,7 +93,7 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
     return any;
 }
 
-/* Weight of the wrench of forces besides kernel[age], which motion has too: see auvid_metric.c. */
+/* Returns the weight of the wrench of forces in addition to kernel[age]: see auvid_metric.c. */
 static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
 {
     const auvid_real_t *kernel = m->kernel[0];
@@ -100,7 +102,7 @@ static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
     return m->interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
-/* y += a x; four at a time, which halves its cost */
+/* y += a x; four entries at a time, which halves the cost. */
 AUVID_INLINE void metric_add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t *x, int n)
 {
     for (; n >= 4; n -= 4, x += 4, y += 4) {
@@ -114,7 +116,7 @@ AUVID_INLINE void metric_add_scaled(auvid_real_t *y, auvid_real_t a, const auvid
     }
 }
 
-/* Velocities that were not measured in a cell with a weight in the row. */
+/* Record the velocities that were not measured in a cell with a weight in the row. */
 static void metric_record_missing(auvid_metric_t *m, uint32_t slot, uint32_t age, uint8_t missing)
 {
     for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
@@ -124,7 +126,7 @@ static void metric_record_missing(auvid_metric_t *m, uint32_t slot, uint32_t age
     }
 }
 
-/* The DoF that have no row, because the model reads what is missing. */
+/* Returns the DoF (bit j) that have no row, because the model reads a missing velocity. */
 static uint8_t metric_dofs_without_row(const auvid_metric_t *m, uint32_t slot)
 {
     unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][0]);
@@ -132,10 +134,10 @@ static uint8_t metric_dofs_without_row(const auvid_metric_t *m, uint32_t slot)
     return (uint8_t)((forces & 7u) | (moments & ~7u));
 }
 
-/* Add weight * channel to row under construction `slot`; `age` cells have gone into it before.
- * known: null, where it is zero. */
+/* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
+ * it is zero. */
 static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
-                                   const auvid_real_t *channel, const auvid_real_t *known,
+                                   const auvid_real_t *channel, const auvid_real_t *fixed,
                                    uint8_t missing)
 {
     const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
@@ -146,16 +148,16 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
     metric_add_scaled(row, force, channel, wrench);
     metric_add_scaled(row + wrench, force + metric_spread_weight(m, age), channel + wrench,
                       moments - wrench);
-    if (auvid_abs(moment) > AUVID_C(0.0)) { /* its kernel is shorter */
+    if (auvid_abs(moment) > AUVID_C(0.0)) { /* the kernel of moments is shorter */
         metric_add_scaled(row + moments, moment, channel + moments, end - moments);
     }
-    for (int j = 0; known != NULL && j < AUVID_DOF_COUNT; ++j) {
-        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * known[j];
+    for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
+        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
     }
 }
 
-/* The same for motion: attitude, nu, nu_dot, inputs at all delays. The literal reading makes its
- * accelerations of nu. */
+/* The same for motion: attitude, nu, nu_dot, inputs at all delays. Literal smoothing differentiates
+ * nu for the accelerations. */
 static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
                                      const auvid_sample_t *s)
 {
@@ -176,7 +178,7 @@ static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t 
     }
 }
 
-/* Mean and sum of squares about it, one value at a time (Welford). */
+/* Update the mean of the wrench and the sum of squares about it by one value (Welford). */
 static void metric_update_wrench_moments(auvid_metric_t *m, int j, auvid_real_t tau)
 {
     auvid_real_t off = tau - m->tau_mean[j];
@@ -198,8 +200,8 @@ static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_
     memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
 }
 
-/* Sums and differences of this row and an earlier one go into DoF j's triangles. The factor 1/2
- * makes the two bands together weigh as much as the rows themselves:
+/* Rotate sums and differences of this row and an earlier one into DoF j's R factors. The factor 1/2
+ * gives the two bands together the weight of the rows themselves:
  *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
 static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
@@ -225,22 +227,22 @@ static void metric_count_lost_rows(auvid_metric_t *m, uint32_t rows)
     m->lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
 }
 
-/* Some DoF has taken a row, or none. */
+/* Count a row: taken if some DoF has taken it, else lost. */
 static AUVID_NOINLINE void metric_count_row(auvid_metric_t *m, bool taken)
 {
     m->rows = (uint16_t)(m->rows + taken);
     metric_count_lost_rows(m, !taken);
 }
 
-/* A row of the regressor path: into the triangles, but for the DoF `without`. One in which the
- * regressor failed does not count: its wrench would pass for explained. */
+/* Take a row of the regressor path into the R factors, except for the DoF in `excluded`. A row in
+ * which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
-                            const auvid_real_t *known, uint8_t without)
+                            const auvid_real_t *fixed, uint8_t excluded)
 {
     const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
             AUVID_OK ||
-        auvid_all_within(known, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         memset(m->successive, 0, sizeof m->successive);
         return;
     }
@@ -255,7 +257,7 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        if ((without >> j & 1) != 0) {
+        if ((excluded >> j & 1) != 0) {
             m->successive[j] = 0;
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
@@ -266,7 +268,7 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
         memcpy(row, motion, (size_t)count * sizeof *row);
         motion += count;
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[count + d] = *wrench++ - known[j];
+            row[count + d] = *wrench++ - fixed[j];
         }
         metric_rotate_row(m, j, row);
     }
@@ -274,8 +276,8 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
     ++m->since_gap;
 }
 
-/* The literal reading's row in the place of its motion: at the smoothed sample, with the raw wrench
- * in the middle of the window. */
+/* Literal smoothing: replace the smoothed motion by the row evaluated there, with the raw wrench in
+ * the middle of the window. */
 static void metric_form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     auvid_real_t *channel = m->accumulator[slot], tau[AUVID_METRIC_DELAYS][AUVID_DOF_COUNT];
@@ -291,7 +293,7 @@ static void metric_form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     (void)metric_row_channels(m, y, late, channel, m->fixed_wrench[slot]);
 }
 
-/* A row of the residual path: into the store, if there is room, unless no equation of the model can
+/* Store a row of the residual path if there is room. It is counted if an equation of the model can
  * use it. */
 static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
@@ -301,10 +303,10 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     }
     const auvid_real_t *channel = m->accumulator[slot];
     auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
-    uint8_t without = metric_dofs_without_row(m, slot);
+    uint8_t excluded = metric_dofs_without_row(m, slot);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool has_row = (without >> j & 1) == 0;
+        bool has_row = (excluded >> j & 1) == 0;
         any = any || (has_row && m->cfg.vehicle->columns[j] != 0);
         if (has_row) {
             metric_update_wrench_moments(m, j, channel[MOTION_TAU + j]);
@@ -316,7 +318,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     metric_count_row(m, any);
 }
 
-/* A row is complete. */
+/* Process a complete row. */
 static AUVID_NOINLINE void metric_finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (!auvid_metric_has_regressor(m)) {
@@ -330,8 +332,8 @@ static AUVID_NOINLINE void metric_finish_row(auvid_metric_t *m, uint64_t t_us, u
                     metric_dofs_without_row(m, slot));
 }
 
-/* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
- * at `slot`. */
+/* Add the motion in cell n of the record to all rows under construction. The newest, begun
+ * n % row_cells cells ago, is at `slot`. */
 static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
                               uint32_t slot)
 {
@@ -342,10 +344,11 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
     }
 }
 
+/* The same for the equations of the regressor path. */
 static AUVID_NOINLINE void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample,
                                                 uint32_t n, uint32_t slot)
 {
-    auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
+    auvid_real_t channel[AUVID_MAX_COLUMNS], fixed[AUVID_DOF_COUNT];
     const auvid_real_t *late[AUVID_METRIC_DELAYS];
     auvid_regressor_t *y = REGRESSOR(m);
     uint32_t step = m->cfg.row_cells;
@@ -353,14 +356,14 @@ static AUVID_NOINLINE void metric_add_equations(auvid_metric_t *m, const auvid_s
         late[d] = metric_delayed_inputs(m, d);
     }
     metric_evaluate(m, sample, y);
-    bool any = metric_row_channels(m, y, late, channel, known);
+    bool any = metric_row_channels(m, y, late, channel, fixed);
     for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
-        metric_accumulate_rows(m, slot, age, channel, any ? known : NULL, sample->missing);
+        metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
         slot = slot > 0 ? slot - 1u : m->overlap - 1u;
     }
 }
 
-/* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
+/* Add a cell to the rows under construction. @return slot of the row that it completes; -1: none */
 static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */
@@ -381,7 +384,7 @@ static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
 }
 
-/* Largest speed in each direction, in thousandths. */
+/* Update the largest speed in each direction, in thousandths. */
 static void metric_update_max_speed(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
