@@ -239,11 +239,11 @@ static void check_words(int idle)
         std::strcat(std::strcat(all, text), "\n");
     }
     std::string expected = std::string(dof_name[idle]) +
-                           ": nothing moved it; excite it with steps held 4-8 s and sines of "
+                           ": not excited; apply steps held 4-8 s and sines of "
                            "0.1-0.3 Hz\n";
     const char *found = std::strstr(all, expected.c_str());
     TEST_ASSERT_NOT_NULL(found);
-    TEST_ASSERT_NULL(std::strstr(found + expected.size(), "nothing moved it"));
+    TEST_ASSERT_NULL(std::strstr(found + expected.size(), "not excited"));
 }
 
 static void check_idle(int idle)

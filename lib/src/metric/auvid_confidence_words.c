@@ -1,5 +1,5 @@
 /*
- * Confidence in words.
+ * Confidence: notes and missing motion as English text.
  */
 #include "auvid/confidence.h"
 
@@ -14,7 +14,7 @@ const char *auvid_note_str(auvid_note_t note)
     case AUVID_NOTE_FIXED:
         return "fixed by the configuration";
     case AUVID_NOTE_NOT_EXCITED:
-        return "nothing moved this degree of freedom";
+        return "degree of freedom not excited";
     case AUVID_NOTE_COMBINATION:
         return "only a combination with another parameter is known";
     case AUVID_NOTE_SMALL:
@@ -34,13 +34,13 @@ const char *auvid_note_str(auvid_note_t note)
     case AUVID_NOTE_DISCREDITED:
         return "its equation has an impossible estimate";
     case AUVID_NOTE_THRUST_SCALE:
-        return "known in your newtons only";
+        return "known up to the thrust scale";
     default:
         return "unknown note";
     }
 }
 
-/* A text under construction, always ended by zero. */
+/* A text under construction, always zero-terminated. */
 typedef struct {
     char *text;
     size_t size, used;
@@ -61,8 +61,8 @@ static void confidence_append_dof(writer_t *w, auvid_dof_t dof)
     confidence_append(w, name[dof]);
 }
 
-/* A number with up to three decimals; of one that needs more room or more decimals, nothing.
- * @return it is there */
+/* Append a number with up to three decimals, or nothing if it needs more space or more decimals.
+ * @return true if it is appended */
 static bool confidence_append_number(writer_t *w, auvid_real_t x)
 {
     enum { PLACES = 14, DECIMALS = 3 };
@@ -92,7 +92,7 @@ static bool confidence_append_number(writer_t *w, auvid_real_t x)
     return true;
 }
 
-/* A number in whole steps, at most nine decimals; of one too large for that, nothing. */
+/* Append a number in whole steps, or nothing if it is 1e9 steps or more. */
 static void confidence_append_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
 {
     auvid_real_t steps = x / step;
@@ -103,38 +103,38 @@ static void confidence_append_steps(writer_t *w, auvid_real_t x, auvid_real_t st
     }
 }
 
-/* x per cent, in tenths below one. */
+/* Append x as per cent, in tenths below one. */
 static void confidence_append_percent(writer_t *w, auvid_real_t x, bool up)
 {
     confidence_append_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
     confidence_append(w, " %");
 }
 
-/* Parameter i is known but for the scale of the thrust. With the limit that bound holds its
- * half-width would be what is allowed. */
+/* Append that parameter i is known relative to the thrust scale. With the thrust_scale in `bound`
+ * its half-width would be the largest allowed. */
 static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
                                     const auvid_parameter_t *parameter, int i)
 {
     auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
-    auvid_real_t told = auvid_sqrt(sigma * sigma - thrust * thrust);
+    auvid_real_t relative = auvid_sqrt(sigma * sigma - thrust * thrust);
     auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
-    auvid_real_t allowed = auvid_sqrt(told * told + limit * limit);
+    auvid_real_t allowed = auvid_sqrt(relative * relative + limit * limit);
     confidence_append(w, parameter->name);
     confidence_append(w, " is known to ");
     if (parameter->kind == AUVID_PARAMETER_FORCE) {
-        confidence_append_steps(w, AUVID_HALF_WIDTH * told, AUVID_C(0.1), true);
+        confidence_append_steps(w, AUVID_HALF_WIDTH * relative, AUVID_C(0.1), true);
         confidence_append(w, " ");
         confidence_append(w, parameter->unit);
     } else {
         confidence_append_percent(
-            w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * told / allowed, true);
+            w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * relative / allowed, true);
     }
-    confidence_append(w, " in your newtons; calibrate thrust to ");
+    confidence_append(w, " relative to the thrust scale; calibrate thrust to ");
     confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    confidence_append(w, " for SI");
+    confidence_append(w, " for SI units");
 }
 
-/* Parameter i's equation has an impossible estimate. */
+/* Append that parameter i's equation has an impossible estimate. */
 static void confidence_append_impossible(writer_t *w, const auvid_confidence_t *c,
                                          const auvid_vehicle_t *vehicle, int i)
 {
@@ -142,10 +142,10 @@ static void confidence_append_impossible(writer_t *w, const auvid_confidence_t *
     confidence_append(w, " is impossible (");
     confidence_append(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
     (void)confidence_append_number(w, c->bound[i]);
-    confidence_append(w, "): the equation is not trusted; check signs, units, the model");
+    confidence_append(w, "): the equation is not trusted; check signs, units and the model");
 }
 
-/* Parameter i at its bound. */
+/* Append that parameter i is at its bound. */
 static void confidence_append_bound(writer_t *w, const auvid_confidence_t *c,
                                     const auvid_parameter_t *parameter, int i)
 {
@@ -159,7 +159,7 @@ static void confidence_append_bound(writer_t *w, const auvid_confidence_t *c,
     confidence_append(w, ": widen it");
 }
 
-/* All that depend on the parameter at its bound on which parameter i does. */
+/* Append all parameters that depend on the same parameter at its bound as parameter i. */
 static void confidence_append_dependents(writer_t *w, const auvid_confidence_t *c,
                                          const auvid_vehicle_t *vehicle, int i)
 {
@@ -175,7 +175,7 @@ static void confidence_append_dependents(writer_t *w, const auvid_confidence_t *
     }
 }
 
-/* What a parameter of its kind needs. */
+/* Append the motion that a parameter of its kind needs. */
 static void confidence_append_need(writer_t *w, const auvid_parameter_t *parameter)
 {
     static const char *const lacks[] = {[AUVID_PARAMETER_OTHER] = "too little motion for ",
@@ -191,7 +191,7 @@ static void confidence_append_need(writer_t *w, const auvid_parameter_t *paramet
         [AUVID_PARAMETER_INERTIA] = "; sines of 0.1-0.3 Hz, stronger or for longer",
         [AUVID_PARAMETER_LINEAR_DRAG] = "; more steps held 4-8 s, some at a third of the strength",
         [AUVID_PARAMETER_QUADRATIC_DRAG] = "; steps held 4-8 s, stronger or more of them",
-        [AUVID_PARAMETER_FORCE] = "; go on recording"};
+        [AUVID_PARAMETER_FORCE] = "; continue recording"};
     bool known = (unsigned)parameter->kind < sizeof lacks / sizeof lacks[0];
     auvid_parameter_kind_t kind = known ? parameter->kind : AUVID_PARAMETER_OTHER;
     confidence_append(w, lacks[kind]);
@@ -211,13 +211,13 @@ static void confidence_append_pair(writer_t *w, const auvid_parameter_t *one,
     confidence_append(w, one->name);
     confidence_append(w, " and ");
     confidence_append(w, other->name);
-    confidence_append(w, " cannot be told apart; ");
+    confidence_append(w, " cannot be distinguished; ");
     confidence_append(w, confidence_is_drag(one) && confidence_is_drag(other)
                              ? "steps held 4-8 s at two strengths"
-                             : "hold one of them fixed, or vary the motion");
+                             : "fix one of them, or vary the motion");
 }
 
-/* Does what is to be said of parameter i say it of parameter k < i too? */
+/* Returns true if the sentence of parameter k < i also covers parameter i. */
 static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                                         int k, int i)
 {
@@ -233,18 +233,19 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
            (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
 }
 
-/* Does parameter i get a sentence, and is it the first to give it? A DoF that was not driven has
- * one for all its parameters, a pair has one for both, a bound one for all that depend on it, an
- * impossible estimate one for its equation, and a search that has not converged one. */
+/* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
+ * sentence covers: a DoF that was not excited; a pair; all that depend on a parameter at its bound;
+ * the equation of an impossible estimate; a search that has not converged. */
 static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                                     uint32_t free, int i)
 {
-    static const uint32_t told = 1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION |
-                                 1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
-                                 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
-                                 1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
-                                 1u << AUVID_NOTE_THRUST_SCALE;
-    if ((free != 0 && !(free >> i & 1u)) || (c != NULL && !(told >> (c->note[i] & 31u) & 1u))) {
+    static const uint32_t with_sentence =
+        1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION | 1u << AUVID_NOTE_NOISE |
+        1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
+        1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
+        1u << AUVID_NOTE_THRUST_SCALE;
+    if ((free != 0 && !(free >> i & 1u)) ||
+        (c != NULL && !(with_sentence >> (c->note[i] & 31u) & 1u))) {
         return false;
     }
     for (int k = 0; k < i; ++k) {
@@ -255,7 +256,7 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
     return true;
 }
 
-/* The sentence of parameter i. */
+/* Append the sentence of parameter i. */
 static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
                                        const auvid_vehicle_t *vehicle, int i)
 {
@@ -268,8 +269,7 @@ static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
     }
     confidence_append_dof(w, parameter->dof);
     if (note == AUVID_NOTE_NOT_EXCITED) {
-        confidence_append(
-            w, "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
+        confidence_append(w, "not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz");
     } else if (note == AUVID_NOTE_COMBINATION) {
         confidence_append_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
     } else if (note == AUVID_NOTE_AT_BOUND) {
@@ -285,14 +285,14 @@ static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
     }
 }
 
-/* The DoF that lost the largest part of its rows. */
+/* Returns the DoF that lost the largest part of its rows. */
 static int confidence_max_lost_dof(const auvid_confidence_t *c)
 {
-    int most = 0;
+    int worst = 0;
     for (int j = 1; j < AUVID_DOF_COUNT; ++j) {
-        most = c->lost[j] > c->lost[most] ? j : most;
+        worst = c->lost[j] > c->lost[worst] ? j : worst;
     }
-    return most;
+    return worst;
 }
 
 static void confidence_append_lost(writer_t *w, int dof, unsigned lost)

@@ -607,7 +607,7 @@ static void test_every_need_has_its_words(void)
     expect("surge: too little acceleration for m_u; sines of 0.1-0.3 Hz, stronger or for longer",
            0);
     expect("yaw: too little acceleration for m_r; sines of 0.1-0.3 Hz, stronger or for longer", 1);
-    expect("heave: too short a record for W-B; go on recording", 2);
+    expect("heave: too short a record for W-B; continue recording", 2);
     expect("surge: too little slow motion for X_u; more steps held 4-8 s, some at a third of the "
            "strength",
            3);
@@ -645,10 +645,10 @@ static void test_a_pair_is_told_once_and_a_dof_once(void)
     notes.note[AUVID_G500_M_W] = notes.note[AUVID_G500_W_B] = AUVID_NOTE_COMBINATION;
     notes.partner[AUVID_G500_M_W] = AUVID_G500_W_B;
     notes.partner[AUVID_G500_W_B] = AUVID_G500_M_W;
-    expect("sway: nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
-    expect("heave: m_w and W-B cannot be told apart; hold one of them fixed, or vary the motion",
+    expect("sway: not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
+    expect("heave: m_w and W-B cannot be distinguished; fix one of them, or vary the motion",
            1);
-    expect("surge: X_u and X_uu cannot be told apart; steps held 4-8 s at two strengths", 2);
+    expect("surge: X_u and X_uu cannot be distinguished; steps held 4-8 s at two strengths", 2);
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
@@ -706,7 +706,7 @@ static void test_before_the_first_estimate_every_dof_is_asked_for(void)
          ++which) {
         TEST_ASSERT_TRUE(which < 4);
         TEST_ASSERT_EQUAL_PTR(text, strstr(text, dof[which]));
-        TEST_ASSERT_NOT_NULL(strstr(text, "nothing moved it"));
+        TEST_ASSERT_NOT_NULL(strstr(text, "not excited"));
     }
     TEST_ASSERT_EQUAL(4, which);
 }
@@ -719,7 +719,7 @@ static void test_a_text_too_long_is_cut_and_ended(void)
                           auvid_confidence_missing(NULL, &auvid_girona500, 0, 0, text, size));
         TEST_ASSERT_EQUAL(size - 1, strlen(text));
         TEST_ASSERT_EQUAL('x', text[size]);
-        TEST_ASSERT_EQUAL(0, memcmp(text, "surge: nothing moved it; excite it with steps held 4-8",
+        TEST_ASSERT_EQUAL(0, memcmp(text, "surge: not excited; apply steps held 4-8 s and sines o",
                                     size - 1 < 54 ? size - 1 : 54));
     }
 }

@@ -279,11 +279,11 @@ static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "surge: m_u is known to 2 % in your newtons; calibrate thrust to 9 % for SI", text);
+        "surge: m_u is known to 2 % relative to the thrust scale; calibrate thrust to 9 % for SI units", text);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "heave: W-B is known to 0.1 N in your newtons; calibrate thrust to 2 % for SI", text);
+        "heave: W-B is known to 0.1 N relative to the thrust scale; calibrate thrust to 2 % for SI units", text);
     uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
     observe(&cfg, &told_truly);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
@@ -318,7 +318,7 @@ static void test_an_impossible_estimate_is_told_once_for_its_equation(void)
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_MEMORY("surge: X_uu is impossible (+8", text, 29);
     TEST_ASSERT_NOT_NULL(
-        strstr(text, "): the equation is not trusted; check signs, units, the model"));
+        strstr(text, "): the equation is not trusted; check signs, units and the model"));
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
         auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
