@@ -162,7 +162,7 @@ static bool campaign(const char *title, double disturbance_N, const Change &chan
            excess <= 3 * error + 0.1 * usual / measured;
 }
 
-static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers()
+static void test_a_payload_is_detected_within_two_sets_and_the_estimate_recovers()
 {
     bool held = true;
     for (double d : {1.0, 3.0}) {
@@ -177,7 +177,7 @@ static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers(
 }
 
 // From the change to the alarm, by budget: sets that complete during a search are tested after it.
-static void test_a_change_is_noticed_at_small_budgets_later()
+static void test_a_change_is_detected_later_at_small_budgets()
 {
     struct {
         Plan plan;
@@ -214,7 +214,7 @@ static void test_a_change_is_noticed_at_small_budgets_later()
     TEST_ASSERT_TRUE(held);
 }
 
-static void test_a_vehicle_left_alone_raises_no_alarm()
+static void test_an_unchanged_vehicle_raises_no_alarm()
 {
     uint64_t runs = campaign_is_long() ? 340 : 20;
     double alarms = 0;
@@ -237,8 +237,8 @@ static void test_a_vehicle_left_alone_raises_no_alarm()
 int main()
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers);
-    RUN_TEST(test_a_change_is_noticed_at_small_budgets_later);
-    RUN_TEST(test_a_vehicle_left_alone_raises_no_alarm);
+    RUN_TEST(test_a_payload_is_detected_within_two_sets_and_the_estimate_recovers);
+    RUN_TEST(test_a_change_is_detected_later_at_small_budgets);
+    RUN_TEST(test_an_unchanged_vehicle_raises_no_alarm);
     return UNITY_END();
 }

@@ -317,7 +317,7 @@ static void test_standard_errors_are_those_of_the_formulas()
                 worst_correlation);
 }
 
-static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
+static void test_widening_by_an_estimated_delay_is_that_of_the_formulas()
 {
     worst = worst_correlation = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -327,7 +327,7 @@ static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
                 worst_correlation);
 }
 
-static void test_what_an_uncertain_delay_costs_is_that_of_the_formulas()
+static void test_widening_by_an_uncertain_delay_is_that_of_the_formulas()
 {
     worst = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -341,7 +341,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_standard_errors_are_those_of_the_formulas);
-    RUN_TEST(test_what_an_estimated_delay_costs_is_that_of_the_formulas);
-    RUN_TEST(test_what_an_uncertain_delay_costs_is_that_of_the_formulas);
+    RUN_TEST(test_widening_by_an_estimated_delay_is_that_of_the_formulas);
+    RUN_TEST(test_widening_by_an_uncertain_delay_is_that_of_the_formulas);
     return UNITY_END();
 }

@@ -226,7 +226,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
 }
 
-static void test_both_paths_come_to_similar_standard_errors()
+static void test_both_paths_give_similar_standard_errors()
 {
     auvid_vehicle_t wrapped = auvid_girona500;
     wrapped.regressor = nullptr;
@@ -269,6 +269,6 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_standard_errors_of_a_model_without_regressor_cover_the_truth);
-    RUN_TEST(test_both_paths_come_to_similar_standard_errors);
+    RUN_TEST(test_both_paths_give_similar_standard_errors);
     return UNITY_END();
 }

@@ -715,7 +715,7 @@ static void test_noisy_record_of_three_sets_is_evaluated_as_the_header_says()
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_ring_that_has_turned_is_evaluated_without_its_oldest_sets()
+static void test_full_ring_is_evaluated_without_its_oldest_sets()
 {
     auvid_metric_config_t cfg = defaults();
     cfg.sets = 3;
@@ -764,7 +764,7 @@ static void test_given_delay_other_widths_orders_cells_and_one_pass_are_evaluate
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw()
+static void test_literal_smoothing_is_of_the_states_and_leaves_the_wrench_raw()
 {
     auvid_metric_config_t cfg = defaults();
     auvid_metric_literal(&cfg);
@@ -776,7 +776,7 @@ static void test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw()
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_literal_reading_in_two_passes_takes_the_derivative_once_and_may_be_given_a_delay()
+static void test_literal_smoothing_in_two_passes_takes_the_derivative_once_and_may_have_a_delay()
 {
     auvid_metric_config_t cfg = defaults();
     auvid_metric_literal(&cfg);
@@ -816,11 +816,11 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_noisy_record_of_three_sets_is_evaluated_as_the_header_says);
-    RUN_TEST(test_ring_that_has_turned_is_evaluated_without_its_oldest_sets);
+    RUN_TEST(test_full_ring_is_evaluated_without_its_oldest_sets);
     RUN_TEST(test_first_order_lag_and_fixed_parameters_are_evaluated_as_the_header_says);
     RUN_TEST(test_given_delay_other_widths_orders_cells_and_one_pass_are_evaluated_alike);
-    RUN_TEST(test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw);
-    RUN_TEST(test_literal_reading_in_two_passes_takes_the_derivative_once_and_may_be_given_a_delay);
+    RUN_TEST(test_literal_smoothing_is_of_the_states_and_leaves_the_wrench_raw);
+    RUN_TEST(test_literal_smoothing_in_two_passes_takes_the_derivative_once_and_may_have_a_delay);
     RUN_TEST(test_scale_is_the_inverse_of_the_weighted_norm_of_a_parameters_column);
     return UNITY_END();
 }

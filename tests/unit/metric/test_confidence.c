@@ -168,7 +168,7 @@ static void test_one_set_is_enough_for_standard_errors(void)
 
 /* The numbers are those of the build in double. In float, with sets kept in 16 bits, they were
  * within 4e-3 of them; with sets in float, within 4e-5. */
-static void test_float_and_double_come_to_the_same_standard_errors(void)
+static void test_float_and_double_give_the_same_standard_errors(void)
 {
     static const double expected[COUNT] = {0.16674,  0.170391, 0.205302, 0.0743761, 0.0231826,
                                            0.282209, 1.01882,  0.321731, 1.04528,   0.312877,
@@ -201,7 +201,7 @@ static void test_any_budget_gives_the_same_bits(void)
     }
 }
 
-static void test_a_job_copied_half_way_with_its_metric_goes_on(void)
+static void test_a_job_copied_half_way_with_its_metric_continues(void)
 {
     static auvid_metric_t other;
     static auvid_confidence_job_t copy;
@@ -287,7 +287,7 @@ static void test_a_fixed_parameter_is_called_so(void)
     TEST_ASSERT_EQUAL_HEX32(cfg.free, verdict->identifiable);
 }
 
-static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
+static void test_parameters_of_a_dof_that_was_not_excited_are_not_known(void)
 {
     observe(&(world_t){SURGE, SETS, 0.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
@@ -324,7 +324,7 @@ static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
 }
 
 /* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
-static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
+static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
 {
     const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const world_t world = {ALL, SETS, 1.0, 0.0};
@@ -394,7 +394,7 @@ static void test_a_mass_below_the_dry_mass_discredits_its_equation(void)
     expect_surge_discredited_by(AUVID_G500_M_U);
 }
 
-static void test_a_drag_that_drives_discredits_its_equation(void)
+static void test_a_drag_that_accelerates_discredits_its_equation(void)
 {
     truth[AUVID_G500_X_UU] = -truth[AUVID_G500_X_UU];
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
@@ -497,7 +497,7 @@ static void test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable(
 }
 
 /* Standard errors of such a result are those of its residual, so the half-widths are known. */
-static void test_what_moves_by_more_than_its_half_width_without_the_bound_is_named(void)
+static void test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_named(void)
 {
     static const double parts[] = {0.5, 0.9, 0.99};
     int named = 0, left = 0;
@@ -546,7 +546,7 @@ static void test_a_search_that_has_not_converged_identifies_nothing(void)
     }
 }
 
-static void test_a_parameter_that_is_zero_and_known_to_be_is_called_small(void)
+static void test_a_parameter_known_to_be_zero_is_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
     observe(&(world_t){ALL, SETS, 0.02, 0.0});
@@ -593,7 +593,7 @@ static void expect(const char *words, unsigned which)
     TEST_ASSERT_EQUAL_STRING(words, text);
 }
 
-static void test_every_need_has_its_words(void)
+static void test_every_need_has_its_sentence(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = AUVID_NOTE_NOISE;
@@ -618,7 +618,7 @@ static void test_every_need_has_its_words(void)
     TEST_ASSERT_EQUAL_STRING("", text);
 }
 
-static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
+static void test_a_large_part_of_rows_lost_to_gaps_is_reported(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = AUVID_NOTE_UNCERTAIN;
@@ -634,7 +634,7 @@ static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 2, text, sizeof text));
 }
 
-static void test_a_pair_is_told_once_and_a_dof_once(void)
+static void test_a_pair_and_a_dof_have_one_sentence_each(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_X_UU] = AUVID_NOTE_COMBINATION;
@@ -654,7 +654,7 @@ static void test_a_pair_is_told_once_and_a_dof_once(void)
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
 }
 
-static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void)
+static void test_a_bound_is_reported_with_its_value_and_its_dependents(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_V] = notes.note[AUVID_G500_Z_W] = AUVID_NOTE_AT_BOUND;
@@ -671,7 +671,7 @@ static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
 }
 
-static void test_numbers_in_words_are_those_of_printf(void)
+static void test_numbers_in_sentences_are_those_of_printf(void)
 {
     static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999,
                                      1000, 65536.125, 999999};
@@ -686,7 +686,7 @@ static void test_numbers_in_words_are_those_of_printf(void)
     }
 }
 
-static void test_a_search_that_has_not_converged_is_told_once(void)
+static void test_a_search_that_has_not_converged_is_reported_once(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_Y_V] =
@@ -711,7 +711,7 @@ static void test_before_the_first_estimate_every_dof_is_asked_for(void)
     TEST_ASSERT_EQUAL(4, which);
 }
 
-static void test_a_text_too_long_is_cut_and_ended(void)
+static void test_a_text_too_long_is_truncated_and_terminated(void)
 {
     for (size_t size = 1; size < 60; ++size) {
         memset(text, 'x', sizeof text);
@@ -737,7 +737,7 @@ static void test_every_note_has_a_phrase(void)
     TEST_ASSERT_EQUAL_STRING("unknown note", auvid_note_str((auvid_note_t)77));
 }
 
-static void test_wrong_arguments_are_named(void)
+static void test_wrong_arguments_are_refused(void)
 {
     uint32_t budget = 1;
     observe(&(world_t){SURGE, 1, 1.0, 0.0});
@@ -765,39 +765,39 @@ int main(void)
     RUN_TEST(test_standard_errors_are_proportional_to_the_noise);
     RUN_TEST(test_standard_errors_fall_as_sets_come_in);
     RUN_TEST(test_one_set_is_enough_for_standard_errors);
-    RUN_TEST(test_float_and_double_come_to_the_same_standard_errors);
+    RUN_TEST(test_float_and_double_give_the_same_standard_errors);
     RUN_TEST(test_any_budget_gives_the_same_bits);
-    RUN_TEST(test_a_job_copied_half_way_with_its_metric_goes_on);
+    RUN_TEST(test_a_job_copied_half_way_with_its_metric_continues);
     RUN_TEST(test_the_cost_of_eight_sets_is_what_the_header_says);
     RUN_TEST(test_an_estimated_delay_widens_the_masses);
     RUN_TEST(test_good_data_make_everything_identifiable);
     RUN_TEST(test_a_fixed_parameter_is_called_so);
-    RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_parameters_of_a_dof_that_was_not_excited_are_not_known);
     RUN_TEST(test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms);
-    RUN_TEST(test_drags_of_a_velocity_that_stands_still_are_not_known);
+    RUN_TEST(test_drags_of_a_velocity_that_is_always_zero_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_discredits_its_equation);
-    RUN_TEST(test_a_drag_that_drives_discredits_its_equation);
+    RUN_TEST(test_a_drag_that_accelerates_discredits_its_equation);
     RUN_TEST(test_a_large_impossible_part_discredits_its_equation_without_being_known);
     RUN_TEST(test_a_zero_drag_that_comes_out_positive_discredits_nothing);
     RUN_TEST(test_what_explains_no_force_is_implausible);
     RUN_TEST(test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable);
-    RUN_TEST(test_what_moves_by_more_than_its_half_width_without_the_bound_is_named);
+    RUN_TEST(test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_named);
     RUN_TEST(test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_it);
     RUN_TEST(test_a_search_that_has_not_converged_identifies_nothing);
-    RUN_TEST(test_a_parameter_that_is_zero_and_known_to_be_is_called_small);
+    RUN_TEST(test_a_parameter_known_to_be_zero_is_called_small);
     RUN_TEST(test_a_parameter_that_may_be_zero_is_not_called_small);
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
     RUN_TEST(test_too_much_noise_makes_all_uncertain);
-    RUN_TEST(test_every_need_has_its_words);
-    RUN_TEST(test_a_large_part_of_the_rows_that_gaps_cost_is_told);
-    RUN_TEST(test_a_pair_is_told_once_and_a_dof_once);
-    RUN_TEST(test_a_bound_is_told_with_its_value_and_with_what_depends_on_it);
-    RUN_TEST(test_numbers_in_words_are_those_of_printf);
-    RUN_TEST(test_a_search_that_has_not_converged_is_told_once);
+    RUN_TEST(test_every_need_has_its_sentence);
+    RUN_TEST(test_a_large_part_of_rows_lost_to_gaps_is_reported);
+    RUN_TEST(test_a_pair_and_a_dof_have_one_sentence_each);
+    RUN_TEST(test_a_bound_is_reported_with_its_value_and_its_dependents);
+    RUN_TEST(test_numbers_in_sentences_are_those_of_printf);
+    RUN_TEST(test_a_search_that_has_not_converged_is_reported_once);
     RUN_TEST(test_before_the_first_estimate_every_dof_is_asked_for);
-    RUN_TEST(test_a_text_too_long_is_cut_and_ended);
+    RUN_TEST(test_a_text_too_long_is_truncated_and_terminated);
     RUN_TEST(test_every_note_has_a_phrase);
-    RUN_TEST(test_wrong_arguments_are_named);
+    RUN_TEST(test_wrong_arguments_are_refused);
     return UNITY_END();
 }

@@ -245,7 +245,7 @@ static void test_without_uncertainty_no_delay_is_negative(void)
 /* ---- as before ---- */
 
 /* Of the library before it knew of this uncertainty. */
-static void test_without_uncertainty_the_numbers_are_as_before(void)
+static void test_without_uncertainty_the_numbers_are_unchanged(void)
 {
     static const world_t world = {auvid_girona500_paper, 1, -1, false};
     static const double pi[N] = {0x1.f2a238p+7,  0x1.6fabc6p+8,  0x1.49d8acp+9,  0x1.2bfc8cp+6,
@@ -312,7 +312,7 @@ static void test_the_metric_refuses_delays_and_uncertainties_out_of_range(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
 }
 
-static void test_the_identifier_hands_its_uncertainty_to_the_metric(void)
+static void test_the_identifier_passes_its_uncertainty_to_the_metric(void)
 {
     static auvid_identifier_t id;
     static auvid_identifier_config_t config;
@@ -323,7 +323,7 @@ static void test_the_identifier_hands_its_uncertainty_to_the_metric(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0.25, (double)id.metric.cfg.delay_sigma_s);
 }
 
-static void test_a_validation_takes_a_negative_delay_as_none(void)
+static void test_a_validation_treats_a_negative_delay_as_zero(void)
 {
     static auvid_validation_t early, none;
     const auvid_real_t delay[AUVID_DOF_COUNT] = {AUVID_C(-0.2), AUVID_C(-0.1)};
@@ -345,11 +345,11 @@ int main(void)
     RUN_TEST(test_late_stamps_are_found_as_a_negative_delay);
     RUN_TEST(test_late_stamps_beyond_two_cells_give_no_earlier_delay);
     RUN_TEST(test_without_uncertainty_no_delay_is_negative);
-    RUN_TEST(test_without_uncertainty_the_numbers_are_as_before);
+    RUN_TEST(test_without_uncertainty_the_numbers_are_unchanged);
     RUN_TEST(test_any_budget_gives_the_same_bits);
     RUN_TEST(test_the_uncertainty_costs_what_the_header_says);
     RUN_TEST(test_the_metric_refuses_delays_and_uncertainties_out_of_range);
-    RUN_TEST(test_the_identifier_hands_its_uncertainty_to_the_metric);
-    RUN_TEST(test_a_validation_takes_a_negative_delay_as_none);
+    RUN_TEST(test_the_identifier_passes_its_uncertainty_to_the_metric);
+    RUN_TEST(test_a_validation_treats_a_negative_delay_as_zero);
     return UNITY_END();
 }

@@ -310,7 +310,7 @@ static double unexplained(uint32_t ages, double delay_s)
 
 /* Between the sets there are gaps, so that no residual is of two of them. The newest is linearised
  * alone, as the identifier does, at other values than the rest. */
-static void test_change_is_what_the_newest_sets_fit_worse_together_than_apart(void)
+static void test_change_is_the_pooled_minus_the_separate_sum_of_squares(void)
 {
     const double delay_s = 0.13;
     auvid_real_t changed[AUVID_MAX_PARAMETERS], pi[AUVID_MAX_PARAMETERS];
@@ -488,7 +488,7 @@ int main(void)
     RUN_TEST(test_linearising_takes_the_units_that_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_linearises_to_the_same_bits);
     RUN_TEST(test_derivatives_are_central_differences_over_the_steps_that_the_header_says);
-    RUN_TEST(test_change_is_what_the_newest_sets_fit_worse_together_than_apart);
+    RUN_TEST(test_change_is_the_pooled_minus_the_separate_sum_of_squares);
     RUN_TEST(test_an_estimated_delay_widens_the_standard_error_as_the_costs_curvature_says);
     RUN_TEST(test_windows_with_derivatives_beyond_1e15_are_left_out);
     RUN_TEST(test_windows_in_which_the_model_fails_are_left_out);

@@ -36,7 +36,7 @@ static void test_least_squares_give_the_parameters_of_noise_free_cells_back(void
 
 /* J is quadratic: where its derivative along each parameter vanishes, there is its minimum. The
  * vertex of the parabola through three points is exact but for rounding. */
-static void test_cost_is_least_at_the_parameters(void)
+static void test_cost_is_smallest_at_the_true_parameters(void)
 {
     start();
     world_t w = world_of(&cfg);
@@ -94,7 +94,7 @@ static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cost, cost, weighed);
 }
 
-static void test_literal_reading_comes_within_ten_percent(void)
+static void test_literal_smoothing_is_within_ten_percent(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     auvid_metric_literal(&cfg);
@@ -209,7 +209,7 @@ static void test_ring_of_one_set_keeps_the_last(void)
     TEST_ASSERT_EQUAL_UINT16(60, metric.dof_rows[AUVID_SURGE]);
 }
 
-static void test_set_dropped_is_forgotten_and_cannot_be_dropped_again(void)
+static void test_a_dropped_set_is_deleted_and_cannot_be_dropped_again(void)
 {
     world_t w = world_of(&cfg);
     start();
@@ -257,7 +257,7 @@ static void test_a_set_completes_with_its_last_row_and_not_before(void)
 }
 
 /* Pairs of rows reach over the border of two sets: many small sets know as much as a large one. */
-static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
+static void test_sets_of_one_row_use_pairs_across_their_borders(void)
 {
     cfg.set_rows = 1;
     cfg.sets = AUVID_MAX_SETS;
@@ -284,20 +284,20 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_least_squares_give_the_parameters_of_noise_free_cells_back);
-    RUN_TEST(test_cost_is_least_at_the_parameters);
+    RUN_TEST(test_cost_is_smallest_at_the_true_parameters);
     RUN_TEST(test_measurement_of_the_true_parameters_has_r2_of_one);
     RUN_TEST(test_a_prediction_weighs_the_bands_as_the_cost_does);
-    RUN_TEST(test_literal_reading_comes_within_ten_percent);
+    RUN_TEST(test_literal_smoothing_is_within_ten_percent);
     RUN_TEST(test_literal_sets_what_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_gives_the_same_bits);
     RUN_TEST(test_a_cost_takes_one_unit_for_each_row_of_r);
     RUN_TEST(test_a_merge_takes_three_passes_and_eight_units_for_each_dof);
     RUN_TEST(test_ninth_set_drops_the_first);
     RUN_TEST(test_ring_of_one_set_keeps_the_last);
-    RUN_TEST(test_set_dropped_is_forgotten_and_cannot_be_dropped_again);
+    RUN_TEST(test_a_dropped_set_is_deleted_and_cannot_be_dropped_again);
     RUN_TEST(test_close_of_an_empty_set_is_refused);
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
-    RUN_TEST(test_sets_of_one_row_know_what_pairs_across_their_borders_tell);
+    RUN_TEST(test_sets_of_one_row_use_pairs_across_their_borders);
     return UNITY_END();
 }

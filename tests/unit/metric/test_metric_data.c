@@ -33,7 +33,7 @@ static void drift_sideways(void)
 }
 
 /* m_v v r acts on surge, and (m_u - m_v) u v on yaw. */
-static void test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others(void)
+static void test_motion_of_a_dof_that_is_not_excited_does_not_bias_the_others(void)
 {
     const uint32_t drag = 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
@@ -45,7 +45,7 @@ static void test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others(voi
     assert_truth(pi, searched);
 }
 
-static void test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched(void)
+static void test_known_parameters_of_a_dof_that_is_not_excited_are_not_searched(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     memcpy(cfg.fixed, truth, sizeof cfg.fixed);
@@ -67,7 +67,7 @@ static void test_columns_that_are_zero_are_not_searched(void)
     TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_searched(NULL));
 }
 
-static void test_dof_that_is_not_driven_is_left_out(void)
+static void test_dof_that_is_not_excited_is_left_out(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     start();
@@ -90,7 +90,7 @@ static void test_dof_that_is_not_driven_is_left_out(void)
 }
 
 /* Three periods of a sine slow enough to pass the smoother, its rms 5 % beside the threshold. */
-static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
+static void test_dof_is_excited_above_the_stated_part_of_its_scale(void)
 {
     for (int above = 0; above < 2; ++above) {
         setUp();
@@ -109,7 +109,7 @@ static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
     }
 }
 
-static void test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2(void)
+static void test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2(void)
 {
     auvid_real_t r2[2][6], pi[AUVID_MAX_PARAMETERS];
     memcpy(pi, truth, sizeof pi);
@@ -137,7 +137,7 @@ static void test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, (double)r2[0][AUVID_YAW], (double)r2[1][AUVID_YAW]);
 }
 
-static void test_no_dof_driven_is_no_data(void)
+static void test_no_dof_excited_is_no_data(void)
 {
     uint32_t budget = 100;
     start();
@@ -157,7 +157,7 @@ static void test_no_dof_driven_is_no_data(void)
 }
 
 /* A fixed mass times an acceleration is not a wrench. */
-static void test_what_fixed_parameters_explain_does_not_drive_a_dof(void)
+static void test_what_fixed_parameters_explain_does_not_excite_a_dof(void)
 {
     cfg.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_V);
     cfg.fixed[AUVID_G500_M_V] = truth[AUVID_G500_M_V];
@@ -172,7 +172,7 @@ static void test_what_fixed_parameters_explain_does_not_drive_a_dof(void)
     TEST_ASSERT_EQUAL_HEX8(0, metric.excited & 1u << AUVID_SWAY);
 }
 
-static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
+static void test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench(void)
 {
     uint32_t fixed = 1u << AUVID_G500_M_U | 1u << AUVID_G500_W_B | 1u << AUVID_G500_N_RR;
     truth[AUVID_G500_X_0] = 4;
@@ -205,7 +205,7 @@ static auvid_real_t noise(uint32_t *state)
     return (auvid_real_t)((double)*state / 2147483648.0 - 1.0);
 }
 
-static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size(void)
+static void test_stored_entries_have_an_error_relative_to_their_column(void)
 {
     static const double size[] = {1e17, 3e-30, 1, 0, 1e-20, 7e3, 250, 1e-38, 1.0 / 3};
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], most[AUVID_MAX_COLUMNS] = {0};
@@ -236,7 +236,7 @@ static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_
 
 /* In yaw m_u and m_v stand as -u v and u v: one pivot has to be none, or rounding would count as
  * knowledge. */
-static void test_a_column_that_depends_on_others_is_none_after_rounding(void)
+static void test_a_column_that_depends_on_others_has_no_pivot_after_rounding(void)
 {
     for (int begin = 0; begin < 60; ++begin) {
         start();
@@ -262,7 +262,7 @@ static void test_every_parameter_is_free_where_the_mask_is_zero(void)
     TEST_ASSERT_EQUAL_HEX32((1u << N) - 1, auvid_metric_active(&metric));
 }
 
-static void test_least_squares_name_what_the_data_do_not_determine(void)
+static void test_least_squares_report_what_the_data_do_not_determine(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     start();
@@ -327,7 +327,7 @@ static void test_parameters_come_back_from_a_delayed_wrench(void)
     }
 }
 
-static void test_response_before_its_command_is_taken_as_no_delay(void)
+static void test_response_before_its_command_has_no_delay(void)
 {
     start();
     world_t w = world_of(&cfg);
@@ -359,7 +359,7 @@ static void test_given_delay_is_used_as_it_is(void)
 /* ---- gaps and bad cells ---- */
 
 /* A smoothed equation holds across a jump as well; a delayed wrench does not. */
-static void test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides(void)
+static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
 {
     double whole[2];
     for (int told = 0; told < 2; ++told) {
@@ -424,7 +424,7 @@ static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missin
     TEST_ASSERT_UINT16_WITHIN(6, 84, metric.dof_rows[AUVID_HEAVE]);
 }
 
-static void test_rows_that_gaps_in_the_record_cost_are_counted(void)
+static void test_rows_lost_to_gaps_in_the_record_are_counted(void)
 {
     world_t w = world_of(&cfg);
     start();
@@ -461,7 +461,7 @@ static void test_cell_that_is_not_finite_is_ignored(void)
 }
 
 /* Girona500's trigonometry ends at 1e4 rad; 1e30 squared overflows. */
-static void test_rows_the_model_cannot_make_are_left_out(void)
+static void test_rows_whose_regressor_fails_are_left_out(void)
 {
     world_t w = world_of(&cfg);
     for (int literal = 0; literal < 2; ++literal) {
@@ -493,7 +493,7 @@ static void broken_regressor(const void *context, const auvid_sample_t *s, auvid
     y->row[AUVID_SURGE][AUVID_G500_M_U] = broken_entry;
 }
 
-static void test_rows_the_model_never_can_make_do_not_count_as_explained(void)
+static void test_rows_whose_regressor_always_fails_do_not_count_as_explained(void)
 {
     const auvid_real_t entries[] = {(auvid_real_t)NAN, -(auvid_real_t)INFINITY, AUVID_C(1e16)};
     auvid_vehicle_t broken = auvid_girona500;
@@ -519,29 +519,29 @@ static void test_rows_the_model_never_can_make_do_not_count_as_explained(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others);
-    RUN_TEST(test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched);
+    RUN_TEST(test_motion_of_a_dof_that_is_not_excited_does_not_bias_the_others);
+    RUN_TEST(test_known_parameters_of_a_dof_that_is_not_excited_are_not_searched);
     RUN_TEST(test_columns_that_are_zero_are_not_searched);
-    RUN_TEST(test_dof_that_is_not_driven_is_left_out);
-    RUN_TEST(test_dof_is_driven_from_the_stated_part_of_its_scale_on);
-    RUN_TEST(test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2);
-    RUN_TEST(test_no_dof_driven_is_no_data);
-    RUN_TEST(test_what_fixed_parameters_explain_does_not_drive_a_dof);
-    RUN_TEST(test_the_share_of_fixed_parameters_is_taken_from_the_wrench);
-    RUN_TEST(test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size);
-    RUN_TEST(test_a_column_that_depends_on_others_is_none_after_rounding);
+    RUN_TEST(test_dof_that_is_not_excited_is_left_out);
+    RUN_TEST(test_dof_is_excited_above_the_stated_part_of_its_scale);
+    RUN_TEST(test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2);
+    RUN_TEST(test_no_dof_excited_is_no_data);
+    RUN_TEST(test_what_fixed_parameters_explain_does_not_excite_a_dof);
+    RUN_TEST(test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench);
+    RUN_TEST(test_stored_entries_have_an_error_relative_to_their_column);
+    RUN_TEST(test_a_column_that_depends_on_others_has_no_pivot_after_rounding);
     RUN_TEST(test_every_parameter_is_free_where_the_mask_is_zero);
-    RUN_TEST(test_least_squares_name_what_the_data_do_not_determine);
+    RUN_TEST(test_least_squares_report_what_the_data_do_not_determine);
     RUN_TEST(test_delay_of_the_wrench_is_found_within_5_ms);
     RUN_TEST(test_lag_of_the_wrench_is_found_within_5_ms_and_flagged);
     RUN_TEST(test_parameters_come_back_from_a_delayed_wrench);
-    RUN_TEST(test_response_before_its_command_is_taken_as_no_delay);
+    RUN_TEST(test_response_before_its_command_has_no_delay);
     RUN_TEST(test_given_delay_is_used_as_it_is);
-    RUN_TEST(test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides);
+    RUN_TEST(test_gap_inside_a_set_does_not_mix_its_two_sides);
     RUN_TEST(test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing);
-    RUN_TEST(test_rows_that_gaps_in_the_record_cost_are_counted);
+    RUN_TEST(test_rows_lost_to_gaps_in_the_record_are_counted);
     RUN_TEST(test_cell_that_is_not_finite_is_ignored);
-    RUN_TEST(test_rows_the_model_cannot_make_are_left_out);
-    RUN_TEST(test_rows_the_model_never_can_make_do_not_count_as_explained);
+    RUN_TEST(test_rows_whose_regressor_fails_are_left_out);
+    RUN_TEST(test_rows_whose_regressor_always_fails_do_not_count_as_explained);
     return UNITY_END();
 }

@@ -206,7 +206,7 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
     TEST_ASSERT_TRUE(cost[0] > 1e-2);
 }
 
-static void test_rows_are_stored_inside_the_storage_alone(void)
+static void test_rows_are_stored_only_inside_the_storage(void)
 {
     cfg.sets = 3;
     use_residual_path(1, 7);
@@ -233,7 +233,7 @@ static void test_residual_path_has_neither_least_squares_nor_scale(void)
     }
 }
 
-static void test_cost_that_is_not_finite_is_returned_as_such(void)
+static void test_cost_that_is_not_finite_is_returned_unchanged(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     uint32_t budget = UINT32_MAX;
@@ -261,8 +261,8 @@ int main(void)
     RUN_TEST(test_a_record_whose_times_are_rounded_is_still_one_record);
     RUN_TEST(test_residuals_are_not_smoothed_over_a_gap);
     RUN_TEST(test_residuals_of_what_was_not_measured_do_not_count);
-    RUN_TEST(test_rows_are_stored_inside_the_storage_alone);
+    RUN_TEST(test_rows_are_stored_only_inside_the_storage);
     RUN_TEST(test_residual_path_has_neither_least_squares_nor_scale);
-    RUN_TEST(test_cost_that_is_not_finite_is_returned_as_such);
+    RUN_TEST(test_cost_that_is_not_finite_is_returned_unchanged);
     return UNITY_END();
 }

@@ -110,7 +110,7 @@ static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double 
 
 /* ---- what is considered ---- */
 
-static void test_a_thrust_scale_moves_all_parameters_by_what_is_told(void)
+static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(void)
 {
     auvid_metric_config_t cfg = usual();
     double slope[COUNT];
@@ -123,7 +123,7 @@ static void test_a_thrust_scale_moves_all_parameters_by_what_is_told(void)
 
 /* Yaw's (m_u - m_v) u v is of another degree than the forces' terms, by which the masses are taken:
  * in motion as coupled as this one that is 15 % of them. */
-static void test_a_dvl_scale_moves_parameters_by_their_degree(void)
+static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
 {
     auvid_metric_config_t cfg = usual();
     double slope[COUNT];
@@ -137,7 +137,7 @@ static void test_a_dvl_scale_moves_parameters_by_their_degree(void)
 
 /* What is known of the vehicle does not scale with the thrust, and its column is nearly orthogonal
  * to the others' in its own equation. Sway has m_u u r in it, yaw (m_u - m_v) u v. */
-static void test_with_a_known_mass_the_others_still_move_with_the_thrust_scale(void)
+static void test_with_a_known_mass_the_others_still_change_with_the_thrust_scale(void)
 {
     auvid_metric_config_t cfg = usual();
     double slope[COUNT];
@@ -156,7 +156,7 @@ static void test_with_a_known_mass_the_others_still_move_with_the_thrust_scale(v
 
 /* A known drag's share of the scale goes to the other drag: more is considered than happens, up to
  * twice. */
-static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share(void)
+static void test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its_part(void)
 {
     for (int known = AUVID_G500_X_U; known <= AUVID_G500_X_UU; ++known) {
         int other = known == AUVID_G500_X_U ? AUVID_G500_X_UU : AUVID_G500_X_U;
@@ -176,7 +176,7 @@ static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share
     }
 }
 
-static void test_nothing_told_of_the_scales_leaves_the_standard_errors(void)
+static void test_without_uncertain_scales_the_standard_errors_are_unchanged(void)
 {
     auvid_metric_config_t cfg = usual();
     auvid_real_t sigma[COUNT];
@@ -205,7 +205,7 @@ static void residual(const void *context, const auvid_sample_t *s, const auvid_r
                      pi[2] * s->nu[AUVID_SWAY] - s->tau[AUVID_SURGE];
 }
 
-static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
+static void test_without_regressor_parameters_of_a_known_kind_scale(void)
 {
     enum { N = 3, ROWS = 20 };
     static const auvid_parameter_t parameter[N] = {
@@ -304,7 +304,7 @@ static void test_a_constant_force_has_its_tolerance_in_newtons(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), verdict->identifiable);
 }
 
-static void test_an_impossible_estimate_is_told_once_for_its_equation(void)
+static void test_an_impossible_estimate_is_reported_once_for_its_equation(void)
 {
     static char text[160];
     auvid_metric_config_t cfg = usual();
@@ -396,7 +396,7 @@ static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
 
 /* The drag force at a speed is better known than the sum of its coefficients' errors: of so many
  * worlds, the share within one standard error, and two. */
-static void test_a_linear_combination_is_covered_as_often_as_it_says(void)
+static void test_a_linear_combination_is_covered_as_often_as_its_standard_error_says(void)
 {
     enum { RUNS = 60, SPEEDS = 3 };
     static const int linear[4] = {AUVID_G500_X_U, AUVID_G500_Y_V, AUVID_G500_Z_W, AUVID_G500_N_R};
@@ -481,18 +481,18 @@ static void test_an_estimate_carries_covariance_and_considered_errors(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_thrust_scale_moves_all_parameters_by_what_is_told);
-    RUN_TEST(test_a_dvl_scale_moves_parameters_by_their_degree);
-    RUN_TEST(test_with_a_known_mass_the_others_still_move_with_the_thrust_scale);
-    RUN_TEST(test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share);
-    RUN_TEST(test_nothing_told_of_the_scales_leaves_the_standard_errors);
-    RUN_TEST(test_of_a_model_without_regressor_what_has_a_kind_scales);
+    RUN_TEST(test_a_thrust_scale_changes_all_parameters_by_the_reported_error);
+    RUN_TEST(test_a_dvl_scale_changes_parameters_by_their_degree);
+    RUN_TEST(test_with_a_known_mass_the_others_still_change_with_the_thrust_scale);
+    RUN_TEST(test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its_part);
+    RUN_TEST(test_without_uncertain_scales_the_standard_errors_are_unchanged);
+    RUN_TEST(test_without_regressor_parameters_of_a_known_kind_scale);
     RUN_TEST(test_what_only_the_thrust_scale_prevents_is_called_so);
     RUN_TEST(test_a_constant_force_has_its_tolerance_in_newtons);
-    RUN_TEST(test_an_impossible_estimate_is_told_once_for_its_equation);
+    RUN_TEST(test_an_impossible_estimate_is_reported_once_for_its_equation);
     RUN_TEST(test_the_covariance_is_symmetric_positive_and_has_the_standard_errors);
     RUN_TEST(test_a_covariance_out_of_range_or_not_known_is_zero);
-    RUN_TEST(test_a_linear_combination_is_covered_as_often_as_it_says);
+    RUN_TEST(test_a_linear_combination_is_covered_as_often_as_its_standard_error_says);
     RUN_TEST(test_an_uncertainty_out_of_range_is_refused);
     RUN_TEST(test_five_per_cent_of_thrust_and_half_of_the_dvl_are_the_default);
     RUN_TEST(test_an_estimate_carries_covariance_and_considered_errors);

@@ -191,7 +191,7 @@ static void test_true_parameters_follow_the_vehicle_for_two_minutes(void)
 }
 
 /* Wrong parameters: what is predicted is that other vehicle, and R2 is its formula. */
-static void test_wrong_parameters_predict_that_other_vehicle_and_r2_is_as_written(void)
+static void test_wrong_parameters_predict_the_other_vehicle_and_r2_is_its_formula(void)
 {
     static auvid_sample_t measured[CELLS];
     double mean[6] = {0}, sse[6] = {0}, total[6] = {0}, nu[6];
@@ -334,7 +334,7 @@ static void test_lag_passes_the_wrench_through_a_first_order_element(void)
     TEST_ASSERT_TRUE(1 - (double)r2[AUVID_YAW] > 20 * as_lag);
 }
 
-static void test_after_a_gap_the_prediction_starts_again_from_what_is_measured(void)
+static void test_after_a_gap_the_prediction_starts_again_from_the_measured_velocity(void)
 {
     double nu[6] = {AUVID_C(0.8), AUVID_C(-0.4), AUVID_C(0.3), 0, 0, AUVID_C(0.5)};
     simulate(&truth, 600, CELLS, nu); /* elsewhere, in another state */
@@ -530,13 +530,13 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_true_parameters_follow_the_vehicle_for_two_minutes);
-    RUN_TEST(test_wrong_parameters_predict_that_other_vehicle_and_r2_is_as_written);
+    RUN_TEST(test_wrong_parameters_predict_the_other_vehicle_and_r2_is_its_formula);
     RUN_TEST(test_dof_that_is_not_integrated_comes_from_the_record);
     RUN_TEST(test_delay_shifts_the_wrench);
     RUN_TEST(test_longest_delay_is_six_cells);
     RUN_TEST(test_delay_of_a_part_of_a_cell_lies_between_its_neighbours);
     RUN_TEST(test_lag_passes_the_wrench_through_a_first_order_element);
-    RUN_TEST(test_after_a_gap_the_prediction_starts_again_from_what_is_measured);
+    RUN_TEST(test_after_a_gap_the_prediction_starts_again_from_the_measured_velocity);
     RUN_TEST(test_velocities_that_were_not_measured_are_neither_started_from_nor_compared);
     RUN_TEST(test_simulation_starts_again_after_a_velocity_from_the_record_is_missing);
     RUN_TEST(test_parameters_that_make_the_simulation_diverge_give_no_nan);
