@@ -1,10 +1,11 @@
 // The standard errors computed again, dense and in double, from the formulas at the top of
-// auvid_confidence.c and the sets' triangles (that those are right is shown in test_metric.cpp).
+// auvid_confidence.c and the R factors of the sets (test_metric.cpp verifies those).
 //
-// The library is in float32: over the runs below the largest difference is 1e-5 of a standard
-// error, but in one 2e-4, since sets are rounded when they are stored; twice that fails. With an
-// uncertain delay 2.2e-3: the library's noise of yaw, by which the prior is weighted, lacks the
-// direction that the rounding of a dependent column (m_u, m_v) takes, one of some hundred.
+// The library is in float32. Over the runs below the largest difference is 1e-5 of a standard
+// error, in one run 2e-4, since sets are rounded when they are stored. Twice that fails. With an
+// uncertain delay it is 2.2e-3. The reason is the library's noise of yaw, which weights the prior:
+// it lacks the direction that the rounding of a dependent column (m_u, m_v) takes, one of about a
+// hundred.
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -33,8 +34,8 @@ void tearDown()
 {
 }
 
-// Weights of the wrench at the nodes 0, 1, 2: sum 1, mean s, second moment s^2, or 2 s^2 of a lag;
-// or their derivatives by s.
+// Weights of the wrench at the nodes 0, 1, 2: sum 1, mean s, second moment s^2, or 2 s^2 for a lag.
+// Or their derivatives by s.
 static Vector3d delay_weights(double s, bool lag, bool derivative)
 {
     Eigen::Matrix3d moments;
@@ -50,7 +51,7 @@ struct Dof {
     double weight, band[AUVID_METRIC_BANDS], count = 0;
     Vector3d delay, slope;
     bool delayed;
-    double sigma; // of the delay, in distances of the nodes; 0: known
+    double sigma; // of the delay, in node spacings; 0: known
     std::vector<int> columns;
 };
 
@@ -107,7 +108,7 @@ static MatrixXd spread(const Dof &d, const MatrixXd &own)
     return all;
 }
 
-// Autocorrelation, a band's distance apart, of velocity noise made an acceleration and smoothed.
+// Autocorrelation of smoothed acceleration noise at the distance of the two rows of a band.
 static double noise_correlation(bool moment)
 {
     const auvid_metric_t &m = chain.id.metric;
@@ -130,7 +131,7 @@ static double noise_correlation(bool moment)
     return product / square;
 }
 
-// Of what is dependent (m_u and m_v stand in yaw as their difference only): the pseudo-inverse.
+// The pseudo-inverse, for dependent columns (yaw has only the difference of m_u and m_v).
 static MatrixXd inverse_of(const MatrixXd &h)
 {
     VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
@@ -152,8 +153,8 @@ struct Sums {
     VectorXd pull = VectorXd::Zero(PARAMETERS); // of what uncertain delays leave of the residual
 };
 
-// The delay and half its second moment as parameters with a prior each: what they leave of the
-// normal matrix, and of the right-hand side at the estimate.
+// The delay and half its second moment as parameters with a prior each. Result: what they leave of
+// the normal matrix, and of the right-hand side at the estimate.
 static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, const VectorXd &at)
 {
     long n = long(d.columns.size());
@@ -163,7 +164,7 @@ static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, con
     to.block(n, n + 1, DELAYS, 1) << -1, 2, -1;
     MatrixXd h = to.transpose() * all * to;
     VectorXd g = -(to.transpose() * all * at);
-    double left = at.dot(all * at) - g.dot(inverse_of(h) * g); // what nothing explains
+    double left = at.dot(all * at) - g.dot(inverse_of(h) * g); // the unexplained part
     double noise = std::sqrt(2.6 * left / d.count);
     inner = h.bottomRightCorner(2, 2);
     inner(0, 0) += std::pow(noise / d.sigma, 2);
@@ -174,7 +175,7 @@ static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, con
     return h.topLeftCorner(n, n) - across * h.bottomLeftCorner(2, n);
 }
 
-// One DoF's part; fills what the library calls noise and residual.
+// One DoF's part; sets the library's effective_noise and residual_rms.
 static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &residual)
 {
     Dof d = read(driven[k]);
@@ -229,7 +230,8 @@ static void agrees(double expected, double actual, double tolerance = 4e-4)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance * std::fabs(expected), expected, actual);
 }
 
-// Of the velocity: forces' masses and linear drags 1, quadratic drags 2, what turns and W-B none.
+// Degree in the velocity: masses and linear drags of forces 1, quadratic drags 2, moments and W-B
+// 0.
 static int dvl_degree(int i)
 {
     const auvid_parameter_t &p = auvid_girona500.parameter[i];
@@ -239,7 +241,7 @@ static int dvl_degree(int i)
 
 static double worst_correlation = 0;
 
-// The pooled sandwich, its rows and columns scaled to these standard errors.
+// The pooled sandwich, with rows and columns scaled to these standard errors.
 static void compare_covariance(const MatrixXd &pooled, const VectorXd &told)
 {
     const auvid_estimate_t &e = chain.id.estimate;
@@ -301,7 +303,7 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), thrust, double(actual.thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), dvl, double(actual.dvl_error[i]));
     }
-    if (!(delay_sigma_s > 0)) { // its standard errors agree less well, see above
+    if (!(delay_sigma_s > 0)) { // its standard errors differ more, see above
         compare_covariance(pooled, told);
     }
 }

@@ -1,5 +1,6 @@
-// The metric against the pipeline its header describes, written again in double with Eigen: no
-// triangles, no transposed filters, all rows kept and every least-squares problem solved by QR.
+// The metric against the pipeline that its header describes, implemented again in double with
+// Eigen: no R factors, no transposed filters, all rows stored, every least-squares problem solved
+// by QR.
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -27,7 +28,7 @@ void tearDown()
 {
 }
 
-// ---- the world: smooth motion, wrench by Eq. 12-15 ----
+// ---- synthetic data: smooth motion, wrench by Eq. 12-15 ----
 
 struct Cell {
     double phi, theta, nu[6], nu_dot[6], tau[6];
@@ -52,7 +53,7 @@ struct Wave {
 static const Wave wave[6] = {{0.4, 0.050, 0.3}, {0.2, 0.043, 1.1}, {0.15, 0.061, 2.0},
                              {0.02, 0.30, 0.5}, {0.03, 0.25, 1.7}, {0.25, 0.057, 0.9}};
 
-// Small correlated noise that anybody can make again.
+// Small correlated noise that is reproducible.
 struct Noise {
     uint32_t s;
     double uniform()
@@ -116,8 +117,8 @@ static Vector wrench_at(double t, const Vector &x)
     return model_rows(0.05 * std::sin(0.9 * t), 0.04 * std::cos(0.7 * t), nu, nu_dot) * x;
 }
 
-// Response to the command: late by `shift` seconds, or after a first-order lag of `lag` seconds;
-// the command is found from the response.
+// Response to the command: delayed by `shift` seconds, or after a first-order lag of `lag` seconds.
+// The command is computed from the response.
 struct World {
     double shift = 0, lag = 0, noise = 0;
     bool fine_wrench = false; // noise on the wrench that changes sign from row to row
@@ -147,7 +148,7 @@ static std::vector<Cell> record(int cells, double cell_s, const World &world, do
     return all;
 }
 
-// What the library sees is rounded; the reference sees the same rounded numbers.
+// The library gets rounded numbers; the reference gets the same.
 static void round_cell(Cell &c, auvid_sample_t *s)
 {
     *s = auvid_sample_t();
@@ -197,7 +198,7 @@ static Vector centred(const Vector &c, int taps)
     return wide;
 }
 
-// Yaw has m_u and m_v in opposite columns: a rank lost by rounding must not be found again.
+// Yaw has m_u and m_v in opposite columns: rounding must not restore the lost rank.
 static Eigen::CompleteOrthogonalDecomposition<Matrix> solver(const Matrix &a)
 {
     Eigen::CompleteOrthogonalDecomposition<Matrix> qr(a.rows(), a.cols());
@@ -259,7 +260,8 @@ struct Reference {
         bool literal = cfg.smoothing == AUVID_SMOOTH_STATES;
         int taps = taps_of(cfg);
         Vector kernel[2], derivative, wrench_kernel[2];
-        // interpolated velocity has passed a triangle of variance T^2 / 6; so must the forces
+        // interpolated velocity has passed a triangular filter of variance T^2 / 6; so must the
+        // forces
         double period_s = 1e-6 * cfg.velocity_us, a = period_s * period_s / 12;
         a = std::min(a / (cell_s() * cell_s()), 0.5);
         Vector triangle(3);
@@ -367,7 +369,7 @@ struct Reference {
         return r;
     }
 
-    // All rows of DoF j in the sets of the ring in which it is driven, times the bands' weights.
+    // All rows of DoF j in the sets of the ring in which it is excited, times the bands' weights.
     Matrix stack(int j, double low, double high) const
     {
         std::vector<Vector> all;
@@ -399,7 +401,7 @@ struct Reference {
         return (a.leftCols(n) * x - z).squaredNorm();
     }
 
-    // E is a polynomial of fourth degree at most in s: on a fine grid, then by golden section.
+    // E is a polynomial in s of degree four at most: search on a fine grid, then by golden section.
     double best(const Matrix &a, bool kind, double *least) const
     {
         int n = int(a.cols()) - 3;
@@ -429,7 +431,7 @@ struct Reference {
                                          t = best(a, true, &with_lag);
             lag[j] = t > 0 && with_lag < with_shift;
             delay[j] = lag[j] ? t : s;
-            // taken at four standard deviations from none, known to 12.5 ms
+            // accepted at four standard deviations from zero and a standard deviation of 12.5 ms
             double least = lag[j] ? with_lag : with_shift;
             double none = left(a, delay_weights(0, false));
             double sigma = std::fabs(delay[j]) / std::sqrt(dof_rows[j] * (none / least - 1));
@@ -500,8 +502,9 @@ struct Reference {
         return (stack(j, 1, 1) * candidate(j, x)).squaredNorm();
     }
 
-    // The bound on the cost's rounding: entries of R and z carry a backward error of c eps of their
-    // column's norm, and sets are rounded when they are stored.
+    // The bound on the rounding of the cost: entries of R and z have a backward error of c eps of
+    // their
+// column's norm, and sets are rounded when they are stored.
     double tolerance(const Vector &x, double cost) const
     {
         double size = 0;
@@ -558,7 +561,7 @@ struct Reference {
     }
 };
 
-// ---- both, side by side ----
+// ---- comparison ----
 
 static auvid_metric_t metric;
 
@@ -593,7 +596,7 @@ static Reference run(const auvid_metric_config_t &cfg, std::vector<Cell> cells)
     return reference;
 }
 
-// The free parameters anywhere in +-500, others (their values must not matter) too.
+// All parameters anywhere within +-500; the values of those that are not free must not matter.
 static Vector anywhere(Noise *noise)
 {
     Vector x(AUVID_G500_COUNT);
@@ -613,13 +616,13 @@ static void compare_evaluation(const Reference &of)
         if (!(reference.driven >> j & 1)) {
             continue;
         }
-        // a parabola through three points 0.1 nodes apart, in place of the true minimum
+        // a parabola through three points 0.1 nodes apart replaces the true minimum
         TEST_ASSERT_EQUAL(reference.lag[j], metric.first_order_lag >> j & 1);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * node, reference.delay[j] * node,
                                   double(metric.delay_s[j]));
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * reference.band_weight[0][j], reference.band_weight[0][j],
                                   double(metric.band_weight[0][j]));
-        // from here on with the metric's own choice, so that differences are rounding alone
+        // from here on with the metric's choice, so that all differences are rounding
         reference.delay[j] = double(metric.delay_s[j]) / node;
         reference.band_weight[0][j] = double(metric.band_weight[0][j]);
         reference.band_weight[1][j] = double(metric.band_weight[1][j]);

@@ -1,10 +1,10 @@
 /*
- * Confidence: verdicts and words, on data where they are known. Coverage is measured in
- * tests/reference/test_coverage.cpp, the formulas are computed again in
- * tests/reference/test_confidence_reference.cpp.
+ * Confidence: notes and sentences, on data for which they are known. Coverage is measured in
+ * tests/reference/test_coverage.cpp. tests/reference/test_confidence_reference.cpp computes the
+ * formulas again.
  *
- * Most tests feed a vehicle's own equations with made-up motion, at the cells of the recorder: a
- * metric is then full in no time, and what is known about it can be chosen.
+ * Most tests evaluate a vehicle's equations for synthetic motion at the cells of the recorder. A
+ * metric is then full at once, and the test chooses what the data determine.
  */
 #include <math.h>
 #include <stdio.h>
@@ -32,17 +32,17 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* Motion in the DoF asked for; it rolls, too. */
+/* Motion in the DoF of the mask, with some roll. */
 static void move(double t, uint32_t dofs, auvid_sample_t *s)
 {
     sines_motion(t, dofs, s);
     s->phi = (auvid_real_t)(0.02 * sin(0.29 * t + 1.0));
 }
 
-/* A world: which DoF move, for how many sets, white noise of force and of the measured
- * acceleration. */
+/* A synthetic run: the DoF that move, the number of sets, white noise of the force and of the
+ * measured acceleration. */
 typedef struct {
     uint32_t dofs;
     int sets;
@@ -54,7 +54,7 @@ enum {
     ALL = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW
 };
 
-/* The wrench that the truth needs for the motion, then the noise. */
+/* The wrench that gives the motion with the true parameters, then the noise. */
 static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
@@ -87,7 +87,7 @@ static auvid_metric_config_t usual(void)
     return cfg;
 }
 
-/* The verdict on `estimate`. */
+/* The confidence in `estimate`. */
 static void judge(auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
@@ -97,7 +97,7 @@ static void judge(auvid_real_t dry_mass_kg)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-/* Least squares over what can be searched, but for parameters left at zero, and the verdict. */
+/* Least squares over the searched parameters, except those left at zero, and their confidence. */
 static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
@@ -128,8 +128,8 @@ static bool is_identifiable(int i)
 
 /* ---- standard errors ---- */
 
-/* What is predicted of the bias grows with the square of the noise, and stored sets are rounded as
- * if by a noise of 0.02 N: little of both here. */
+/* The predicted bias grows with the square of the noise. The rounding of stored sets acts like a
+ * noise of 0.02 N. Both are small here. */
 static void test_standard_errors_are_proportional_to_the_noise(void)
 {
     auvid_real_t sigma[COUNT];
@@ -166,8 +166,8 @@ static void test_one_set_is_enough_for_standard_errors(void)
     }
 }
 
-/* The numbers are those of the build in double. In float, with sets kept in 16 bits, they were
- * within 4e-3 of them; with sets in float, within 4e-5. */
+/* The numbers are those of the build in double. In float, with sets stored in 16 bits, the results
+ * were within 4e-3 of them; with sets in float, within 4e-5. */
 static void test_float_and_double_give_the_same_standard_errors(void)
 {
     static const double expected[COUNT] = {0.16674,  0.170391, 0.205302, 0.0743761, 0.0231826,
@@ -228,7 +228,8 @@ static void test_the_cost_of_eight_sets_is_what_the_header_says(void)
     TEST_ASSERT_UINT32_WITHIN(50, 7700, UINT32_MAX - budget);
 }
 
-/* A lag of the thrusters nobody told of: what estimating it costs is in the masses' errors. */
+/* An unmodelled lag of the thrusters: the errors of the masses contain the cost of estimating it.
+ * */
 static void test_an_estimated_delay_widens_the_masses(void)
 {
     static chain_t chain;
@@ -238,8 +239,8 @@ static void test_an_estimated_delay_widens_the_masses(void)
         chain_defaults(&config, 3, 4, 1.0);
         config.sim.lag_s = 0.15;
         config.budget = 0;
-        config.id.uncertainty.delay_s = 0; /* of what is given there is none */
-        if (known) { /* as it was found */
+        config.id.uncertainty.delay_s = 0; /* a given delay has none */
+        if (known) { /* as it was estimated */
             memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
                    sizeof config.id.metric.delay_s);
             config.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
@@ -259,7 +260,7 @@ static void test_an_estimated_delay_widens_the_masses(void)
     }
 }
 
-/* ---- verdicts ---- */
+/* ---- notes ---- */
 
 static void test_good_data_make_everything_identifiable(void)
 {
@@ -307,7 +308,7 @@ static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor
     }
 }
 
-/* A model may count in units of its own. */
+/* A model may use its own units. */
 static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
 {
     static auvid_vehicle_t vehicle;
@@ -323,7 +324,7 @@ static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
     TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
 }
 
-/* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
+/* A velocity that is always measured as zero does not determine drag; the mass is known. */
 static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
 {
     const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
@@ -348,7 +349,7 @@ static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
     }
 }
 
-/* W-B and Z_0 are told apart by the cosine of small angles only. */
+/* W-B and Z_0 differ only by the cosine of small angles. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
     static auvid_confidence_t alone;
@@ -370,7 +371,7 @@ static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
     }
 }
 
-/* Nothing of surge is claimed; the other equations are as they were. */
+/* No parameter of surge is identifiable; the other equations are unchanged. */
 static void expect_surge_discredited_by(int culprit)
 {
     uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
@@ -401,7 +402,7 @@ static void test_a_drag_that_accelerates_discredits_its_equation(void)
     expect_surge_discredited_by(AUVID_G500_X_UU);
 }
 
-/* Its interval has possible values, but what is impossible of it makes a good part of the force. */
+/* Its interval has possible values, but its impossible part explains much of the force. */
 static void test_a_large_impossible_part_discredits_its_equation_without_being_known(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(-1000.0);
@@ -414,7 +415,7 @@ static void test_a_large_impossible_part_discredits_its_equation_without_being_k
                       is_identifiable(AUVID_G500_X_UU));
 }
 
-/* A drag that is truly zero comes out positive in half of the worlds. */
+/* The estimate of a drag that is truly zero is positive in half of the runs. */
 static void test_a_zero_drag_that_comes_out_positive_discredits_nothing(void)
 {
     int positive = 0;
@@ -428,7 +429,7 @@ static void test_a_zero_drag_that_comes_out_positive_discredits_nothing(void)
     TEST_ASSERT_TRUE(positive > 0 && positive < 8);
 }
 
-/* A search that ended elsewhere, by its bounds or in a worse optimum: its mass looks sure. */
+/* A search that ended at its bounds or in a worse optimum: the mass seems well determined. */
 static void test_what_explains_no_force_is_implausible(void)
 {
     auvid_real_t r2[AUVID_DOF_COUNT];
@@ -447,7 +448,7 @@ static void test_what_explains_no_force_is_implausible(void)
 
 static auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
 
-/* The verdict on `estimate` of a search within the bounds. */
+/* The confidence in `estimate` of a search within the bounds. */
 static void judge_within_bounds(bool capped)
 {
     uint32_t budget = UINT32_MAX;
@@ -458,8 +459,8 @@ static void judge_within_bounds(bool capped)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-/* A world of which all is known, and m_u held at its upper bound, `part` of its optimum; the other
- * parameters make the best of it. @return where they would be without the bound */
+/* A run that determines all parameters, with m_u at its upper bound, `part` of its optimum. The
+ * other parameters are optimal for it. @return where they would be without the bound */
 static const auvid_real_t *hold_mass(double part)
 {
     static auvid_real_t optimum[AUVID_MAX_PARAMETERS];
@@ -496,7 +497,7 @@ static void test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable(
     TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
 }
 
-/* Standard errors of such a result are those of its residual, so the half-widths are known. */
+/* The residual gives the standard errors of such a result, so the half-widths are known. */
 static void test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_named(void)
 {
     static const double parts[] = {0.5, 0.9, 0.99};
@@ -563,7 +564,7 @@ static void test_a_parameter_that_may_be_zero_is_not_called_small(void)
                      verdict->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
 }
 
-/* Noise of the acceleration makes masses smaller: where that may be much, it is said. */
+/* Noise of the acceleration makes masses smaller: a note says where this may be large. */
 static void test_a_mass_that_noise_may_bias_is_called_so(void)
 {
     observe(&(world_t){ALL, SETS, 0.0, 0.2});
@@ -581,7 +582,7 @@ static void test_too_much_noise_makes_all_uncertain(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[AUVID_G500_M_R]);
 }
 
-/* ---- words ---- */
+/* ---- sentences ---- */
 
 static auvid_confidence_t notes;
 static char text[160];

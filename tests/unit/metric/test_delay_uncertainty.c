@@ -1,10 +1,10 @@
 /*
- * What is not known of the delay between thrust and motion: its part in standard errors, and delays
- * of both signs. The formulas are computed again in tests/reference/test_confidence_reference.cpp,
- * flags are counted in tests/vehicles/test_propeller_lag.c.
+ * Uncertainty of the delay between thrust and motion: its part in standard errors, and delays of
+ * both signs. tests/reference/test_confidence_reference.cpp computes the formulas again.
+ * tests/vehicles/test_propeller_lag.c counts flags.
  *
- * The vehicle's equations are fed with made-up motion at the cells of the recorder, of parabolas
- * instead of sines: the same numbers with any C library.
+ * The vehicle's equations are evaluated for synthetic motion at the cells of the recorder. It is
+ * made of parabolas instead of sines, which give the same numbers with any C library.
  */
 #include <math.h>
 #include <stdio.h>
@@ -16,15 +16,15 @@
 #include "finish.h"
 #include "unity.h"
 
-enum { SETS = 8, N = 13 }; /* parameters that are free */
+enum { SETS = 8, N = 13 }; /* free parameters */
 
-/* A world: parameters, white noise of the force, and by how many cells the stamps of the wrench are
- * late, or early if negative. */
+/* A synthetic run: parameters, white noise of the force, and the number of cells by which the time
+ * stamps of the wrench are late (negative: early). */
 typedef struct {
     const auvid_real_t *truth;
     double force_N;
     int late;
-    bool sine; /* surge alone moves, in a sine */
+    bool sine; /* only surge moves, in a sine */
 } world_t;
 
 static auvid_metric_t metric;
@@ -43,9 +43,9 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* A wave of period one, and its derivative: parabolas. */
+/* A wave of period one made of parabolas, and its derivative. */
 static double wave(double x, double *slope)
 {
     x -= floor(x);
@@ -89,7 +89,7 @@ static void wrench(const world_t *world, double t, double tau[AUVID_DOF_COUNT])
     }
 }
 
-/* About a Gaussian, the same in every build. */
+/* Approximately Gaussian, the same in every build. */
 static double gauss(uint64_t *state)
 {
     double sum = -6;
@@ -140,7 +140,7 @@ static uint32_t judge(auvid_real_t delay_s)
     return UINT32_MAX - budget;
 }
 
-/* Data, estimate and verdict; delay_s is the uncertainty of the delay. */
+/* Data, estimate and confidence; delay_s is the uncertainty of the delay. */
 static void observe(const world_t *world, auvid_real_t delay_s)
 {
     cfg.delay_sigma_s = delay_s;
@@ -156,7 +156,7 @@ static double error_of(const world_t *world, int i)
 
 /* ---- standard errors ---- */
 
-/* In a sine a delay d makes of a linear drag X a mass of -X d: the data see the sum only. */
+/* In a sine a delay d turns a linear drag X into a mass of -X d: the data show only the sum. */
 static void test_an_undetermined_delay_widens_the_mass(void)
 {
     auvid_real_t viscous[AUVID_G500_COUNT];
@@ -190,7 +190,7 @@ static void test_a_determined_delay_hardly_widens(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
 }
 
-/* The user gives a delay of zero, and the data know better. */
+/* The user gives a delay of zero, which the data contradict. */
 static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_errors(void)
 {
     const world_t world = {auvid_girona500_paper, 1, -1, false};
@@ -207,7 +207,7 @@ static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_error
     }
 }
 
-/* ---- stamps ---- */
+/* ---- time stamps ---- */
 
 static void test_late_stamps_are_found_as_a_negative_delay(void)
 {
@@ -242,9 +242,9 @@ static void test_without_uncertainty_no_delay_is_negative(void)
     }
 }
 
-/* ---- as before ---- */
+/* ---- without uncertainty ---- */
 
-/* Of the library before it knew of this uncertainty. */
+/* Numbers of the library before it considered this uncertainty. */
 static void test_without_uncertainty_the_numbers_are_unchanged(void)
 {
     static const world_t world = {auvid_girona500_paper, 1, -1, false};
@@ -293,7 +293,7 @@ static void test_the_uncertainty_costs_what_the_header_says(void)
     TEST_ASSERT_UINT32_WITHIN(20, 538, judge(AUVID_C(0.1)) - without);
 }
 
-/* ---- what is taken ---- */
+/* ---- accepted values ---- */
 
 static void test_the_metric_refuses_delays_and_uncertainties_out_of_range(void)
 {

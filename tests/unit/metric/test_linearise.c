@@ -1,6 +1,6 @@
 /*
- * The residual path linearised at an estimate: what judge and confidence read of a model without
- * regressor. The models here are linear in their parameters, so what they must give is known.
+ * The residual path linearised at an estimate, as the change test and the confidence read it. The
+ * models here are linear in their parameters, so the correct result is known.
  */
 #include <math.h>
 #include <string.h>
@@ -24,7 +24,8 @@ void tearDown(void)
 {
 }
 
-/* From time t on, until the set is complete; white noise on the wrench. @return time after it */
+/* Feed cells from time t on until the set is complete; white noise on the wrench. @return time
+ * after the set */
 static double feed_set(const world_t *w, double t, double force_N)
 {
     for (uint32_t sets = metric.sets_recorded; metric.sets_recorded == sets; t += w->cell_s) {
@@ -46,7 +47,7 @@ static double squares_of(auvid_metric_t *m, const auvid_real_t *pi, double delay
     return (double)m->sse[AUVID_SURGE];
 }
 
-/* The same with parameter i as it is in pi plus `more`. */
+/* The same with `more` added to parameter i. */
 static double squares_beside(auvid_metric_t *m, const auvid_real_t *pi, int i, double more,
                              double delay_s)
 {
@@ -56,7 +57,7 @@ static double squares_beside(auvid_metric_t *m, const auvid_real_t *pi, int i, d
     return squares_of(m, moved, delay_s);
 }
 
-/* By pieces of the budget. @return units used */
+/* Linearise in pieces of the budget. @return units used */
 static uint32_t linearise(const auvid_real_t *pi, double delay_s, uint8_t sets, uint32_t piece)
 {
     uint32_t used = 0;
@@ -85,8 +86,8 @@ static void judge(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_change(&metric, &budget));
 }
 
-/* In the literal reading both paths have the same rows. Those of a regressor are taken in pairs, so
- * that the first and the last count half. */
+/* With literal smoothing both paths have the same rows. The regressor path takes them in pairs, so
+ * the first and the last row count half. */
 static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives(void)
 {
     double sigma[2][13];
@@ -114,8 +115,8 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
     }
 }
 
-/* Of rows of half a second every window is linearised. Windows reach across the borders of sets,
- * and neither across a gap nor, of what reads yaw, across guesses of it. */
+/* With rows of half a second every window is linearised. Windows reach across the borders of sets.
+ * They do not reach across a gap nor, in an equation that reads yaw, across a missing yaw rate. */
 static void test_the_rms_residual_is_that_of_the_measurement(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -137,7 +138,7 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     merge_all(&metric);
     memcpy(pi, truth, sizeof pi);
     for (int i = AUVID_G500_X_0; i <= AUVID_G500_N_0; ++i) {
-        pi[i] = 1000; /* a residual of -1000 everywhere, and little beside it */
+        pi[i] = 1000; /* a residual of -1000 everywhere, and little else */
     }
     (void)squares_of(&metric, pi, 0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -175,7 +176,7 @@ static void test_linearising_takes_the_units_that_the_header_says(void)
     uint32_t used = linearise(truth, 0, 1, UINT32_MAX), each = WORK * WINDOW * (2 * N + 3);
     TEST_ASSERT_EQUAL_UINT32(0, used % each);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, sqrt(WINDOW - 1) / 2, 120.0 / (used / each));
-    used = linearise(truth, 0, 2, UINT32_MAX); /* and merged: by rows, and by DoF */
+    used = linearise(truth, 0, 2, UINT32_MAX); /* and the merge: by rows, and by DoF */
     uint32_t merge = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(&metric, j);
@@ -203,7 +204,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
     before = metric;
     for (size_t k = 0; k < sizeof piece / sizeof piece[0]; ++k) {
         metric = before;
-        if (k > 0) { /* begun elsewhere, and then begun again */
+        if (k > 0) { /* begun at another point, and then begun again */
             uint32_t few = 99;
             auvid_metric_linearise_begin(&metric, truth, 0, 1);
             TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_linearise(&metric, &few));
@@ -222,7 +223,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
 
 enum { POINTS = 5, NEWTONS_PER_S = 100 };
 
-/* Least and largest value of each parameter, and of the time by which the wrench is late [s]. */
+/* Smallest and largest value of each parameter, and of the delay of the wrench [s]. */
 static double seen[POINTS + 1][2];
 
 static void note(int i, double value)
@@ -242,7 +243,7 @@ static void spy(const void *context, const auvid_sample_t *s, const auvid_real_t
     e[AUVID_SURGE] = pi[0] - s->tau[AUVID_SURGE];
 }
 
-/* The wrench rises steadily: it says of what time it is. */
+/* The wrench rises steadily, so its value gives its time. */
 static void test_derivatives_are_central_differences_over_the_steps_that_the_header_says(void)
 {
     static const auvid_real_t point[AUVID_MAX_PARAMETERS] = {200, -0.5, AUVID_C(1e-3), 0, 7};
@@ -288,9 +289,9 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.2 + 0.01 / 2, seen[POINTS][1]);
 }
 
-/* ---- what is made of it ---- */
+/* ---- use of the linear model ---- */
 
-/* What no value of X_u explains of surge in the sets whose age's bit is set. */
+/* The part of surge that no X_u explains, in the sets whose age has its bit set. */
 static double unexplained(uint32_t ages, double delay_s)
 {
     before = metric;
@@ -308,8 +309,8 @@ static double unexplained(uint32_t ages, double delay_s)
     return here - slope * slope / (4 * bend);
 }
 
-/* Between the sets there are gaps, so that no residual is of two of them. The newest is linearised
- * alone, as the identifier does, at other values than the rest. */
+/* Gaps between the sets prevent residuals that span two of them. The newest set is linearised
+ * separately, as in the identifier, at other values than the rest. */
 static void test_change_is_the_pooled_minus_the_separate_sum_of_squares(void)
 {
     const double delay_s = 0.13;
@@ -396,7 +397,7 @@ static void steep(const void *context, const auvid_sample_t *s, const auvid_real
     e[AUVID_SURGE] = fails ? (auvid_real_t)NAN : steepness * pi[0] - s->tau[AUVID_SURGE];
 }
 
-/* Three sets of the steep model, linearised and judged. @return time after them [s] */
+/* Three sets of the steep model, linearised and tested for a change. @return time after them [s] */
 static double judge_steep(void)
 {
     static const auvid_parameter_t parameter = {"k", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER};

@@ -1,6 +1,6 @@
 /*
- * What the metric makes of its data: which DoF are driven, what is kept of a set, delays, gaps and
- * cells that no model can explain.
+ * How the metric treats its data: excitation of the DoF, contents of a stored set, delays, gaps,
+ * and cells that no model can explain.
  */
 #include <math.h>
 #include <string.h>
@@ -17,9 +17,9 @@ void tearDown(void)
 {
 }
 
-/* ---- driven or not ---- */
+/* ---- excitation ---- */
 
-/* Two minutes in which sway moves, but is not driven. */
+/* Two minutes in which sway moves, but is not excited. */
 static void drift_sideways(void)
 {
     start();
@@ -89,7 +89,7 @@ static void test_dof_that_is_not_excited_is_left_out(void)
     TEST_ASSERT_EQUAL_DOUBLE(at_truth, cost_of(&metric, pi));
 }
 
-/* Three periods of a sine slow enough to pass the smoother, its rms 5 % beside the threshold. */
+/* Three periods of a sine slow enough to pass the smoother, with an rms 5 % from the threshold. */
 static void test_dof_is_excited_above_the_stated_part_of_its_scale(void)
 {
     for (int above = 0; above < 2; ++above) {
@@ -183,7 +183,7 @@ static void test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench(voi
     feed(&metric, &w, 0, cells_of(&cfg, 120));
     assert_least_squares_find_truth(AUVID_G500_FREE & ~fixed);
 
-    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* what is said of them is ignored */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* their values are ignored */
     memcpy(pi, truth, sizeof pi);
     pi[AUVID_G500_X_UU] *= AUVID_C(1.1);
     double cost = cost_of(&metric, pi);
@@ -198,7 +198,7 @@ static void test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench(voi
 
 /* ---- stored sets ---- */
 
-/* Pseudo-random in +-1. */
+/* Pseudo-random within +-1. */
 static auvid_real_t noise(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -234,8 +234,8 @@ static void test_stored_entries_have_an_error_relative_to_their_column(void)
     }
 }
 
-/* In yaw m_u and m_v stand as -u v and u v: one pivot has to be none, or rounding would count as
- * knowledge. */
+/* In yaw m_u and m_v have the columns -u v and u v: one pivot must be zero, or rounding would count
+ * as information. */
 static void test_a_column_that_depends_on_others_has_no_pivot_after_rounding(void)
 {
     for (int begin = 0; begin < 60; ++begin) {
@@ -384,8 +384,8 @@ static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
     auvid_metric_gap(NULL);
 }
 
-/* Two sets of cells in which a velocity is not measured for 2 s in every 20, and a guess stands in
- * its place. */
+/* Two sets of cells in which a velocity is not measured for 2 s in every 20; a wrong value replaces
+ * it. */
 static void feed_guesses(int velocity, bool told)
 {
     world_t w = world_of(&cfg);
@@ -416,7 +416,7 @@ static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missin
     TEST_ASSERT_EQUAL_UINT16(60, set->rows_of[AUVID_YAW]);
     TEST_ASSERT_EQUAL_UINT16(0, set->lost);
     for (int j = 0; j < 3; ++j) {
-        /* of 40 rows in 20 s those whose 41 cells, or 43 for their ends, meet the 20: 12 */
+        /* of 40 rows in 20 s, 12 have a cell without velocity among their 41 (43 with the ends) */
         TEST_ASSERT_UINT16_WITHIN(3, 60 - 60 * 12 / 40, set->rows_of[j]);
     }
     merge_all(&metric);
@@ -484,7 +484,7 @@ static void test_rows_whose_regressor_fails_are_left_out(void)
     }
 }
 
-/* What the broken regressor gives for m_u. */
+/* The value of the faulty regressor for m_u. */
 static auvid_real_t broken_entry;
 
 static void broken_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)

@@ -1,5 +1,5 @@
 /*
- * What the metric refuses, changing nothing, and the limits up to which it does not.
+ * What the metric rejects without any change, and the limits up to which it accepts.
  */
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /*
- * The metric's residual path: models that give residuals, not rows.
+ * The metric's residual path: models that give residuals instead of rows.
  */
 #include <math.h>
 #include <string.h>
@@ -27,8 +27,8 @@ static void assert_canaries(void)
     }
 }
 
-/* Rows of one cell: no averaging, so both paths see the same equations and both costs are least at
- * the truth, exactly but for rounding. */
+/* Rows of one cell are not averaged, so both paths have the same equations. Both costs are smallest
+ * at the true parameters, exactly except for rounding. */
 static void test_residual_path_has_its_minimum_where_the_regressor_path_has(void)
 {
     cfg.sets = 4;
@@ -85,7 +85,7 @@ static void test_residual_path_takes_one_unit_for_each_row(void)
     TEST_ASSERT_EQUAL_UINT32(1000 - 60, budget);
 }
 
-/* Residuals are smoothed across the borders of sets: where sets end does not matter. */
+/* Residuals are smoothed across the borders of sets, so it does not matter where sets end. */
 static void test_residual_path_gives_the_same_bits_for_any_division_into_sets(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], cost[2];
@@ -139,7 +139,7 @@ static void test_a_record_whose_times_are_rounded_is_still_one_record(void)
     TEST_ASSERT_TRUE(cost_of(&metric, pi) > 1e-3);
 }
 
-/* 31 rows are smoothed at once: thirty fewer results than rows, on each side of a gap. */
+/* 31 rows are smoothed at once: on each side of a gap there are thirty fewer results than rows. */
 static void test_residuals_are_not_smoothed_over_a_gap(void)
 {
     double sse[2];
@@ -169,7 +169,7 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
     TEST_ASSERT_DOUBLE_WITHIN(100, 20 * 100, sse[1]);
 }
 
-/* Guesses of heave for 1 s in every 10: what is read of them is no residual of any equation. */
+/* Heave is not measured for 1 s in every 10: no residual may read the values that replace it. */
 static void test_residuals_of_what_was_not_measured_do_not_count(void)
 {
     double cost[2];
@@ -246,7 +246,7 @@ static void test_cost_that_is_not_finite_is_returned_unchanged(void)
     auvid_metric_cost_begin(&metric, pi, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
     TEST_ASSERT_FALSE(auvid_is_finite(metric.cost));
-    TEST_ASSERT_TRUE(cost_of(&metric, truth) < 1e-3); /* and the next one is as ever */
+    TEST_ASSERT_TRUE(cost_of(&metric, truth) < 1e-3); /* and the next one is correct */
 }
 
 int main(void)

@@ -1,9 +1,9 @@
 /*
- * What the user supplies but does not know exactly: the scale of the thrust and of the DVL's
- * velocity. And the covariance of an estimate, which is given with both as told.
+ * What the user supplies and does not know exactly: the scale of the thrust and of the DVL's
+ * velocity. Also the covariance of an estimate, which is conditional on both as supplied.
  *
- * The worlds are made up as in test_confidence.c: a vehicle's own equations with made-up motion, at
- * the cells of the recorder.
+ * The data are synthetic, as in test_confidence.c: a vehicle's equations evaluated for synthetic
+ * motion at the cells of the recorder.
  */
 #include <math.h>
 #include <string.h>
@@ -32,9 +32,9 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* Scales by which what is told differs from what is. */
+/* Ratios of the supplied values to the true ones. */
 typedef struct {
     double force_N; /* rms of white noise */
     double thrust, dvl;
@@ -43,7 +43,7 @@ typedef struct {
 
 enum { MOVED = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW };
 
-/* The wrench that the truth needs for the motion, and noise; then both as they are told. */
+/* The wrench that gives the motion with the true parameters, and noise; then both as supplied. */
 static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
@@ -65,7 +65,7 @@ static auvid_metric_config_t usual(void)
     return cfg;
 }
 
-/* Least squares over what is free, and the verdict. */
+/* Least squares over the free parameters, and their confidence. */
 static void observe(const auvid_metric_config_t *cfg, const world_t *world)
 {
     uint32_t budget = UINT32_MAX;
@@ -89,12 +89,12 @@ static void observe(const auvid_metric_config_t *cfg, const world_t *world)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-static const world_t told_truly = {1.0, 1.0, 1.0, 5};
+static const world_t true_scales = {1.0, 1.0, 1.0, 5};
 
 /* d pi / d scale, by two estimates from data that differ in the scale by 4 %. */
 static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double slope[COUNT])
 {
-    world_t more = told_truly, less = told_truly;
+    world_t more = true_scales, less = true_scales;
     *(thrust ? &more.thrust : &more.dvl) = 1.02;
     *(thrust ? &less.thrust : &less.dvl) = 0.98;
     observe(cfg, &more);
@@ -105,10 +105,10 @@ static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double 
     for (int i = 0; i < COUNT; ++i) {
         slope[i] = (slope[i] - (double)estimate[i]) / 0.04;
     }
-    observe(cfg, &told_truly);
+    observe(cfg, &true_scales);
 }
 
-/* ---- what is considered ---- */
+/* ---- considered parameters ---- */
 
 static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(void)
 {
@@ -121,8 +121,8 @@ static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(voi
     }
 }
 
-/* Yaw's (m_u - m_v) u v is of another degree than the forces' terms, by which the masses are taken:
- * in motion as coupled as this one that is 15 % of them. */
+/* Yaw's (m_u - m_v) u v has another degree than the terms of the forces, which set the degree of
+ * the masses. In motion as coupled as this the difference is 15 %. */
 static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
 {
     auvid_metric_config_t cfg = usual();
@@ -135,8 +135,8 @@ static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
     }
 }
 
-/* What is known of the vehicle does not scale with the thrust, and its column is nearly orthogonal
- * to the others' in its own equation. Sway has m_u u r in it, yaw (m_u - m_v) u v. */
+/* A known parameter does not scale with the thrust. Its column is nearly orthogonal to the others
+ * in its own equation. Sway contains m_u u r, yaw (m_u - m_v) u v. */
 static void test_with_a_known_mass_the_others_still_change_with_the_thrust_scale(void)
 {
     auvid_metric_config_t cfg = usual();
@@ -154,8 +154,8 @@ static void test_with_a_known_mass_the_others_still_change_with_the_thrust_scale
     }
 }
 
-/* A known drag's share of the scale goes to the other drag: more is considered than happens, up to
- * twice. */
+/* The other drag takes over the part of a known drag: the considered error is larger than the true
+ * one, up to twice. */
 static void test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its_part(void)
 {
     for (int known = AUVID_G500_X_U; known <= AUVID_G500_X_UU; ++known) {
@@ -180,10 +180,10 @@ static void test_without_uncertain_scales_the_standard_errors_are_unchanged(void
 {
     auvid_metric_config_t cfg = usual();
     auvid_real_t sigma[COUNT];
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     auvid_confidence_t with = *verdict;
     memset(&uncertainty, 0, sizeof uncertainty);
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     memcpy(sigma, verdict->sigma, sizeof sigma);
     for (int i = 0; i < COUNT; ++i) {
         double told = hypot((double)sigma[i], (double)with.thrust_error[i]);
@@ -195,8 +195,8 @@ static void test_without_uncertain_scales_the_standard_errors_are_unchanged(void
     TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &verdict->uncertainty, sizeof uncertainty);
 }
 
-/* A model without regressor whose parameters are of a kind scales, too; one that forms the thrust
- * from commands does not. */
+/* A model without regressor also scales if its parameters have a known kind. A model that forms the
+ * thrust from commands does not. */
 static void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
                      auvid_real_t *e)
 {
@@ -259,13 +259,13 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
 
 /* ---- notes ---- */
 
-/* The total half-width decides; what only the scale of the thrust prevents is called so. */
+/* The total half-width decides. A note says if only the thrust scale prevents identification. */
 static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
 {
     static char text[160];
     auvid_metric_config_t cfg = usual();
     uncertainty.thrust_scale = AUVID_C(0.12);
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
     for (int i = 0; i < COUNT; ++i) {
         TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, verdict->note[i]);
@@ -279,13 +279,17 @@ static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "surge: m_u is known to 2 % relative to the thrust scale; calibrate thrust to 9 % for SI units", text);
+        "surge: m_u is known to 2 % relative to the thrust scale; calibrate thrust to 9 % for SI "
+        "units",
+        text);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "heave: W-B is known to 0.1 N relative to the thrust scale; calibrate thrust to 2 % for SI units", text);
+        "heave: W-B is known to 0.1 N relative to the thrust scale; calibrate thrust to 2 % for SI "
+        "units",
+        text);
     uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
 }
 
@@ -294,11 +298,11 @@ static void test_a_constant_force_has_its_tolerance_in_newtons(void)
     auvid_metric_config_t cfg = usual();
     memset(&uncertainty, 0, sizeof uncertainty);
     truth[AUVID_G500_W_B] = AUVID_C(0.1); /* known to 0.06 N */
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_W_B]);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
     cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)verdict->sigma[AUVID_G500_W_B] / 0.02);
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     TEST_ASSERT_TRUE(verdict->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
                      verdict->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), verdict->identifiable);
@@ -340,7 +344,7 @@ static double covariance(const auvid_estimate_t *e, int i, int k)
     return (double)auvid_estimate_covariance(e, &auvid_girona500, i, k);
 }
 
-/* Cholesky, of correlations. @return smallest pivot */
+/* Cholesky decomposition of the correlations. @return smallest pivot */
 static double smallest_pivot(const auvid_estimate_t *e, int n)
 {
     double l[COUNT][COUNT], least = 1.0;
@@ -362,7 +366,7 @@ static double smallest_pivot(const auvid_estimate_t *e, int n)
 static void test_the_covariance_is_symmetric_positive_and_has_the_standard_errors(void)
 {
     auvid_metric_config_t cfg = usual();
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     auvid_estimate_t e = published();
     for (int i = 0; i < COUNT; ++i) {
         double total = covariance(&e, i, i) + pow((double)verdict->thrust_error[i], 2.0) +
@@ -381,7 +385,7 @@ static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
     auvid_metric_config_t cfg = usual();
     cfg.free &= ~(1u << AUVID_G500_N_RR);
     cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     auvid_estimate_t e = published();
     for (int k = 0; k < AUVID_G500_COUNT; ++k) {
         TEST_ASSERT_TRUE(covariance(&e, AUVID_G500_N_RR, k) == 0.0);
@@ -394,8 +398,8 @@ static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
     TEST_ASSERT_TRUE(auvid_estimate_covariance(&e, NULL, 0, 0) == AUVID_C(0.0));
 }
 
-/* The drag force at a speed is better known than the sum of its coefficients' errors: of so many
- * worlds, the share within one standard error, and two. */
+/* The drag force at a speed is more accurate than the sum of its coefficients' errors. Fraction of
+ * the runs within one standard error, and within two. */
 static void test_a_linear_combination_is_covered_as_often_as_its_standard_error_says(void)
 {
     enum { RUNS = 60, SPEEDS = 3 };
