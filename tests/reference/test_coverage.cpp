@@ -1,17 +1,19 @@
 // Standard errors: how often is the truth within one, and within two of them?
 //
 // Eight sets of 30 s, all degrees of freedom excited, model in class. At 1 N and 3 N of unmodelled
-// force, pooled over runs and parameters, one standard error covers the truth in 60-76 %, two in
-// 90-98 %; each parameter's one in 55-80 %. A run's pooled share is one draw, for the parameters of
-// a run are not independent: the interval is 1.96 standard errors of the mean over runs.
+// force, pooled over runs and parameters: one standard error covers the truth in 60-76 %, two in
+// 90-98 %. For a single parameter one standard error covers it in 55-80 %. The parameters of a run
+// are not independent, so a run's pooled fraction is one sample: the interval is 1.96 standard
+// errors of the mean over runs.
 //
-// Long form (AUVID_TEST_LONG), 600 runs: the shares themselves must lie in these ranges. Short
-// form, 200: a share fails when its range is refuted, at 3.3 standard errors (pooled), at the
-// 99.9 % level (one parameter, Clopper-Pearson). No force, and a thruster lag nobody told of, are
-// printed beside in the long form: sensor noise alone is smaller than what the pooling allows for.
+// Long form (AUVID_TEST_LONG), 600 runs: the fractions must lie in these ranges. Short form, 200
+// runs: the test fails if a range is refuted, at 3.3 standard errors (pooled) or at the 99.9 %
+// level
+// (one parameter, Clopper-Pearson). The long form also prints runs without force and with an
+// unmodelled thruster lag. Without force the noise is smaller than the pooling assumes.
 //
-// A degree of freedom that is never excited must leave the others as they are: the same seeds with
-// and without it.
+// A degree of freedom that is never excited must not affect the others: the same seeds with and
+// without it.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -42,7 +44,7 @@ static double sigma_of(int i)
     return double(chain.id.estimate.confidence.sigma[i]) / std::fabs(chain.sim.config.parameter[i]);
 }
 
-// A whole run, and the search after it. `idle`: the degree of freedom left alone, or -1.
+// A whole run, and the search after it. `idle`: the degree of freedom that is not excited, or -1.
 static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle)
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
@@ -61,7 +63,7 @@ static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle
     TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
 }
 
-// Shares of a run's errors that are within one and within two standard errors, over runs.
+// Fractions of a run's errors within one and within two standard errors, over runs.
 struct Shares {
     double runs = 0, sum[2] = {}, squares[2] = {};
     void add(const double within[2])
@@ -124,7 +126,7 @@ struct Coverage {
     }
 };
 
-// Drag force at 0.3, 0.6 and 1.0 of the largest speed seen in each direction, of the same runs.
+// Drag force of the same runs at 0.3, 0.6 and 1.0 of the largest speed in each direction.
 struct DragCoverage {
     enum { PARTS = 3 };
     double flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
@@ -263,7 +265,7 @@ static void check_idle(int idle)
 }
 
 struct Pairs {
-    std::vector<double> all, without; // mean square relative error of the parameters that stay
+    std::vector<double> all, without; // mean square relative error of the other parameters
     double ratio() const
     {
         double a = 0, b = 0;
@@ -298,8 +300,8 @@ static double others_square(int idle)
     return sum / n;
 }
 
-// The excitation of the others differs in its random draws: only the average can be compared. Less
-// coupled motion tells less: up to 1.15 times the rms error is taken for "as accurate as before".
+// The excitation of the others has other random draws, so only the average can be compared. Less
+// coupled motion gives less information: up to 1.15 times the rms error counts as unchanged.
 static void test_a_dof_never_excited_is_reported_and_leaves_the_others_unchanged()
 {
     uint64_t runs = campaign_is_long() ? 150 : 16;

@@ -1,15 +1,15 @@
 // Standard errors of a model without regressor: how often do they cover the truth?
 //
-// The user's model of tests/unit/identifier/test_user_model.c, thrusters with a dead band, in surge
-// alone; the Coriolis forces, which the simulated vehicle has, are in it with their true masses, so
-// that the model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
+// The user's model of tests/unit/identifier/test_user_model.c, thrusters with a dead band, only in
+// surge. It contains the Coriolis forces of the simulated vehicle with their true masses, so the
+// model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
 //
-// Long form (AUVID_TEST_LONG), 240 runs: pooled one standard error covers 60-76 %, two 90-98 %,
-// each parameter's one 55-80 %. Short form, 30: fails when these are refuted, at 3.3 standard
-// errors of the mean over runs, and at the 99.9 % level (Clopper-Pearson).
+// Long form (AUVID_TEST_LONG), 240 runs: pooled, one standard error covers 60-76 %, two 90-98 %;
+// for a single parameter one covers 55-80 %. Short form, 30 runs: the test fails if these are
+// refuted, at 3.3 standard errors of the mean over runs, or at the 99.9 % level (Clopper-Pearson).
 //
-// And the two paths against each other: Girona500 through its residuals alone must come to the
-// standard errors of its regressor.
+// A second test compares the two paths: Girona500 through its residuals must have the standard
+// errors of its regressor.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -88,7 +88,7 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     static const auvid_real_t high[PARAMETERS] = {300, 300, auvid_real_t(0.5), 0, 0};
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; // of the command
     auvid_identifier_defaults(cfg, &vehicle);
-    cfg->uncertainty = auvid_uncertainty_t(); // this world is as told
+    cfg->uncertainty = auvid_uncertainty_t(); // the supplied values are exact here
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
@@ -142,7 +142,7 @@ struct Share {
         sum += x;
         squares += x * x;
     }
-    // Is it in [low, high]? In the short form: is that not refuted?
+    // Long form: is it in [low, high]? Short form: is that not refuted?
     bool within(double runs, double low, double high) const
     {
         double mean = sum / runs, error = std::sqrt((squares / runs - mean * mean) / (runs - 1));
@@ -213,7 +213,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     chain_defaults(&config, seed, SETS, disturbance_N);
     config.id.vehicle = model;
     config.id.metric.vehicle = model;
-    config.id.search.has_good = true; // the search of 13 parameters and a delay is not the point
+    config.id.search.has_good = true; // this test is not about the search
     std::memcpy(config.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
     if (model->regressor == nullptr) {
         config.id.metric.rows = store;
@@ -256,7 +256,7 @@ static void test_both_paths_give_similar_standard_errors()
             std::printf(" %.2f", std::exp(s));
         }
         std::printf("\n");
-        // the smoothing of the residuals is wider than that of the rows in yaw, so it knows less
+        // in yaw the residuals are smoothed more than the rows, so there is less information
         TEST_ASSERT_DOUBLE_WITHIN(std::log(1.25), 0, all);
         for (double s : sum) {
             TEST_ASSERT_TRUE(s > std::log(0.6));
