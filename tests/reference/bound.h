@@ -108,7 +108,7 @@ inline Noise noise_of(double disturbance_N)
 static Motion derivative(const sim_config_t &config, const Tick &a, const Tick &b, double part,
                          const Motion &at)
 {
-    static const int place[INITIAL] = {6, 7, 8, 11, 2};
+    static const int index[INITIAL] = {6, 7, 8, 11, 2};
     const double wrench[6] = {b.wrench(0), b.wrench(1), b.wrench(2), 0, 0, b.wrench(3)};
     double state[12] = {}, change[12];
     state[3] = a.phi + part * (b.phi - a.phi);
@@ -116,12 +116,12 @@ static Motion derivative(const sim_config_t &config, const Tick &a, const Tick &
     state[9] = a.p + part * (b.p - a.p);
     state[10] = a.q + part * (b.q - a.q);
     for (int i = 0; i < INITIAL; ++i) {
-        state[place[i]] = at(i);
+        state[index[i]] = at(i);
     }
     sim_derivative(&config, state, wrench, change);
     Motion rate;
     for (int i = 0; i < INITIAL; ++i) {
-        rate(i) = change[place[i]];
+        rate(i) = change[index[i]];
     }
     return rate;
 }

@@ -43,15 +43,15 @@ struct Change {
 
 static void apply(sim_config_t &world, const Change &change)
 {
-    static const int own[4][3] = {{SIM_M_U, SIM_X_U, SIM_X_UU},
-                                  {SIM_M_V, SIM_Y_V, SIM_Y_VV},
-                                  {SIM_M_W, SIM_Z_W, SIM_Z_WW},
-                                  {SIM_M_R, SIM_N_R, SIM_N_RR}};
+    static const int of_dof[4][3] = {{SIM_M_U, SIM_X_U, SIM_X_UU},
+                                     {SIM_M_V, SIM_Y_V, SIM_Y_VV},
+                                     {SIM_M_W, SIM_Z_W, SIM_Z_WW},
+                                     {SIM_M_R, SIM_N_R, SIM_N_RR}};
     for (int j = 0; j < 4; ++j) {
         if (change.which == ALL || change.which == j) {
-            world.parameter[own[j][0]] *= change.mass;
-            world.parameter[own[j][1]] *= change.drag;
-            world.parameter[own[j][2]] *= change.drag;
+            world.parameter[of_dof[j][0]] *= change.mass;
+            world.parameter[of_dof[j][1]] *= change.drag;
+            world.parameter[of_dof[j][2]] *= change.drag;
         }
     }
 }

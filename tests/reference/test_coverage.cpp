@@ -64,7 +64,7 @@ static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle
 }
 
 // Fractions of a run's errors within one and within two standard errors, over runs.
-struct Shares {
+struct Fractions {
     double runs = 0, sum[2] = {}, squares[2] = {};
     void add(const double within[2])
     {
@@ -91,7 +91,7 @@ struct Shares {
 
 struct Coverage {
     double one[PARAMETERS] = {}, squares[PARAMETERS] = {}, sigmas[PARAMETERS] = {};
-    Shares share;
+    Fractions fraction;
     void add()
     {
         double within[2] = {};
@@ -103,13 +103,13 @@ struct Coverage {
             squares[i] += error * error;
             sigmas[i] += sigma;
         }
-        share.add(within);
+        fraction.add(within);
     }
     void print(const char *title) const
     {
-        const double runs = share.runs;
+        const double runs = fraction.runs;
         std::printf("%s, %.0f runs: ", title, runs);
-        share.print();
+        fraction.print();
         std::printf("\n  each one %%");
         for (double k : one) {
             std::printf(" %5.1f", 100 * k / runs);
@@ -130,7 +130,7 @@ struct Coverage {
 struct DragCoverage {
     enum { PARTS = 3 };
     double flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
-    Shares share;
+    Fractions fraction;
     void add()
     {
         static const double part[PARTS] = {0.3, 0.6, 1.0};
@@ -153,13 +153,13 @@ struct DragCoverage {
             within[0] += (std::fabs(error) < sigma) / 24.0;
             within[1] += (std::fabs(error) < 2 * sigma) / 24.0;
         }
-        share.add(within);
+        fraction.add(within);
     }
     void print() const
     {
-        const double runs = share.runs;
+        const double runs = fraction.runs;
         std::printf("  drag force: ");
-        share.print();
+        fraction.print();
         std::printf("; flagged %.1f %%", 100 * flagged / runs / 24);
         for (int k = 0; k < PARTS; ++k) {
             std::printf("; rms %.2f %%, one %.1f %%", 100 * std::sqrt(squares[k] / runs),
@@ -169,20 +169,20 @@ struct DragCoverage {
     }
 };
 
-static void check_share(const Shares &share, int k, double low, double high)
+static void check_fraction(const Fractions &fraction, int k, double low, double high)
 {
-    double slack = campaign_is_long() ? 0 : 3.3 * share.error(k);
-    TEST_ASSERT_TRUE(share.mean(k) >= low - slack);
-    TEST_ASSERT_TRUE(share.mean(k) <= high + slack);
+    double slack = campaign_is_long() ? 0 : 3.3 * fraction.error(k);
+    TEST_ASSERT_TRUE(fraction.mean(k) >= low - slack);
+    TEST_ASSERT_TRUE(fraction.mean(k) <= high + slack);
 }
 
 static void check(const Coverage &c)
 {
-    check_share(c.share, 0, 0.60, 0.76);
-    check_share(c.share, 1, 0.90, 0.98);
+    check_fraction(c.fraction, 0, 0.60, 0.76);
+    check_fraction(c.fraction, 1, 0.90, 0.98);
     for (double k : c.one) {
         bool full = campaign_is_long();
-        double n = c.share.runs;
+        double n = c.fraction.runs;
         TEST_ASSERT_TRUE((full ? k / n : binomial_upper(k, n, 0.001)) >= 0.55);
         TEST_ASSERT_TRUE((full ? k / n : binomial_lower(k, n, 0.001)) <= 0.80);
     }
@@ -221,8 +221,8 @@ static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_sh
     check(one);
     check(three);
     for (const DragCoverage &d : drag) {
-        check_share(d.share, 0, 0.60, 0.80);
-        check_share(d.share, 1, 0.92, 0.98);
+        check_fraction(d.fraction, 0, 0.60, 0.80);
+        check_fraction(d.fraction, 1, 0.92, 0.98);
     }
 }
 

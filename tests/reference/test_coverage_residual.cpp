@@ -159,20 +159,20 @@ static bool campaign(double disturbance_N)
     double bias[PARAMETERS] = {};
     Share within[2];
     for (uint64_t seed = 7600001; seed <= 7600000 + uint64_t(runs); ++seed) {
-        double share[2] = {};
+        double fraction[2] = {};
         identify(seed, disturbance_N);
         for (int i = 0; i < PARAMETERS; ++i) {
             double error = double(id.estimate.pi[i]) / truth[i] - 1;
             double sigma = double(id.estimate.confidence.sigma[i]) / std::fabs(truth[i]);
             one[i] += std::fabs(error) < sigma;
-            share[0] += double(std::fabs(error) < sigma) / PARAMETERS;
-            share[1] += double(std::fabs(error) < 2 * sigma) / PARAMETERS;
+            fraction[0] += double(std::fabs(error) < sigma) / PARAMETERS;
+            fraction[1] += double(std::fabs(error) < 2 * sigma) / PARAMETERS;
             squares[i] += error * error / runs;
             bias[i] += error / runs;
             sigmas[i] += sigma / runs;
         }
-        within[0].add(share[0]);
-        within[1].add(share[1]);
+        within[0].add(fraction[0]);
+        within[1].add(fraction[1]);
     }
     std::printf("dead band, %g N, %.0f runs: one", disturbance_N, runs);
     bool held = within[0].within(runs, 0.60, 0.76);

@@ -225,9 +225,9 @@ struct Reference {
     std::vector<int> column[6];
     std::vector<Rows> set_band[2]; // [band][set * 6 + dof]
     std::vector<int> set_rows;
-    std::vector<unsigned> set_driven;
+    std::vector<unsigned> set_excited;
     std::vector<double> set_m2[6];
-    unsigned driven = 0;
+    unsigned excited = 0;
     int dof_rows[6] = {0};
     double weight[6] = {0}, delay[6] = {0}, constant = 0;
     double band_weight[2][6];
@@ -346,7 +346,7 @@ struct Reference {
                     }
                 }
             }
-            set_driven.push_back(mask);
+            set_excited.push_back(mask);
         }
     }
 
@@ -373,9 +373,9 @@ struct Reference {
     Matrix stack(int j, double low, double high) const
     {
         std::vector<Vector> all;
-        int sets = int(set_driven.size());
+        int sets = int(set_excited.size());
         for (int s = std::max(0, sets - cfg.sets); s < sets; ++s) {
-            for (int band = 0; band < 2 && (set_driven[s] >> j & 1); ++band) {
+            for (int band = 0; band < 2 && (set_excited[s] >> j & 1); ++band) {
                 for (const Vector &r : set_band[band][s * 6 + j].row) {
                     all.push_back(r * std::sqrt(band == 0 ? low : high));
                 }
@@ -402,7 +402,7 @@ struct Reference {
     }
 
     // E is a polynomial in s of degree four at most: search on a fine grid, then by golden section.
-    double best(const Matrix &a, bool kind, double *least) const
+    double best(const Matrix &a, bool kind, double *smallest) const
     {
         int n = int(a.cols()) - 3;
         auto qr = solver(a.leftCols(n));
@@ -417,7 +417,7 @@ struct Reference {
             double m = low + 0.382 * (high - low), k = low + 0.618 * (high - low);
             (e(m) < e(k) ? high : low) = e(m) < e(k) ? k : m;
         }
-        *least = e(0.5 * (low + high));
+        *smallest = e(0.5 * (low + high));
         return 0.5 * (low + high);
     }
 
@@ -432,9 +432,9 @@ struct Reference {
             lag[j] = t > 0 && with_lag < with_shift;
             delay[j] = lag[j] ? t : s;
             // accepted at four standard deviations from zero and a standard deviation of 12.5 ms
-            double least = lag[j] ? with_lag : with_shift;
+            double smallest = lag[j] ? with_lag : with_shift;
             double none = left(a, delay_weights(0, false));
-            double sigma = std::fabs(delay[j]) / std::sqrt(dof_rows[j] * (none / least - 1));
+            double sigma = std::fabs(delay[j]) / std::sqrt(dof_rows[j] * (none / smallest - 1));
             double seconds = sigma * cell_s() * AUVID_METRIC_DELAY_CELLS;
             if (!(std::fabs(delay[j]) > 4 * sigma && seconds < 0.0125)) {
                 delay[j] = 0;
@@ -445,17 +445,17 @@ struct Reference {
 
     void merge()
     {
-        int sets = int(set_driven.size());
-        driven = 0;
+        int sets = int(set_excited.size());
+        excited = 0;
         for (int s = std::max(0, sets - cfg.sets); s < sets; ++s) {
-            driven |= set_driven[s];
+            excited |= set_excited[s];
             for (int j = 0; j < 6; ++j) {
-                dof_rows[j] += set_driven[s] >> j & 1 ? set_rows[s] : 0;
+                dof_rows[j] += set_excited[s] >> j & 1 ? set_rows[s] : 0;
             }
         }
         constant = 0;
         for (int j : dofs) {
-            if (!(driven >> j & 1)) {
+            if (!(excited >> j & 1)) {
                 continue;
             }
             weight[j] = 1 / (std::pow(double(cfg.tau_max[j]), 2) * dof_rows[j]);
@@ -482,7 +482,7 @@ struct Reference {
     {
         double sum = 0;
         for (int j : dofs) {
-            sum += driven >> j & 1 ? weight[j] * (stack(j) * candidate(j, x)).squaredNorm() : 0;
+            sum += excited >> j & 1 ? weight[j] * (stack(j) * candidate(j, x)).squaredNorm() : 0;
         }
         return sum;
     }
@@ -504,12 +504,12 @@ struct Reference {
 
     // The bound on the rounding of the cost: entries of R and z have a backward error of c eps of
     // their
-// column's norm, and sets are rounded when they are stored.
+    // column's norm, and sets are rounded when they are stored.
     double tolerance(const Vector &x, double cost) const
     {
         double size = 0;
         for (int j : dofs) {
-            if (driven >> j & 1) {
+            if (excited >> j & 1) {
                 Matrix a = stack(j);
                 Vector full = candidate(j, x);
                 double norm = 0;
@@ -528,7 +528,7 @@ struct Reference {
         Matrix a(0, active.size());
         Vector b(0);
         for (int j : dofs) {
-            if (!(driven >> j & 1)) {
+            if (!(excited >> j & 1)) {
                 continue;
             }
             Matrix rows = stack(j) * std::sqrt(weight[j]);
@@ -609,11 +609,11 @@ static Vector anywhere(Noise *noise)
 static void compare_evaluation(const Reference &of)
 {
     Reference reference = of;
-    TEST_ASSERT_EQUAL_HEX(reference.driven, metric.excited);
+    TEST_ASSERT_EQUAL_HEX(reference.excited, metric.excited);
     double node = reference.cell_s() * AUVID_METRIC_DELAY_CELLS;
     for (int j : dofs) {
         TEST_ASSERT_EQUAL_UINT(reference.dof_rows[j], metric.dof_rows[j]);
-        if (!(reference.driven >> j & 1)) {
+        if (!(reference.excited >> j & 1)) {
             continue;
         }
         // a parabola through three points 0.1 nodes apart replaces the true minimum
@@ -629,7 +629,7 @@ static void compare_evaluation(const Reference &of)
     }
     double constant = 0;
     for (int j : dofs) {
-        if (reference.driven >> j & 1) {
+        if (reference.excited >> j & 1) {
             Vector l = delay_weights(reference.delay[j], reference.lag[j]);
             constant += reference.weight[j] * reference.left(reference.stack(j), l);
         }
@@ -650,15 +650,15 @@ static void compare_evaluation(const Reference &of)
         auvid_metric_measure_begin(&metric, p, 0);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
         auvid_metric_r2(&metric, r2);
-        int sets = int(reference.set_driven.size());
+        int sets = int(reference.set_excited.size());
         for (int j : dofs) {
-            if (!(reference.driven >> j & 1)) {
+            if (!(reference.excited >> j & 1)) {
                 TEST_ASSERT_EQUAL_DOUBLE(0, double(r2[j]));
                 continue;
             }
             double total = 0, sse = reference.sse(j, x);
             for (int s = std::max(0, sets - reference.cfg.sets); s < sets; ++s) {
-                total += reference.set_driven[s] >> j & 1 ? reference.set_m2[j][s] : 0;
+                total += reference.set_excited[s] >> j & 1 ? reference.set_m2[j][s] : 0;
             }
             double allowed =
                 reference.tolerance(x, reference.weight[j] * sse) / reference.weight[j];

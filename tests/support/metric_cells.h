@@ -161,7 +161,7 @@ static inline void assert_least_squares_find_truth(uint32_t which)
 
 static inline void assert_minimum_at_truth(auvid_metric_t *m, uint32_t which)
 {
-    double least = cost_of(m, truth);
+    double at_truth = cost_of(m, truth);
     for (int i = 0; i < N; ++i) {
         if (which >> i & 1u) {
             auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -171,8 +171,8 @@ static inline void assert_minimum_at_truth(auvid_metric_t *m, uint32_t which)
             double up = cost_of(m, pi);
             pi[i] = truth[i] - (auvid_real_t)h;
             double down = cost_of(m, pi);
-            TEST_ASSERT_TRUE(up > 50 * least && down > 50 * least);
-            double vertex = 0.5 * h * (down - up) / (up + down - 2 * least);
+            TEST_ASSERT_TRUE(up > 50 * at_truth && down > 50 * at_truth);
+            double vertex = 0.5 * h * (down - up) / (up + down - 2 * at_truth);
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * fabs((double)truth[i]), 0, vertex);
         }
     }

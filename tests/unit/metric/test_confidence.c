@@ -20,7 +20,7 @@ enum { SETS = 8, COUNT = 13 };
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
 
 void setUp(void)
@@ -55,7 +55,7 @@ enum {
 };
 
 /* The wrench that gives the motion with the true parameters, then the noise. */
-static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
+static void add_noise(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
     sines_wrench(s, truth, tau);
@@ -72,13 +72,13 @@ static void record(const auvid_metric_config_t *cfg, const world_t *world)
     for (uint64_t k = 1; metric.sets_recorded < (uint32_t)world->sets; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world->dofs, &s);
-        spoil(&s, world, &state);
+        add_noise(&s, world, &state);
         s.t_us = 100000 * k;
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
     }
 }
 
-static auvid_metric_config_t usual(void)
+static auvid_metric_config_t default_config(void)
 {
     auvid_metric_config_t cfg;
     auvid_metric_defaults(&cfg, &auvid_girona500);
@@ -88,7 +88,7 @@ static auvid_metric_config_t usual(void)
 }
 
 /* The confidence in `estimate`. */
-static void judge(auvid_real_t dry_mass_kg)
+static void compute_confidence(auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
@@ -98,7 +98,7 @@ static void judge(auvid_real_t dry_mass_kg)
 }
 
 /* Least squares over the searched parameters, except those left at zero, and their confidence. */
-static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
+static void estimate_without(uint32_t left_out, auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_merge_begin(&metric);
@@ -106,24 +106,24 @@ static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
     memcpy(estimate, metric.cfg.fixed, sizeof metric.cfg.fixed);
     uint32_t solved = auvid_metric_searched(&metric) & ~left_out;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, solved, estimate));
-    judge(dry_mass_kg);
+    compute_confidence(dry_mass_kg);
 }
 
-static void assess(void)
+static void estimate_all(void)
 {
-    assess_without(0, AUVID_C(0.0));
+    estimate_without(0, AUVID_C(0.0));
 }
 
 static void observe(const world_t *world)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, world);
-    assess();
+    estimate_all();
 }
 
 static bool is_identifiable(int i)
 {
-    return (verdict->identifiable >> i & 1u) != 0;
+    return (result->identifiable >> i & 1u) != 0;
 }
 
 /* ---- standard errors ---- */
@@ -134,10 +134,10 @@ static void test_standard_errors_are_proportional_to_the_noise(void)
 {
     auvid_real_t sigma[COUNT];
     observe(&(world_t){ALL, SETS, 0.4, 0.0});
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    memcpy(sigma, result->sigma, sizeof sigma);
     observe(&(world_t){ALL, SETS, 0.8, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, 2.0, (double)verdict->sigma[i] / (double)sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, 2.0, (double)result->sigma[i] / (double)sigma[i]);
     }
 }
 
@@ -146,11 +146,11 @@ static void test_standard_errors_fall_as_sets_come_in(void)
     auvid_real_t sigma[COUNT];
     double ratio = 0.0;
     observe(&(world_t){ALL, 2, 1.0, 0.0});
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    memcpy(sigma, result->sigma, sizeof sigma);
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_TRUE(verdict->sigma[i] < sigma[i]);
-        ratio += log((double)sigma[i] / (double)verdict->sigma[i]) / COUNT;
+        TEST_ASSERT_TRUE(result->sigma[i] < sigma[i]);
+        ratio += log((double)sigma[i] / (double)result->sigma[i]) / COUNT;
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.35, log(2.0), ratio); /* a quarter of the data */
 }
@@ -160,9 +160,9 @@ static void test_one_set_is_enough_for_standard_errors(void)
     observe(&(world_t){ALL, 1, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
         double error = fabs((double)estimate[i] - (double)truth[i]);
-        TEST_ASSERT_TRUE(verdict->sigma[i] > AUVID_C(0.0));
-        TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
-        TEST_ASSERT_TRUE(error < 5.0 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] > AUVID_C(0.0));
+        TEST_ASSERT_TRUE(result->sigma[i] < AUVID_LARGEST);
+        TEST_ASSERT_TRUE(error < 5.0 * (double)result->sigma[i]);
     }
 }
 
@@ -176,7 +176,7 @@ static void test_float_and_double_give_the_same_standard_errors(void)
     double tolerance = sizeof(auvid_real_t) == sizeof(double) ? 1e-5 : 5e-3;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance * expected[i], expected[i], (double)verdict->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance * expected[i], expected[i], (double)result->sigma[i]);
     }
 }
 
@@ -185,7 +185,7 @@ static void test_any_budget_gives_the_same_bits(void)
     static const uint32_t pieces[] = {1, 2, 7, 100};
     static auvid_confidence_t whole;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    whole = *verdict;
+    whole = *result;
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
         auvid_status_t status = AUVID_PENDING;
         uint32_t turns = 0;
@@ -197,7 +197,7 @@ static void test_any_budget_gives_the_same_bits(void)
             TEST_ASSERT_TRUE(status != AUVID_PENDING || budget == 0);
         }
         TEST_ASSERT_EQUAL(AUVID_OK, status);
-        TEST_ASSERT_EQUAL_MEMORY(&whole, verdict, sizeof whole);
+        TEST_ASSERT_EQUAL_MEMORY(&whole, result, sizeof whole);
     }
 }
 
@@ -208,7 +208,7 @@ static void test_a_job_copied_half_way_with_its_metric_continues(void)
     static auvid_confidence_t whole;
     uint32_t budget = 400;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    whole = *verdict;
+    whole = *result;
     auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_confidence_work(&job, &metric, &budget));
     other = metric;
@@ -240,7 +240,7 @@ static void test_an_estimated_delay_widens_the_masses(void)
         config.sim.lag_s = 0.15;
         config.budget = 0;
         config.id.uncertainty.delay_s = 0; /* a given delay has none */
-        if (known) { /* as it was estimated */
+        if (known) {                       /* as it was estimated */
             memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
                    sizeof config.id.metric.delay_s);
             config.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
@@ -265,27 +265,27 @@ static void test_an_estimated_delay_widens_the_masses(void)
 static void test_good_data_make_everything_identifiable(void)
 {
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->effective_noise[j] > AUVID_C(0.0));
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->residual_rms[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, result->effective_noise[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, result->residual_rms[j] > AUVID_C(0.0));
     }
 }
 
 static void test_a_fixed_parameter_is_called_so(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     cfg.free = AUVID_G500_FREE & ~(1u << AUVID_G500_N_RR);
     cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, verdict->note[AUVID_G500_N_RR]);
-    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_N_RR] == AUVID_LARGEST);
-    TEST_ASSERT_EQUAL_HEX32(cfg.free, verdict->identifiable);
+    estimate_all();
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, result->note[AUVID_G500_N_RR]);
+    TEST_ASSERT_TRUE(result->sigma[AUVID_G500_N_RR] == AUVID_LARGEST);
+    TEST_ASSERT_EQUAL_HEX32(cfg.free, result->identifiable);
 }
 
 static void test_parameters_of_a_dof_that_was_not_excited_are_not_known(void)
@@ -295,8 +295,8 @@ static void test_parameters_of_a_dof_that_was_not_excited_are_not_known(void)
         bool surge = auvid_girona500.parameter[i].dof == AUVID_SURGE;
         bool heave = auvid_girona500.parameter[i].dof == AUVID_HEAVE;
         TEST_ASSERT_TRUE(surge || !is_identifiable(i));
-        TEST_ASSERT_TRUE(surge || heave || verdict->note[i] == AUVID_NOTE_NOT_EXCITED);
-        TEST_ASSERT_TRUE(surge == (verdict->sigma[i] < AUVID_LARGEST));
+        TEST_ASSERT_TRUE(surge || heave || result->note[i] == AUVID_NOTE_NOT_EXCITED);
+        TEST_ASSERT_TRUE(surge == (result->sigma[i] < AUVID_LARGEST));
     }
 }
 
@@ -312,16 +312,16 @@ static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor
 static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
 {
     static auvid_vehicle_t vehicle;
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    uint32_t identifiable = verdict->identifiable;
+    estimate_all();
+    uint32_t identifiable = result->identifiable;
     vehicle = auvid_girona500;
     vehicle.regressor = tonnes;
     cfg.vehicle = &vehicle;
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
+    estimate_all();
+    TEST_ASSERT_EQUAL_HEX32(identifiable, result->identifiable);
 }
 
 /* A velocity that is always measured as zero does not determine drag; the mass is known. */
@@ -329,45 +329,45 @@ static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
 {
     const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const world_t world = {ALL, SETS, 1.0, 0.0};
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     uint64_t state = 5;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
     for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world.dofs, &s);
         s.nu[AUVID_SURGE] = 0;
-        spoil(&s, &world, &state);
+        add_noise(&s, &world, &state);
         s.t_us = 100000 * k;
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
     }
-    assess_without(drags, 0);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable & drags);
+    estimate_without(drags, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable & drags);
     TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
     for (int i = AUVID_G500_X_U; i <= AUVID_G500_X_UU; ++i) {
-        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
-        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, result->note[i]);
     }
 }
 
 /* W-B and Z_0 differ only by the cosine of small angles. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
-    static auvid_confidence_t alone;
-    auvid_metric_config_t cfg = usual();
+    static auvid_confidence_t single;
+    auvid_metric_config_t cfg = default_config();
     observe(&(world_t){1u << AUVID_HEAVE | SURGE, SETS, 1.0, 0.0});
-    alone = *verdict;
+    single = *result;
     cfg.free = AUVID_G500_FREE | 1u << AUVID_G500_Z_0;
     record(&cfg, &(world_t){1u << AUVID_HEAVE, SETS, 1.0, 0.0});
-    assess_without(1u << AUVID_G500_Z_0, AUVID_C(0.0));
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_Z_0]);
-    TEST_ASSERT_EQUAL(AUVID_G500_Z_0, verdict->partner[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL(AUVID_G500_W_B, verdict->partner[AUVID_G500_Z_0]);
+    estimate_without(1u << AUVID_G500_Z_0, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, result->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, result->note[AUVID_G500_Z_0]);
+    TEST_ASSERT_EQUAL(AUVID_G500_Z_0, result->partner[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_G500_W_B, result->partner[AUVID_G500_Z_0]);
     static const int others[] = {AUVID_G500_M_W, AUVID_G500_Z_W, AUVID_G500_Z_WW};
     for (int k = 0; k < 3; ++k) {
         int i = others[k];
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)verdict->sigma[i] / (double)alone.sigma[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)result->sigma[i] / (double)single.sigma[i]);
     }
 }
 
@@ -375,23 +375,23 @@ static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 static void expect_surge_discredited_by(int culprit)
 {
     uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-    TEST_ASSERT_EQUAL_HEX32(1u << culprit, verdict->implausible);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(1u << culprit, result->implausible);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, result->identifiable);
     for (int i = 0; i < COUNT; ++i) {
         if (surge >> i & 1u) {
-            TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, verdict->note[i]);
-            TEST_ASSERT_EQUAL(culprit, verdict->partner[i]);
+            TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, result->note[i]);
+            TEST_ASSERT_EQUAL(culprit, result->partner[i]);
         } else {
-            TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+            TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
         }
     }
 }
 
 static void test_a_mass_below_the_dry_mass_discredits_its_equation(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess_without(0, AUVID_C(300.0)); /* m_u is 250 kg, the others more */
+    estimate_without(0, AUVID_C(300.0)); /* m_u is 250 kg, the others more */
     expect_surge_discredited_by(AUVID_G500_M_U);
 }
 
@@ -408,9 +408,9 @@ static void test_a_large_impossible_part_discredits_its_equation_without_being_k
     truth[AUVID_G500_X_U] = AUVID_C(-1000.0);
     truth[AUVID_G500_X_UU] = AUVID_C(500.0);
     observe(&(world_t){ALL, SETS, 300.0, 0.0});
-    TEST_ASSERT_TRUE(estimate[AUVID_G500_X_UU] < AUVID_C(2.1) * verdict->sigma[AUVID_G500_X_UU]);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, verdict->note[AUVID_G500_X_U]);
-    TEST_ASSERT_EQUAL(AUVID_G500_X_UU, verdict->partner[AUVID_G500_X_U]);
+    TEST_ASSERT_TRUE(estimate[AUVID_G500_X_UU] < AUVID_C(2.1) * result->sigma[AUVID_G500_X_UU]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, result->note[AUVID_G500_X_U]);
+    TEST_ASSERT_EQUAL(AUVID_G500_X_UU, result->partner[AUVID_G500_X_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_M_U) || is_identifiable(AUVID_G500_X_U) ||
                       is_identifiable(AUVID_G500_X_UU));
 }
@@ -423,8 +423,8 @@ static void test_a_zero_drag_that_comes_out_positive_discredits_nothing(void)
         truth[AUVID_G500_X_U] = (auvid_real_t)(0.2 * (k - 3));
         observe(&(world_t){ALL, SETS, 1.0, 0.0});
         positive += estimate[AUVID_G500_X_U] > AUVID_C(0.0);
-        TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
-        TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), verdict->identifiable);
+        TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
+        TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), result->identifiable);
     }
     TEST_ASSERT_TRUE(positive > 0 && positive < 8);
 }
@@ -434,14 +434,14 @@ static void test_what_explains_no_force_is_implausible(void)
 {
     auvid_real_t r2[AUVID_DOF_COUNT];
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
     estimate[AUVID_G500_M_U] *= AUVID_C(3.0);
-    judge(AUVID_C(0.0));
+    compute_confidence(AUVID_C(0.0));
     auvid_metric_r2(&metric, r2);
     TEST_ASSERT_TRUE(r2[AUVID_SURGE] < 0);
     TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
-    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, verdict->implausible);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, result->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, result->note[AUVID_G500_M_U]);
 }
 
 /* ---- bounds ---- */
@@ -449,13 +449,13 @@ static void test_what_explains_no_force_is_implausible(void)
 static auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
 
 /* The confidence in `estimate` of a search within the bounds. */
-static void judge_within_bounds(bool capped)
+static void compute_within_bounds(bool not_converged)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
     auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
-    auvid_confidence_limits(&job, lower, upper, capped);
+    auvid_confidence_limits(&job, lower, upper, not_converged);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
@@ -472,29 +472,28 @@ static const auvid_real_t *hold_mass(double part)
     }
     upper[AUVID_G500_M_U] = (auvid_real_t)(part * (double)optimum[AUVID_G500_M_U]);
     estimate[AUVID_G500_M_U] = upper[AUVID_G500_M_U];
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_metric_least_squares(
-                          &metric, AUVID_G500_FREE & ~(1u << AUVID_G500_M_U), estimate));
-    judge_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(
+                                    &metric, AUVID_G500_FREE & ~(1u << AUVID_G500_M_U), estimate));
+    compute_within_bounds(false);
     return optimum;
 }
 
 static void test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable(void)
 {
     (void)hold_mass(0.9);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, result->note[AUVID_G500_M_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_M_U));
-    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == upper[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL(1, verdict->partner[AUVID_G500_M_U]);
-    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_M_U] == AUVID_LARGEST);
+    TEST_ASSERT_TRUE(result->bound[AUVID_G500_M_U] == upper[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(1, result->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(result->sigma[AUVID_G500_M_U] == AUVID_LARGEST);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) { /* the lower one */
         estimate[i] = -estimate[i];
         lower[i] = -upper[i];
     }
-    judge_within_bounds(false);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL(0, verdict->partner[AUVID_G500_M_U]);
-    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
+    compute_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, result->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(0, result->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(result->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
 }
 
 /* The residual gives the standard errors of such a result, so the half-widths are known. */
@@ -505,20 +504,20 @@ static void test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; ++k) {
         const auvid_real_t *free = hold_mass(parts[k]);
         static auvid_confidence_t within;
-        within = *verdict;
-        judge(AUVID_C(0.0)); /* the same without bounds: half-widths */
+        within = *result;
+        compute_confidence(AUVID_C(0.0)); /* the same without bounds: half-widths */
         for (int i = 0; i < COUNT; ++i) {
             double moves = fabs((double)free[i] - (double)estimate[i]);
-            double half = 2.1 * (double)verdict->sigma[i];
+            double half = 2.1 * (double)result->sigma[i];
             if (i == AUVID_G500_M_U || fabs(moves / half - 1.0) < 0.05) {
                 continue;
             }
-            bool beside = within.note[i] == AUVID_NOTE_BESIDE_BOUND;
-            TEST_ASSERT_EQUAL(moves > half, beside);
-            TEST_ASSERT_FALSE(beside && (within.identifiable >> i & 1u));
-            TEST_ASSERT_TRUE(!beside || within.partner[i] == AUVID_G500_M_U);
-            named += beside;
-            left += !beside && (within.identifiable >> i & 1u);
+            bool beside_bound = within.note[i] == AUVID_NOTE_BESIDE_BOUND;
+            TEST_ASSERT_EQUAL(moves > half, beside_bound);
+            TEST_ASSERT_FALSE(beside_bound && (within.identifiable >> i & 1u));
+            TEST_ASSERT_TRUE(!beside_bound || within.partner[i] == AUVID_G500_M_U);
+            named += beside_bound;
+            left += !beside_bound && (within.identifiable >> i & 1u);
         }
     }
     TEST_ASSERT_TRUE(named > 0);
@@ -530,20 +529,20 @@ static void test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_
     (void)hold_mass(0.9);
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     upper[AUVID_G500_M_U] = estimate[AUVID_G500_M_U] + AUVID_C(1.0); /* a thousandth is 2.2 kg */
-    TEST_ASSERT_TRUE(AUVID_C(2.1) * verdict->sigma[AUVID_G500_M_U] < AUVID_C(1.0));
-    judge_within_bounds(false);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    TEST_ASSERT_TRUE(AUVID_C(2.1) * result->sigma[AUVID_G500_M_U] < AUVID_C(1.0));
+    compute_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
 }
 
 static void test_a_search_that_has_not_converged_identifies_nothing(void)
 {
     (void)hold_mass(0.9);
-    judge_within_bounds(true);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    compute_within_bounds(true);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable | result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_CONVERGED, verdict->note[i]);
-        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_CONVERGED, result->note[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] == AUVID_LARGEST);
     }
 }
 
@@ -551,35 +550,35 @@ static void test_a_parameter_known_to_be_zero_is_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
     observe(&(world_t){ALL, SETS, 0.02, 0.0});
-    TEST_ASSERT_EQUAL(AUVID_NOTE_SMALL, verdict->note[AUVID_G500_X_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_SMALL, result->note[AUVID_G500_X_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_X_U));
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), result->identifiable);
 }
 
 static void test_a_parameter_that_may_be_zero_is_not_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
     observe(&(world_t){ALL, SETS, 20.0, 0.0});
-    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_X_U] == AUVID_NOTE_UNCERTAIN ||
-                     verdict->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
+    TEST_ASSERT_TRUE(result->note[AUVID_G500_X_U] == AUVID_NOTE_UNCERTAIN ||
+                     result->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
 }
 
 /* Noise of the acceleration makes masses smaller: a note says where this may be large. */
 static void test_a_mass_that_noise_may_bias_is_called_so(void)
 {
     observe(&(world_t){ALL, SETS, 0.0, 0.2});
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NOISE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NOISE, result->note[AUVID_G500_M_U]);
     TEST_ASSERT_TRUE(estimate[AUVID_G500_M_U] < truth[AUVID_G500_M_U]);
     double short_by = (double)truth[AUVID_G500_M_U] - (double)estimate[AUVID_G500_M_U];
-    TEST_ASSERT_TRUE(short_by < 2.0 * (double)verdict->sigma[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(short_by < 2.0 * (double)result->sigma[AUVID_G500_M_U]);
 }
 
 static void test_too_much_noise_makes_all_uncertain(void)
 {
     observe(&(world_t){ALL, 1, 300.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[AUVID_G500_M_R]);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, result->note[AUVID_G500_M_R]);
 }
 
 /* ---- sentences ---- */
@@ -647,8 +646,7 @@ static void test_a_pair_and_a_dof_have_one_sentence_each(void)
     notes.partner[AUVID_G500_M_W] = AUVID_G500_W_B;
     notes.partner[AUVID_G500_W_B] = AUVID_G500_M_W;
     expect("sway: not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
-    expect("heave: m_w and W-B cannot be distinguished; fix one of them, or vary the motion",
-           1);
+    expect("heave: m_w and W-B cannot be distinguished; fix one of them, or vary the motion", 1);
     expect("surge: X_u and X_uu cannot be distinguished; steps held 4-8 s at two strengths", 2);
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
@@ -674,8 +672,8 @@ static void test_a_bound_is_reported_with_its_value_and_its_dependents(void)
 
 static void test_numbers_in_sentences_are_those_of_printf(void)
 {
-    static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999,
-                                     1000, 65536.125, 999999};
+    static const double numbers[] = {0,     1,        -1,   0.001,     0.5,
+                                     12.25, -999.999, 1000, 65536.125, 999999};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
         char words[100];
         memset(&notes, 0, sizeof notes);

@@ -29,7 +29,7 @@ typedef struct {
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_metric_config_t cfg;
 static auvid_real_t estimate[AUVID_MAX_PARAMETERS];
 
@@ -131,7 +131,7 @@ static void solve(void)
 }
 
 /* @return units of work */
-static uint32_t judge(auvid_real_t delay_s)
+static uint32_t compute_confidence(auvid_real_t delay_s)
 {
     const auvid_uncertainty_t uncertainty = {0, 0, delay_s};
     uint32_t budget = UINT32_MAX;
@@ -146,7 +146,7 @@ static void observe(const world_t *world, auvid_real_t delay_s)
     cfg.delay_sigma_s = delay_s;
     record(world);
     solve();
-    (void)judge(delay_s);
+    (void)compute_confidence(delay_s);
 }
 
 static double error_of(const world_t *world, int i)
@@ -165,9 +165,9 @@ static void test_an_undetermined_delay_widens_the_mass(void)
     viscous[AUVID_G500_X_UU] = AUVID_C(-1.0);
     const world_t world = {viscous, 1, 0, true};
     observe(&world, AUVID_C(0.0));
-    double before = (double)verdict->sigma[AUVID_G500_M_U];
+    double before = (double)result->sigma[AUVID_G500_M_U];
     observe(&world, AUVID_C(0.1));
-    double after = (double)verdict->sigma[AUVID_G500_M_U];
+    double after = (double)result->sigma[AUVID_G500_M_U];
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, (double)metric.delay_s[AUVID_SURGE]);
     TEST_ASSERT_TRUE(before < 1);
     TEST_ASSERT_TRUE(after > 0.1 * 200);
@@ -179,15 +179,15 @@ static void test_a_determined_delay_hardly_widens(void)
     const world_t world = {auvid_girona500_paper, 1, 0, false};
     auvid_real_t before[N];
     observe(&world, AUVID_C(0.0));
-    memcpy(before, verdict->sigma, sizeof before);
+    memcpy(before, result->sigma, sizeof before);
     observe(&world, AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        double ratio = (double)verdict->sigma[i] / (double)before[i];
+        double ratio = (double)result->sigma[i] / (double)before[i];
         TEST_ASSERT_TRUE(ratio > 0.99);
         TEST_ASSERT_TRUE(ratio < 2.5);
         TEST_ASSERT_TRUE(i <= AUVID_G500_M_R || ratio < 1.5);
     }
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
 }
 
 /* The user gives a delay of zero, which the data contradict. */
@@ -198,12 +198,12 @@ static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_error
     cfg.estimate_delay = false;
     observe(&world, AUVID_C(0.0));
     for (int i = 0; i < N; ++i) {
-        far += fabs(error_of(&world, i)) > 2.1 * (double)verdict->sigma[i];
+        far += fabs(error_of(&world, i)) > 2.1 * (double)result->sigma[i];
     }
     TEST_ASSERT_TRUE(far >= 5);
-    (void)judge(AUVID_C(0.1));
+    (void)compute_confidence(AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 2.1 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 2.1 * (double)result->sigma[i]);
     }
 }
 
@@ -214,11 +214,11 @@ static void test_late_stamps_are_found_as_a_negative_delay(void)
     const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)result->sigma[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (metric.excited >> j & 1) != 0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, driven ? -0.1 : 0, (double)metric.delay_s[j]);
+        bool excited = (metric.excited >> j & 1) != 0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, excited ? -0.1 : 0, (double)metric.delay_s[j]);
     }
     TEST_ASSERT_EQUAL_HEX8(0, metric.first_order_lag);
 }
@@ -260,7 +260,7 @@ static void test_without_uncertainty_the_numbers_are_unchanged(void)
     observe(&world, AUVID_C(0.0));
     for (int i = 0; i < N; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(tolerance * fabs(pi[i]), pi[i], (double)estimate[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance * sigma[i], sigma[i], (double)verdict->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance * sigma[i], sigma[i], (double)result->sigma[i]);
     }
 }
 
@@ -271,7 +271,7 @@ static void test_any_budget_gives_the_same_bits(void)
     const auvid_uncertainty_t uncertainty = {0, 0, AUVID_C(0.1)};
     const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
-    whole = *verdict;
+    whole = *result;
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
         auvid_status_t status = AUVID_PENDING;
         uint32_t turns = 0;
@@ -281,7 +281,7 @@ static void test_any_budget_gives_the_same_bits(void)
             uint32_t budget = pieces[k];
             status = auvid_confidence_work(&job, &metric, &budget);
         }
-        TEST_ASSERT_EQUAL_MEMORY(&whole, verdict, sizeof whole);
+        TEST_ASSERT_EQUAL_MEMORY(&whole, result, sizeof whole);
     }
 }
 
@@ -289,8 +289,8 @@ static void test_the_uncertainty_costs_what_the_header_says(void)
 {
     const world_t world = {auvid_girona500_paper, 1, 0, false};
     observe(&world, AUVID_C(0.0));
-    uint32_t without = judge(AUVID_C(0.0));
-    TEST_ASSERT_UINT32_WITHIN(20, 538, judge(AUVID_C(0.1)) - without);
+    uint32_t without = compute_confidence(AUVID_C(0.0));
+    TEST_ASSERT_UINT32_WITHIN(20, 538, compute_confidence(AUVID_C(0.1)) - without);
 }
 
 /* ---- accepted values ---- */

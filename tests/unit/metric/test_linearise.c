@@ -11,7 +11,7 @@
 #include "unity.h"
 
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static uint64_t state;
 
 void setUp(void)
@@ -79,7 +79,7 @@ static void assess(const auvid_real_t *pi)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-static void judge(void)
+static void change_test(void)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_change_begin(&metric);
@@ -107,7 +107,7 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
         (void)linearise(truth, 0, cfg.sets, UINT32_MAX);
         assess(truth);
         for (int i = 0; i < 13; ++i) {
-            sigma[path][i] = (double)verdict->sigma[i];
+            sigma[path][i] = (double)result->sigma[i];
         }
     }
     for (int i = 0; i < 13; ++i) {
@@ -157,7 +157,7 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double rms = windows[j] > 0 ? sqrt((double)metric.sse[j] / windows[j]) : 0;
         TEST_ASSERT_EQUAL(auvid_girona500.columns[j] != 0, rms > 0.1);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)verdict->residual_rms[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)result->residual_rms[j]);
     }
 }
 
@@ -213,9 +213,9 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
         used = k == 0 ? units : used;
         TEST_ASSERT_EQUAL_UINT32(used, units);
         assess(truth);
-        all = k == 0 ? *verdict : all;
-        TEST_ASSERT_EQUAL_MEMORY(all.sigma, verdict->sigma, sizeof all.sigma);
-        TEST_ASSERT_EQUAL_MEMORY(all.residual_rms, verdict->residual_rms, sizeof all.residual_rms);
+        all = k == 0 ? *result : all;
+        TEST_ASSERT_EQUAL_MEMORY(all.sigma, result->sigma, sizeof all.sigma);
+        TEST_ASSERT_EQUAL_MEMORY(all.residual_rms, result->residual_rms, sizeof all.residual_rms);
     }
 }
 
@@ -232,8 +232,8 @@ static void note(int i, double value)
     seen[i][1] = fmax(seen[i][1], value);
 }
 
-static void spy(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                auvid_real_t *e)
+static void observing_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                               auvid_real_t *e)
 {
     (void)context;
     for (int i = 0; i < POINTS; ++i) {
@@ -259,7 +259,7 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
                                 .parameters = POINTS,
                                 .parameter = parameter,
                                 .columns = {31u},
-                                .residual = spy};
+                                .residual = observing_residual};
     auvid_metric_defaults(&cfg, &vehicle);
     cfg.sets = 1;
     cfg.set_rows = 20;
@@ -334,7 +334,7 @@ static void test_change_is_the_pooled_minus_the_separate_sum_of_squares(void)
     (void)linearise(pi, delay_s, 3, UINT32_MAX);
     pi[AUVID_G500_X_U] *= AUVID_C(0.5);
     (void)linearise(pi, delay_s, 1, UINT32_MAX);
-    judge();
+    change_test();
     double all = unexplained(7, delay_s);
     double one = all - unexplained(6, delay_s) - unexplained(1, delay_s);
     double two = all - unexplained(4, delay_s) - unexplained(3, delay_s);
@@ -367,7 +367,7 @@ static void test_an_estimated_delay_widens_the_standard_error_as_the_costs_curva
         (void)squares_of(&metric, truth, delay_s);
         (void)linearise(truth, delay_s, cfg.sets, UINT32_MAX);
         assess(truth);
-        sigma[estimated] = (double)verdict->sigma[P];
+        sigma[estimated] = (double)result->sigma[P];
     }
     double here = squares_of(&metric, truth, delay_s);
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -398,7 +398,7 @@ static void steep(const void *context, const auvid_sample_t *s, const auvid_real
 }
 
 /* Three sets of the steep model, linearised and tested for a change. @return time after them [s] */
-static double judge_steep(void)
+static double change_test_steep(void)
 {
     static const auvid_parameter_t parameter = {"k", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER};
     static auvid_vehicle_t vehicle;
@@ -419,10 +419,10 @@ static double judge_steep(void)
     merge_all(&metric);
     (void)squares_of(&metric, pi, 0);
     (void)linearise(pi, 0, cfg.sets, UINT32_MAX);
-    judge();
+    change_test();
     TEST_ASSERT_TRUE(isfinite((double)metric.change[0][AUVID_SURGE]));
     assess(pi);
-    TEST_ASSERT_TRUE(isfinite((double)verdict->residual_rms[AUVID_SURGE]));
+    TEST_ASSERT_TRUE(isfinite((double)result->residual_rms[AUVID_SURGE]));
     return t;
 }
 
@@ -432,12 +432,12 @@ static void test_windows_with_derivatives_beyond_1e15_are_left_out(void)
     memset(fails_us, 0, sizeof fails_us);
     for (size_t k = 0; k < sizeof steeper / sizeof steeper[0]; ++k) {
         steepness = steeper[k];
-        (void)judge_steep();
+        (void)change_test_steep();
         TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
-        TEST_ASSERT_EQUAL_DOUBLE(0, (double)verdict->residual_rms[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_DOUBLE(0, (double)result->residual_rms[AUVID_SURGE]);
     }
     steepness = AUVID_C(0.9e15);
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
 }
 
@@ -445,15 +445,15 @@ static void test_windows_in_which_the_model_fails_are_left_out(void)
 {
     steepness = 1;
     memset(fails_us, 0, sizeof fails_us);
-    double t = judge_steep(), whole = (double)verdict->residual_rms[AUVID_SURGE];
+    double t = change_test_steep(), whole = (double)result->residual_rms[AUVID_SURGE];
     TEST_ASSERT_TRUE(whole > 1);
     fails_us[0] = (uint64_t)(1e6 * (t - 3)) + 1000000000u;
     fails_us[1] = UINT64_MAX;
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
-    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)verdict->residual_rms[AUVID_SURGE]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)result->residual_rms[AUVID_SURGE]);
     fails_us[0] = 0;
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
 }
 

@@ -208,7 +208,8 @@ static auvid_real_t noise(uint32_t *state)
 static void test_stored_entries_have_an_error_relative_to_their_column(void)
 {
     static const double size[] = {1e17, 3e-30, 1, 0, 1e-20, 7e3, 250, 1e-38, 1.0 / 3};
-    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], most[AUVID_MAX_COLUMNS] = {0};
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS],
+        max_entry[AUVID_MAX_COLUMNS] = {0};
     uint32_t state = 1;
     start();
     int n = auvid_metric_order(&metric, 0), entries = n * (n + 1) / 2;
@@ -217,7 +218,7 @@ static void test_stored_entries_have_an_error_relative_to_their_column(void)
             for (int k = i; k < n; ++k, ++at) {
                 auvid_real_t value = noise(&state) * (auvid_real_t)size[k % 9];
                 metric.factor[band][at] = value;
-                most[k] = (auvid_real_t)fmax((double)most[k], fabs((double)value));
+                max_entry[k] = (auvid_real_t)fmax((double)max_entry[k], fabs((double)value));
             }
         }
     }
@@ -227,7 +228,7 @@ static void test_stored_entries_have_an_error_relative_to_their_column(void)
             auvid_metric_unpack_row(&metric, &metric.set[0], band, 0, i, row);
             for (int k = i; k < n; ++k, ++at) {
                 double off = fabs((double)row[k] - (double)metric.factor[band][at]);
-                double unit = fmax(ldexp(1.001 * (double)most[k], -15), ldexp(1, -127));
+                double unit = fmax(ldexp(1.001 * (double)max_entry[k], -15), ldexp(1, -127));
                 TEST_ASSERT_TRUE(off <= unit);
             }
         }
@@ -362,7 +363,7 @@ static void test_given_delay_is_used_as_it_is(void)
 static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
 {
     double whole[2];
-    for (int told = 0; told < 2; ++told) {
+    for (int marked = 0; marked < 2; ++marked) {
         setUp();
         cfg.estimate_delay = false;
         for (int j = 0; j < 6; ++j) {
@@ -372,12 +373,12 @@ static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
         world_t w = world_of(&cfg);
         w.shift_s = 0.3;
         feed(&metric, &w, 0, cells_of(&cfg, 40) + 3);
-        if (told) {
+        if (marked) {
             auvid_metric_gap(&metric);
         }
         TEST_ASSERT_EQUAL(1, feed(&metric, &w, 333, cells_of(&cfg, 20)));
         merge_all(&metric);
-        whole[told] = cost_of(&metric, truth) + (double)metric.constant;
+        whole[marked] = cost_of(&metric, truth) + (double)metric.constant;
     }
     TEST_ASSERT_TRUE(whole[1] < 1e-8);
     TEST_ASSERT_TRUE(whole[0] > 1e-4);
@@ -386,7 +387,7 @@ static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
 
 /* Two sets of cells in which a velocity is not measured for 2 s in every 20; a wrong value replaces
  * it. */
-static void feed_guesses(int velocity, bool told)
+static void feed_wrong_values(int velocity, bool marked)
 {
     world_t w = world_of(&cfg);
     start();
@@ -395,7 +396,7 @@ static void feed_guesses(int velocity, bool told)
         if (k % 200 < 20) {
             s.nu[velocity] += 1;
             s.nu_dot[velocity] -= 2;
-            s.missing = (uint8_t)(told ? 1u << velocity : 0u);
+            s.missing = (uint8_t)(marked ? 1u << velocity : 0u);
         }
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
     }
@@ -404,13 +405,13 @@ static void feed_guesses(int velocity, bool told)
 static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing(void)
 {
     for (int velocity = 0; velocity < 3; ++velocity) {
-        feed_guesses(velocity, true);
+        feed_wrong_values(velocity, true);
         assert_least_squares_find_truth(AUVID_G500_FREE);
-        feed_guesses(velocity, false);
+        feed_wrong_values(velocity, false);
         merge_all(&metric);
         TEST_ASSERT_TRUE(cost_of(&metric, truth) + (double)metric.constant > 1e-4);
     }
-    feed_guesses(AUVID_HEAVE, true); /* yaw does not read it */
+    feed_wrong_values(AUVID_HEAVE, true); /* yaw does not read it */
     const auvid_set_t *set = auvid_metric_newest(&metric);
     TEST_ASSERT_EQUAL_UINT16(60, set->rows);
     TEST_ASSERT_EQUAL_UINT16(60, set->rows_of[AUVID_YAW]);

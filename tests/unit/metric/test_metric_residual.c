@@ -52,13 +52,13 @@ static void test_residual_path_with_rows_of_two_cells_is_within_half_a_percent(v
     merge_all(&metric);
     for (int i = 0; i < 13; ++i) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS];
-        double h = 0.1 * fabs((double)truth[i]), least = cost_of(&metric, truth);
+        double h = 0.1 * fabs((double)truth[i]), at_truth = cost_of(&metric, truth);
         memcpy(pi, truth, sizeof pi);
         pi[i] = truth[i] + (auvid_real_t)h;
         double up = cost_of(&metric, pi);
         pi[i] = truth[i] - (auvid_real_t)h;
         double down = cost_of(&metric, pi);
-        double vertex = 0.5 * h * (down - up) / (up + down - 2 * least);
+        double vertex = 0.5 * h * (down - up) / (up + down - 2 * at_truth);
         TEST_ASSERT_DOUBLE_WITHIN(0.05 * h, 0, vertex);
     }
 }
@@ -173,7 +173,7 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
 static void test_residuals_of_what_was_not_measured_do_not_count(void)
 {
     double cost[2];
-    for (int told = 0; told < 2; ++told) {
+    for (int marked = 0; marked < 2; ++marked) {
         cells_defaults();
         cfg.sets = 2;
         use_residual_path(2, 120);
@@ -183,20 +183,20 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
             auvid_sample_t s = cell_at(&w, k * w.cell_s);
             if (k % 100 < 10) {
                 s.nu[AUVID_HEAVE] += 1;
-                s.missing = (uint8_t)(told ? 1u << AUVID_HEAVE : 0u);
+                s.missing = (uint8_t)(marked ? 1u << AUVID_HEAVE : 0u);
             }
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_all(&metric);
-        cost[told] = cost_of(&metric, truth);
+        cost[marked] = cost_of(&metric, truth);
         uint32_t budget = UINT32_MAX;
         auvid_metric_linearise_begin(&metric, truth, 0, 2);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
         const auvid_set_t *set = auvid_metric_newest(&metric);
         /* of 240 cells 20 or 30, in rows of two */
-        TEST_ASSERT_UINT16_WITHIN(told ? 3 : 0, told ? 108 : 120, set->rows_of[AUVID_SURGE]);
+        TEST_ASSERT_UINT16_WITHIN(marked ? 3 : 0, marked ? 108 : 120, set->rows_of[AUVID_SURGE]);
         TEST_ASSERT_EQUAL_UINT16(120, set->rows_of[AUVID_YAW]);
-        if (told) {
+        if (marked) {
             TEST_ASSERT_TRUE(set->windows[AUVID_SURGE] < set->windows[AUVID_YAW]);
         } else {
             TEST_ASSERT_EQUAL_UINT16(set->windows[AUVID_YAW], set->windows[AUVID_SURGE]);

@@ -18,7 +18,7 @@ enum { SETS = 8, COUNT = 13 };
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
 static auvid_uncertainty_t uncertainty;
 
@@ -56,7 +56,7 @@ static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
     }
 }
 
-static auvid_metric_config_t usual(void)
+static auvid_metric_config_t default_config(void)
 {
     auvid_metric_config_t cfg;
     auvid_metric_defaults(&cfg, &auvid_girona500);
@@ -112,12 +112,12 @@ static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double 
 
 static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     differentiate(&cfg, true, slope);
     for (int i = 0; i < COUNT; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * fabs(0.05 * slope[i]), 0.05 * slope[i],
-                                  (double)verdict->thrust_error[i]);
+                                  (double)result->thrust_error[i]);
     }
 }
 
@@ -125,13 +125,13 @@ static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(voi
  * the masses. In motion as coupled as this the difference is 15 %. */
 static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     differentiate(&cfg, false, slope);
     for (int i = 0; i < COUNT; ++i) {
         double part = i == AUVID_G500_M_U || i == AUVID_G500_M_V ? 0.2 : 0.03;
         TEST_ASSERT_DOUBLE_WITHIN(part * fabs((double)estimate[i]), slope[i],
-                                  (double)verdict->dvl_error[i] / 0.005);
+                                  (double)result->dvl_error[i] / 0.005);
     }
 }
 
@@ -139,16 +139,16 @@ static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
  * in its own equation. Sway contains m_u u r, yaw (m_u - m_v) u v. */
 static void test_with_a_known_mass_the_others_still_change_with_the_thrust_scale(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     cfg.free &= ~(1u << AUVID_G500_M_U);
     cfg.fixed[AUVID_G500_M_U] = truth[AUVID_G500_M_U];
     differentiate(&cfg, true, slope);
     TEST_ASSERT_TRUE(fabs(slope[AUVID_G500_M_U]) < 1e-6);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)verdict->thrust_error[AUVID_G500_M_U]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)result->thrust_error[AUVID_G500_M_U]);
     for (int i = AUVID_G500_M_V; i < COUNT; ++i) {
         bool sway = auvid_girona500.parameter[i].dof == AUVID_SWAY;
-        double ratio = (double)verdict->thrust_error[i] / 0.05 / slope[i];
+        double ratio = (double)result->thrust_error[i] / 0.05 / slope[i];
         TEST_ASSERT_TRUE(ratio > (sway ? 0.85 : 0.97));
         TEST_ASSERT_TRUE(ratio < (sway ? 1.5 : 1.03));
     }
@@ -161,13 +161,12 @@ static void test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its
     for (int known = AUVID_G500_X_U; known <= AUVID_G500_X_UU; ++known) {
         int other = known == AUVID_G500_X_U ? AUVID_G500_X_UU : AUVID_G500_X_U;
         for (int thrust = 0; thrust < 2; ++thrust) {
-            auvid_metric_config_t cfg = usual();
+            auvid_metric_config_t cfg = default_config();
             double slope[COUNT];
             cfg.free &= ~(1u << known);
             cfg.fixed[known] = truth[known];
             differentiate(&cfg, thrust == 1, slope);
-            double considered =
-                (double)(thrust ? verdict->thrust_error : verdict->dvl_error)[other];
+            double considered = (double)(thrust ? result->thrust_error : result->dvl_error)[other];
             double ratio = considered / (thrust ? 0.05 : 0.005) / slope[other];
             TEST_ASSERT_TRUE(fabs(slope[other]) > 1.2 * fabs((double)estimate[other]));
             TEST_ASSERT_TRUE(ratio > 0.95);
@@ -178,21 +177,21 @@ static void test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its
 
 static void test_without_uncertain_scales_the_standard_errors_are_unchanged(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     auvid_real_t sigma[COUNT];
     observe(&cfg, &true_scales);
-    auvid_confidence_t with = *verdict;
+    auvid_confidence_t with = *result;
     memset(&uncertainty, 0, sizeof uncertainty);
     observe(&cfg, &true_scales);
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    memcpy(sigma, result->sigma, sizeof sigma);
     for (int i = 0; i < COUNT; ++i) {
-        double told = hypot((double)sigma[i], (double)with.thrust_error[i]);
-        TEST_ASSERT_TRUE(verdict->thrust_error[i] == AUVID_C(0.0));
-        TEST_ASSERT_TRUE(verdict->dvl_error[i] == AUVID_C(0.0));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * told, hypot(told, (double)with.dvl_error[i]),
+        double with_thrust = hypot((double)sigma[i], (double)with.thrust_error[i]);
+        TEST_ASSERT_TRUE(result->thrust_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_TRUE(result->dvl_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * with_thrust, hypot(with_thrust, (double)with.dvl_error[i]),
                                   (double)with.sigma[i]);
     }
-    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &verdict->uncertainty, sizeof uncertainty);
+    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &result->uncertainty, sizeof uncertainty);
 }
 
 /* A model without regressor also scales if its parameters have a known kind. A model that forms the
@@ -214,7 +213,7 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         {"c", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
     static auvid_row_t rows[(SETS + 1) * ROWS];
     static auvid_vehicle_t vehicle;
-    for (int own = 0; own < 2; ++own) {
+    for (int from_commands = 0; from_commands < 2; ++from_commands) {
         auvid_metric_config_t cfg;
         auvid_real_t pi[AUVID_MAX_PARAMETERS] = {AUVID_C(200.0), AUVID_C(-80.0), AUVID_C(10.0)};
         uint64_t state = 7;
@@ -225,7 +224,7 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
                                     .parameter = parameter,
                                     .columns = {7u},
                                     .residual = residual,
-                                    .own_thrust = own == 1};
+                                    .own_thrust = from_commands == 1};
         auvid_metric_defaults(&cfg, &vehicle);
         cfg.estimate_delay = false;
         cfg.set_rows = ROWS;
@@ -249,10 +248,9 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         auvid_confidence_begin(&job, &metric, pi, AUVID_C(0.0), &uncertainty);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
         for (int i = 0; i < N; ++i) {
-            double scale = i == 2 || own == 1 ? 0.0 : 0.05;
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, scale * (double)pi[i],
-                                      (double)verdict->thrust_error[i]);
-            TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
+            double scale = i == 2 || from_commands == 1 ? 0.0 : 0.05;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, scale * (double)pi[i], (double)result->thrust_error[i]);
+            TEST_ASSERT_TRUE(result->sigma[i] < AUVID_LARGEST);
         }
     }
 }
@@ -263,69 +261,70 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
 static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
 {
     static char text[160];
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     uncertainty.thrust_scale = AUVID_C(0.12);
     observe(&cfg, &true_scales);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable | result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, verdict->note[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, result->note[i]);
         bool force = i == AUVID_G500_W_B;
-        double room = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
-        double told =
-            sqrt(pow((double)verdict->sigma[i], 2.0) - pow((double)verdict->thrust_error[i], 2.0));
-        double most = sqrt(room * room - told * told) / fabs((double)estimate[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, most, (double)verdict->bound[i]);
+        double max_sigma = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
+        double without_thrust =
+            sqrt(pow((double)result->sigma[i], 2.0) - pow((double)result->thrust_error[i], 2.0));
+        double max_scale = sqrt(max_sigma * max_sigma - without_thrust * without_thrust) /
+                           fabs((double)estimate[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * max_scale, max_scale, (double)result->bound[i]);
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
         "surge: m_u is known to 2 % relative to the thrust scale; calibrate thrust to 9 % for SI "
         "units",
         text);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
         "heave: W-B is known to 0.1 N relative to the thrust scale; calibrate thrust to 2 % for SI "
         "units",
         text);
-    uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
+    uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)result->bound[AUVID_G500_M_U]);
     observe(&cfg, &true_scales);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_M_U]);
 }
 
 static void test_a_constant_force_has_its_tolerance_in_newtons(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     memset(&uncertainty, 0, sizeof uncertainty);
     truth[AUVID_G500_W_B] = AUVID_C(0.1); /* known to 0.06 N */
     observe(&cfg, &true_scales);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
-    cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)verdict->sigma[AUVID_G500_W_B] / 0.02);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
+    cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)result->sigma[AUVID_G500_W_B] / 0.02);
     observe(&cfg, &true_scales);
-    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
-                     verdict->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), verdict->identifiable);
+    TEST_ASSERT_TRUE(result->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
+                     result->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), result->identifiable);
 }
 
 static void test_an_impossible_estimate_is_reported_once_for_its_equation(void)
 {
     static char text[160];
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     truth[AUVID_G500_X_UU] = AUVID_C(890.0);
     truth[AUVID_G500_X_U] = AUVID_C(-546.0);
     uncertainty.thrust_scale = AUVID_C(0.0);
     observe(&cfg, &(world_t){0.0, 1.0, 1.0, 5});
     uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, verdict->identifiable);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, result->identifiable);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_MEMORY("surge: X_uu is impossible (+8", text, 29);
     TEST_ASSERT_NOT_NULL(
         strstr(text, "): the equation is not trusted; check signs, units and the model"));
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
-        auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
+        auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
 }
 
 /* ---- covariance ---- */
@@ -334,7 +333,7 @@ static auvid_estimate_t published(void)
 {
     auvid_estimate_t e;
     memset(&e, 0, sizeof e);
-    e.confidence = *verdict;
+    e.confidence = *result;
     memcpy(e.covariance, job.covariance, sizeof e.covariance);
     return e;
 }
@@ -347,31 +346,31 @@ static double covariance(const auvid_estimate_t *e, int i, int k)
 /* Cholesky decomposition of the correlations. @return smallest pivot */
 static double smallest_pivot(const auvid_estimate_t *e, int n)
 {
-    double l[COUNT][COUNT], least = 1.0;
+    double l[COUNT][COUNT], smallest = 1.0;
     for (int i = 0; i < n; ++i) {
         for (int k = 0; k <= i; ++k) {
             double sum = covariance(e, i, k) / sqrt(covariance(e, i, i) * covariance(e, k, k));
             for (int m = 0; m < k; ++m) {
                 sum -= l[i][m] * l[k][m];
             }
-            if (i == k && sum < least) {
-                least = sum;
+            if (i == k && sum < smallest) {
+                smallest = sum;
             }
             l[i][k] = i == k ? sqrt(sum) : sum / l[k][k];
         }
     }
-    return least;
+    return smallest;
 }
 
 static void test_the_covariance_is_symmetric_positive_and_has_the_standard_errors(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     observe(&cfg, &true_scales);
     auvid_estimate_t e = published();
     for (int i = 0; i < COUNT; ++i) {
-        double total = covariance(&e, i, i) + pow((double)verdict->thrust_error[i], 2.0) +
-                       pow((double)verdict->dvl_error[i], 2.0);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)verdict->sigma[i], 2.0));
+        double total = covariance(&e, i, i) + pow((double)result->thrust_error[i], 2.0) +
+                       pow((double)result->dvl_error[i], 2.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)result->sigma[i], 2.0));
         for (int k = 0; k < COUNT; ++k) {
             TEST_ASSERT_TRUE(covariance(&e, i, k) == covariance(&e, k, i));
         }
@@ -382,7 +381,7 @@ static void test_the_covariance_is_symmetric_positive_and_has_the_standard_error
 
 static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     cfg.free &= ~(1u << AUVID_G500_N_RR);
     cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
     observe(&cfg, &true_scales);
@@ -406,7 +405,7 @@ static void test_a_linear_combination_is_covered_as_often_as_its_standard_error_
     static const int linear[4] = {AUVID_G500_X_U, AUVID_G500_Y_V, AUVID_G500_Z_W, AUVID_G500_N_R};
     static const int square[4] = {AUVID_G500_X_UU, AUVID_G500_Y_VV, AUVID_G500_Z_WW,
                                   AUVID_G500_N_RR};
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     int covered[2] = {0, 0}, all = 0;
     double gain = 0.0;
     for (uint64_t run = 1; run <= RUNS; ++run) {
@@ -441,10 +440,10 @@ static void test_an_uncertainty_out_of_range_is_refused(void)
 {
     chain_defaults(&config, 1, 2, 0.0);
     for (int k = 0; k < 3; ++k) {
-        auvid_uncertainty_t *told = &config.id.uncertainty;
-        auvid_real_t *one = k == 0   ? &told->thrust_scale
-                            : k == 1 ? &told->dvl_scale
-                                     : &told->delay_s;
+        auvid_uncertainty_t *supplied = &config.id.uncertainty;
+        auvid_real_t *one = k == 0   ? &supplied->thrust_scale
+                            : k == 1 ? &supplied->dvl_scale
+                                     : &supplied->delay_s;
         *one = (auvid_real_t)NAN;
         TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &config.id));
         *one = AUVID_C(-0.01);

@@ -145,10 +145,11 @@ void tearDown(void)
 {
 }
 
-static void start(uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged)
+static void start(uint32_t dofs, const auvid_real_t *delay_s, uint32_t first_order_lag)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_init(&validation, &auvid_girona500, pi, dofs,
-                                                      delay_s, lagged, (auvid_real_t)CELL_S));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_validation_init(&validation, &auvid_girona500, pi, dofs, delay_s,
+                                            first_order_lag, (auvid_real_t)CELL_S));
 }
 
 static void play(int from, int to)
@@ -162,16 +163,16 @@ static void play(int from, int to)
 static double worst(void)
 {
     auvid_real_t r2[6];
-    double most = 0;
+    double max_off = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&validation, r2));
     for (int j = 0; j < 6; ++j) {
         if (DOFS >> j & 1u) {
-            most = fmax(most, 1 - (double)r2[j]);
+            max_off = fmax(max_off, 1 - (double)r2[j]);
         } else {
             TEST_ASSERT_EQUAL_DOUBLE(0, (double)r2[j]);
         }
     }
-    return most;
+    return max_off;
 }
 
 /* ---- prediction ---- */
