@@ -242,7 +242,7 @@ static int dvl_degree(int i)
 static double worst_correlation = 0;
 
 // The pooled sandwich, with rows and columns scaled to these standard errors.
-static void compare_covariance(const MatrixXd &pooled, const VectorXd &expected)
+static void compare_covariance(const MatrixXd &pooled, const VectorXd &sigma)
 {
     const auvid_estimate_t &e = chain.id.estimate;
     MatrixXd actual(PARAMETERS, PARAMETERS);
@@ -250,7 +250,7 @@ static void compare_covariance(const MatrixXd &pooled, const VectorXd &expected)
         for (int k = 0; k < PARAMETERS; ++k) {
             double expected = pooled(i, k) / std::sqrt(pooled(i, i) * pooled(k, k));
             actual(i, k) = double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) /
-                           (expected(i) * expected(k));
+                           (sigma(i) * sigma(k));
             double off = std::fabs(actual(i, k) - expected);
             worst_correlation = std::fmax(worst_correlation, off);
             TEST_ASSERT_TRUE(off < 1e-4);
@@ -290,21 +290,21 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
     MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;
     MatrixXd pooled = p * sums.middle * p;
-    VectorXd delta = -p * sums.bias, moved = wide * sums.pull, expected(PARAMETERS);
+    VectorXd delta = -p * sums.bias, moved = wide * sums.pull, sigma(PARAMETERS);
     for (int i = 0; i < PARAMETERS; ++i) {
         VectorXd psi = influence.row(i).transpose();
         double set_scatter = (psi.array() - psi.mean()).square().sum();
         double variance = 1.3 * (10 * pooled(i, i) + SETS * set_scatter) / (10 + SETS - 1);
-        expected(i) =
+        sigma(i) =
             std::sqrt(variance * wide(i, i) / p(i, i) + moved(i) * moved(i) + delta(i) * delta(i));
         double thrust = 0.05 * pi(i), dvl = -0.005 * dvl_degree(i) * pi(i);
-        agrees(std::sqrt(expected(i) * expected(i) + thrust * thrust + dvl * dvl),
+        agrees(std::sqrt(sigma(i) * sigma(i) + thrust * thrust + dvl * dvl),
                double(actual.sigma[i]), delay_sigma_s > 0 ? 2.6e-3 : 4e-4);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), thrust, double(actual.thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), dvl, double(actual.dvl_error[i]));
     }
     if (!(delay_sigma_s > 0)) { // its standard errors differ more, see above
-        compare_covariance(pooled, expected);
+        compare_covariance(pooled, sigma);
     }
 }
 

@@ -20,16 +20,17 @@
  *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. In a model
  *   without regressor, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
  *   no parameter scales.
- * - *Identifiable*: the DoF was excited, and the 95 % half-width, with all of the above, is at most
- *   20 % of the value (for a constant force, 2 % of tau_max). Otherwise a note gives the reason.
- *   The DoF was not excited. Only a combination with another parameter is known. The force is too
- *   small to matter. There is too little motion. The search has not converged. The parameter is at
- *   its bound. It changes by more than its half-width if another parameter is released from its
- *   bound. Only the thrust scale prevents it.
+ * - *Identifiable*: the DoF was excited, and the 95 % half-width is at most 20 % of the value. For
+ * a
+ *   constant force the limit is 2 % of tau_max. The half-width includes all of the above. Otherwise
+ *   a note gives the reason. The DoF was not excited. Only a combination with another parameter is
+ *   known. The force is too small to matter. There is too little motion. The search has not
+ *   converged. The parameter is at its bound. It changes by more than its half-width if another
+ *   parameter is released from its bound. Only the thrust scale prevents it.
  * - *Plausibility* (the paper's own check): masses are above the dry mass, drags are negative. An
  *   estimate is impossible if it violates this by more than its half-width. The same holds if the
- *   violating part explains more than a tenth of the rms wrench that its equation has left to
- *   explain (both rms over the rows). An impossible estimate makes the whole equation untrusted.
+ *   violating part explains more than a tenth of the wrench that is left to its equation, both as
+ *   rms over the rows. An impossible estimate makes the whole equation untrusted.
  *   The result must also explain the force at all.
  * If a delay was estimated, its uncertainty is part of the standard errors. With
  * uncertainty.delay_s > 0 the delay of every excited DoF is uncertain, whether it was estimated,
@@ -208,7 +209,7 @@ const char *auvid_note_str(auvid_note_t note);
 #define auvid_confidence_missing AUVID_SIZED1(auvid_confidence_missing, AUVID_MAX_PARAMETERS)
 /** Write one sentence on the motion, or setting, that is missing: "yaw: not excited; apply steps
  * held 4-8 s and sines of 0.1-0.3 Hz". If at least AUVID_CONFIDENCE_LOST_PERCENT of the rows of a
- * DoF were lost to gaps, the last sentence gives the share, for the DoF with the largest. Cost:
+ * DoF were lost to gaps, the last sentence gives the largest share and its DoF. Cost:
  * O(n).
  * @param confidence of an estimate, or NULL if there is none yet
  * @param vehicle its model

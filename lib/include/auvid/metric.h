@@ -17,19 +17,19 @@
  *       J(pi) = sum_j ||R_j pi - z_j||^2 / (tau_max_j^2 rows_j),
  *   without the part that no pi explains. That part is stored in `constant`: in float32 it would
  *   swamp the differences that the optimizer needs.
- * - *Residual path*, for any other model. Means over each row's time are stored, the user's
- *   function is called on each, and the residuals are smoothed by binomial weights of about 0.6 s
- *   standard deviation. J(pi) = sum_j sum_k smoothed_jk^2 / (tau_max_j^2 rows_j). A model that is
+ * - *Residual path*, for any other model. Means over each row's time are stored. The user's
+ *   function is called on each. Binomial weights of about 0.6 s standard deviation smooth the
+ *   residuals. J(pi) = sum_j sum_k smoothed_jk^2 / (tau_max_j^2 rows_j). A model that is
  *   not linear in the commands, for example one with a dead band, needs commands that are not
  *   averaged: use rows of two cells for such a model.
  *
  * Delay between command and response, for each DoF: z_j(d) = Z_j l(d). The weights l have sum one
- * and mean d. Their second moment is d^2 for a shift (they are Lagrange polynomials then) and 2 d^2
- * for a first-order lag, as of a thruster. The metric chooses d_j and its kind where the part of
- * the wrench that no pi explains is smallest, over all sets in the ring, from 0 to 6 cells. The
+ * and mean d. Their second moment is d^2 for a shift (they are Lagrange polynomials then). It is
+ * 2 d^2 for a first-order lag, as of a thruster. The metric searches d_j and its kind from 0 to 6
+ * cells, over all sets in the ring. It minimises the part of the wrench that no pi explains. The
  * delay is zero unless the data determine it. If the configuration gives an uncertainty of the
- * delay, shifts from -2 cells on are also tried, because thrust with late time stamps seems to
- * follow the motion. The uncertainty of the delay enters the standard errors (confidence.h). In the
+ * delay, shifts from -2 cells on are also tried. Thrust with late time stamps seems to follow the
+ * motion. The uncertainty of the delay enters the standard errors (confidence.h). In the
  * residual path one shift, common to wrench and commands, is searched together with the parameters.
  *
  * If a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
@@ -394,8 +394,8 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 void auvid_metric_change_begin(auvid_metric_t *metric);
 
 #define auvid_metric_change AUVID_SIZED(auvid_metric_change)
-/** Continue the change test started by auvid_metric_change_begin. With U the part of the wrench
- * that no pi explains, `change` is U of all sets - U of the older sets - U of the newest.
+/** Continue the change test started by auvid_metric_change_begin. `change` is U(all sets) -
+ * U(older sets) - U(newest sets), with U the part of the wrench that no pi explains.
  * @param budget units of work left, reduced by those used: four for each row of each set, and four
  * more for each row of the newest two
  * @return AUVID_OK (`change` and `change_rank` are written; with fewer than three sets they are
@@ -405,10 +405,10 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget);
 #define auvid_metric_linearise_begin AUVID_SIZED(auvid_metric_linearise_begin)
 /** Residual path: begin to linearise the model at pi. The result is, for each of the newest sets,
  * the R factors of a linear model with the same derivatives; auvid_metric_change and confidence.h
- * read them. The derivatives are central differences over 1 % of each parameter (at least 1e-4, and
- * 1e-3 where it is zero) and 10 ms of delay. A window of smoothed residuals is left out if a
- * residual or a derivative is not finite or beyond 1e15. A no-op for a model with regressor, and
- * for NULL.
+ * read them. The derivatives are central differences over 10 ms of delay, and over 1 % of each
+ * parameter (at least 1e-4, and 1e-3 where it is zero). A window of smoothed residuals is left out
+ * if a residual or a derivative is not finite or beyond 1e15. A no-op for a model with regressor,
+ * and for NULL.
  * @param pi [n]
  * @param delay_s as in auvid_metric_cost_begin
  * @param sets number of sets, from the newest on */
@@ -449,7 +449,7 @@ uint32_t auvid_metric_active(const auvid_metric_t *metric);
 
 #define auvid_metric_searched AUVID_SIZED(auvid_metric_searched)
 /** Returns the parameters to search for (bit i): the active ones and, in the regressor path, some
- * of DoF that are not excited. These are free, have `fixed` zero, and stand in the equation of an
+ * of DoF that are not excited. These are free, have `fixed` zero, and appear in the equation of an
  * excited DoF. (A vehicle that yaws while moving forward drifts sideways: m_v v r acts on surge,
  * whether or not sway is excited.) If they stayed at zero, they would bias the others; their own
  * values are by-products, often poor. Valid after merge. */

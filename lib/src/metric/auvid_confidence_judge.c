@@ -14,7 +14,7 @@
  * of the same DoF, which takes its part: h_i = c (degree) pi_known, c from the rms of column i. A
  * known mass or constant force has a column nearly orthogonal to the others: h = 0. (A known m_u is
  * also in sway, as m_u u r: in coupled motion sway's s were 12 % too small to 50 % too large.) The
- * yaw equation's (m_u - m_v) u v is of degree 2, the terms of the forces are of degree 1. The
+ * yaw equation's (m_u - m_v) u v is of degree 2. The terms of the forces are of degree 1. The
  * masses are treated as the forces determine them, because most of the information is there (in
  * coupled motion 15 % off).
  */

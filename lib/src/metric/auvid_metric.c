@@ -10,10 +10,10 @@
  * order 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and attenuates the
  * noise of the DVL.
  *
- * Velocity that is interpolated between samples T apart has passed a triangular filter of variance
- * T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its gain is 0.8 %
- * low, and masses become too large by as much. So the wrench of forces also passes (a, 1 - 2 a, a),
- * a = T^2 / (12 cell^2), which has the same variance.
+ * Velocity that is interpolated between samples T apart has passed a triangular filter. Its
+ * variance is T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its
+ * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
+ * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
  *
  * auvid_metric_record.c forms rows from cells, auvid_metric_close.c sets from rows.
  * auvid_metric_merge.c merges sets to one weighted R factor. auvid_metric_cost.c evaluates costs.

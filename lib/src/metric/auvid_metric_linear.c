@@ -6,7 +6,7 @@
  *     [ e_1 .. e_n | Z_0 Z_1 Z_2 ],   Z_k = sum_i e_i pi_i - e - (k - s) node e_d,
  *
  * are those of a linear model with these derivatives. For s = d / node the weights l of the wrench
- * at the three delays have sum l_k = 1 and sum k l_k = s, so row [pi, -l(s)] = e, and its
+ * at the three delays have sum l_k = 1 and sum k l_k = s, so row [pi, -l(s)] = e. Its
  * derivative by d is e_d. The code that reads the R factors of a model with regressor (change test,
  * confidence) also reads these.
  *

@@ -4,8 +4,8 @@
  * With s_j^2 the effective noise in DoF j's rows, the prior pi_i = p_i +- sigma_i is one more row
  * of its equation, s_j / sigma_i (pi_i - p_i) = 0. These rows increase what the rows of a DoF leave
  * unexplained by T. If the prior and the sets are of the same vehicle, T / s_j^2 is a chi-square
- * variable with as many degrees of freedom as there are prior rows (Chow 1960;
- * auvid_metric_change.c).
+ * variable (Chow 1960; auvid_metric_change.c). It has as many degrees of freedom as there are prior
+ * rows.
  */
 #include "auvid/metric.h"
 
