@@ -129,9 +129,9 @@ static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
         confidence_append_percent(
             w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * relative / allowed, true);
     }
-    confidence_append(w, " relative to the thrust scale; calibrate thrust to ");
+    confidence_append(w, " up to the thrust scale; calibrate thrust to ");
     confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    confidence_append(w, " for SI units");
+    confidence_append(w, " for SI");
 }
 
 /* Append that parameter i's equation has an impossible estimate. */
