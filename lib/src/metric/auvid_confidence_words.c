@@ -131,7 +131,6 @@ static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
     }
     confidence_append(w, " up to the thrust scale; calibrate thrust to ");
     confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    confidence_append(w, " for SI");
 }
 
 /* Append that parameter i's equation has an impossible estimate. */
