@@ -30,13 +30,13 @@ HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
 API = "".join(path.read_text() for path in HEADERS)
 MODULES = {path.stem for path in HEADERS}
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
-# of auvid_girona500, the metric's memory, the thrusters' log, and the driver's interrupt.
+# of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
 POINTERS = {
     r"vehicle->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"id->adapt\(": r"auvid_adaptive\.c:adaptive_apply$",
-    r"m->apply_prior\(": r"auvid_metric_prior\.c:recall$",
+    r"m->apply_prior\(": r"auvid_metric_prior\.c:metric_apply_prior$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",

@@ -19,8 +19,8 @@ for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "
 assert d["evaluations"]["crs"] > 0 and d["evaluations"]["line_search"] > 0'
 check "every parameter is identifiable, W-B with the thrust as told only" is one.json '
 assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.items())
-assert d["missing"] == ["heave: W-B is known to 0.3 N in your newtons; calibrate thrust to 2 % for "
-                        "SI"] and d["not_modelled"] == ["roll", "pitch"]'
+assert d["missing"] == ["heave: W-B is known to 0.3 N up to the thrust scale; calibrate "
+                        "thrust to 2 %"] and d["not_modelled"] == ["roll", "pitch"]'
 check "  within four standard errors with thrust and DVL as told, the total has both" is one.json '
 for n, p in P.items():
     assert abs(p["estimate"] - p["truth"]) < 4 * p["sigma_told"] < 0.2 * abs(p["truth"]), p
@@ -41,7 +41,8 @@ check "a thrust that is hardly known makes nothing identifiable" exits 0 demo --
     --thrust-scale 0.2
 check "  and it is said what it takes" is out '
 assert not any(p["identifiable"] for p in d["parameters"]) and len(d["missing"]) == 13
-assert all(" in your newtons; calibrate thrust to " in s for s in d["missing"]), d["missing"]'
+assert all(" up to the thrust scale; calibrate thrust to " in s
+           for s in d["missing"]), d["missing"]'
 check "drag force at parts of the largest speed in each direction is known" is one.json '
 assert list(d["drag"]) == list("XYZN")
 for j, (linear, quadratic) in zip("XYZN", (("X_u", "X_uu"), ("Y_v", "Y_vv"), ("Z_w", "Z_ww"),

@@ -174,7 +174,7 @@ for n in TRUTH:
     assert (P[n]["sigma"] is None) == (P[n]["sigma_told"] is None) == left_out, n
     assert n == "W-B" or P[n]["identifiable"] != left_out, n
     assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
-assert d["missing"][0].startswith("yaw: nothing moved it; excite it") and len(d["missing"]) == 2'
+assert d["missing"][0].startswith("yaw: not excited; apply steps") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
 check "that it moves does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '

@@ -54,9 +54,9 @@ assert rms < 0.05, rms
 assert d["guard"]["state"] == "done" and d["change_test"]["changed"] == []'
 check "  no change is told of but that one" test "$(grep -c CHANGED payload.txt)" = 1
 
-check "yaw-idle: says what is missing" tells yaw-idle 'missing: yaw: nothing moved it; excite it' \
-    'm_r .* - .*\? nothing moved it' 'N_r .*\? nothing' 'N_rr .*\? nothing' '^  missing' \
-    '^    yaw: nothing moved it'
+check "yaw-idle: says what is missing" tells yaw-idle 'missing: yaw: not excited; apply steps' \
+    'm_r .* - .*\? not excited' 'N_r .*\? not' 'N_rr .*\? not' '^  missing' \
+    '^    yaw: not excited'
 check "  yaw null, the others there" is yaw-idle.json '
 for n in TRUTH:
     idle = n in ("m_r", "N_r", "N_rr")

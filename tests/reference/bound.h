@@ -1,23 +1,23 @@
-// How accurate can anybody be? A run of the library in the simulator, and its Cramer-Rao bound.
+// The accuracy that is possible: a run of the library in the simulator, and its Cramer-Rao bound.
 //
-// The world: the simulator's Girona500 (Eq. 12-15) under the usual excitation. Known: applied
+// The run: the simulator's Girona500 (Eq. 12-15) under the usual excitation. Known: applied
 // wrench, phi, theta, p, q, and the covariance of the unmodelled force (Ornstein-Uhlenbeck, 2 s).
 // Unknown: the 13 parameters, the initial velocities, the initial depth. Measured: velocity (DVL),
-// yaw rate, depth, each sample as the identifier gets it, until its last set is complete.
+// yaw rate, depth; each sample as the identifier gets it, until its last set is complete.
 //
-// Linearised about the motion that there would be without the unmodelled force (about the true
-// motion, force and acceleration would be correlated), x = [u v w r depth | that force's X Y Z N]:
+// The system is linearised about the motion without the unmodelled force. (About the true motion,
+// force and acceleration would be correlated.) x = [u v w r depth | unmodelled force X Y Z N]:
 //     x(k+1) = Phi(k) x(k) + Gamma(k) pi + w(k),   y = x_i + noise.
-// Take the Kalman filter of this system for assumed pi. The innovation of a measurement has
-// variance s and mean E_i (pi - assumed pi), E being the filter's error per unit of each unknown:
+// The Kalman filter of this system runs with an assumed pi. The innovation of a measurement has
+// variance s and mean E_i (pi - assumed pi); E is the filter's error per unit of each unknown:
 //     tick: E <- Phi E + Gamma;   measurement: information += E_i' E_i / s, then E <- E - K E_i.
-// The sum is S' Sigma^-1 S of the dense problem, without its matrices. One more column carries the
-// run's own measurements through: it gives the score and so the error of the efficient estimate,
-// and the sum of squares of the whitened innovations, to see that the simulator's noise is the one
-// assumed here.
+// The sum is S' Sigma^-1 S of the dense problem, without its matrices. One more column filters the
+// measurements of the run. It gives the score, and so the error of the efficient estimate. It also
+// gives the sum of squares of the whitened innovations, which shows that the simulator's noise is
+// the assumed one.
 //
-// Left out: what the covariance of the measurements tells of pi (its trace term).
-// Measured on a dense case it lowers the bound by at most 0.5 % of itself at 1 N, 3 % at 3 N.
+// Left out: the information on pi in the covariance of the measurements (its trace term). Measured
+// on a dense case, it lowers the bound by at most 0.5 % of itself at 1 N, 3 % at 3 N.
 #ifndef TEST_BOUND_H
 #define TEST_BOUND_H
 
@@ -55,7 +55,7 @@ struct Measurement {
     double value;
 };
 
-// Truth at the end of a tick, the wrench X Y Z N during it, what was measured at its end.
+// True state at the end of a tick, wrench X Y Z N during it, measurements at its end.
 struct Tick {
     double phi, theta, p, q;
     Vector4d wrench;
@@ -64,7 +64,7 @@ struct Tick {
 
 struct Run {
     std::vector<Tick> tick;     // the first is the start
-    std::vector<Motion> motion; // at each tick, had there been no unmodelled force
+    std::vector<Motion> motion; // at each tick, without the unmodelled force
     Errors error;               // of the library
 };
 
@@ -104,11 +104,11 @@ inline Noise noise_of(double disturbance_N)
 
 // ---- the motion without the unmodelled force ----
 
-// The simulator's own equations, attitude, p and q as they were in the run.
+// The simulator's equations, with attitude, p and q of the run.
 static Motion derivative(const sim_config_t &config, const Tick &a, const Tick &b, double part,
                          const Motion &at)
 {
-    static const int place[INITIAL] = {6, 7, 8, 11, 2};
+    static const int index[INITIAL] = {6, 7, 8, 11, 2};
     const double wrench[6] = {b.wrench(0), b.wrench(1), b.wrench(2), 0, 0, b.wrench(3)};
     double state[12] = {}, change[12];
     state[3] = a.phi + part * (b.phi - a.phi);
@@ -116,12 +116,12 @@ static Motion derivative(const sim_config_t &config, const Tick &a, const Tick &
     state[9] = a.p + part * (b.p - a.p);
     state[10] = a.q + part * (b.q - a.q);
     for (int i = 0; i < INITIAL; ++i) {
-        state[place[i]] = at(i);
+        state[index[i]] = at(i);
     }
     sim_derivative(&config, state, wrench, change);
     Motion rate;
     for (int i = 0; i < INITIAL; ++i) {
-        rate(i) = change[place[i]];
+        rate(i) = change[index[i]];
     }
     return rate;
 }
@@ -187,7 +187,7 @@ static Tick tick_of(const sim_truth_t &t, const sim_output_t &out)
     return tick;
 }
 
-// The least-squares optimum of the library's metric, which the search reaches.
+// The least-squares optimum of the library's metric; the search reaches it.
 static Errors library_error()
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {};
@@ -271,8 +271,8 @@ static Regressor regressor(const Tick &t, const Vector4d &nu, const Vector4d &ra
     return y;
 }
 
-// Over the tick that ends at k, at its middle, from x' = A x + B pi by the exponential series;
-// parameters relative to their true values.
+// Transition over the tick that ends at k, at its middle, from x' = A x + B pi by the exponential
+// series; parameters relative to their true values.
 static void linearise(const Run &run, size_t k, Transition &phi, Input &gamma)
 {
     const double difference = 1e-3;
@@ -308,7 +308,8 @@ static Vector4d force_variance(const Noise &noise)
     return Vector4d(n * n, n * n, n * n, 0.16 * n * n);
 }
 
-// Of the first `ticks` ticks. Last column: the score; its end: sum of squares of the innovations.
+// Information of the first `ticks` ticks. Last column: the score; its end: sum of squared
+// innovations.
 static Information information(const Run &run, const Noise &noise, size_t ticks)
 {
     Information sum = Information::Zero();
@@ -342,7 +343,8 @@ static Information information(const Run &run, const Noise &noise)
     return information(run, noise, run.tick.size() - 1);
 }
 
-// Inverse of the information of all unknowns, scaled first: initial values are known far worse.
+// Inverse of the information of all unknowns. It is scaled first: initial values are far less
+// certain.
 static MatrixXd covariance(const MatrixXd &information)
 {
     VectorXd scale =

@@ -1,8 +1,8 @@
-// The library's error beside the Cramer-Rao bound (bound.h), and whether that bound is right.
+// The library's error compared with the Cramer-Rao bound (bound.h), and a check of that bound.
 //
-// The bound: against a dense computation without a filter, against differences of the simulator's
-// own equations, against the noise in the simulator's runs; then the library: it must not be better
-// than the bound. AUVID_TEST_LONG in the environment: the tables, over 1200 runs.
+// The bound is compared with a dense computation without a filter, with differences of the
+// simulator's equations, and with the noise in the simulator's runs. The library must not be better
+// than the bound. With AUVID_TEST_LONG in the environment: the tables, over 1200 runs.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -22,7 +22,7 @@ void tearDown()
 {
 }
 
-// ---- the same without a filter: every measurement's covariance with every other ----
+// ---- the bound without a filter: covariances of all pairs of measurements ----
 
 struct Dense {
     std::vector<Measurement> measured; // and at which tick
@@ -102,7 +102,7 @@ static MatrixXd simulated_sensitivity(const Run &run, const Dense &d)
     return sensitivity;
 }
 
-// ---- is the bound right? ----
+// ---- check of the bound ----
 
 static const size_t short_ticks = 1000; // 20 s
 
@@ -155,7 +155,7 @@ static void test_bound_scales_with_noise_and_falls_with_data()
     }
 }
 
-// What a run adds to the tests below.
+// The contribution of a run to the tests below.
 struct Comparison {
     std::vector<Errors> library, bound; // squared
     double score = 0, innovations = 0, measurements = 0;
@@ -190,9 +190,9 @@ static double rms_percent(const Errors &squares)
     return 100 * std::sqrt(squares.mean());
 }
 
-// The noise assumed is that of the simulator: whitened innovations have variance one (within 1 %,
-// two standard errors of eight runs), and the efficient estimate errs as the bound says (chi-square
-// of 13 a run, within four standard errors).
+// The assumed noise is that of the simulator. Whitened innovations have variance one (within 1 %,
+// two standard errors of eight runs). The error of the efficient estimate agrees with the bound
+// (chi-square of 13 a run, within four standard errors).
 static void check_noise(const Comparison &c)
 {
     double freedoms = double(PARAMETERS) * double(c.library.size());
@@ -307,7 +307,7 @@ static void test_rmse_over_bound_for_three_excitations()
         print_row("ratio", efficiency.sqrt(), 1);
         print_row("bound %", limit.sqrt(), 100);
         check_noise(c);
-        TEST_ASSERT_TRUE(middle.high < 1.4); // the goals are not reached yet: held where it is
+        TEST_ASSERT_TRUE(middle.high < 1.4); // the present level, short of the goals
         TEST_ASSERT_TRUE(worst.value < 2.0);
         TEST_ASSERT_TRUE(efficiency.sqrt().minCoeff() > 0.85);
     }

@@ -1,15 +1,15 @@
-// A payload taken aboard under way: is it noticed, is a vehicle left alone left in peace, and how
-// good is the estimate afterwards?
+// A payload taken aboard during the run: is it detected, does an unchanged vehicle raise no alarm,
+// and how accurate is the estimate afterwards?
 //
-// Thirteen sets of 30 s. At a random moment within set 8 the vehicle becomes another one: masses
-// +10 %, drags +30 %, in all degrees of freedom, in one of them, or masses alone. Noticed in time:
-// an alarm with the set that holds the moment or with the next. Four sets after the alarm the
-// estimate must be as good as that of a vehicle that was so from the start and has the same number
-// of sets. Unchanged vehicles must raise no alarm.
+// Thirteen sets of 30 s. At a random moment within set 8 the vehicle changes: masses +10 %, drags
+// +30 %, in all degrees of freedom, in one of them, or only the masses. Detected in time means an
+// alarm with the set that contains the moment, or with the next. Four sets after the alarm the
+// estimate must be as accurate as that of a vehicle that was so from the start and has as many
+// sets. Unchanged vehicles must raise no alarm.
 //
 // Long form (AUVID_TEST_LONG): 200 runs of each change, 2700 unchanged sets of each disturbance.
-// The probabilities asserted are those that the counts must not refute at the 99 % level
-// (Clopper-Pearson); short form: 16 runs, 160 sets.
+// The counts must not refute the asserted probabilities at the 99 % level (Clopper-Pearson). Short
+// form: 16 runs, 160 sets.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -43,15 +43,15 @@ struct Change {
 
 static void apply(sim_config_t &world, const Change &change)
 {
-    static const int own[4][3] = {{SIM_M_U, SIM_X_U, SIM_X_UU},
-                                  {SIM_M_V, SIM_Y_V, SIM_Y_VV},
-                                  {SIM_M_W, SIM_Z_W, SIM_Z_WW},
-                                  {SIM_M_R, SIM_N_R, SIM_N_RR}};
+    static const int of_dof[4][3] = {{SIM_M_U, SIM_X_U, SIM_X_UU},
+                                     {SIM_M_V, SIM_Y_V, SIM_Y_VV},
+                                     {SIM_M_W, SIM_Z_W, SIM_Z_WW},
+                                     {SIM_M_R, SIM_N_R, SIM_N_RR}};
     for (int j = 0; j < 4; ++j) {
         if (change.which == ALL || change.which == j) {
-            world.parameter[own[j][0]] *= change.mass;
-            world.parameter[own[j][1]] *= change.drag;
-            world.parameter[own[j][2]] *= change.drag;
+            world.parameter[of_dof[j][0]] *= change.mass;
+            world.parameter[of_dof[j][1]] *= change.drag;
+            world.parameter[of_dof[j][2]] *= change.drag;
         }
     }
 }
@@ -59,7 +59,7 @@ static void apply(sim_config_t &world, const Change &change)
 struct Watch {
     Change change;
     double moment_s;     // 0: never
-    uint32_t before = 0; // sets complete at the moment
+    uint32_t before = 0; // sets complete at that moment
     uint32_t alarm = 0;  // set that gave the first alarm after it
     uint32_t early = 0;  // alarms before it
     uint32_t judged = 0, restored = 0;
@@ -81,7 +81,7 @@ static void maybe_change(chain_t *c, auvid_input_t *)
 static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
 {
     Watch &w = *static_cast<Watch *>(c->config.context);
-    // with fewer sets there is no verdict
+    // with fewer sets there is no test
     w.judged += (out->events & AUVID_EVENT_VALIDATED) != 0 && c->id.change_test.set >= 6;
     w.restored += (out->events & AUVID_EVENT_RESTORED) != 0;
     if (out->events & AUVID_EVENT_CHANGED) {
@@ -118,7 +118,7 @@ static Watch fly(uint64_t seed, double disturbance_N, const Change *change, Plan
     return w;
 }
 
-// Mean square error of a vehicle that was always so, with as many sets.
+// Mean square error of a vehicle that was so from the start, with as many sets.
 static double usual_square(uint64_t seed, double disturbance_N, const Change &change)
 {
     chain_config_t config;
@@ -130,14 +130,15 @@ static double usual_square(uint64_t seed, double disturbance_N, const Change &ch
     return chain_mean_square(&chain);
 }
 
-// Runs of one change. `least`: probability of being noticed in time that must not be refuted.
-static bool campaign(const char *title, double disturbance_N, const Change &change, double least)
+// Runs of one change. `min_probability`: of detection in time, must not be refuted.
+static bool campaign(const char *title, double disturbance_N, const Change &change,
+                     double min_probability)
 {
     double runs = campaign_is_long() ? 200 : 16, in_time = 0, first = 0, measured = 0, early = 0;
     double square = 0, usual = 0, spread = 0;
     for (uint64_t seed = 7400001; seed <= 7400000 + uint64_t(runs); ++seed) {
         Watch w = fly(seed, disturbance_N, &change);
-        double after = double(w.alarm) - w.before; // 1: the set that holds the moment
+        double after = double(w.alarm) - w.before; // 1: the set that contains the moment
         in_time += w.alarm > 0 && after <= 2;
         first += w.alarm > 0 && after <= 1;
         early += w.early;
@@ -152,17 +153,17 @@ static bool campaign(const char *title, double disturbance_N, const Change &chan
     double excess = (square - usual) / measured;
     double error = std::sqrt((spread / measured - excess * excess) / (measured - 1));
     std::printf(
-        "%-26s %g N: noticed in two sets %3.0f of %3.0f (95 %%: %.1f-%.1f %%), in one %3.0f, "
+        "%-26s %g N: detected in two sets %3.0f of %3.0f (95 %%: %.1f-%.1f %%), in one %3.0f, "
         "before %.0f; rms error four sets later %.2f %%, usual %.2f %%\n",
         title, disturbance_N, in_time, runs, 100 * binomial_lower(in_time, runs, 0.025),
         100 * binomial_upper(in_time, runs, 0.025), first, early,
         100 * std::sqrt(square / measured), 100 * std::sqrt(usual / measured));
-    // the mean square is above the usual one by more than three standard errors and a tenth: worse
-    return binomial_upper(in_time, runs, 0.01) >= least &&
+    // worse: the mean square is above the usual one by more than three standard errors and a tenth
+    return binomial_upper(in_time, runs, 0.01) >= min_probability &&
            excess <= 3 * error + 0.1 * usual / measured;
 }
 
-static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers()
+static void test_a_payload_is_detected_within_two_sets_and_the_estimate_recovers()
 {
     bool held = true;
     for (double d : {1.0, 3.0}) {
@@ -176,13 +177,13 @@ static void test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers(
     TEST_ASSERT_TRUE(held);
 }
 
-// From the change to the alarm, by budget: sets that complete during a search are tested after it.
-static void test_a_change_is_noticed_at_small_budgets_later()
+// Sets from the change to the alarm, by budget: sets completed during a search are tested after it.
+static void test_a_change_is_detected_later_at_small_budgets()
 {
     struct {
         Plan plan;
-        int span;        // sets from one search to the next: the change comes anywhere in it
-        double within_s; // the set that holds it, two searches and the tests
+        int span;        // sets from one search to the next; the change is anywhere in between
+        double within_s; // the set that contains it, two searches and the tests
     } const budgets[] = {{{150, 12, 20}, 1, 64},
                          {{15, 12, 20}, 2, 120},
                          {{10, 12, 24}, 2, 180},
@@ -204,17 +205,17 @@ static void test_a_change_is_noticed_at_small_budgets_later()
             after.push_back(w.alarm_s > 0 ? w.alarm_s - w.moment_s : 1e9);
         }
         std::sort(after.begin(), after.end());
-        std::printf("budget %3u: noticed after %.0f s (median), %.0f s at most; %d of %d within "
+        std::printf("budget %3u: detected after %.0f s (median), %.0f s at most; %d of %d within "
                     "%.0f s; %d false alarms in %.0f sets before\n",
                     unsigned(b.plan.budget), after[after.size() / 2], after.back(), in_time, runs,
                     b.within_s, early, unchanged);
-        // not more than one false alarm in a thousand sets
+        // at most one false alarm in a thousand sets
         held &= in_time == runs && binomial_lower(early, unchanged, 0.025) <= 1e-3;
     }
     TEST_ASSERT_TRUE(held);
 }
 
-static void test_a_vehicle_left_alone_raises_no_alarm()
+static void test_an_unchanged_vehicle_raises_no_alarm()
 {
     uint64_t runs = campaign_is_long() ? 340 : 20;
     double alarms = 0;
@@ -237,8 +238,8 @@ static void test_a_vehicle_left_alone_raises_no_alarm()
 int main()
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_payload_is_noticed_within_two_sets_and_the_estimate_recovers);
-    RUN_TEST(test_a_change_is_noticed_at_small_budgets_later);
-    RUN_TEST(test_a_vehicle_left_alone_raises_no_alarm);
+    RUN_TEST(test_a_payload_is_detected_within_two_sets_and_the_estimate_recovers);
+    RUN_TEST(test_a_change_is_detected_later_at_small_budgets);
+    RUN_TEST(test_an_unchanged_vehicle_raises_no_alarm);
     return UNITY_END();
 }

@@ -1,10 +1,11 @@
 // The standard errors computed again, dense and in double, from the formulas at the top of
-// auvid_confidence.c and the sets' triangles (that those are right is shown in test_metric.cpp).
+// auvid_confidence.c and the R factors of the sets (test_metric.cpp verifies those).
 //
-// The library is in float32: over the runs below the largest difference is 1e-5 of a standard
-// error, but in one 2e-4, since sets are rounded when they are stored; twice that fails. With an
-// uncertain delay 2.2e-3: the library's noise of yaw, by which the prior is weighted, lacks the
-// direction that the rounding of a dependent column (m_u, m_v) takes, one of some hundred.
+// The library is in float32. Over the runs below the largest difference is 1e-5 of a standard
+// error, in one run 2e-4, since sets are rounded when they are stored. Twice that fails. With an
+// uncertain delay it is 2.2e-3. The reason is the library's noise of yaw, which weights the prior:
+// it lacks the direction that the rounding of a dependent column (m_u, m_v) takes, one of about a
+// hundred.
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -21,7 +22,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 enum { PARAMETERS = SIM_PARAMETERS, DELAYS = AUVID_METRIC_DELAYS, SETS = 8 };
-static const int driven[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
+static const int modelled[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
 static const int mass[4] = {SIM_M_U, SIM_M_V, SIM_M_W, SIM_M_R};
 static chain_t chain;
 
@@ -33,8 +34,8 @@ void tearDown()
 {
 }
 
-// Weights of the wrench at the nodes 0, 1, 2: sum 1, mean s, second moment s^2, or 2 s^2 of a lag;
-// or their derivatives by s.
+// Weights of the wrench at the nodes 0, 1, 2: sum 1, mean s, second moment s^2, or 2 s^2 for a lag.
+// Or their derivatives by s.
 static Vector3d delay_weights(double s, bool lag, bool derivative)
 {
     Eigen::Matrix3d moments;
@@ -50,7 +51,7 @@ struct Dof {
     double weight, band[AUVID_METRIC_BANDS], count = 0;
     Vector3d delay, slope;
     bool delayed;
-    double sigma; // of the delay, in distances of the nodes; 0: known
+    double sigma; // of the delay, in node spacings; 0: known
     std::vector<int> columns;
 };
 
@@ -92,22 +93,22 @@ static MatrixXd gram(const Dof &d, size_t set)
     return sum + d.band[1] * d.rows[1][set].transpose() * d.rows[1][set];
 }
 
-static MatrixXd spread(const Dof &d, const MatrixXd &own)
+static MatrixXd spread(const Dof &d, const MatrixXd &optimum)
 {
-    MatrixXd all = MatrixXd::Zero(PARAMETERS, own.cols() == 1 ? 1 : PARAMETERS);
+    MatrixXd all = MatrixXd::Zero(PARAMETERS, optimum.cols() == 1 ? 1 : PARAMETERS);
     for (size_t a = 0; a < d.columns.size(); ++a) {
-        if (own.cols() == 1) {
-            all(d.columns[a], 0) = own(long(a), 0);
+        if (optimum.cols() == 1) {
+            all(d.columns[a], 0) = optimum(long(a), 0);
             continue;
         }
         for (size_t b = 0; b < d.columns.size(); ++b) {
-            all(d.columns[a], d.columns[b]) = own(long(a), long(b));
+            all(d.columns[a], d.columns[b]) = optimum(long(a), long(b));
         }
     }
     return all;
 }
 
-// Autocorrelation, a band's distance apart, of velocity noise made an acceleration and smoothed.
+// Autocorrelation of smoothed acceleration noise at the distance of the two rows of a band.
 static double noise_correlation(bool moment)
 {
     const auvid_metric_t &m = chain.id.metric;
@@ -130,7 +131,7 @@ static double noise_correlation(bool moment)
     return product / square;
 }
 
-// Of what is dependent (m_u and m_v stand in yaw as their difference only): the pseudo-inverse.
+// The pseudo-inverse, for dependent columns (yaw has only the difference of m_u and m_v).
 static MatrixXd inverse_of(const MatrixXd &h)
 {
     VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
@@ -152,8 +153,8 @@ struct Sums {
     VectorXd pull = VectorXd::Zero(PARAMETERS); // of what uncertain delays leave of the residual
 };
 
-// The delay and half its second moment as parameters with a prior each: what they leave of the
-// normal matrix, and of the right-hand side at the estimate.
+// The delay and half its second moment as parameters with a prior each. Result: what they leave of
+// the normal matrix, and of the right-hand side at the estimate.
 static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, const VectorXd &at)
 {
     long n = long(d.columns.size());
@@ -163,7 +164,7 @@ static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, con
     to.block(n, n + 1, DELAYS, 1) << -1, 2, -1;
     MatrixXd h = to.transpose() * all * to;
     VectorXd g = -(to.transpose() * all * at);
-    double left = at.dot(all * at) - g.dot(inverse_of(h) * g); // what nothing explains
+    double left = at.dot(all * at) - g.dot(inverse_of(h) * g); // the unexplained part
     double noise = std::sqrt(2.6 * left / d.count);
     inner = h.bottomRightCorner(2, 2);
     inner(0, 0) += std::pow(noise / d.sigma, 2);
@@ -174,35 +175,35 @@ static MatrixXd without_delay(Sums &sums, const Dof &d, const MatrixXd &all, con
     return h.topLeftCorner(n, n) - across * h.bottomLeftCorner(2, n);
 }
 
-// One DoF's part; fills what the library calls noise and residual.
+// One DoF's part; sets the library's effective_noise and residual_rms.
 static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &residual)
 {
-    Dof d = read(driven[k]);
+    Dof d = read(modelled[k]);
     long n = long(d.columns.size());
-    VectorXd at(n + DELAYS), own(n + DELAYS);
+    VectorXd at(n + DELAYS), optimum(n + DELAYS);
     MatrixXd all = MatrixXd::Zero(n + DELAYS, n + DELAYS);
     for (size_t s = 0; s < SETS; ++s) {
         all += gram(d, s);
     }
-    at.tail<DELAYS>() = own.tail<DELAYS>() = -d.delay;
+    at.tail<DELAYS>() = optimum.tail<DELAYS>() = -d.delay;
     for (long i = 0; i < n; ++i) {
         at(i) = pi(d.columns[size_t(i)]);
     }
     MatrixXd h = all.topLeftCorner(n, n);
     MatrixXd inverse = inverse_of(h);
-    own.head(n) = inverse * all.topRightCorner(n, DELAYS) * d.delay;
-    double square = at.dot(all * at) / d.count, scatter = 0, freedom = (inverse * h).trace(),
+    optimum.head(n) = inverse * all.topRightCorner(n, DELAYS) * d.delay;
+    double square = at.dot(all * at) / d.count, scatter = 0, degrees = (inverse * h).trace(),
            high = 0;
     for (size_t s = 0; s < SETS; ++s) {
         MatrixXd part = gram(d, s);
-        VectorXd g = (part * own).head(n);
-        MatrixXd share = inverse * part.topLeftCorner(n, n);
+        VectorXd g = (part * optimum).head(n);
+        MatrixXd part_h = inverse * part.topLeftCorner(n, n);
         scatter += g.dot(inverse * g);
-        freedom -= (share * share).trace();
+        degrees -= (part_h * part_h).trace();
         sums.scores.col(long(s)) += d.weight * spread(d, (part * at).head(n));
         high += (d.rows[1][s] * at).squaredNorm();
     }
-    double counts = (2.6 * square + scatter) / (1 + freedom);
+    double effective = (2.6 * square + scatter) / (1 + degrees);
     VectorXd delay = VectorXd::Zero(n + DELAYS); // the derivative of the residual by the delay
     delay.tail<DELAYS>() = -d.slope;
     VectorXd column = (all * delay).head(n);
@@ -213,11 +214,11 @@ static void add(Sums &sums, int k, const VectorXd &pi, double &noise, double &re
     }
     sums.h += d.weight * spread(d, h);
     sums.bordered += d.weight * spread(d, left);
-    sums.middle += d.weight * d.weight * counts * spread(d, h);
-    double rho = noise_correlation(driven[k] == AUVID_YAW);
+    sums.middle += d.weight * d.weight * effective * spread(d, h);
+    double rho = noise_correlation(modelled[k] == AUVID_YAW);
     sums.bias(mass[k]) +=
         d.weight * high * (d.band[0] * (1 + rho) / (1 - rho) + d.band[1]) / pi(mass[k]);
-    noise = std::sqrt(counts);
+    noise = std::sqrt(effective);
     residual = std::sqrt(square);
 }
 
@@ -229,7 +230,8 @@ static void agrees(double expected, double actual, double tolerance = 4e-4)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance * std::fabs(expected), expected, actual);
 }
 
-// Of the velocity: forces' masses and linear drags 1, quadratic drags 2, what turns and W-B none.
+// Degree in the velocity: masses and linear drags of forces 1, quadratic drags 2, moments and W-B
+// 0.
 static int dvl_degree(int i)
 {
     const auvid_parameter_t &p = auvid_girona500.parameter[i];
@@ -239,16 +241,16 @@ static int dvl_degree(int i)
 
 static double worst_correlation = 0;
 
-// The pooled sandwich, its rows and columns scaled to these standard errors.
-static void compare_covariance(const MatrixXd &pooled, const VectorXd &told)
+// The pooled sandwich, with rows and columns scaled to these standard errors.
+static void compare_covariance(const MatrixXd &pooled, const VectorXd &sigma)
 {
     const auvid_estimate_t &e = chain.id.estimate;
     MatrixXd actual(PARAMETERS, PARAMETERS);
     for (int i = 0; i < PARAMETERS; ++i) {
         for (int k = 0; k < PARAMETERS; ++k) {
             double expected = pooled(i, k) / std::sqrt(pooled(i, i) * pooled(k, k));
-            actual(i, k) =
-                double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) / (told(i) * told(k));
+            actual(i, k) = double(auvid_estimate_covariance(&e, &auvid_girona500, i, k)) /
+                           (sigma(i) * sigma(k));
             double off = std::fabs(actual(i, k) - expected);
             worst_correlation = std::fmax(worst_correlation, off);
             TEST_ASSERT_TRUE(off < 1e-4);
@@ -279,30 +281,30 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
         pi(i) = double(chain.id.estimate.pi[i]);
     }
     for (int k = 0; k < 4; ++k) {
-        double counts, residual;
-        add(sums, k, pi, counts, residual);
-        agrees(counts, double(actual.effective_noise[driven[k]]));
-        agrees(residual, double(actual.residual_rms[driven[k]]));
-        delayed = delayed || chain.id.metric.delay_s[driven[k]] > 0;
+        double effective, residual;
+        add(sums, k, pi, effective, residual);
+        agrees(effective, double(actual.effective_noise[modelled[k]]));
+        agrees(residual, double(actual.residual_rms[modelled[k]]));
+        delayed = delayed || chain.id.metric.delay_s[modelled[k]] > 0;
     }
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
     MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;
     MatrixXd pooled = p * sums.middle * p;
-    VectorXd delta = -p * sums.bias, moved = wide * sums.pull, told(PARAMETERS);
+    VectorXd delta = -p * sums.bias, moved = wide * sums.pull, sigma(PARAMETERS);
     for (int i = 0; i < PARAMETERS; ++i) {
         VectorXd psi = influence.row(i).transpose();
-        double own = (psi.array() - psi.mean()).square().sum();
-        double variance = 1.3 * (10 * pooled(i, i) + SETS * own) / (10 + SETS - 1);
-        told(i) = std::sqrt(variance * wide(i, i) / p(i, i) + moved(i) * moved(i) +
-                            delta(i) * delta(i));
+        double set_scatter = (psi.array() - psi.mean()).square().sum();
+        double variance = 1.3 * (10 * pooled(i, i) + SETS * set_scatter) / (10 + SETS - 1);
+        sigma(i) =
+            std::sqrt(variance * wide(i, i) / p(i, i) + moved(i) * moved(i) + delta(i) * delta(i));
         double thrust = 0.05 * pi(i), dvl = -0.005 * dvl_degree(i) * pi(i);
-        agrees(std::sqrt(told(i) * told(i) + thrust * thrust + dvl * dvl), double(actual.sigma[i]),
-               delay_sigma_s > 0 ? 2.6e-3 : 4e-4);
+        agrees(std::sqrt(sigma(i) * sigma(i) + thrust * thrust + dvl * dvl),
+               double(actual.sigma[i]), delay_sigma_s > 0 ? 2.6e-3 : 4e-4);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), thrust, double(actual.thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * std::fabs(pi(i)), dvl, double(actual.dvl_error[i]));
     }
-    if (!(delay_sigma_s > 0)) { // its standard errors agree less well, see above
-        compare_covariance(pooled, told);
+    if (!(delay_sigma_s > 0)) { // its standard errors differ more, see above
+        compare_covariance(pooled, sigma);
     }
 }
 
@@ -317,7 +319,7 @@ static void test_standard_errors_are_those_of_the_formulas()
                 worst_correlation);
 }
 
-static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
+static void test_widening_by_an_estimated_delay_is_that_of_the_formulas()
 {
     worst = worst_correlation = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -327,7 +329,7 @@ static void test_what_an_estimated_delay_costs_is_that_of_the_formulas()
                 worst_correlation);
 }
 
-static void test_what_an_uncertain_delay_costs_is_that_of_the_formulas()
+static void test_widening_by_an_uncertain_delay_is_that_of_the_formulas()
 {
     worst = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -341,7 +343,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_standard_errors_are_those_of_the_formulas);
-    RUN_TEST(test_what_an_estimated_delay_costs_is_that_of_the_formulas);
-    RUN_TEST(test_what_an_uncertain_delay_costs_is_that_of_the_formulas);
+    RUN_TEST(test_widening_by_an_estimated_delay_is_that_of_the_formulas);
+    RUN_TEST(test_widening_by_an_uncertain_delay_is_that_of_the_formulas);
     return UNITY_END();
 }

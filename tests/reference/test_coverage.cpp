@@ -1,17 +1,19 @@
 // Standard errors: how often is the truth within one, and within two of them?
 //
 // Eight sets of 30 s, all degrees of freedom excited, model in class. At 1 N and 3 N of unmodelled
-// force, pooled over runs and parameters, one standard error covers the truth in 60-76 %, two in
-// 90-98 %; each parameter's one in 55-80 %. A run's pooled share is one draw, for the parameters of
-// a run are not independent: the interval is 1.96 standard errors of the mean over runs.
+// force, pooled over runs and parameters: one standard error covers the truth in 60-76 %, two in
+// 90-98 %. For a single parameter one standard error covers it in 55-80 %. The parameters of a run
+// are not independent, so a run's pooled fraction is one sample: the interval is 1.96 standard
+// errors of the mean over runs.
 //
-// Long form (AUVID_TEST_LONG), 600 runs: the shares themselves must lie in these ranges. Short
-// form, 200: a share fails when its range is refuted, at 3.3 standard errors (pooled), at the
-// 99.9 % level (one parameter, Clopper-Pearson). No force, and a thruster lag nobody told of, are
-// printed beside in the long form: sensor noise alone is smaller than what the pooling allows for.
+// Long form (AUVID_TEST_LONG), 600 runs: the fractions must lie in these ranges. Short form, 200
+// runs: the test fails if a range is refuted, at 3.3 standard errors (pooled) or at the 99.9 %
+// level
+// (one parameter, Clopper-Pearson). The long form also prints runs without force and with an
+// unmodelled thruster lag. Without force the noise is smaller than the pooling assumes.
 //
-// A degree of freedom that is never excited must leave the others as they are: the same seeds with
-// and without it.
+// A degree of freedom that is never excited must not affect the others: the same seeds with and
+// without it.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -42,7 +44,7 @@ static double sigma_of(int i)
     return double(chain.id.estimate.confidence.sigma[i]) / std::fabs(chain.sim.config.parameter[i]);
 }
 
-// A whole run, and the search after it. `idle`: the degree of freedom left alone, or -1.
+// A whole run, and the search after it. `idle`: the degree of freedom that is not excited, or -1.
 static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle)
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
@@ -61,8 +63,8 @@ static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle
     TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
 }
 
-// Shares of a run's errors that are within one and within two standard errors, over runs.
-struct Shares {
+// Fractions of a run's errors within one and within two standard errors, over runs.
+struct Fractions {
     double runs = 0, sum[2] = {}, squares[2] = {};
     void add(const double within[2])
     {
@@ -89,7 +91,7 @@ struct Shares {
 
 struct Coverage {
     double one[PARAMETERS] = {}, squares[PARAMETERS] = {}, sigmas[PARAMETERS] = {};
-    Shares share;
+    Fractions fraction;
     void add()
     {
         double within[2] = {};
@@ -101,13 +103,13 @@ struct Coverage {
             squares[i] += error * error;
             sigmas[i] += sigma;
         }
-        share.add(within);
+        fraction.add(within);
     }
     void print(const char *title) const
     {
-        const double runs = share.runs;
+        const double runs = fraction.runs;
         std::printf("%s, %.0f runs: ", title, runs);
-        share.print();
+        fraction.print();
         std::printf("\n  each one %%");
         for (double k : one) {
             std::printf(" %5.1f", 100 * k / runs);
@@ -124,11 +126,11 @@ struct Coverage {
     }
 };
 
-// Drag force at 0.3, 0.6 and 1.0 of the largest speed seen in each direction, of the same runs.
+// Drag force of the same runs at 0.3, 0.6 and 1.0 of the largest speed in each direction.
 struct DragCoverage {
     enum { PARTS = 3 };
     double flagged = 0, one[PARTS] = {}, squares[PARTS] = {};
-    Shares share;
+    Fractions fraction;
     void add()
     {
         static const double part[PARTS] = {0.3, 0.6, 1.0};
@@ -151,13 +153,13 @@ struct DragCoverage {
             within[0] += (std::fabs(error) < sigma) / 24.0;
             within[1] += (std::fabs(error) < 2 * sigma) / 24.0;
         }
-        share.add(within);
+        fraction.add(within);
     }
     void print() const
     {
-        const double runs = share.runs;
+        const double runs = fraction.runs;
         std::printf("  drag force: ");
-        share.print();
+        fraction.print();
         std::printf("; flagged %.1f %%", 100 * flagged / runs / 24);
         for (int k = 0; k < PARTS; ++k) {
             std::printf("; rms %.2f %%, one %.1f %%", 100 * std::sqrt(squares[k] / runs),
@@ -167,20 +169,20 @@ struct DragCoverage {
     }
 };
 
-static void check_share(const Shares &share, int k, double low, double high)
+static void check_fraction(const Fractions &fraction, int k, double low, double high)
 {
-    double slack = campaign_is_long() ? 0 : 3.3 * share.error(k);
-    TEST_ASSERT_TRUE(share.mean(k) >= low - slack);
-    TEST_ASSERT_TRUE(share.mean(k) <= high + slack);
+    double slack = campaign_is_long() ? 0 : 3.3 * fraction.error(k);
+    TEST_ASSERT_TRUE(fraction.mean(k) >= low - slack);
+    TEST_ASSERT_TRUE(fraction.mean(k) <= high + slack);
 }
 
 static void check(const Coverage &c)
 {
-    check_share(c.share, 0, 0.60, 0.76);
-    check_share(c.share, 1, 0.90, 0.98);
+    check_fraction(c.fraction, 0, 0.60, 0.76);
+    check_fraction(c.fraction, 1, 0.90, 0.98);
     for (double k : c.one) {
         bool full = campaign_is_long();
-        double n = c.share.runs;
+        double n = c.fraction.runs;
         TEST_ASSERT_TRUE((full ? k / n : binomial_upper(k, n, 0.001)) >= 0.55);
         TEST_ASSERT_TRUE((full ? k / n : binomial_lower(k, n, 0.001)) <= 0.80);
     }
@@ -219,8 +221,8 @@ static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_sh
     check(one);
     check(three);
     for (const DragCoverage &d : drag) {
-        check_share(d.share, 0, 0.60, 0.80);
-        check_share(d.share, 1, 0.92, 0.98);
+        check_fraction(d.fraction, 0, 0.60, 0.80);
+        check_fraction(d.fraction, 1, 0.92, 0.98);
     }
 }
 
@@ -239,11 +241,11 @@ static void check_words(int idle)
         std::strcat(std::strcat(all, text), "\n");
     }
     std::string expected = std::string(dof_name[idle]) +
-                           ": nothing moved it; excite it with steps held 4-8 s and sines of "
+                           ": not excited; apply steps held 4-8 s and sines of "
                            "0.1-0.3 Hz\n";
     const char *found = std::strstr(all, expected.c_str());
     TEST_ASSERT_NOT_NULL(found);
-    TEST_ASSERT_NULL(std::strstr(found + expected.size(), "nothing moved it"));
+    TEST_ASSERT_NULL(std::strstr(found + expected.size(), "not excited"));
 }
 
 static void check_idle(int idle)
@@ -263,7 +265,7 @@ static void check_idle(int idle)
 }
 
 struct Pairs {
-    std::vector<double> all, without; // mean square relative error of the parameters that stay
+    std::vector<double> all, without; // mean square relative error of the other parameters
     double ratio() const
     {
         double a = 0, b = 0;
@@ -298,9 +300,9 @@ static double others_square(int idle)
     return sum / n;
 }
 
-// The excitation of the others differs in its random draws: only the average can be compared. Less
-// coupled motion tells less: up to 1.15 times the rms error is taken for "as accurate as before".
-static void test_a_dof_never_excited_is_named_and_leaves_the_others_as_they_are()
+// The excitation of the others has other random draws, so only the average can be compared. Less
+// coupled motion gives less information: up to 1.15 times the rms error counts as unchanged.
+static void test_a_dof_never_excited_is_reported_and_leaves_the_others_unchanged()
 {
     uint64_t runs = campaign_is_long() ? 150 : 16;
     static const int dofs[4] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
@@ -333,6 +335,6 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_should);
-    RUN_TEST(test_a_dof_never_excited_is_named_and_leaves_the_others_as_they_are);
+    RUN_TEST(test_a_dof_never_excited_is_reported_and_leaves_the_others_unchanged);
     return UNITY_END();
 }

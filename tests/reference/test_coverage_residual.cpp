@@ -1,15 +1,15 @@
 // Standard errors of a model without regressor: how often do they cover the truth?
 //
-// The user's model of tests/unit/identifier/test_user_model.c, thrusters with a dead band, in surge
-// alone; the Coriolis forces, which the simulated vehicle has, are in it with their true masses, so
-// that the model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
+// The user's model of tests/unit/identifier/test_user_model.c, thrusters with a dead band, only in
+// surge. It contains the Coriolis forces of the simulated vehicle with their true masses, so the
+// model is in class under an unmodelled force, too. Eight sets of 30 s at 1 N and 3 N.
 //
-// Long form (AUVID_TEST_LONG), 240 runs: pooled one standard error covers 60-76 %, two 90-98 %,
-// each parameter's one 55-80 %. Short form, 30: fails when these are refuted, at 3.3 standard
-// errors of the mean over runs, and at the 99.9 % level (Clopper-Pearson).
+// Long form (AUVID_TEST_LONG), 240 runs: pooled, one standard error covers 60-76 %, two 90-98 %;
+// for a single parameter one covers 55-80 %. Short form, 30 runs: the test fails if these are
+// refuted, at 3.3 standard errors of the mean over runs, or at the 99.9 % level (Clopper-Pearson).
 //
-// And the two paths against each other: Girona500 through its residuals alone must come to the
-// standard errors of its regressor.
+// A second test compares the two paths: Girona500 through its residuals must have the standard
+// errors of its regressor.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -88,7 +88,7 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     static const auvid_real_t high[PARAMETERS] = {300, 300, auvid_real_t(0.5), 0, 0};
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; // of the command
     auvid_identifier_defaults(cfg, &vehicle);
-    cfg->uncertainty = auvid_uncertainty_t(); // this world is as told
+    cfg->uncertainty = auvid_uncertainty_t(); // the supplied values are exact here
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
@@ -142,7 +142,7 @@ struct Share {
         sum += x;
         squares += x * x;
     }
-    // Is it in [low, high]? In the short form: is that not refuted?
+    // Long form: is it in [low, high]? Short form: is that not refuted?
     bool within(double runs, double low, double high) const
     {
         double mean = sum / runs, error = std::sqrt((squares / runs - mean * mean) / (runs - 1));
@@ -159,20 +159,20 @@ static bool campaign(double disturbance_N)
     double bias[PARAMETERS] = {};
     Share within[2];
     for (uint64_t seed = 7600001; seed <= 7600000 + uint64_t(runs); ++seed) {
-        double share[2] = {};
+        double fraction[2] = {};
         identify(seed, disturbance_N);
         for (int i = 0; i < PARAMETERS; ++i) {
             double error = double(id.estimate.pi[i]) / truth[i] - 1;
             double sigma = double(id.estimate.confidence.sigma[i]) / std::fabs(truth[i]);
             one[i] += std::fabs(error) < sigma;
-            share[0] += double(std::fabs(error) < sigma) / PARAMETERS;
-            share[1] += double(std::fabs(error) < 2 * sigma) / PARAMETERS;
+            fraction[0] += double(std::fabs(error) < sigma) / PARAMETERS;
+            fraction[1] += double(std::fabs(error) < 2 * sigma) / PARAMETERS;
             squares[i] += error * error / runs;
             bias[i] += error / runs;
             sigmas[i] += sigma / runs;
         }
-        within[0].add(share[0]);
-        within[1].add(share[1]);
+        within[0].add(fraction[0]);
+        within[1].add(fraction[1]);
     }
     std::printf("dead band, %g N, %.0f runs: one", disturbance_N, runs);
     bool held = within[0].within(runs, 0.60, 0.76);
@@ -213,7 +213,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     chain_defaults(&config, seed, SETS, disturbance_N);
     config.id.vehicle = model;
     config.id.metric.vehicle = model;
-    config.id.search.has_good = true; // the search of 13 parameters and a delay is not the point
+    config.id.search.has_good = true; // this test is not about the search
     std::memcpy(config.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
     if (model->regressor == nullptr) {
         config.id.metric.rows = store;
@@ -226,7 +226,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
 }
 
-static void test_both_paths_come_to_similar_standard_errors()
+static void test_both_paths_give_similar_standard_errors()
 {
     auvid_vehicle_t wrapped = auvid_girona500;
     wrapped.regressor = nullptr;
@@ -256,7 +256,7 @@ static void test_both_paths_come_to_similar_standard_errors()
             std::printf(" %.2f", std::exp(s));
         }
         std::printf("\n");
-        // the smoothing of the residuals is wider than that of the rows in yaw, so it knows less
+        // in yaw the residuals are smoothed more than the rows, so there is less information
         TEST_ASSERT_DOUBLE_WITHIN(std::log(1.25), 0, all);
         for (double s : sum) {
             TEST_ASSERT_TRUE(s > std::log(0.6));
@@ -269,6 +269,6 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_standard_errors_of_a_model_without_regressor_cover_the_truth);
-    RUN_TEST(test_both_paths_come_to_similar_standard_errors);
+    RUN_TEST(test_both_paths_give_similar_standard_errors);
     return UNITY_END();
 }

@@ -1,5 +1,6 @@
-// The metric against the pipeline its header describes, written again in double with Eigen: no
-// triangles, no transposed filters, all rows kept and every least-squares problem solved by QR.
+// The metric against the pipeline that its header describes, implemented again in double with
+// Eigen: no R factors, no transposed filters, all rows stored, every least-squares problem solved
+// by QR.
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -27,7 +28,7 @@ void tearDown()
 {
 }
 
-// ---- the world: smooth motion, wrench by Eq. 12-15 ----
+// ---- synthetic data: smooth motion, wrench by Eq. 12-15 ----
 
 struct Cell {
     double phi, theta, nu[6], nu_dot[6], tau[6];
@@ -52,7 +53,7 @@ struct Wave {
 static const Wave wave[6] = {{0.4, 0.050, 0.3}, {0.2, 0.043, 1.1}, {0.15, 0.061, 2.0},
                              {0.02, 0.30, 0.5}, {0.03, 0.25, 1.7}, {0.25, 0.057, 0.9}};
 
-// Small correlated noise that anybody can make again.
+// Small correlated noise that is reproducible.
 struct Noise {
     uint32_t s;
     double uniform()
@@ -116,8 +117,8 @@ static Vector wrench_at(double t, const Vector &x)
     return model_rows(0.05 * std::sin(0.9 * t), 0.04 * std::cos(0.7 * t), nu, nu_dot) * x;
 }
 
-// Response to the command: late by `shift` seconds, or after a first-order lag of `lag` seconds;
-// the command is found from the response.
+// Response to the command: delayed by `shift` seconds, or after a first-order lag of `lag` seconds.
+// The command is computed from the response.
 struct World {
     double shift = 0, lag = 0, noise = 0;
     bool fine_wrench = false; // noise on the wrench that changes sign from row to row
@@ -147,7 +148,7 @@ static std::vector<Cell> record(int cells, double cell_s, const World &world, do
     return all;
 }
 
-// What the library sees is rounded; the reference sees the same rounded numbers.
+// The library gets rounded numbers; the reference gets the same.
 static void round_cell(Cell &c, auvid_sample_t *s)
 {
     *s = auvid_sample_t();
@@ -197,7 +198,7 @@ static Vector centred(const Vector &c, int taps)
     return wide;
 }
 
-// Yaw has m_u and m_v in opposite columns: a rank lost by rounding must not be found again.
+// Yaw has m_u and m_v in opposite columns: rounding must not restore the lost rank.
 static Eigen::CompleteOrthogonalDecomposition<Matrix> solver(const Matrix &a)
 {
     Eigen::CompleteOrthogonalDecomposition<Matrix> qr(a.rows(), a.cols());
@@ -224,9 +225,9 @@ struct Reference {
     std::vector<int> column[6];
     std::vector<Rows> set_band[2]; // [band][set * 6 + dof]
     std::vector<int> set_rows;
-    std::vector<unsigned> set_driven;
+    std::vector<unsigned> set_excited;
     std::vector<double> set_m2[6];
-    unsigned driven = 0;
+    unsigned excited = 0;
     int dof_rows[6] = {0};
     double weight[6] = {0}, delay[6] = {0}, constant = 0;
     double band_weight[2][6];
@@ -259,7 +260,8 @@ struct Reference {
         bool literal = cfg.smoothing == AUVID_SMOOTH_STATES;
         int taps = taps_of(cfg);
         Vector kernel[2], derivative, wrench_kernel[2];
-        // interpolated velocity has passed a triangle of variance T^2 / 6; so must the forces
+        // interpolated velocity has passed a triangular filter of variance T^2 / 6; so must the
+        // forces
         double period_s = 1e-6 * cfg.velocity_us, a = period_s * period_s / 12;
         a = std::min(a / (cell_s() * cell_s()), 0.5);
         Vector triangle(3);
@@ -344,7 +346,7 @@ struct Reference {
                     }
                 }
             }
-            set_driven.push_back(mask);
+            set_excited.push_back(mask);
         }
     }
 
@@ -367,13 +369,13 @@ struct Reference {
         return r;
     }
 
-    // All rows of DoF j in the sets of the ring in which it is driven, times the bands' weights.
+    // All rows of DoF j in the sets of the ring in which it is excited, times the bands' weights.
     Matrix stack(int j, double low, double high) const
     {
         std::vector<Vector> all;
-        int sets = int(set_driven.size());
+        int sets = int(set_excited.size());
         for (int s = std::max(0, sets - cfg.sets); s < sets; ++s) {
-            for (int band = 0; band < 2 && (set_driven[s] >> j & 1); ++band) {
+            for (int band = 0; band < 2 && (set_excited[s] >> j & 1); ++band) {
                 for (const Vector &r : set_band[band][s * 6 + j].row) {
                     all.push_back(r * std::sqrt(band == 0 ? low : high));
                 }
@@ -399,8 +401,8 @@ struct Reference {
         return (a.leftCols(n) * x - z).squaredNorm();
     }
 
-    // E is a polynomial of fourth degree at most in s: on a fine grid, then by golden section.
-    double best(const Matrix &a, bool kind, double *least) const
+    // E is a polynomial in s of degree four at most: search on a fine grid, then by golden section.
+    double best(const Matrix &a, bool kind, double *smallest) const
     {
         int n = int(a.cols()) - 3;
         auto qr = solver(a.leftCols(n));
@@ -415,7 +417,7 @@ struct Reference {
             double m = low + 0.382 * (high - low), k = low + 0.618 * (high - low);
             (e(m) < e(k) ? high : low) = e(m) < e(k) ? k : m;
         }
-        *least = e(0.5 * (low + high));
+        *smallest = e(0.5 * (low + high));
         return 0.5 * (low + high);
     }
 
@@ -429,10 +431,10 @@ struct Reference {
                                          t = best(a, true, &with_lag);
             lag[j] = t > 0 && with_lag < with_shift;
             delay[j] = lag[j] ? t : s;
-            // taken at four standard deviations from none, known to 12.5 ms
-            double least = lag[j] ? with_lag : with_shift;
+            // accepted at four standard deviations from zero and a standard deviation of 12.5 ms
+            double smallest = lag[j] ? with_lag : with_shift;
             double none = left(a, delay_weights(0, false));
-            double sigma = std::fabs(delay[j]) / std::sqrt(dof_rows[j] * (none / least - 1));
+            double sigma = std::fabs(delay[j]) / std::sqrt(dof_rows[j] * (none / smallest - 1));
             double seconds = sigma * cell_s() * AUVID_METRIC_DELAY_CELLS;
             if (!(std::fabs(delay[j]) > 4 * sigma && seconds < 0.0125)) {
                 delay[j] = 0;
@@ -443,17 +445,17 @@ struct Reference {
 
     void merge()
     {
-        int sets = int(set_driven.size());
-        driven = 0;
+        int sets = int(set_excited.size());
+        excited = 0;
         for (int s = std::max(0, sets - cfg.sets); s < sets; ++s) {
-            driven |= set_driven[s];
+            excited |= set_excited[s];
             for (int j = 0; j < 6; ++j) {
-                dof_rows[j] += set_driven[s] >> j & 1 ? set_rows[s] : 0;
+                dof_rows[j] += set_excited[s] >> j & 1 ? set_rows[s] : 0;
             }
         }
         constant = 0;
         for (int j : dofs) {
-            if (!(driven >> j & 1)) {
+            if (!(excited >> j & 1)) {
                 continue;
             }
             weight[j] = 1 / (std::pow(double(cfg.tau_max[j]), 2) * dof_rows[j]);
@@ -480,7 +482,7 @@ struct Reference {
     {
         double sum = 0;
         for (int j : dofs) {
-            sum += driven >> j & 1 ? weight[j] * (stack(j) * candidate(j, x)).squaredNorm() : 0;
+            sum += excited >> j & 1 ? weight[j] * (stack(j) * candidate(j, x)).squaredNorm() : 0;
         }
         return sum;
     }
@@ -500,13 +502,14 @@ struct Reference {
         return (stack(j, 1, 1) * candidate(j, x)).squaredNorm();
     }
 
-    // The bound on the cost's rounding: entries of R and z carry a backward error of c eps of their
+    // The bound on the rounding of the cost: entries of R and z have a backward error of c eps of
+    // their
     // column's norm, and sets are rounded when they are stored.
     double tolerance(const Vector &x, double cost) const
     {
         double size = 0;
         for (int j : dofs) {
-            if (driven >> j & 1) {
+            if (excited >> j & 1) {
                 Matrix a = stack(j);
                 Vector full = candidate(j, x);
                 double norm = 0;
@@ -525,7 +528,7 @@ struct Reference {
         Matrix a(0, active.size());
         Vector b(0);
         for (int j : dofs) {
-            if (!(driven >> j & 1)) {
+            if (!(excited >> j & 1)) {
                 continue;
             }
             Matrix rows = stack(j) * std::sqrt(weight[j]);
@@ -558,7 +561,7 @@ struct Reference {
     }
 };
 
-// ---- both, side by side ----
+// ---- comparison ----
 
 static auvid_metric_t metric;
 
@@ -593,7 +596,7 @@ static Reference run(const auvid_metric_config_t &cfg, std::vector<Cell> cells)
     return reference;
 }
 
-// The free parameters anywhere in +-500, others (their values must not matter) too.
+// All parameters anywhere within +-500; the values of those that are not free must not matter.
 static Vector anywhere(Noise *noise)
 {
     Vector x(AUVID_G500_COUNT);
@@ -606,27 +609,27 @@ static Vector anywhere(Noise *noise)
 static void compare_evaluation(const Reference &of)
 {
     Reference reference = of;
-    TEST_ASSERT_EQUAL_HEX(reference.driven, metric.excited);
+    TEST_ASSERT_EQUAL_HEX(reference.excited, metric.excited);
     double node = reference.cell_s() * AUVID_METRIC_DELAY_CELLS;
     for (int j : dofs) {
         TEST_ASSERT_EQUAL_UINT(reference.dof_rows[j], metric.dof_rows[j]);
-        if (!(reference.driven >> j & 1)) {
+        if (!(reference.excited >> j & 1)) {
             continue;
         }
-        // a parabola through three points 0.1 nodes apart, in place of the true minimum
+        // a parabola through three points 0.1 nodes apart replaces the true minimum
         TEST_ASSERT_EQUAL(reference.lag[j], metric.first_order_lag >> j & 1);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * node, reference.delay[j] * node,
                                   double(metric.delay_s[j]));
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * reference.band_weight[0][j], reference.band_weight[0][j],
                                   double(metric.band_weight[0][j]));
-        // from here on with the metric's own choice, so that differences are rounding alone
+        // from here on with the metric's choice, so that all differences are rounding
         reference.delay[j] = double(metric.delay_s[j]) / node;
         reference.band_weight[0][j] = double(metric.band_weight[0][j]);
         reference.band_weight[1][j] = double(metric.band_weight[1][j]);
     }
     double constant = 0;
     for (int j : dofs) {
-        if (reference.driven >> j & 1) {
+        if (reference.excited >> j & 1) {
             Vector l = delay_weights(reference.delay[j], reference.lag[j]);
             constant += reference.weight[j] * reference.left(reference.stack(j), l);
         }
@@ -647,15 +650,15 @@ static void compare_evaluation(const Reference &of)
         auvid_metric_measure_begin(&metric, p, 0);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
         auvid_metric_r2(&metric, r2);
-        int sets = int(reference.set_driven.size());
+        int sets = int(reference.set_excited.size());
         for (int j : dofs) {
-            if (!(reference.driven >> j & 1)) {
+            if (!(reference.excited >> j & 1)) {
                 TEST_ASSERT_EQUAL_DOUBLE(0, double(r2[j]));
                 continue;
             }
             double total = 0, sse = reference.sse(j, x);
             for (int s = std::max(0, sets - reference.cfg.sets); s < sets; ++s) {
-                total += reference.set_driven[s] >> j & 1 ? reference.set_m2[j][s] : 0;
+                total += reference.set_excited[s] >> j & 1 ? reference.set_m2[j][s] : 0;
             }
             double allowed =
                 reference.tolerance(x, reference.weight[j] * sse) / reference.weight[j];
@@ -715,7 +718,7 @@ static void test_noisy_record_of_three_sets_is_evaluated_as_the_header_says()
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_ring_that_has_turned_is_evaluated_without_its_oldest_sets()
+static void test_full_ring_is_evaluated_without_its_oldest_sets()
 {
     auvid_metric_config_t cfg = defaults();
     cfg.sets = 3;
@@ -764,7 +767,7 @@ static void test_given_delay_other_widths_orders_cells_and_one_pass_are_evaluate
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw()
+static void test_literal_smoothing_is_of_the_states_and_leaves_the_wrench_raw()
 {
     auvid_metric_config_t cfg = defaults();
     auvid_metric_literal(&cfg);
@@ -776,7 +779,7 @@ static void test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw()
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
 
-static void test_literal_reading_in_two_passes_takes_the_derivative_once_and_may_be_given_a_delay()
+static void test_literal_smoothing_in_two_passes_takes_the_derivative_once_and_may_have_a_delay()
 {
     auvid_metric_config_t cfg = defaults();
     auvid_metric_literal(&cfg);
@@ -816,11 +819,11 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_noisy_record_of_three_sets_is_evaluated_as_the_header_says);
-    RUN_TEST(test_ring_that_has_turned_is_evaluated_without_its_oldest_sets);
+    RUN_TEST(test_full_ring_is_evaluated_without_its_oldest_sets);
     RUN_TEST(test_first_order_lag_and_fixed_parameters_are_evaluated_as_the_header_says);
     RUN_TEST(test_given_delay_other_widths_orders_cells_and_one_pass_are_evaluated_alike);
-    RUN_TEST(test_literal_reading_smooths_the_states_and_leaves_the_wrench_raw);
-    RUN_TEST(test_literal_reading_in_two_passes_takes_the_derivative_once_and_may_be_given_a_delay);
+    RUN_TEST(test_literal_smoothing_is_of_the_states_and_leaves_the_wrench_raw);
+    RUN_TEST(test_literal_smoothing_in_two_passes_takes_the_derivative_once_and_may_have_a_delay);
     RUN_TEST(test_scale_is_the_inverse_of_the_weighted_norm_of_a_parameters_column);
     return UNITY_END();
 }

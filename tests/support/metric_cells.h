@@ -1,7 +1,7 @@
 /**
  * @file metric_cells.h
- * What the tests of the metric share: its configuration, and cells of a smooth motion without
- * noise, with the wrench that known parameters give. One test program includes it once.
+ * Shared by the tests of the metric: its configuration, and noise-free cells of a smooth motion,
+ * with the wrench of known parameters. A test program includes it once.
  */
 #ifndef METRIC_CELLS_H
 #define METRIC_CELLS_H
@@ -92,7 +92,7 @@ static inline auvid_sample_t cell_at(const world_t *w, double t)
     return s;
 }
 
-/* Feed `cells` cells from t on; returns how many sets became complete. */
+/* Feed `cells` cells from t on. Returns the number of sets completed. */
 static inline int feed(auvid_metric_t *m, const world_t *w, double t, int cells)
 {
     int complete = 0;
@@ -106,7 +106,7 @@ static inline int feed(auvid_metric_t *m, const world_t *w, double t, int cells)
     return complete;
 }
 
-/* Cells until the first row is complete, and from row to row. */
+/* Number of cells until the first row is complete, and from row to row. */
 static inline int first_row(const auvid_metric_config_t *c)
 {
     int wide = c->half_width[0] > c->half_width[1] ? c->half_width[0] : c->half_width[1];
@@ -139,7 +139,7 @@ static inline double cost_of(auvid_metric_t *m, const auvid_real_t *pi)
     return (double)m->cost;
 }
 
-/* float32: condition of the rows some 300, so 300 x 30 eps = 1e-3 of a parameter. */
+/* float32: the condition of the rows is about 300, so 300 x 30 eps = 1e-3 of a parameter. */
 static inline void assert_truth(const auvid_real_t *pi, uint32_t which)
 {
     for (int i = 0; i < N; ++i) {
@@ -161,7 +161,7 @@ static inline void assert_least_squares_find_truth(uint32_t which)
 
 static inline void assert_minimum_at_truth(auvid_metric_t *m, uint32_t which)
 {
-    double least = cost_of(m, truth);
+    double at_truth = cost_of(m, truth);
     for (int i = 0; i < N; ++i) {
         if (which >> i & 1u) {
             auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -171,8 +171,8 @@ static inline void assert_minimum_at_truth(auvid_metric_t *m, uint32_t which)
             double up = cost_of(m, pi);
             pi[i] = truth[i] - (auvid_real_t)h;
             double down = cost_of(m, pi);
-            TEST_ASSERT_TRUE(up > 50 * least && down > 50 * least);
-            double vertex = 0.5 * h * (down - up) / (up + down - 2 * least);
+            TEST_ASSERT_TRUE(up > 50 * at_truth && down > 50 * at_truth);
+            double vertex = 0.5 * h * (down - up) / (up + down - 2 * at_truth);
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * fabs((double)truth[i]), 0, vertex);
         }
     }
@@ -180,7 +180,7 @@ static inline void assert_minimum_at_truth(auvid_metric_t *m, uint32_t which)
 
 static auvid_real_t sum_of_bits[64];
 
-/* Everything an evaluation gives, by pieces of `piece` units. Returns the units used. */
+/* Compute all results of an evaluation in pieces of `piece` units. Returns the units used. */
 static inline uint32_t evaluate_by(auvid_metric_t *m, uint32_t piece, auvid_real_t *out)
 {
     uint32_t used = 0, budget, calls = 0;
@@ -219,7 +219,7 @@ static inline uint32_t evaluate_by(auvid_metric_t *m, uint32_t piece, auvid_real
 static inline void assert_budgets_do_not_matter(void)
 {
     static const uint32_t piece[] = {1, 2, 3, 7, 64, 1000};
-    before = metric; /* band weights carry over from merge to merge: start each from the same */
+    before = metric; /* a merge starts with the band weights of the last one: make them the same */
     uint32_t used = evaluate_by(&metric, UINT32_MAX, sum_of_bits);
     for (size_t k = 0; k < sizeof piece / sizeof piece[0]; ++k) {
         auvid_real_t again[64] = {0};

@@ -1,7 +1,7 @@
 /**
  * @file sines.h
- * What the tests of the confidence share: a Girona500 whose motion is a sum of sines, written down
- * at the cells of the recorder, with the wrench that known parameters give, and about a Gaussian.
+ * Shared by the tests of the confidence: a Girona500 whose motion is a sum of sines, at the cells
+ * of the recorder, with the wrench of known parameters, and approximately Gaussian noise.
  */
 #ifndef SINES_H
 #define SINES_H
@@ -11,7 +11,7 @@
 
 #include "auvid/vehicle.h"
 
-/** About a Gaussian of rms 1, the same in every build. */
+/** Approximately Gaussian with rms 1, the same in every build. */
 static inline double sines_gauss(uint64_t *state)
 {
     double sum = -6.0;
@@ -22,7 +22,7 @@ static inline double sines_gauss(uint64_t *state)
     return sum;
 }
 
-/** White noise of force_N rms on DoF j, of 0.4 times that in Nm. */
+/** White noise of force_N rms on DoF j; for moments 0.4 times that in Nm. */
 static inline double sines_noise(double force_N, int j, uint64_t *state)
 {
     return force_N * (j == AUVID_YAW ? 0.4 : 1.0) * sines_gauss(state);
@@ -46,7 +46,7 @@ static inline void sines_motion(double t, uint32_t dofs, auvid_sample_t *s)
     s->theta = (auvid_real_t)(0.02 * sin(0.41 * t));
 }
 
-/** The wrench that Eq. 12-15 with the 13 parameters of `truth` need for the sample's motion. */
+/** The wrench of Eq. 12-15 for the sample's motion, with the 13 parameters of `truth`. */
 static inline void sines_wrench(const auvid_sample_t *s, const auvid_real_t *truth,
                                 double tau[AUVID_DOF_COUNT])
 {

@@ -1,7 +1,7 @@
 /**
  * @file two_sets.h
- * What the tests of the identifier share: two simulated vehicles with an identifier aboard, and
- * runs of two sets at 1 N. One test program includes it once.
+ * Shared by the tests of the identifier: two simulated vehicles, each with an identifier, and runs
+ * of two sets at 1 N. A test program includes it once.
  */
 #ifndef TWO_SETS_H
 #define TWO_SETS_H
@@ -14,7 +14,7 @@ enum { SETS = 2 };
 static chain_t chain, other;
 static chain_config_t config;
 
-/** For setUp. No work until it is asked for. */
+/** For setUp. Work is done only on request. */
 static inline void two_sets_defaults(void)
 {
     chain_defaults(&config, 11, SETS, 1.0);

@@ -174,7 +174,7 @@ void report_note(const result_t *result, int i, char *text, size_t size)
     const auvid_confidence_t *c = &result->estimate.confidence;
     const char *why = result->why[parameter->dof];
     if (!report_is_identified(result, i)) {
-        (void)snprintf(text, size, "%s", why != NULL ? why : "nothing moved it");
+        (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else if (c->note[i] == AUVID_NOTE_BESIDE_BOUND) {
         (void)snprintf(text, size, "depends on %s, at its bound",
                        result->vehicle->parameter[c->partner[i]].name);

@@ -2,48 +2,48 @@
  * @file metric.h
  * Metric: how badly does a parameter vector explain the recorded data? (III-B, Eq. 9-11)
  *
- * Cells from the recorder pass a smoother, one row every half second; rows gather in data sets; the
- * completed sets form a ring, which is evaluated while the next set is recorded.
+ * Cells from the recorder pass a smoother, which forms one row every half second. Rows are
+ * collected in data sets. Completed sets form a ring, which is evaluated while the next set is
+ * recorded.
  *
- * Two paths behind one interface:
- * - *Regressor path*, for models linear in pi: the rows of Y are formed from unsmoothed cells, and
- *   rows and wrench of each DoF pass the same smoother, so that what the smoother takes from one
- *   side it takes from the other. (The paper smooths the states and names no filter for tau; that
- *   leaves a bias which more data does not cure.) Sums and differences of successive rows, the low
- *   and the high band, are kept as triangular factors [R | Z] for each DoF, where Z holds the
- *   wrench at three delays. When sets are brought together, each band is weighted by how badly it
- *   fits, which whitens the residual whatever disturbs the vehicle. The cost is
+ * Two paths share one interface:
+ * - *Regressor path*, for models linear in pi. The rows of Y are formed from unsmoothed cells. The
+ *   rows and the wrench of each DoF pass the same smoother, so it attenuates both sides alike. (The
+ *   paper smooths the states and names no filter for tau; that leaves a bias which more data does
+ *   not cure.) The sums and the differences of successive rows are the low and the high band. They
+ *   are stored as R factors [R | Z] for each DoF, where Z holds the wrench at three delays. When
+ *   sets are merged, each band is weighted by the inverse of its residual, which whitens the
+ *   residual whatever disturbs the vehicle. The cost is
  *       J(pi) = sum_j ||R_j pi - z_j||^2 / (tau_max_j^2 rows_j),
- *   without the part that no pi can explain (kept apart in `constant`): in float32 it would swamp
- *   the differences the optimizer lives on.
- * - *Residual path*, for any other model: means over each row's time are stored, the user's
- *   function is called on each, and the residuals are smoothed, by binomial weights of about 0.6 s
- *   standard deviation. (A model that is not linear in the commands, a dead band, say, must see
- *   them as they were: for such a model make rows of two cells.) J(pi) = sum_j sum_k smoothed_jk^2
- *   / (tau_max_j^2 rows_j).
+ *   without the part that no pi explains. That part is stored in `constant`: in float32 it would
+ *   swamp the differences that the optimizer needs.
+ * - *Residual path*, for any other model. Means over each row's time are stored. The user's
+ *   function is called on each. Binomial weights of about 0.6 s standard deviation smooth the
+ *   residuals. J(pi) = sum_j sum_k smoothed_jk^2 / (tau_max_j^2 rows_j). A model that is
+ *   not linear in the commands, for example one with a dead band, needs commands that are not
+ *   averaged: use rows of two cells for such a model.
  *
- * Delay between command and response, for each DoF: z_j(d) = Z_j l(d), the weights l with sum one,
- * mean d and second moment d^2 (a shift; they are Lagrange polynomials then) or 2 d^2 (a
- * first-order lag, as of a thruster). d_j and its kind are where the part of the wrench that no pi
- * explains is smallest, over all sets in the ring, from 0 to 6 cells;
- * none is taken unless the data determine it. Where the configuration says how uncertain the delay
- * is, shifts from -2 cells on are looked at, too: thrust whose stamps are late seems to follow the
- * motion. What is not taken enters the standard errors (confidence.h).
- * In the residual path one shift, common to wrench and commands, is searched together with the
- * parameters.
+ * Delay between command and response, for each DoF: z_j(d) = Z_j l(d). The weights l have sum one
+ * and mean d. Their second moment is d^2 for a shift (they are Lagrange polynomials then). It is
+ * 2 d^2 for a first-order lag, as of a thruster. The metric searches d_j and its kind from 0 to 6
+ * cells, over all sets in the ring. It minimises the part of the wrench that no pi explains. The
+ * delay is zero unless the data determine it. If the configuration gives an uncertainty of the
+ * delay, shifts from -2 cells on are also tried. Thrust with late time stamps seems to follow the
+ * motion. The uncertainty of the delay enters the standard errors (confidence.h). In the
+ * residual path one shift, common to wrench and commands, is searched together with the parameters.
  *
- * Where a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
- * window, the equation has no row; the others have theirs. So each DoF counts its own rows.
+ * If a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
+ * window, that equation has no row; the other equations have theirs. Each DoF counts its own rows.
  *
- * A DoF whose wrench hardly varies within a set is not driven: its rows of that set are left out
- * (they would pull its parameters to zero with a small formal error). A set in which no DoF with a
- * free parameter is driven does not enter the ring: an idle vehicle keeps what it has learnt.
+ * A DoF whose wrench hardly varies within a set is not excited. Its rows of that set are left out,
+ * because they would pull its parameters to zero with a small formal error. A set in which no DoF
+ * with a free parameter is excited does not enter the ring: an idle vehicle keeps its estimate.
  *
- * Called by the identifier: `add` and `gap` from the control tick, the rest from work().
- * Cost: add, Girona500: 0.4k multiplications a cell, and four rows of Givens rotations every
- * half second; a cost evaluation: 78 multiplications. Memory: sizeof(auvid_metric_t), 15 KiB
- * with default sizes, of which each completed set, kept in 16 bits a number, takes 0.9 KiB; to
- * complete one costs 11k instructions of a Cortex-M4F.
+ * The identifier calls `add` and `gap` from the control tick, the rest from work().
+ * Cost, Girona500: add takes 0.4k multiplications a cell, and four rows of Givens rotations every
+ * half second; a cost evaluation takes 78 multiplications. Memory: sizeof(auvid_metric_t), 15 KiB
+ * with default sizes. Each completed set takes 0.9 KiB of it, at 16 bits a number. Completing a set
+ * costs 11k instructions of a Cortex-M4F.
  */
 #ifndef AUVID_METRIC_H
 #define AUVID_METRIC_H
@@ -55,28 +55,28 @@
 extern "C" {
 #endif
 
-/** Delays at which the wrench is kept, and their distance in cells. */
+/** Number of delays at which the wrench is stored, and their spacing in cells. */
 #define AUVID_METRIC_DELAYS 3
 #define AUVID_METRIC_DELAY_CELLS 3
-/** Most negative delay: the weights of the three nodes are extrapolated [cells]. */
+/** Magnitude of the most negative delay, for which the weights are extrapolated [cells]. */
 #define AUVID_METRIC_EARLY_CELLS 2
 
-/** Bands into which the rows are split: sums and differences of neighbours. */
+/** Bands into which the rows are split: sums and differences of successive rows. */
 #define AUVID_METRIC_BANDS 2
-/** Rows kept for them. */
+/** Rows stored to form them. */
 #define AUVID_METRIC_LAGS 2
-/** Most rows whose residuals are summed in the residual path. */
+/** Largest number of rows whose residuals are averaged in the residual path. */
 #define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 3 : 31)
 
-/** Which buffers the rows are made of. */
+/** What the smoother is applied to. */
 typedef enum {
     AUVID_SMOOTH_ROWS = 0,   /**< rows from unsmoothed cells, rows and wrench smoothed alike */
-    AUVID_SMOOTH_STATES = 1, /**< our reading of the paper: Savitzky-Golay on the states and for
-                                  the accelerations, wrench raw */
+    AUVID_SMOOTH_STATES = 1, /**< literal smoothing of the paper: Savitzky-Golay on the states and
+                                  for the accelerations, wrench raw */
 } auvid_smoothing_t;
 
-/** A stored row of the residual path: a smoothed sample, and wrench and commands at the other
- * delays. Written by the metric. */
+/** A stored row of the residual path: an averaged sample, and the wrench and the commands at the
+ * other delays. Written by the metric. */
 typedef struct {
     auvid_sample_t sample;
     auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
@@ -87,117 +87,119 @@ typedef struct {
     uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
                         default the vehicle's own choice */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others, and of free ones while
-                                their DoF is not driven; 0 of the latter: not known, see
+                                their DoF is not excited; 0 of a free one: not known, see
                                 auvid_metric_searched. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
                                                    dimensionless. Default 100, 40 */
-    /** a DoF is driven when its wrench's rms about its mean exceeds this part of tau_max; 0..1,
+    /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;
-    uint32_t cell_us;    /**< the recorder's cell [us]; default 100000 */
-    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: in
-                               every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used with
-                               AUVID_SMOOTH_STATES; in the residual path by thrusters.h alone */
-    uint16_t row_cells;  /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;   /**< rows in a set; >= 1, default 60 (30 s);
+    uint32_t cell_us;     /**< the recorder's cell [us]; default 100000 */
+    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: a
+                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used
+                               with AUVID_SMOOTH_STATES; in the residual path only thrusters.h
+                               reads it */
+    uint16_t row_cells;   /**< cells between rows; >= 1, default 5 */
+    uint16_t set_rows;    /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
-    uint8_t sets;        /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
+    uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     auvid_smoothing_t smoothing; /**< default AUVID_SMOOTH_ROWS */
-    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces and for moments; the
-                                literal reading uses the first; default 10, 7. Not used in the
-                                residual path */
-    uint8_t lag[2]; /**< rows between those whose sums and differences are formed, for forces and
-                         for moments; 1..AUVID_METRIC_LAGS, default 2, 1 */
-    uint8_t order;  /**< of the polynomial, default 2 */
-    uint8_t passes; /**< how often the smoother is applied (its derivative once), 1
-                                or 2; default 2 */
+    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
+                                [1]; literal smoothing uses [0] for both; default 10, 7. Not used
+                                in the residual path */
+    uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
+                         for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
+    uint8_t order;  /**< order of the polynomial, default 2 */
+    uint8_t passes; /**< number of applications of the smoother (its derivative once), 1 or 2;
+                         default 2 */
     bool estimate_delay; /**< default true; must be false with AUVID_SMOOTH_STATES */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< of the wrench, when not estimated [s]; -2..6 cells,
-                                                default 0; a shift. Not read in the residual
-                                              path: evaluations are told the delay */
-    auvid_real_t delay_sigma_s; /**< uncertainty of the delay [s], 0..1; > 0: negative ones are
-                                     estimated, too; default 0. The identifier sets its own
-                                     uncertainty.delay_s */
-    uint8_t first_order_lag;    /**< bit j: DoF j's given delay is that of a first-order
-                                                lag, not a shift; default 0 */
-    auvid_row_t *rows; /**< residual path: storage for (sets + 1) set_rows rows, owned by the
-                            caller, must outlive the metric; null otherwise */
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]; a
+                                                shift, -2..6 cells, default 0. Not read in the
+                                                residual path: the delay is a parameter of each
+                                                evaluation there */
+    auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
+                                     are also estimated; default 0. The identifier overwrites it
+                                     with its uncertainty.delay_s */
+    uint8_t first_order_lag; /**< bit j: delay_s of DoF j is that of a first-order lag, not a shift;
+                                  default 0 */
+    auvid_row_t *rows;       /**< residual path: storage for (sets + 1) set_rows rows, owned by the
+                            caller, must outlive the metric; NULL otherwise */
 } auvid_metric_config_t;
 
-/** An entry of a stored triangle, in units of 2^exponent of its column. */
+/** An entry of a stored R factor, in units of 2^exponent of its column. */
 #ifdef AUVID_REAL_DOUBLE
 typedef int64_t auvid_packed_t;
 #else
 typedef int16_t auvid_packed_t;
 #endif
 
-/** One completed data set. Private but for `rows`, `fastest` and `driven`. */
+/** One completed data set. All fields are private except `rows`, `fastest` and `excited`. */
 typedef struct {
-    uint32_t number;                      /* of the set, from 1 */
+    uint32_t number;                      /* number of the set, from 1 */
     auvid_real_t tau_m2[AUVID_DOF_COUNT]; /* sum of squares of the rows' wrench about its mean */
-    uint16_t rows;                        /**< in it; 0: there is no such set */
-    uint16_t rows_of[AUVID_DOF_COUNT];    /**< those of each DoF: all that it reads was measured */
-    uint16_t lost;                     /**< rows of all DoF that gaps cost, beside `rows` */
-    uint16_t windows[AUVID_DOF_COUNT]; /* residual path: rows of its triangles; see
-                                          auvid_metric_linearise */
-    uint16_t fastest[AUVID_DOF_COUNT][2]; /**< largest speed measured, forward and backward [mm/s,
-                                               mrad/s] */
+    uint16_t rows;                        /**< rows in the set; 0: there is no such set */
+    uint16_t rows_of[AUVID_DOF_COUNT];    /**< rows of each DoF: all that it reads was measured */
+    uint16_t lost;                        /**< rows of all DoF lost to gaps, not in `rows` */
+    uint16_t windows[AUVID_DOF_COUNT];    /* residual path: rows of its R factors; see
+                                             auvid_metric_linearise */
+    uint16_t fastest[AUVID_DOF_COUNT][2]; /**< largest speed measured, forward [0] and backward [1]
+                                               [mm/s, mrad/s] */
     auvid_packed_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* [R_j | Z_j], DoF after DoF */
-    int8_t exponent[AUVID_MAX_COLUMNS];                         /* by channel */
-    uint8_t excited;                                            /**< bit j: DoF j is driven */
+    int8_t exponent[AUVID_MAX_COLUMNS];                          /* by channel */
+    uint8_t excited;                                             /**< bit j: DoF j is excited */
 } auvid_set_t;
 
-/** What was known before the first set. */
+/** Prior knowledge: parameters estimated before the first set was recorded. */
 typedef struct {
-    uint32_t known;                           /**< bit i: parameter i; 0: nothing */
-    auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< in the parameters' units */
+    uint32_t known;                           /**< bit i: parameter i has a prior; 0: none has */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
-    /** mean square of the noise that counts over that of the residual (confidence.h), > 0 */
+    /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
     auvid_real_t variance_inflation[AUVID_DOF_COUNT];
 } auvid_prior_t;
 
-/** The metric. Fields are private but for those under "results". */
+/** The metric. All fields are private except those under "results". */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* null: no memory; so
-                                                       that its code is linked only where used */
+    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* NULL: no prior. A
+                                                       pointer, to link its code only where used */
     uint64_t window_us; /* time of the window's last row */
-    uint64_t until_us;  /* residual path: no row is taken after this while the ring is held */
-    uint64_t resume_us; /* residual path: nor one from before this */
+    uint64_t until_us;  /* residual path: no row is stored after this while the ring is held */
+    uint64_t resume_us; /* residual path: no row is stored whose middle is before this */
     auvid_prior_t prior;
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
-    uint8_t count[AUVID_DOF_COUNT];           /* how many */
+    uint8_t count[AUVID_DOF_COUNT];           /* number of them */
     uint8_t taps, overlap;                    /* of the kernel */
-    uint8_t index[AUVID_MAX_COLUMNS];         /* their numbers, DoF after DoF */
-    uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's triangle starts */
+    uint8_t index[AUVID_MAX_COLUMNS];         /* their parameter numbers, DoF after DoF */
+    uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's R factor starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
-    auvid_real_t kernel[2][AUVID_MAX_TAPS]; /* ends in zeros, see spread */
-    auvid_real_t interpolation_spread;      /* of forces, to what interpolated velocity is spread */
+    auvid_real_t kernel[2][AUVID_MAX_TAPS];   /* ends in zeros, see interpolation_spread */
+    auvid_real_t interpolation_spread; /* spreads the wrench of forces as interpolation spreads
+                                          velocity: see auvid_metric.c */
 
     /* recording */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
-    auvid_real_t fixed_wrench[AUVID_MAX_OVERLAP]
-                             [AUVID_DOF_COUNT]; /* of their wrench, by fixed pi */
+    auvid_real_t fixed_wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* explained by fixed pi */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1] /* inputs */
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
     uint32_t cells;                                              /* since the record began */
     uint32_t since_gap;                                          /* rows; the last of `previous` */
     uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
-    uint8_t missing[AUVID_MAX_OVERLAP][2]; /* velocities not measured in cells of a row under
-                                              construction, of forces and of moments: bit i */
+    uint8_t missing[AUVID_MAX_OVERLAP][2]; /* bit i: velocity i was not measured in a cell of a row
+                                              under construction, of forces and of moments */
     /* the set being recorded */
-    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; for
-                                                                  auvid_metric_linearise, too */
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; also used by
+                                                                  auvid_metric_linearise */
     auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
     uint16_t rows; /**< so far */
     uint16_t rows_of[AUVID_DOF_COUNT];
-    uint16_t lost; /* rows of all DoF that gaps in the record, or in velocities, cost */
+    uint16_t lost; /* rows of all DoF lost to gaps in the record or in velocities */
     uint16_t fastest[AUVID_DOF_COUNT][2]; /* see auvid_set_t */
 
     /* evaluation */
     auvid_set_t set[AUVID_MAX_SETS];       /* the ring */
-    uint32_t sets_stored;                  /* sets that it has taken in */
+    uint32_t sets_stored;                  /* sets stored in the ring so far */
     auvid_real_t merged[AUVID_MAX_FACTOR]; /* the ring's [R_j | Z_j], bands weighted */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
@@ -214,241 +216,266 @@ typedef struct auvid_metric {
 #endif
     };
     auvid_real_t window_weight[AUVID_METRIC_WINDOW]; /* weights in the window */
-    uint32_t window_rows; /* since a gap */
-    uint8_t window_of[AUVID_DOF_COUNT]; /* of each DoF, since a gap of its own, ..window_length */
-    uint16_t at_row;      /* progress */
+    uint32_t window_rows;                            /* rows since a gap */
+    uint8_t window_of[AUVID_DOF_COUNT]; /* rows of each DoF since a gap of it, ..window_length */
+    uint16_t at_row;                    /* progress */
     uint16_t at_part, spent;
     uint8_t window_length;
     uint8_t at_set, to_set, at_band, at_dof, pass;
     /* see auvid_metric_hold */
-    uint8_t from;        /* newest sets of the ring that do not count */
-    uint8_t waiting;     /* newest sets that were completed since the ring was held last */
-    uint8_t least;       /* sets that count are not overwritten when there are so many or fewer */
-    uint8_t sets_merged; /* sets with a driven DoF at the last merge */
+    uint8_t from;        /* number of newest sets of the ring that do not count */
+    uint8_t waiting;     /* number of newest sets completed since the ring was last held */
+    uint8_t least;       /* sets that count are not overwritten if there are so many or fewer */
+    uint8_t sets_merged; /* sets with an excited DoF at the last merge */
     bool held, full, ring_changed;
-    auvid_real_t linear_delay_s; /* at which the residual path was linearised */
+    auvid_real_t linear_delay_s; /* delay at which the residual path was linearised */
 
     /** @name results */
     /**@{*/
-    uint8_t excited;                       /**< bit j: DoF j is driven in some set merged */
-    uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is driven */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
-    uint8_t first_order_lag;               /**< bit j: DoF j's delay is that of a first-order lag,
+    uint8_t excited;                         /**< bit j: DoF j is excited in some merged set */
+    uint16_t dof_rows[AUVID_DOF_COUNT];      /**< rows of each DoF in sets in which it is excited */
+    auvid_real_t delay_s[AUVID_DOF_COUNT];   /**< delays in use [s]; estimated at each merge */
+    uint8_t first_order_lag;                 /**< bit j: DoF j's delay is that of a first-order lag,
                                                 not a shift */
-    auvid_real_t constant;                 /**< part of the cost that no pi explains; 0 in the
+    auvid_real_t constant;                   /**< part of the cost that no pi explains; 0 in the
                                                 residual path */
-    auvid_real_t cost;                     /**< J of the last finished evaluation */
-    auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
+    auvid_real_t cost;                       /**< J of the last finished evaluation */
+    auvid_real_t sse[AUVID_DOF_COUNT];       /**< sums of squared residuals of the last finished
                                                 measurement [N^2, Nm^2] */
-    uint32_t sets_recorded;                /**< sets completed since init */
-    uint32_t rows_dropped;                 /**< complete rows that no evaluation will see, because
-                                                the ring was held; see auvid_metric_hold */
+    uint32_t sets_recorded;                  /**< sets completed since init */
+    uint32_t rows_dropped;                   /**< complete rows lost to every evaluation because the
+                                                ring was held; see auvid_metric_hold */
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< band-weighted sums of squares of the newest set's
                                                   residuals at the last prediction [N^2, Nm^2] */
-    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< what the newest set (0), the newest two (1) and
-                                                  the others fit worse together than apart [N^2,
-                                                  Nm^2]; see auvid_metric_change */
-    uint8_t change_rank[AUVID_DOF_COUNT];    /**< parameters that this was about */
+    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< Chow statistic: pooled minus separate sum of
+                                                  squared residuals of the older sets and the newest
+                                                  set [0], or the newest two [1] [N^2, Nm^2]; see
+                                                  auvid_metric_change */
+    uint8_t change_rank[AUVID_DOF_COUNT];    /**< number of parameters tested */
     /**@}*/
 } auvid_metric_t;
 
 #define auvid_metric_defaults AUVID_SIZED(auvid_metric_defaults)
-/** Fill *cfg for the Girona500 model: how the filter was chosen stands in auvid_metric.c. Null is
- * ignored. */
+/** Fill *cfg with the defaults, which suit the Girona500 model. auvid_metric.c gives the reasons
+ * for the choice of the filter. NULL is a no-op.
+ * @param cfg written
+ * @param vehicle must outlive the metric; gives `free`. NULL: `free` is 0 */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
 
 #define auvid_metric_literal AUVID_SIZED(auvid_metric_literal)
-/** Change *cfg to our reading of the paper: order 3, half-width 0.5 s, states smoothed,
- * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. Null
- * is ignored. */
+/** Change *cfg to the literal smoothing of the paper: order 3, half-width 0.5 s, states smoothed,
+ * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. NULL
+ * is a no-op. */
 void auvid_metric_literal(auvid_metric_config_t *cfg);
 
 #define auvid_metric_init AUVID_SIZED(auvid_metric_init)
-/** Start empty.
+/** Start with an empty ring.
  * @param cfg copied; may be metric->cfg
- * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field out of
- * its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (nothing free); AUVID_ERR_SIZE (columns,
- * factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2 half_width);
- * AUVID_ERR_MODEL (residual path without storage; or left out, see AUVID_REGRESSOR_ONLY). */
+ * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field is out
+ * of its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (no parameter is free); AUVID_ERR_SIZE
+ * (columns, factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2
+ * half_width); AUVID_ERR_MODEL (residual path without storage, or excluded by
+ * AUVID_REGRESSOR_ONLY). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
 #define auvid_metric_add AUVID_SIZED(auvid_metric_add)
-/** Take the next cell of an unbroken record.
- * @return AUVID_OK; AUVID_SET_COMPLETE (the ring has turned: merge before the next evaluation; one
- * under way is void); AUVID_SET_IDLE (the ring is as before); AUVID_ERR_NULL;
- * AUVID_ERR_NOT_FINITE (cell ignored: the record has a hole now, say `gap`). Rows in which the
- * model's regressor is not finite, or beyond 1e15, are left out and not counted. Cost: above. */
+/** Add the next cell of an unbroken record. A row whose regressor is not finite, or has an entry
+ * beyond 1e15, is left out and not counted. Cost: see above.
+ * @return AUVID_OK; AUVID_SET_COMPLETE (a set entered the ring: merge before the next evaluation;
+ * the result of an evaluation in progress is undefined); AUVID_SET_IDLE (a set was completed and
+ * not stored: no DoF with a free parameter is excited in it); AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE
+ * (the cell is ignored and the record has a gap: call auvid_metric_gap). */
 auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample);
 
 #define auvid_metric_gap AUVID_SIZED(auvid_metric_gap)
-/** The record was broken: rows under construction are dropped, the set goes on. Null is ignored. */
+/** Report a break in the record. Rows under construction are dropped; the set continues. NULL is a
+ * no-op. */
 void auvid_metric_gap(auvid_metric_t *metric);
 
 #define auvid_metric_close AUVID_SIZED(auvid_metric_close)
 /** Complete the set early.
- * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (see add); AUVID_PENDING (residual path: it enters the
- * ring at auvid_metric_release); AUVID_ERR_NULL; AUVID_ERR_NO_DATA (it has no row: nothing done).
- */
+ * @return AUVID_SET_COMPLETE or AUVID_SET_IDLE (see auvid_metric_add); AUVID_PENDING (residual
+ * path, ring held: the set enters the ring at auvid_metric_release); AUVID_ERR_NULL;
+ * AUVID_ERR_NO_DATA (the set has no row: nothing was done). */
 auvid_status_t auvid_metric_close(auvid_metric_t *metric);
 
 #define auvid_metric_hold AUVID_SIZED(auvid_metric_hold)
-/** Hold the ring for a search: the sets that are in it now are the ones that count until
- * auvid_metric_release. Sets that are completed meanwhile wait.
+/** Hold the ring for a search: until auvid_metric_release, only the sets that are in it now count.
+ * NULL is a no-op.
  *
- * Regressor path: they enter the ring at once, in the place of the oldest, but do not count. At
- * most (sets - 1) / 2 of them (at least one), or as many as there are free places, are kept, and
- * none that would leave fewer than `least` sets that count. Of more, the oldest waiting one is lost
- * and its rows are counted in `rows_dropped`. `turned` says that a set has entered: begin the walk
- * under way again. A search needs none: it has `merged`.
+ * Regressor path: a set completed meanwhile enters the ring at once, replaces the oldest, and does
+ * not count. At most (sets - 1) / 2 such sets (at least one) are kept, or as many as the ring has
+ * free slots. None is kept that would leave fewer than `least` sets that count. If there are more,
+ * the oldest waiting set is lost and its rows are counted in `rows_dropped`. `ring_changed` is set
+ * when a set has entered: restart a pass over the sets that is in progress. A search needs no such
+ * pass: it reads `merged`.
  *
- * Residual path: none enters. The set being recorded takes rows until it is full; further ones are
- * dropped and counted. NULL is a no-op.
- * @param until_us residual path: nor does it take rows after this time; UINT64_MAX: no such limit
+ * Residual path: no set enters the ring. The set being recorded takes rows until it is full;
+ * further rows are dropped and counted.
+ * @param until_us residual path: the set takes no rows after this time; UINT64_MAX: no such limit
  */
 void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us);
 
 #define auvid_metric_release AUVID_SIZED(auvid_metric_release)
-/** The search is over: all sets count again, and a set that waits in the residual path enters the
- * ring.
- * @param resume_us residual path: where rows were dropped, those whose middle is before this time
- * are dropped, too
- * @return AUVID_OK; AUVID_SET_COMPLETE, AUVID_SET_IDLE (such a set; see add); AUVID_ERR_NULL. */
+/** End the hold: all sets count again, and a set that waits in the residual path enters the ring.
+ * @param resume_us residual path: where rows were dropped, rows whose middle is before this time
+ * are also dropped
+ * @return AUVID_OK; AUVID_SET_COMPLETE or AUVID_SET_IDLE (for the set that waited; see
+ * auvid_metric_add); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
 
 #define auvid_metric_drop AUVID_SIZED(auvid_metric_drop)
-/** Forget the completed set recorded `age` sets ago (0: the last that counts). Merge afterwards.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (no such set in the
- * ring, or forgotten before). */
+/** Delete a completed set from the ring. Merge afterwards.
+ * @param age 0: the newest set that counts; 1: the one before it, and so on
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (there is no such set in the ring, or it was
+ * already deleted). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 
 #define auvid_metric_set_prior AUVID_SIZED(auvid_metric_set_prior)
-/** Go on from what is known: rows that say pi = its value within its standard error are merged with
- * those of the sets, weighted with the residual of these. Where the sets contradict them
- * (Chow's F of a DoF above 6), they are forgotten: memory.known is 0 then. Regressor path only.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a bit of `known` that
- * is no free parameter's, a value beyond 1e18, of a known parameter a standard error or colour that
- * is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: checked, and not used). Refused:
- * nothing changed. */
-auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *memory);
+/** Set the prior of the parameters. The merge adds pseudo-measurements to the rows of the sets: the
+ * prior mean with its standard error, weighted with the residual of the sets. If the sets
+ * contradict them (Chow's F of a DoF is above 6), the prior is discarded and prior.known becomes 0.
+ * Regressor path only. If the prior is rejected, nothing changes.
+ * @param prior copied
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (`known` has a bit of a
+ * parameter that is not free; a value is beyond 1e18; the standard error or variance inflation of a
+ * known parameter is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: the prior is
+ * checked and not used). */
+auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior);
 
 #define auvid_metric_merge_begin AUVID_SIZED(auvid_metric_merge_begin)
-/** Begin to bring the completed sets together. Must be followed by merge until AUVID_OK. */
+/** Begin to merge the completed sets. Call auvid_metric_merge next, until it returns AUVID_OK. NULL
+ * is a no-op. */
 void auvid_metric_merge_begin(auvid_metric_t *metric);
 
 #define auvid_metric_merge AUVID_SIZED(auvid_metric_merge)
-/** Go on with it.
- * @param budget units of work left, reduced by those used. The whole takes three passes over all
- * rows of all sets and bands, at four units a row, in the second at one, and eight for each DoF
- * @return AUVID_OK (ready for evaluations); AUVID_PENDING (budget used up); AUVID_ERR_NO_DATA (no
- * set, or no DoF driven in any); AUVID_ERR_NULL. */
+/** Continue the merge started by auvid_metric_merge_begin.
+ * @param budget units of work left, reduced by those used. The merge makes three passes over all
+ * rows of all sets and bands. A row costs four units, in the second pass one; each DoF costs eight
+ * in each pass
+ * @return AUVID_OK (ready for evaluations); AUVID_PENDING (budget used up); AUVID_ERR_NO_DATA (the
+ * ring is empty, or no DoF is excited in any set); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_cost_begin AUVID_SIZED(auvid_metric_cost_begin)
-/** Begin to evaluate the cost of pi [n]: values of parameters that are not free are ignored.
- * Null is ignored, too.
- * @param delay_s residual path: the common delay, 0..6 cells; not read in the regressor path. */
+/** Begin to evaluate the cost of pi. NULL is a no-op.
+ * @param pi [n] candidate; values of parameters that are not free are ignored
+ * @param delay_s residual path: the common delay, 0..6 cells [s]; not read in the regressor path */
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s);
 
 #define auvid_metric_cost AUVID_SIZED(auvid_metric_cost)
-/** Go on with it.
- * @param budget as in merge: one unit for each row of R, or vehicle->work for each stored sample
- * @return AUVID_OK (metric->cost written); AUVID_PENDING; AUVID_ERR_NULL. A cost that is not finite
- * is returned as such: the optimizer treats it as very bad. */
+/** Continue the cost evaluation started by auvid_metric_cost_begin.
+ * @param budget units of work left, reduced by those used: one for each row of R, or vehicle->work
+ * for each stored sample
+ * @return AUVID_OK (metric->cost is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. A
+ * cost that is not finite is returned as it is; the optimizer treats it as very bad. */
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_measure_begin AUVID_SIZED(auvid_metric_measure_begin)
-/** Begin to measure the residuals of pi [n] for each DoF, unweighted (for R2). */
+/** Begin to measure the residuals of pi for each DoF, without weights (for R2). NULL is a no-op.
+ * @param pi [n]
+ * @param delay_s as in auvid_metric_cost_begin */
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
 #define auvid_metric_predict_begin AUVID_SIZED(auvid_metric_predict_begin)
-/** Begin to predict the newest set, before it is merged: measure pi's residuals on it alone. Go on
- * with auvid_metric_measure, which then writes `predicted` besides. The bands are weighted as at
- * the last merge. Null is ignored. */
+/** Begin to predict the newest set before it is merged: measure the residuals of pi on that set
+ * only. auvid_metric_measure continues it and then also writes `predicted`. The bands have the
+ * weights of the last merge. NULL is a no-op.
+ * @param pi [n]
+ * @param delay_s as in auvid_metric_cost_begin */
 void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
 #define auvid_metric_change_begin AUVID_SIZED(auvid_metric_change_begin)
-/** Begin to compare the newest sets with the others, before they are merged: does each DoF's
+/** Begin to test the newest sets against the others, before they are merged: does each DoF's
  * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
- * last merge. What was merged is lost: merge afterwards. Null is ignored. */
+ * last merge. The test overwrites `merged`: merge afterwards. NULL is a no-op. */
 void auvid_metric_change_begin(auvid_metric_t *metric);
 
 #define auvid_metric_change AUVID_SIZED(auvid_metric_change)
-/** Go on with it.
- * @param budget four units for each row of each set, and of the newest two once more
- * @return AUVID_OK (`change` and `change_rank` written: U of all sets - U of the others - U of the
- * newest, U the part of the wrench that no pi explains); AUVID_PENDING; AUVID_ERR_NULL. */
+/** Continue the change test started by auvid_metric_change_begin. `change` is U(all sets) -
+ * U(older sets) - U(newest sets), with U the part of the wrench that no pi explains.
+ * @param budget units of work left, reduced by those used: four for each row of each set, and four
+ * more for each row of the newest two
+ * @return AUVID_OK (`change` and `change_rank` are written; with fewer than three sets they are
+ * zero); AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_linearise_begin AUVID_SIZED(auvid_metric_linearise_begin)
-/** Residual path: begin to make of each of the newest `sets` sets the triangles that a model with
- * the derivatives of this one at pi would have, for judge and for confidence.h. The derivatives are
- * central differences over 1 % of each parameter (at least 1e-4, 1e-3 where it is zero) and 10 ms
- * of delay. A window of smoothed residuals is left out if a residual or a derivative is not finite,
- * or beyond 1e15.
- * Nothing happens for a model with regressor, and for null. */
+/** Residual path: begin to linearise the model at pi. The result is, for each of the newest sets,
+ * the R factors of a linear model with the same derivatives; auvid_metric_change and confidence.h
+ * read them. The derivatives are central differences over 10 ms of delay, and over 1 % of each
+ * parameter (at least 1e-4, and 1e-3 where it is zero). A window of smoothed residuals is left out
+ * if a residual or a derivative is not finite or beyond 1e15. A no-op for a model with regressor,
+ * and for NULL.
+ * @param pi [n]
+ * @param delay_s as in auvid_metric_cost_begin
+ * @param sets number of sets, from the newest on */
 void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                   auvid_real_t delay_s, uint8_t sets);
 
 #define auvid_metric_linearise AUVID_SIZED(auvid_metric_linearise)
-/** Go on with it, and when all sets of the ring are done, merge their triangles.
- * @param budget vehicle->work units for each call of the model: 2 n + 3 for each row and each row
- * of the window over which residuals are smoothed, on rows about one standard deviation of that
- * window apart
- * @return AUVID_OK; AUVID_PENDING; AUVID_ERR_NULL. */
+/** Continue the linearisation started by auvid_metric_linearise_begin. If it covers all sets of the
+ * ring, their R factors are then merged.
+ * @param budget units of work left, reduced by those used: vehicle->work for each of the 2 n + 3
+ * calls of the model, for each window of residuals and each row of that window. Windows are about
+ * one standard deviation of their weights apart
+ * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_longest_delay AUVID_SIZED(auvid_metric_longest_delay)
-/** Longest delay that can be had in the residual path [s]: 6 cells; 0 for null. */
+/** Returns the longest delay of the residual path [s], 6 cells; 0 for NULL. */
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 
 #define auvid_metric_measure AUVID_SIZED(auvid_metric_measure)
-/** Go on with it: one unit for each row of each set. @return AUVID_OK (metric->sse written);
- * AUVID_PENDING; AUVID_ERR_NULL. */
+/** Continue the measurement started by auvid_metric_measure_begin or auvid_metric_predict_begin.
+ * @param budget units of work left, reduced by those used: one for each row of each set, or
+ * vehicle->work for each stored sample
+ * @return AUVID_OK (metric->sse is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_newest AUVID_SIZED(auvid_metric_newest)
-/** The newest set that counts; never null. */
+/** Returns the newest set that counts; never NULL. */
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
 
 #define auvid_metric_excited_sets AUVID_SIZED(auvid_metric_excited_sets)
-/** How many sets of the ring drive DoF j, without the newest `newest`. */
+/** Returns the number of sets of the ring that excite DoF j, not counting the newest `newest`. */
 int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest);
 
 #define auvid_metric_active AUVID_SIZED(auvid_metric_active)
-/** Free parameters whose own DoF is driven: bit i. Valid after merge. */
+/** Returns the free parameters whose own DoF is excited (bit i); 0 for NULL. Valid after merge. */
 uint32_t auvid_metric_active(const auvid_metric_t *metric);
 
 #define auvid_metric_searched AUVID_SIZED(auvid_metric_searched)
-/** Parameters to search for: the active ones, and in the regressor path those free ones with
- * `fixed` zero that only the equations of other, driven DoF contain (a vehicle that turns under way
- * drifts sideways: m_v v r acts on surge, whether or not sway is driven). Left at zero, they would
- * bias what is identified; their own values are by-products, often poor. Bits as in active; valid
- * after merge. */
+/** Returns the parameters to search for (bit i): the active ones and, in the regressor path, some
+ * of DoF that are not excited. These are free, have `fixed` zero, and appear in the equation of an
+ * excited DoF. (A vehicle that yaws while moving forward drifts sideways: m_v v r acts on surge,
+ * whether or not sway is excited.) If they stayed at zero, they would bias the others; their own
+ * values are by-products, often poor. Valid after merge. */
 uint32_t auvid_metric_searched(const auvid_metric_t *metric);
 
 #define auvid_metric_scale AUVID_SIZED(auvid_metric_scale)
-/** Scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one changes the
- * dimensionless rms force by one. Regressor path; 0 where the column is empty, and everywhere in
- * the residual path. Null is ignored.
- * @param scale [n] */
+/** Compute the scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one
+ * scale changes the dimensionless rms force by one. NULL is a no-op.
+ * @param scale [n] written [parameter's unit]; 0 where the column is empty, and everywhere in the
+ * residual path */
 void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
 #define auvid_metric_r2 AUVID_SIZED(auvid_metric_r2)
-/** Coefficient of determination of the smoothed wrench after a finished measurement:
- * 1 - sse / sum of squares about each set's mean; 0 for DoF that are not driven, and where the
- * model's residuals are not finite. Null is ignored.
- * @param r2 [6] */
+/** Compute the coefficient of determination of the smoothed wrench after a finished measurement,
+ * 1 - sse / (sum of squares about each set's mean). NULL is a no-op.
+ * @param r2 [6] written; 0 for DoF that are not excited, and where the residuals of the model are
+ * not finite */
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 
 #define auvid_metric_least_squares AUVID_SIZED(auvid_metric_least_squares)
-/** The least-squares optimum in closed form: an oracle for tests and a diagnostic for users of
- * models that are linear; the identifier does not use it.
+/** Compute the least-squares optimum in closed form. It is a reference for tests and a diagnostic
+ * for users of linear models; the identifier does not use it. Stack: (n + 1)(n + 2) / 2 numbers.
  * @param active parameters to solve for (bit i), of the free ones; others keep their value in pi
  * @param pi [n] in and out
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_MODEL (residual path); AUVID_ERR_SINGULAR (some
- * parameter is not determined; it is set to zero). Stack: (n + 1)(n + 2) / 2 numbers. */
+ * parameter is not determined; it is set to zero). */
 auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
                                           auvid_real_t *pi);
 

@@ -420,8 +420,8 @@ static bool checkpoint_check_job(const view_t *v)
         (WORD(metric.excited) >> j & 1u) == 0) {
         return false;
     }
-    uint32_t steps = phase == OWN || phase == BIAS ? 1u
-                     : phase == ROTATE             ? m->count[j]
+    uint32_t steps = phase == OPTIMUM || phase == BIAS ? 1u
+                     : phase == ROTATE                 ? m->count[j]
                      : phase == SCATTER ? 2u * (uint32_t)auvid_metric_order(m, (int)j) + 1u
                                         : n;
     return phase < DONE && WORD(confidence.at_row) < steps;

@@ -1,37 +1,38 @@
 /*
  * Confidence: standard errors, bias and notes of an estimate.
  *
- * Per DoF j and set s, with the bands' weights b and the rows R of the sets' triangles,
+ * Per DoF j and set s, with the bands' weights b and the rows R of the sets' R factors,
  *
- *     H_sj = sum_b b R'R,  H_j = sum_s H_sj,  g_sj = sum_b b R'(R pi - z),
+ *     H_sj = sum_b b R'R,  H_j = sum_s H_sj,  g_sj = sum_b b R'(R pi - z).
  *
- * w_j the weight of the DoF in the cost, H = sum_j w_j H_j, P = H^-1:
+ * With w_j the weight of the DoF in the cost, H = sum_j w_j H_j and P = H^-1:
  *
  *     sigma_j^2 = ||residual_j||^2 / rows_j                                mean square residual
- *     s_j^2 = (f sigma_j^2 + sum_s g' H_j^-1 g) / (1 + nu_j)               noise that counts
+ *     s_j^2 = (f sigma_j^2 + sum_s g' H_j^-1 g) / (1 + nu_j)               effective noise
  *     nu_j  = rank_j - sum_s tr (H_j^-1 H_sj)^2                            its degrees of freedom
  *     C     = P (sum_j w_j^2 s_j^2 H_j) P                                  pooled over parameters
  *     psi_s = P sum_j w_j g_sj                                             influence of a set
- *     var_i = m (nu C_ii + S sum_s (psi_si - mean)^2) / (nu + S - 1)       with own scatter, too
+ *     var_i = m (nu C_ii + S sum_s (psi_si - mean)^2) / (nu + S - 1)       with i's scatter
  *
- * (in s_j, g is taken at the DoF's own optimum, in psi at the estimate). For white noise the first
- * sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes of it,
- * one observation's worth; nu = 10 and m = 1.3 hold for eight sets and make the coverage right
- * where the disturbance is coloured as slowly as the motion. The noise n of the acceleration of DoF
- * j, a the derivatives of its row by its acceleration, m_j = a pi its mass: the residual has m_j n
- * in it, so
+ * (s_j takes g at the optimum of the DoF's equation, psi takes it at the estimate.) For white noise
+ * the first sum has the expectation nu_j sigma_j^2. f = 2.6 is what the smoothing of the rows makes
+ * of it, and counts as one observation. nu = 10 and m = 1.3 hold for eight sets. They make the
+ * coverage right where the disturbance is as slow as the motion.
  *
- *     delta = -P sum_j w_j nu_j a / m_j,   nu_j = m_j^2 sum n^2,
+ * Bias: n is the noise of the acceleration of DoF j, a the derivatives of its row by its
+ * acceleration, and m_j = a pi its mass. The residual contains m_j n, so
  *
- * with nu_j from the high band, in which little else is.
+ *     delta = -P sum_j w_j nu_j a / m_j,   nu_j = m_j^2 sum n^2.
  *
- * Uncertain delay: with the columns D_j = -[Z l', Z (1 -2 1)'] of the delay and of half its second
- * moment in each DoF's rows, the rows diag(n / sigma_d, n / (2 sigma_d^2)) below them, n^2 = f
- * times the mean square that pi and D_j leave, and R~, e~ what D_j leaves of R and of the
- * residual at the estimate,
+ * The high band gives nu_j, because it contains little else.
  *
- *     P~ = (sum_j w_j R~'R~)^-1,  moved = P~ sum_j w_j R~'e~,
- *     var_i <- var_i P~_ii / P_ii + moved_i^2.
+ * Uncertain delay: D_j = -[Z l', Z (1 -2 1)'] are the columns of the delay and of half its second
+ * moment in each DoF's rows. Below them stand the rows diag(n / sigma_d, n / (2 sigma_d^2)), n^2 =
+ * f times the mean square that pi and D_j leave. R~ and e~ are what D_j leaves of R and of the
+ * residual at the estimate:
+ *
+ *     P~ = (sum_j w_j R~'R~)^-1,  step = P~ sum_j w_j R~'e~,
+ *     var_i <- var_i P~_ii / P_ii + step_i^2.
  */
 #include "auvid/confidence.h"
 
@@ -43,19 +44,20 @@
 
 #define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
 #define RIDGE                                                                                      \
-    AUVID_C(1e-4)                /* smallest pivot, relative to its column: what the data do not
-                                     determine gets an error of 1e4 times the column's own */
-#define NEAR AUVID_C(1e-3)       /* a bound, in distances of the two */
+    AUVID_C(1e-4)          /* smallest pivot, relative to its column: a parameter that the data do
+                                     not determine gets an error of 1e4 times the column's */
+#define NEAR AUVID_C(1e-3) /* distance to a bound, relative to that of the two bounds */
 
 typedef auvid_confidence_job_t job_t;
 
-static bool is_driven(const job_t *c, int j)
+static bool confidence_is_excited(const job_t *c, int j)
 {
     return (c->metric->excited >> j & 1) != 0 && c->metric->count[j] > 0;
 }
 
-/* Weights of the wrench at DoF j's delay, or their derivatives. */
-static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUVID_METRIC_DELAYS])
+/* Compute the weights of the wrench at DoF j's delay, or their derivatives. */
+static void confidence_delay_weights(const job_t *c, int j, bool slopes,
+                                     auvid_real_t l[AUVID_METRIC_DELAYS])
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
@@ -63,9 +65,9 @@ static void delay_weights(const job_t *c, int j, bool slopes, auvid_real_t l[AUV
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
-/* ---- OWN: a DoF's optimum and mean square residual ---- */
+/* ---- OPTIMUM: the optimum and the mean square residual of a DoF's equation ---- */
 
-static void find_own(job_t *c, int j)
+static void confidence_find_single_dof_optimum(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
@@ -73,7 +75,7 @@ static void find_own(job_t *c, int j)
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
     bool linear = auvid_metric_has_regressor(m);
     uint32_t lost = 0, all = 0;
-    c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the sets merged, some of which may be gone */
+    c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the merged sets; some may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
@@ -95,7 +97,7 @@ static void find_own(job_t *c, int j)
     }
     (void)auvid_qr_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4),
                          c->single_dof_optimum + at);
-    delay_weights(c, j, false, l);
+    confidence_delay_weights(c, j, false, l);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         c->single_dof_optimum[at + count + d] = -l[d];
     }
@@ -105,36 +107,37 @@ static void find_own(job_t *c, int j)
         c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
 }
 
-/* ---- ROTATE: the DoF's rows into the joint triangle ---- */
+/* ---- ROTATE: the DoF's rows into the joint R factor ---- */
 
-/* Does the uncertainty of DoF j's delay count, and that of its shape? */
-static bool is_considered(const job_t *c, int j)
+/* Returns true if the uncertainty of DoF j's delay, and of its shape, is considered. */
+static bool confidence_delay_is_uncertain(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return is_driven(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
+    return confidence_is_excited(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
            (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
 }
 
-/* Was DoF j's delay estimated? */
-static bool is_estimated(const job_t *c, int j)
+/* Returns true if DoF j's delay was estimated. */
+static bool confidence_delay_is_estimated(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return is_driven(c, j) && m->cfg.estimate_delay && auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
+    return confidence_is_excited(c, j) && m->cfg.estimate_delay &&
+           auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
 }
 
-/* Columns of DoF j's delay in `part`. */
-static int delay_columns(const job_t *c, int j)
+/* Number of columns of DoF j's delay in `part`. */
+static int confidence_delay_columns(const job_t *c, int j)
 {
-    return is_considered(c, j) ? 2 : 1;
+    return confidence_delay_is_uncertain(c, j) ? 2 : 1;
 }
 
-/* The priors of DoF j's delay and of half its second moment, as rows: 1 / sigma times the noise,
- * that of what neither parameters nor delay explain. */
-static void add_priors(job_t *c, int j, int order)
+/* Add the priors of DoF j's delay and of half its second moment as rows: 1 / sigma times the noise
+ * that neither parameters nor delay explain. */
+static void confidence_add_delay_priors(job_t *c, int j, int order)
 {
     auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
-    auvid_real_t left = c->part[AUVID_QR_FACTOR(order) - 1];
-    auvid_real_t noise = auvid_sqrt(SMOOTHED * left * left / c->rows[j]);
+    auvid_real_t unexplained = c->part[AUVID_QR_FACTOR(order) - 1];
+    auvid_real_t noise = auvid_sqrt(SMOOTHED * unexplained * unexplained / c->rows[j]);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     row[0] = noise / sigma;
     auvid_qr_update(c->part, order, 0, row);
@@ -143,19 +146,20 @@ static void add_priors(job_t *c, int j, int order)
     auvid_qr_update(c->part, order, 1, row);
 }
 
-/* DoF j's triangle with its delay as the first column, so that the rows below the first are what is
- * left for the parameters. Into part, order count + 1. Where the delay is uncertain: the delay,
- * half its second moment, the parameters, the residual at the estimate. */
-static void border(job_t *c, int j)
+/* Write DoF j's R factor with its delay as the first column to part, order count + 1. The rows
+ * below the first are what the delay leaves for the parameters. If the delay is uncertain, the
+ * columns are the delay, half its second moment, the parameters, and the residual at the estimate.
+ * */
+static void confidence_border_factor(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
-    int first = delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
+    int first = confidence_delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
     auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
     static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
                                                            AUVID_C(1.0)};
-    delay_weights(c, j, true, slope);
-    delay_weights(c, j, false, l);
+    confidence_delay_weights(c, j, true, slope);
+    confidence_delay_weights(c, j, false, l);
     memset(c->part, 0, sizeof c->part);
     for (int i = 0; i < n; ++i) {
         const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
@@ -177,45 +181,46 @@ static void border(job_t *c, int j)
         auvid_qr_update(c->part, order, 0, row);
     }
     if (first == 2) {
-        add_priors(c, j, order);
+        confidence_add_delay_priors(c, j, order);
     }
 }
 
-/* Row i of DoF j's triangle into the joint one. */
+/* Rotate row i of DoF j's R factor into the joint one. */
 static void confidence_rotate_row(job_t *c, int j, int i)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
     auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    int count = m->count[j], first = delay_columns(c, j);
+    int count = m->count[j], first = confidence_delay_columns(c, j);
     const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(auvid_metric_order(m, j), i);
-    if (c->delayed && (is_considered(c, j) || is_estimated(c, j))) {
+    if (c->delayed &&
+        (confidence_delay_is_uncertain(c, j) || confidence_delay_is_estimated(c, j))) {
         if (i == 0) {
-            border(c, j);
+            confidence_border_factor(c, j);
         }
         r = c->part + auvid_qr_row(first == 1 ? count + 1 : count + 3, i + first);
         residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
     }
     for (int k = i; k < count; ++k) {
-        int place = c->column_of[m->index[m->channel_at[j] + k]];
-        if (place != NOWHERE) {
-            row[place] += scale * r[k - i];
-            c->influence[place] += scale * r[k - i] * residual;
+        int column = c->column_of[m->index[m->channel_at[j] + k]];
+        if (column != NOWHERE) {
+            row[column] += scale * r[k - i];
+            c->influence[column] += scale * r[k - i] * residual;
         }
     }
     auvid_qr_update(c->joint_factor, c->n, 0, row);
 }
 
-/* ---- BOUND: a smallest pivot for column i; INVERT: (J'J)^-1_ii ---- */
+/* ---- BOUND: add the smallest pivot to column i; INVERT: (J'J)^-1_ii ---- */
 
-static void bound_pivot(job_t *c, int i)
+static void confidence_bound_pivot(job_t *c, int i)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
     row[i] = RIDGE * auvid_qr_column_norm(c->joint_factor, c->n, i);
     auvid_qr_update(c->joint_factor, c->n, i, row);
 }
 
-static void invert(job_t *c, int i)
+static void confidence_invert_column(job_t *c, int i)
 {
     auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
     if (c->delayed && i == 0) {
@@ -239,48 +244,49 @@ static void invert(job_t *c, int i)
 
 /* ---- BIAS ---- */
 
-/* All sets are through: s_j^2, and DoF j's part of the bias' right-hand side into influence. */
-static void find_bias(job_t *c, int j)
+/* After the last set: compute s_j^2, and add DoF j's part of the right-hand side of the bias to
+ * influence. */
+static void confidence_find_noise(job_t *c, int j)
 {
     auvid_real_t residual = c->result.residual_rms[j];
-    bool several = c->degrees_of_freedom[j] > AUVID_C(1e-4);
-    auvid_real_t scatter = several ? c->scatter[j] : AUVID_C(0.0);
-    auvid_real_t freedom = several ? c->degrees_of_freedom[j] : AUVID_C(0.0);
+    bool scatters = c->degrees_of_freedom[j] > AUVID_C(1e-4);
+    auvid_real_t scatter = scatters ? c->scatter[j] : AUVID_C(0.0);
+    auvid_real_t nu = scatters ? c->degrees_of_freedom[j] : AUVID_C(0.0);
     c->result.effective_noise[j] =
-        auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + freedom));
+        auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + nu));
     auvid_confidence_bias(c, j);
 }
 
-/* ---- the machine ---- */
+/* ---- the phases ---- */
 
-/* The first driven DoF from j on. @return there is one */
-static bool seek_dof(job_t *c, int j)
+/* Go to the first excited DoF from j on. @return true if there is one */
+static bool confidence_seek_dof(job_t *c, int j)
 {
-    while (j < AUVID_DOF_COUNT && !is_driven(c, j)) {
+    while (j < AUVID_DOF_COUNT && !confidence_is_excited(c, j)) {
         ++j;
     }
     c->at_dof = (uint8_t)j;
     return j < AUVID_DOF_COUNT;
 }
 
-/* One step of the present phase. */
-static void work_step(job_t *c)
+/* Do one step of the present phase. */
+static void confidence_step(job_t *c)
 {
     int j = c->at_dof, i = c->at_row,
         n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
     const auvid_set_t *set = &c->metric->set[auvid_metric_slot(c->metric, c->at_set)];
     switch (c->phase) {
-    case OWN:
-        find_own(c, j);
+    case OPTIMUM:
+        confidence_find_single_dof_optimum(c, j);
         break;
     case ROTATE:
         confidence_rotate_row(c, j, i);
         break;
     case BOUND:
-        bound_pivot(c, i);
+        confidence_bound_pivot(c, i);
         break;
     case INVERT:
-        invert(c, i);
+        confidence_invert_column(c, i);
         break;
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
@@ -290,7 +296,7 @@ static void work_step(job_t *c)
         }
         break;
     case BIAS:
-        find_bias(c, j);
+        confidence_find_noise(c, j);
         break;
     case JUDGE:
         auvid_confidence_judge(c, i);
@@ -298,7 +304,7 @@ static void work_step(job_t *c)
     default:
         auvid_confidence_scale(c, i);
         for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
-            if (is_driven(c, j)) {
+            if (confidence_is_excited(c, j)) {
                 auvid_confidence_discredit(c, j);
             }
         }
@@ -306,11 +312,11 @@ static void work_step(job_t *c)
     }
 }
 
-/* How often work_step is due before the next DoF, or the end of a phase that has none. */
-static int steps_of(const job_t *c)
+/* Returns the number of steps of the present DoF, or of a phase without DoF. */
+static int confidence_steps(const job_t *c)
 {
     switch (c->phase) {
-    case OWN:
+    case OPTIMUM:
     case BIAS:
         return 1;
     case ROTATE:
@@ -322,49 +328,49 @@ static int steps_of(const job_t *c)
     }
 }
 
-static void end_phase(job_t *c)
+static void confidence_end_phase(job_t *c)
 {
     if (c->phase == INVERT && c->delayed) {
-        c->delayed = false; /* once more, for given delays */
+        c->delayed = false; /* once more, with the delays given */
         memset(c->joint_factor, 0, sizeof c->joint_factor);
         memset(c->influence, 0, sizeof c->influence);
         c->phase = ROTATE;
     } else {
         ++c->phase;
     }
-    if (c->phase <= JUDGE) { /* from then on the covariance stands there */
+    if (c->phase <= JUDGE) { /* from then on it contains the covariance */
         memset(c->part, 0, sizeof c->part);
     }
-    (void)seek_dof(c, 0);
+    (void)confidence_seek_dof(c, 0);
 }
 
-/* What the next step costs beside its phase's price. */
-static int price_of_border(const job_t *c)
+/* Returns the cost of the next step in addition to that of its phase. */
+static int confidence_border_cost(const job_t *c)
 {
     bool due = c->phase == ROTATE && c->delayed && c->at_row == 0;
     return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at_dof) + 2) : 0;
 }
 
-/* Go on to the next step. */
-static void move_on(job_t *c)
+/* Advance to the next step. */
+static void confidence_next_step(job_t *c)
 {
     bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase < JUDGE;
-    if (++c->at_row < steps_of(c)) {
+    if (++c->at_row < confidence_steps(c)) {
         return;
     }
     c->at_row = 0;
-    if (by_dof && seek_dof(c, c->at_dof + 1)) {
+    if (by_dof && confidence_seek_dof(c, c->at_dof + 1)) {
         return;
     }
     if (c->phase == SCATTER) {
         auvid_confidence_finish_set(c);
         if (++c->at_set < auvid_metric_sets(c->metric)) {
-            (void)seek_dof(c, 0);
+            (void)confidence_seek_dof(c, 0);
             return;
         }
         c->at_set = 0;
     }
-    end_phase(c);
+    confidence_end_phase(c);
 }
 
 void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *metric,
@@ -393,23 +399,24 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         }
     }
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-        bool driven = metric->set[auvid_metric_slot(metric, age)].excited != 0;
-        c->result.sets = (uint8_t)(c->result.sets + driven);
+        bool excited = metric->set[auvid_metric_slot(metric, age)].excited != 0;
+        c->result.sets = (uint8_t)(c->result.sets + excited);
     }
-    /* with delays taken or uncertain, first what they cost: INVERT comes back here for the plain
-     * triangle */
+    /* estimated or uncertain delays: a first run of ROTATE to INVERT computes the widening, a
+     * second one the plain R factor */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        c->delayed = c->delayed || is_considered(c, j) || is_estimated(c, j);
+        c->delayed = c->delayed || confidence_delay_is_uncertain(c, j) ||
+                     confidence_delay_is_estimated(c, j);
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         auvid_confidence_note_idle(c, i);
     }
-    (void)seek_dof(c, 0);
+    (void)confidence_seek_dof(c, 0);
     c->metric = NULL;
 }
 
 void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lower,
-                             const auvid_real_t *upper, bool capped)
+                             const auvid_real_t *upper, bool not_converged)
 {
     if (job == NULL || lower == NULL || upper == NULL) {
         return;
@@ -424,14 +431,14 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
             job->result.bound[p] = bound;
         }
     }
-    job->not_converged = capped;
+    job->not_converged = not_converged;
 }
 
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget)
 {
-    static const uint8_t price[] = {
-        [OWN] = 16,     [ROTATE] = 8, [BOUND] = 8,  [INVERT] = 6,
+    static const uint8_t cost[] = {
+        [OPTIMUM] = 16, [ROTATE] = 8, [BOUND] = 8,  [INVERT] = 6,
         [SCATTER] = 10, [BIAS] = 45,  [JUDGE] = 80, [CONCLUDE] = 12}; /* [units] */
     if (job == NULL || metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
@@ -439,12 +446,12 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
     job->metric = metric;
     while (job->phase != DONE && *budget > 0) {
         --*budget;
-        if (++job->spent < price[job->phase] + price_of_border(job)) {
+        if (++job->spent < cost[job->phase] + confidence_border_cost(job)) {
             continue;
         }
         job->spent = 0;
-        work_step(job);
-        move_on(job);
+        confidence_step(job);
+        confidence_next_step(job);
     }
     job->metric = NULL;
     return job->phase == DONE ? AUVID_OK : AUVID_PENDING;

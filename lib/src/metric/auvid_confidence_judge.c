@@ -1,21 +1,22 @@
 /*
- * Confidence: covariance, standard errors, and what is considered.
+ * Confidence: covariance, standard errors, and considered parameters.
  *
- * Thrust as told and the DVL's velocity may be off by a common scale, which no motion shows. It is
- * never estimated (a column proportional to the wrench would explain everything with pi = 0). One
- * standard deviation e of a scale moves the parameters by e s, s = d pi / d scale:
+ * The supplied thrust and the DVL's velocity may each be wrong by a common scale, which no motion
+ * shows. It is never estimated: a column proportional to the wrench would explain everything with
+ * pi = 0. One standard deviation e of a scale changes the parameters by e s, s = d pi / d scale:
  *
- *     thrust:  s_i = pi_i + h_i             all of the wrench is larger, and all that explains it
+ *     thrust:  s_i = pi_i + h_i             the wrench is larger, and so is all that explains it
  *     DVL:     s_i = -(degree_i pi_i + h_i) degree 1 in the velocity: masses and linear drag; 2:
  *                                           quadratic drag; 0: what acts on rotation, W-B
  *
- * A known parameter does not move, nor does the other's share of its force. Its column is not kept.
- * A known drag's is nearly proportional to that of the other drag of the same DoF, which takes its
- * part: h_i = c (degree) pi_known, c from the rms of column i. A known mass or constant force has a
- * column nearly orthogonal to the others: h = 0. (A known m_u stands in sway, too, as m_u u r: in
- * coupled motion sway's s were 12 % too small to 50 % too large.) The yaw equation's (m_u - m_v) u
- * v is of degree 2 where the forces' terms are of degree 1: the masses are taken as the forces show
- * them, where most of what is known of them comes from (in coupled motion 15 % off).
+ * A known parameter does not change, so the others take over its share of the change, h_i. Its
+ * column is not stored. The column of a known drag is nearly proportional to that of the other drag
+ * of the same DoF, which takes its part: h_i = c (degree) pi_known, c from the rms of column i. A
+ * known mass or constant force has a column nearly orthogonal to the others: h = 0. (A known m_u is
+ * also in sway, as m_u u r: in coupled motion sway's s were 12 % too small to 50 % too large.) The
+ * yaw equation's (m_u - m_v) u v is of degree 2. The terms of the forces are of degree 1. The
+ * masses are treated as the forces determine them, because most of the information is there (in
+ * coupled motion 15 % off).
  */
 #include "auvid/confidence.h"
 
@@ -27,12 +28,13 @@
 
 #define POOLED AUVID_C(10.0)     /* nu, see auvid_confidence.c */
 #define WIDENED AUVID_C(1.3)     /* m */
-#define CORRELATED AUVID_C(0.95) /* with another parameter: name it */
+#define CORRELATED AUVID_C(0.95) /* correlation from which the other parameter is named */
 
 typedef auvid_confidence_job_t job_t;
 
 /* y = Q x, Q = sum_j w_j^2 s_j^2 R_j'R_j. @return x'Q x */
-static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *y)
+static auvid_real_t confidence_pooled_product(const job_t *c, const auvid_real_t *x,
+                                              auvid_real_t *y)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t sum = AUVID_C(0.0);
@@ -44,14 +46,14 @@ static auvid_real_t pooled(const job_t *c, const auvid_real_t *x, auvid_real_t *
             const uint8_t *index = m->index + m->channel_at[j];
             auvid_real_t e = AUVID_C(0.0);
             for (int k = i; k < count; ++k) {
-                int place = c->column_of[index[k]];
-                e += place == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[place];
+                int column = c->column_of[index[k]];
+                e += column == NOWHERE ? AUVID_C(0.0) : r[k - i] * x[column];
             }
             sum += scale * scale * e * e;
             for (int k = i; k < count; ++k) {
-                int place = c->column_of[index[k]];
-                if (place != NOWHERE) {
-                    y[place] += scale * scale * e * r[k - i];
+                int column = c->column_of[index[k]];
+                if (column != NOWHERE) {
+                    y[column] += scale * scale * e * r[k - i];
                 }
             }
         }
@@ -66,11 +68,11 @@ static void confidence_invert(const job_t *c, auvid_real_t *x)
     (void)auvid_qr_solve(c->joint_factor, c->n, c->n, AUVID_C(0.0), x);
 }
 
-/* ---- what is considered ---- */
+/* ---- considered parameters ---- */
 
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
 {
-    bool linear = vehicle->regressor != NULL; /* else nothing is known of how others scale */
+    bool linear = vehicle->regressor != NULL; /* else it is unknown how others scale */
     bool scales =
         linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
     return scales ? AUVID_C(1.0) : AUVID_C(0.0);
@@ -95,24 +97,25 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
     }
 }
 
-/* Root mean square of the column that parameter p has in DoF j's equation: most of the motion is in
- * the low band. */
-static auvid_real_t column_rms(const job_t *c, int j, int p)
+/* Returns the rms of the column of parameter p in DoF j's equation; most of the motion is in the
+ * low band. */
+static auvid_real_t confidence_column_rms(const job_t *c, int j, int p)
 {
     auvid_real_t rows = c->rows[j] * c->metric->band_weight[0][j];
     auvid_real_t norm = auvid_confidence_column(c, j, p);
     return rows > AUVID_C(0.0) ? norm / auvid_sqrt(rows) : AUVID_C(0.0);
 }
 
-/* Coefficient of the regression of the known drag f's column on the drag p's, of the same DoF. The
- * mean of u^2 is at most the root of that of u^4; for Gaussian u, E|u|^3 / E u^2 = 1.6 sigma. */
-static auvid_real_t share_of(const job_t *c, int p, int f)
+/* Returns the coefficient of the regression of the known drag f's column on that of drag p, of the
+ * same DoF. The mean of u^2 is at most the root of that of u^4. For Gaussian u,
+ * E|u|^3 / E u^2 = 1.6 sigma. */
+static auvid_real_t confidence_drag_regression(const job_t *c, int p, int f)
 {
     const auvid_parameter_t *of = c->metric->cfg.vehicle->parameter;
     if (of[p].dof != of[f].dof) {
         return AUVID_C(0.0);
     }
-    auvid_real_t rms = column_rms(c, (int)of[p].dof, p);
+    auvid_real_t rms = confidence_column_rms(c, (int)of[p].dof, p);
     if (of[p].kind == AUVID_PARAMETER_LINEAR_DRAG && of[f].kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
         return AUVID_C(1.6) * rms;
     }
@@ -129,9 +132,9 @@ static void confidence_consider(job_t *c, int p)
     auvid_real_t dvl = auvid_confidence_dvl_degree(vehicle, p) * c->pi[p];
     for (int f = 0; f < vehicle->parameters; ++f) {
         if (c->column_of[f] == NOWHERE && auvid_abs(c->pi[f]) > AUVID_C(0.0)) {
-            auvid_real_t share = share_of(c, p, f) * c->pi[f];
-            thrust += auvid_confidence_thrust_degree(vehicle, f) * share;
-            dvl += auvid_confidence_dvl_degree(vehicle, f) * share;
+            auvid_real_t part = confidence_drag_regression(c, p, f) * c->pi[f];
+            thrust += auvid_confidence_thrust_degree(vehicle, f) * part;
+            dvl += auvid_confidence_dvl_degree(vehicle, f) * part;
         }
     }
     to->thrust_error[p] = auvid_clamp(to->uncertainty.thrust_scale * thrust, -AUVID_LARGEST_SIGMA,
@@ -142,43 +145,45 @@ static void confidence_consider(job_t *c, int p)
 
 /* ---- covariance ---- */
 
-/* Where row p of the covariance has its diagonal. */
-static auvid_real_t *diagonal(job_t *c, int p)
+/* Returns the diagonal entry of row p of the covariance. */
+static auvid_real_t *confidence_diagonal(job_t *c, int p)
 {
     return c->covariance + auvid_qr_row(c->metric->cfg.vehicle->parameters, p);
 }
 
-/* Row i, not scaled, from its diagonal and y = Q P e_i, which is used up. */
-static void write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
+/* Write row i, not scaled, from its diagonal and y = Q P e_i, which is overwritten. */
+static void confidence_write_row(job_t *c, int i, auvid_real_t variance, auvid_real_t *y)
 {
     int p = c->parameter_of[i];
     confidence_invert(c, y);
     y[i] = variance;
     for (int k = i; k < c->n; ++k) {
-        diagonal(c, p)[c->parameter_of[k] - p] = auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
+        confidence_diagonal(c, p)[c->parameter_of[k] - p] =
+            auvid_is_finite(y[k]) ? y[k] : AUVID_C(0.0);
     }
 }
 
 void auvid_confidence_scale(job_t *c, int i)
 {
     int p = c->parameter_of[i];
-    auvid_real_t *row = diagonal(c, p);
-    for (int k = c->n - 1; k >= i; --k) { /* the scales stand in widening since judge */
+    auvid_real_t *row = confidence_diagonal(c, p);
+    for (int k = c->n - 1; k >= i; --k) { /* auvid_confidence_judge left the scales in widening */
         auvid_real_t *entry = row + (c->parameter_of[k] - p);
-        auvid_real_t most = auvid_sqrt(*row) * auvid_sqrt(*diagonal(c, c->parameter_of[k]));
-        *entry = c->widening[i] * c->widening[k] * auvid_clamp(*entry, -most, most);
+        auvid_real_t max =
+            auvid_sqrt(*row) * auvid_sqrt(*confidence_diagonal(c, c->parameter_of[k]));
+        *entry = c->widening[i] * c->widening[k] * auvid_clamp(*entry, -max, max);
     }
 }
 
 void auvid_confidence_judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
-    auvid_real_t delta = AUVID_C(0.0), largest = AUVID_C(0.0), most = AUVID_C(0.0);
+    auvid_real_t delta = AUVID_C(0.0), largest = AUVID_C(0.0), nearest = AUVID_C(0.0);
     auvid_real_t sets = (auvid_real_t)c->result.sets, widening = c->widening[i];
-    auvid_finding_t found = {.moved = c->sum[i], .beside = NOWHERE};
+    auvid_finding_t found = {.bound_shift = c->sum[i], .bound_partner = NOWHERE};
     int partner = i, p = c->parameter_of[i];
-    c->widening[i] = AUVID_C(0.0);          /* no covariance, unless its error is known */
-    if (!(c->variance[i] > AUVID_C(0.0))) { /* its column is zero: a sensor that stands still */
+    c->widening[i] = AUVID_C(0.0);          /* no covariance unless its error is known */
+    if (!(c->variance[i] > AUVID_C(0.0))) { /* zero column: a constant sensor */
         auvid_confidence_note_idle(c, p);
         return;
     }
@@ -187,27 +192,28 @@ void auvid_confidence_judge(job_t *c, int i)
     for (int k = 0; k < c->n; ++k) {
         auvid_real_t correlation =
             k == i ? AUVID_C(0.0) : auvid_abs(x[k]) / auvid_sqrt(c->variance[i] * c->variance[k]);
-        if ((c->at_bound >> c->parameter_of[k] & 1u) && correlation > most) {
-            found.beside = c->parameter_of[k];
-            most = correlation;
+        if ((c->at_bound >> c->parameter_of[k] & 1u) && correlation > nearest) {
+            found.bound_partner = c->parameter_of[k];
+            nearest = correlation;
         }
         delta -= x[k] * c->influence[k];
         partner = correlation > largest ? k : partner;
         largest = auvid_max(largest, correlation);
     }
-    auvid_real_t plain = pooled(c, x, y), variance = plain;
+    auvid_real_t plain = confidence_pooled_product(c, x, y), variance = plain;
     if (c->result.sets > 1) {
-        auvid_real_t own = sets * c->squares[i] - c->sum[i] * c->sum[i];
-        own *= (auvid_real_t)c->metric->sets_merged / sets; /* those that are gone scattered, too */
+        auvid_real_t scatter = sets * c->squares[i] - c->sum[i] * c->sum[i];
+        /* include the sets that left the ring */
+        scatter *= (auvid_real_t)c->metric->sets_merged / sets;
         variance =
-            (POOLED * variance + auvid_max(own, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
+            (POOLED * variance + auvid_max(scatter, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
     found.sigma = auvid_sqrt(WIDENED * variance * widening + c->delay_step[i] * c->delay_step[i]);
     found.bias = auvid_abs(delta);
     found.partner = largest > CORRELATED ? c->parameter_of[partner] : NOWHERE;
     confidence_consider(c, p);
     auvid_confidence_conclude(c, i, &found);
-    write_row(c, i, plain, y);
+    confidence_write_row(c, i, plain, y);
     if (c->result.sigma[p] < AUVID_LARGEST && plain > AUVID_C(0.0)) {
         c->widening[i] = auvid_sqrt((found.sigma * found.sigma + found.bias * found.bias) / plain);
     }

@@ -1,5 +1,5 @@
 /*
- * Confidence: what the standard errors mean for each parameter.
+ * Confidence: the note of each parameter, from its standard error.
  */
 #include "auvid/confidence.h"
 
@@ -9,15 +9,15 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Part of an equation's rms wrench that the impossible part of an estimate may make. */
+/* Largest part of an equation's rms wrench that the impossible part of an estimate may explain. */
 #define IMPOSSIBLE AUVID_C(0.1)
 
 /* ---- bias of masses by the noise of the measured acceleration ---- */
 
-/* Tap k of white velocity noise that has become an acceleration and passed the rows' filter. DVL
- * samples two cells apart are interpolated (0.5 1 0.5), rates come in every cell; the derivative is
+/* Returns tap k of the filter from white velocity noise to the acceleration in a row. DVL samples
+ * two cells variance are interpolated (0.5 1 0.5), rates come in every cell; the derivative is
  * (0.5 0 -0.5). */
-static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
+static auvid_real_t confidence_noise_tap(const auvid_metric_t *m, int is_moment, int k)
 {
     enum { LENGTH = 5 };
     static const auvid_real_t shape[2][LENGTH] = {
@@ -26,34 +26,34 @@ static auvid_real_t noise_tap(const auvid_metric_t *m, int moment, int k)
     auvid_real_t tap = AUVID_C(0.0);
     for (int i = 0; i < LENGTH; ++i) {
         bool inside = k - i >= 0 && k - i < m->taps;
-        tap += inside ? shape[moment][i] * m->kernel[moment][k - i] : AUVID_C(0.0);
+        tap += inside ? shape[is_moment][i] * m->kernel[is_moment][k - i] : AUVID_C(0.0);
     }
     return tap;
 }
 
-/* Its correlation at the bands' distance. */
-static auvid_real_t noise_correlation(const auvid_metric_t *m, int j)
+/* Returns the correlation of this noise at the distance of the two rows of a band. */
+static auvid_real_t confidence_noise_correlation(const auvid_metric_t *m, int j)
 {
-    int moment = j >= AUVID_ROLL, lag = m->cfg.lag[moment] * m->cfg.row_cells;
+    int is_moment = j >= AUVID_ROLL, lag = m->cfg.lag[is_moment] * m->cfg.row_cells;
     auvid_real_t square = AUVID_C(0.0), product = AUVID_C(0.0);
     for (int k = 0; k < m->taps + 4; ++k) {
-        auvid_real_t tap = noise_tap(m, moment, k);
+        auvid_real_t tap = confidence_noise_tap(m, is_moment, k);
         square += tap * tap;
-        product += tap * noise_tap(m, moment, k - lag);
+        product += tap * confidence_noise_tap(m, is_moment, k - lag);
     }
     return product / square;
 }
 
-/* a: derivatives of DoF j's row by its acceleration. */
-static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
-                     auvid_real_t a[AUVID_MAX_PARAMETERS])
+/* Compute a, the derivatives of DoF j's row by its acceleration. */
+static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                                        auvid_real_t a[AUVID_MAX_PARAMETERS])
 {
     auvid_sample_t sample;
     memset(&sample, 0, sizeof sample);
     memset(a, 0, AUVID_MAX_PARAMETERS * sizeof *a);
-    for (int moved = 0; moved <= 1; ++moved) {
+    for (int unit = 0; unit <= 1; ++unit) {
         memset(y, 0, sizeof *y);
-        sample.nu_dot[j] = (auvid_real_t)moved;
+        sample.nu_dot[j] = (auvid_real_t)unit;
         vehicle->regressor(vehicle->context, &sample, y);
         for (int i = 0; i < vehicle->parameters; ++i) {
             a[i] = y->row[j][i] - a[i];
@@ -62,7 +62,7 @@ static void mass_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y
 }
 
 /* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
- * band has that noise times (1 + rho) / (1 - rho) in it. */
+ * band contains that noise times (1 + rho) / (1 - rho). */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
@@ -70,11 +70,11 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     if (auvid_metric_smooths_motion(m)) {
         return;
     }
-    mass_row(m->cfg.vehicle, j, &c->regressor, a);
+    confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         mass += a[i] * c->pi[i];
     }
-    auvid_real_t rho = noise_correlation(m, j);
+    auvid_real_t rho = confidence_noise_correlation(m, j);
     auvid_real_t noise =
         m->band_sse[1][j] *
         (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
@@ -90,11 +90,11 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 {
     const auvid_metric_config_t *cfg = &c->metric->cfg;
     bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
-    bool driven = (c->metric->excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    bool excited = (c->metric->excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
     c->result.sigma[i] = AUVID_LARGEST;
-    c->result.note[i] = !free    ? AUVID_NOTE_FIXED
-                        : driven ? AUVID_NOTE_UNCERTAIN
-                                 : AUVID_NOTE_NOT_EXCITED;
+    c->result.note[i] = !free     ? AUVID_NOTE_FIXED
+                        : excited ? AUVID_NOTE_UNCERTAIN
+                                  : AUVID_NOTE_NOT_EXCITED;
 }
 
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
@@ -116,8 +116,8 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
                : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
 }
 
-/* A value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
-static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
+/* Returns the value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
+static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
@@ -132,20 +132,20 @@ static auvid_real_t small_in(const auvid_confidence_job_t *c, int i, int j)
            auvid_confidence_column(c, j, i);
 }
 
-/* The same in whichever driven DoF it matters most. */
-static auvid_real_t small_value(const auvid_confidence_job_t *c, int i)
+/* Returns the smallest such value over the excited DoF. */
+static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int i)
 {
-    auvid_real_t least = AUVID_LARGEST;
+    auvid_real_t smallest = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t value = small_in(c, i, j);
-        least = (c->metric->excited >> j & 1) && value < least ? value : least;
+        auvid_real_t value = confidence_small_value_in_dof(c, i, j);
+        smallest = (c->metric->excited >> j & 1) && value < smallest ? value : smallest;
     }
-    return least < AUVID_LARGEST ? least : AUVID_C(0.0);
+    return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }
 
-/* Does the model leave less of DoF j's wrench than the wrench's mean does? An optimum does, unless
- * bounds, or what is wrong with the model, keep the search from it. */
-static bool is_explained(const auvid_metric_t *m, int j)
+/* Returns true if the model explains DoF j's wrench better than the mean of the wrench does. An
+ * optimum does, unless bounds or model errors keep the search away from it. */
+static bool confidence_is_explained(const auvid_metric_t *m, int j)
 {
     auvid_real_t total = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
@@ -155,8 +155,8 @@ static bool is_explained(const auvid_metric_t *m, int j)
     return m->sse[j] <= total;
 }
 
-/* How far parameter i is beyond what is possible; 0: it is not. */
-static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
+/* Returns how far parameter i is beyond the possible range; 0: it is within. */
+static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t value = c->pi[i], beyond = AUVID_C(0.0);
     switch (c->metric->cfg.vehicle->parameter[i].kind) {
@@ -178,8 +178,8 @@ static auvid_real_t impossible_part(const auvid_confidence_job_t *c, int i)
     return auvid_max(beyond, AUVID_C(0.0));
 }
 
-/* Norm of DoF j's wrench at its delay, less what known parameters explain. */
-static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
+/* Returns the norm of DoF j's wrench at its delay, less what known parameters explain. */
+static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
@@ -191,8 +191,8 @@ static auvid_real_t wrench_norm(const auvid_confidence_job_t *c, int j)
     return auvid_sqrt(square);
 }
 
-/* Does its note say that the parameter is known? */
-static bool is_claimed(const auvid_confidence_t *c, int p)
+/* Returns true if the note says that the parameter is known. */
+static bool confidence_is_known(const auvid_confidence_t *c, int p)
 {
     return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_IMPLAUSIBLE ||
            c->note[p] == AUVID_NOTE_THRUST_SCALE;
@@ -201,34 +201,34 @@ static bool is_claimed(const auvid_confidence_t *c, int p)
 void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
 {
     auvid_confidence_t *to = &c->result;
-    auvid_real_t most = IMPOSSIBLE * wrench_norm(c, j), worst = AUVID_C(0.0);
-    uint32_t beyond = 0, claimed = 0;
+    auvid_real_t max_force = IMPOSSIBLE * confidence_wrench_norm(c, j), worst = AUVID_C(0.0);
+    uint32_t beyond = 0, known = 0;
     uint8_t culprit = NOWHERE;
     for (int k = 0; k < c->n; ++k) {
         int p = c->parameter_of[k];
         if ((int)c->metric->cfg.vehicle->parameter[p].dof != j) {
             continue;
         }
-        auvid_real_t part = impossible_part(c, p);
+        auvid_real_t part = confidence_impossible_part(c, p);
         auvid_real_t force =
             part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
         bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
         to->implausible |= (uint32_t)sure << p;
-        claimed |= (uint32_t)is_claimed(to, p) << p;
-        if (sure || force > most) {
+        known |= (uint32_t)confidence_is_known(to, p) << p;
+        if (sure || force > max_force) {
             beyond |= 1u << p;
             culprit = force > worst ? (uint8_t)p : culprit;
             worst = auvid_max(worst, force);
         }
     }
-    if (culprit == NOWHERE || claimed == 0) {
+    if (culprit == NOWHERE || known == 0) {
         return;
     }
     to->implausible |= beyond;
-    to->identifiable &= ~claimed;
+    to->identifiable &= ~known;
     for (int k = 0; k < c->n; ++k) {
         int p = c->parameter_of[k];
-        if (claimed >> p & 1u) {
+        if (known >> p & 1u) {
             to->note[p] = AUVID_NOTE_DISCREDITED;
             to->partner[p] = culprit;
             to->bound[p] = c->pi[culprit];
@@ -236,9 +236,10 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
     }
 }
 
-/* Does a bound, or the end of the search, decide the parameter? @return the note; 0: no */
-static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_t half,
-                             const auvid_finding_t *found)
+/* Returns the note if a bound, or a search that has not converged, determines the parameter; else
+ * AUVID_NOTE_NONE. */
+static auvid_note_t confidence_limiting_note(const auvid_confidence_job_t *c, int p,
+                                             auvid_real_t half, const auvid_finding_t *found)
 {
     auvid_real_t distance = auvid_abs(c->pi[p] - c->result.bound[p]);
     if (c->not_converged) {
@@ -247,8 +248,9 @@ static auvid_note_t limit_of(const auvid_confidence_job_t *c, int p, auvid_real_
     if ((c->at_bound >> p & 1u) && !(distance > half)) {
         return AUVID_NOTE_AT_BOUND;
     }
-    return found->beside != NOWHERE && !(auvid_abs(found->moved) <= half) ? AUVID_NOTE_BESIDE_BOUND
-                                                                          : AUVID_NOTE_NONE;
+    return found->bound_partner != NOWHERE && !(auvid_abs(found->bound_shift) <= half)
+               ? AUVID_NOTE_BESIDE_BOUND
+               : AUVID_NOTE_NONE;
 }
 
 void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found)
@@ -256,39 +258,41 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     int p = c->parameter_of[i];
     auvid_confidence_t *to = &c->result;
     if (to->note[p] == AUVID_NOTE_NOT_EXCITED) {
-        return; /* a by-product */
+        return; /* its value is a by-product */
     }
     const auvid_metric_config_t *cfg = &c->metric->cfg;
     const auvid_parameter_t *parameter = &cfg->vehicle->parameter[p];
     auvid_real_t sigma = found->sigma, bias = found->bias;
     auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
-    auvid_real_t told = auvid_sqrt(sigma * sigma + dvl * dvl);
-    auvid_real_t all = auvid_sqrt(told * told + thrust * thrust);
+    auvid_real_t relative = auvid_sqrt(sigma * sigma + dvl * dvl);
+    auvid_real_t all = auvid_sqrt(relative * relative + thrust * thrust);
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
-    /* where a bound holds the estimate, the delays' step would lead it back, too */
-    auvid_real_t apart =
+    /* without the step of the delays, which would lead an estimate at a bound away from it */
+    auvid_real_t variance =
         auvid_max(sigma * sigma - c->delay_step[i] * c->delay_step[i], AUVID_C(0.0));
-    auvid_note_t limit = limit_of(c, p, AUVID_HALF_WIDTH * auvid_sqrt(apart) + bias, found);
+    auvid_note_t limit =
+        confidence_limiting_note(c, p, AUVID_HALF_WIDTH * auvid_sqrt(variance) + bias, found);
     bool known = total <= AUVID_LARGEST_SIGMA && limit == AUVID_NOTE_NONE;
     to->sigma[p] = known ? total : AUVID_LARGEST;
     to->note[p] = AUVID_NOTE_UNCERTAIN;
     if (limit != AUVID_NOTE_NONE) {
         to->note[p] = (uint8_t)limit;
-        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->beside : to->partner[p];
+        to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->bound_partner : to->partner[p];
     } else if (known && half <= allowed) {
-        bool plausible = is_explained(c->metric, (int)parameter->dof);
+        bool plausible = confidence_is_explained(c->metric, (int)parameter->dof);
         to->identifiable |= 1u << p;
         to->implausible |= (uint32_t)!plausible << p;
         to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
-    } else if (auvid_abs(c->pi[p]) + half <= small_value(c, p)) {
+    } else if (auvid_abs(c->pi[p]) + half <= confidence_small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
-    } else if (known && AUVID_HALF_WIDTH * told + bias <= allowed) {
-        auvid_real_t room = (allowed - bias) / AUVID_HALF_WIDTH;
+    } else if (known && AUVID_HALF_WIDTH * relative + bias <= allowed) {
+        auvid_real_t max_sigma = (allowed - bias) / AUVID_HALF_WIDTH;
         to->note[p] = AUVID_NOTE_THRUST_SCALE;
-        to->bound[p] = to->uncertainty.thrust_scale *
-                       (auvid_sqrt(room * room - told * told) / auvid_abs(thrust));
+        to->bound[p] =
+            to->uncertainty.thrust_scale *
+            (auvid_sqrt(max_sigma * max_sigma - relative * relative) / auvid_abs(thrust));
     } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
         to->partner[p] = found->partner;

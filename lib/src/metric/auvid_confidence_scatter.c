@@ -1,6 +1,6 @@
 /*
- * Confidence, phase SCATTER: scores and influences, set by set. What they are for is in
- * auvid_confidence.c.
+ * Confidence, phase SCATTER: scores and influences, set by set. auvid_confidence.c gives the
+ * equations.
  */
 #include <string.h>
 
@@ -10,24 +10,25 @@
 
 typedef auvid_confidence_job_t job_t;
 
-/* A row of one band of a set: into the scores at both points, and whitened, w R_j = r, into the
+/* Add a row of one band of a set to the scores at both points, and, whitened by w R_j = r, to the
  * sum of w'w. */
 void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band, int i)
 {
     const auvid_metric_t *m = c->metric;
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     auvid_real_t w[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
-    auvid_real_t own = AUVID_C(0.0), joint = AUVID_C(0.0), weight = m->band_weight[band][j];
+    auvid_real_t dof_residual = AUVID_C(0.0), residual = AUVID_C(0.0),
+                 weight = m->band_weight[band][j];
     auvid_metric_unpack_row(m, set, band, j, i, w);
     for (int k = i; k < n; ++k) {
-        own += w[k] * c->single_dof_optimum[at + k];
-        joint += w[k] * (k < count ? c->pi[m->index[at + k]] : c->single_dof_optimum[at + k]);
+        dof_residual += w[k] * c->single_dof_optimum[at + k];
+        residual += w[k] * (k < count ? c->pi[m->index[at + k]] : c->single_dof_optimum[at + k]);
     }
     for (int k = i; k < count; ++k) {
-        int place = c->column_of[m->index[at + k]];
-        c->score[k] += weight * own * w[k];
-        if (place != NOWHERE) {
-            c->influence[place] += m->weight[j] * weight * joint * w[k];
+        int column = c->column_of[m->index[at + k]];
+        c->score[k] += weight * dof_residual * w[k];
+        if (column != NOWHERE) {
+            c->influence[column] += m->weight[j] * weight * residual * w[k];
         }
     }
     auvid_qr_solve_transposed(confidence_merged(c, j), n, count, w);
@@ -39,7 +40,8 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
     }
 }
 
-/* DoF j of a set is complete: sum g' H^-1 g, and the loss of freedom tr (H^-1 H_s)^2. */
+/* Complete DoF j of a set: add g' H^-1 g, and subtract tr (H^-1 H_s)^2 from the degrees of freedom.
+ * */
 void auvid_confidence_finish_dof(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;

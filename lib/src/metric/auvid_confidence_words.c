@@ -1,5 +1,5 @@
 /*
- * Confidence in words.
+ * Confidence: notes and missing motion as English text.
  */
 #include "auvid/confidence.h"
 
@@ -14,7 +14,7 @@ const char *auvid_note_str(auvid_note_t note)
     case AUVID_NOTE_FIXED:
         return "fixed by the configuration";
     case AUVID_NOTE_NOT_EXCITED:
-        return "nothing moved this degree of freedom";
+        return "degree of freedom not excited";
     case AUVID_NOTE_COMBINATION:
         return "only a combination with another parameter is known";
     case AUVID_NOTE_SMALL:
@@ -34,20 +34,20 @@ const char *auvid_note_str(auvid_note_t note)
     case AUVID_NOTE_DISCREDITED:
         return "its equation has an impossible estimate";
     case AUVID_NOTE_THRUST_SCALE:
-        return "known in your newtons only";
+        return "known up to the thrust scale";
     case AUVID_NOTE_COUNT:
     default:
         return "unknown note";
     }
 }
 
-/* A text under construction, always ended by zero. */
+/* A text under construction, always zero-terminated. */
 typedef struct {
     char *text;
     size_t size, used;
 } writer_t;
 
-static void confidence_add(writer_t *w, const char *words)
+static void confidence_append(writer_t *w, const char *words)
 {
     for (; *words != '\0' && w->used + 1 < w->size; ++words) {
         w->text[w->used++] = *words;
@@ -55,16 +55,16 @@ static void confidence_add(writer_t *w, const char *words)
     w->text[w->used] = '\0';
 }
 
-static void add_dof(writer_t *w, auvid_dof_t dof)
+static void confidence_append_dof(writer_t *w, auvid_dof_t dof)
 {
     static const char *const name[AUVID_DOF_COUNT] = {
         "surge: ", "sway: ", "heave: ", "roll: ", "pitch: ", "yaw: "};
-    confidence_add(w, name[dof]);
+    confidence_append(w, name[dof]);
 }
 
-/* A number with up to three decimals; of one that needs more room or more decimals, nothing.
- * @return it is there */
-static bool add_number(writer_t *w, auvid_real_t x)
+/* Append a number with up to three decimals, or nothing if it needs more space or more decimals.
+ * @return true if it is appended */
+static bool confidence_append_number(writer_t *w, auvid_real_t x)
 {
     enum { PLACES = 14, DECIMALS = 3 };
     char text[PLACES + 1] = {0}, *c = text + PLACES;
@@ -88,95 +88,95 @@ static bool add_number(writer_t *w, auvid_real_t x)
         *--c = (char)('0' + whole % 10u);
         whole /= 10u;
     } while (whole > 0);
-    confidence_add(w, x < AUVID_C(0.0) ? "-" : "");
-    confidence_add(w, c);
+    confidence_append(w, x < AUVID_C(0.0) ? "-" : "");
+    confidence_append(w, c);
     return true;
 }
 
-/* A number in whole steps, at most nine decimals; of one too large for that, nothing. */
-static void add_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
+/* Append a number in whole steps, or nothing if it is 1e9 steps or more. */
+static void confidence_append_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
 {
     auvid_real_t steps = x / step;
     if (steps < AUVID_C(1e9)) {
         uint32_t whole = (uint32_t)steps;
         whole += up && (auvid_real_t)whole < steps;
-        (void)add_number(w, (auvid_real_t)whole * step);
+        (void)confidence_append_number(w, (auvid_real_t)whole * step);
     }
 }
 
-/* x per cent, in tenths below one. */
-static void add_percent(writer_t *w, auvid_real_t x, bool up)
+/* Append x as per cent, in tenths below one. */
+static void confidence_append_percent(writer_t *w, auvid_real_t x, bool up)
 {
-    add_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
-    confidence_add(w, " %");
+    confidence_append_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
+    confidence_append(w, " %");
 }
 
-/* Parameter i is known but for the scale of the thrust. With the limit that bound holds its
- * half-width would be what is allowed. */
-static void add_scale(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
-                      int i)
+/* Append that parameter i is known relative to the thrust scale. With the thrust_scale in `bound`
+ * its half-width would be the largest allowed. */
+static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
+                                    const auvid_parameter_t *parameter, int i)
 {
     auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
-    auvid_real_t told = auvid_sqrt(sigma * sigma - thrust * thrust);
+    auvid_real_t relative = auvid_sqrt(sigma * sigma - thrust * thrust);
     auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
-    auvid_real_t allowed = auvid_sqrt(told * told + limit * limit);
-    confidence_add(w, parameter->name);
-    confidence_add(w, " is known to ");
+    auvid_real_t allowed = auvid_sqrt(relative * relative + limit * limit);
+    confidence_append(w, parameter->name);
+    confidence_append(w, " is known to ");
     if (parameter->kind == AUVID_PARAMETER_FORCE) {
-        add_steps(w, AUVID_HALF_WIDTH * told, AUVID_C(0.1), true);
-        confidence_add(w, " ");
-        confidence_add(w, parameter->unit);
+        confidence_append_steps(w, AUVID_HALF_WIDTH * relative, AUVID_C(0.1), true);
+        confidence_append(w, " ");
+        confidence_append(w, parameter->unit);
     } else {
-        add_percent(w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * told / allowed, true);
+        confidence_append_percent(
+            w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * relative / allowed, true);
     }
-    confidence_add(w, " in your newtons; calibrate thrust to ");
-    add_percent(w, AUVID_C(100.0) * c->bound[i], false);
-    confidence_add(w, " for SI");
+    confidence_append(w, " up to the thrust scale; calibrate thrust to ");
+    confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
 }
 
-/* Parameter i's equation has an impossible estimate. */
-static void add_impossible(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
-                           int i)
+/* Append that parameter i's equation has an impossible estimate. */
+static void confidence_append_impossible(writer_t *w, const auvid_confidence_t *c,
+                                         const auvid_vehicle_t *vehicle, int i)
 {
-    confidence_add(w, vehicle->parameter[c->partner[i]].name);
-    confidence_add(w, " is impossible (");
-    confidence_add(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
-    (void)add_number(w, c->bound[i]);
-    confidence_add(w, "): the equation is not trusted; check signs, units, the model");
+    confidence_append(w, vehicle->parameter[c->partner[i]].name);
+    confidence_append(w, " is impossible (");
+    confidence_append(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
+    (void)confidence_append_number(w, c->bound[i]);
+    confidence_append(w, "): the equation is not trusted; check signs, units and the model");
 }
 
-/* Parameter i at its bound. */
-static void add_bound(writer_t *w, const auvid_confidence_t *c, const auvid_parameter_t *parameter,
-                      int i)
+/* Append that parameter i is at its bound. */
+static void confidence_append_bound(writer_t *w, const auvid_confidence_t *c,
+                                    const auvid_parameter_t *parameter, int i)
 {
-    confidence_add(w, parameter->name);
-    confidence_add(w, c->partner[i] != 0 ? " is at its upper bound of "
-                                         : " is at its lower bound of ");
-    if (add_number(w, c->bound[i])) {
-        confidence_add(w, " ");
+    confidence_append(w, parameter->name);
+    confidence_append(w, c->partner[i] != 0 ? " is at its upper bound of "
+                                            : " is at its lower bound of ");
+    if (confidence_append_number(w, c->bound[i])) {
+        confidence_append(w, " ");
     }
-    confidence_add(w, parameter->unit);
-    confidence_add(w, ": widen it");
+    confidence_append(w, parameter->unit);
+    confidence_append(w, ": widen it");
 }
 
-/* All that depend on the parameter at its bound on which parameter i does. */
-static void add_dependents(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
-                           int i)
+/* Append all parameters that depend on the same parameter at its bound as parameter i. */
+static void confidence_append_dependents(writer_t *w, const auvid_confidence_t *c,
+                                         const auvid_vehicle_t *vehicle, int i)
 {
     const char *separator = " also changes ";
-    confidence_add(w, vehicle->parameter[c->partner[i]].name);
-    confidence_add(w, " at its bound");
+    confidence_append(w, vehicle->parameter[c->partner[i]].name);
+    confidence_append(w, " at its bound");
     for (int k = i; k < vehicle->parameters; ++k) {
         if (c->note[k] == AUVID_NOTE_BESIDE_BOUND && c->partner[k] == c->partner[i]) {
-            confidence_add(w, separator);
-            confidence_add(w, vehicle->parameter[k].name);
+            confidence_append(w, separator);
+            confidence_append(w, vehicle->parameter[k].name);
             separator = ", ";
         }
     }
 }
 
-/* What a parameter of its kind needs. */
-static void add_need(writer_t *w, const auvid_parameter_t *parameter)
+/* Append the motion that a parameter of its kind needs. */
+static void confidence_append_need(writer_t *w, const auvid_parameter_t *parameter)
 {
     static const char *const lacks[] = {[AUVID_PARAMETER_OTHER] = "too little motion for ",
                                         [AUVID_PARAMETER_MASS] = "too little acceleration for ",
@@ -191,33 +191,35 @@ static void add_need(writer_t *w, const auvid_parameter_t *parameter)
         [AUVID_PARAMETER_INERTIA] = "; sines of 0.1-0.3 Hz, stronger or for longer",
         [AUVID_PARAMETER_LINEAR_DRAG] = "; more steps held 4-8 s, some at a third of the strength",
         [AUVID_PARAMETER_QUADRATIC_DRAG] = "; steps held 4-8 s, stronger or more of them",
-        [AUVID_PARAMETER_FORCE] = "; go on recording"};
+        [AUVID_PARAMETER_FORCE] = "; continue recording"};
     bool known = (unsigned)parameter->kind < sizeof lacks / sizeof lacks[0];
     auvid_parameter_kind_t kind = known ? parameter->kind : AUVID_PARAMETER_OTHER;
-    confidence_add(w, lacks[kind]);
-    confidence_add(w, parameter->name);
-    confidence_add(w, needs[kind]);
+    confidence_append(w, lacks[kind]);
+    confidence_append(w, parameter->name);
+    confidence_append(w, needs[kind]);
 }
 
-static bool is_drag(const auvid_parameter_t *parameter)
+static bool confidence_is_drag(const auvid_parameter_t *parameter)
 {
     return parameter->kind == AUVID_PARAMETER_LINEAR_DRAG ||
            parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
 }
 
-static void add_pair(writer_t *w, const auvid_parameter_t *one, const auvid_parameter_t *other)
+static void confidence_append_pair(writer_t *w, const auvid_parameter_t *one,
+                                   const auvid_parameter_t *other)
 {
-    confidence_add(w, one->name);
-    confidence_add(w, " and ");
-    confidence_add(w, other->name);
-    confidence_add(w, " cannot be told apart; ");
-    confidence_add(w, is_drag(one) && is_drag(other)
-                          ? "steps held 4-8 s at two strengths"
-                          : "hold one of them fixed, or vary the motion");
+    confidence_append(w, one->name);
+    confidence_append(w, " and ");
+    confidence_append(w, other->name);
+    confidence_append(w, " cannot be distinguished; ");
+    confidence_append(w, confidence_is_drag(one) && confidence_is_drag(other)
+                             ? "steps held 4-8 s at two strengths"
+                             : "fix one of them, or vary the motion");
 }
 
-/* Does what is to be said of parameter i say it of parameter k < i too? */
-static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, int k, int i)
+/* Returns true if the sentence of parameter k < i also covers parameter i. */
+static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                                        int k, int i)
 {
     if (c == NULL || c->note[i] == AUVID_NOTE_NOT_EXCITED) {
         return vehicle->parameter[k].dof == vehicle->parameter[i].dof;
@@ -231,74 +233,75 @@ static bool is_same(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
            (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
 }
 
-/* Does parameter i get a sentence, and is it the first to give it? A DoF that was not driven has
- * one for all its parameters, a pair has one for both, a bound one for all that depend on it, an
- * impossible estimate one for its equation, and a search that has not converged one. */
-static bool is_told(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle, uint32_t free,
-                    int i)
+/* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
+ * sentence covers: a DoF that was not excited; a pair; all that depend on a parameter at its bound;
+ * the equation of an impossible estimate; a search that has not converged. */
+static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
+                                    uint32_t free, int i)
 {
-    _Static_assert(AUVID_NOTE_COUNT <= 32, "a bit of `told` for each note");
-    static const uint32_t told = 1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION |
-                                 1u << AUVID_NOTE_NOISE | 1u << AUVID_NOTE_UNCERTAIN |
-                                 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
-                                 1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
-                                 1u << AUVID_NOTE_THRUST_SCALE;
-    if ((free != 0 && !(free >> i & 1u)) || (c != NULL && !(told >> (c->note[i] & 31u) & 1u))) {
+    _Static_assert(AUVID_NOTE_COUNT <= 32, "a bit of `with_sentence` for each note");
+    static const uint32_t with_sentence =
+        1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION | 1u << AUVID_NOTE_NOISE |
+        1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
+        1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
+        1u << AUVID_NOTE_THRUST_SCALE;
+    if ((free != 0 && !(free >> i & 1u)) ||
+        (c != NULL && !(with_sentence >> (c->note[i] & 31u) & 1u))) {
         return false;
     }
     for (int k = 0; k < i; ++k) {
-        if ((free == 0 || (free >> k & 1u)) && is_same(c, vehicle, k, i)) {
+        if ((free == 0 || (free >> k & 1u)) && confidence_is_same_sentence(c, vehicle, k, i)) {
             return false;
         }
     }
     return true;
 }
 
-/* The sentence of parameter i. */
-static void add_sentence(writer_t *w, const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
-                         int i)
+/* Append the sentence of parameter i. */
+static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
+                                       const auvid_vehicle_t *vehicle, int i)
 {
     const auvid_parameter_t *parameter = &vehicle->parameter[i];
     auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_EXCITED : (auvid_note_t)c->note[i];
     if (note == AUVID_NOTE_NOT_CONVERGED) {
-        confidence_add(w, "the search has not converged; narrow the bounds, or give a good point");
+        confidence_append(w,
+                          "the search has not converged; narrow the bounds, or give a good point");
         return;
     }
-    add_dof(w, parameter->dof);
+    confidence_append_dof(w, parameter->dof);
     if (note == AUVID_NOTE_NOT_EXCITED) {
-        confidence_add(w,
-                       "nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz");
+        confidence_append(w, "not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz");
     } else if (note == AUVID_NOTE_COMBINATION) {
-        add_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
+        confidence_append_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
     } else if (note == AUVID_NOTE_AT_BOUND) {
-        add_bound(w, c, parameter, i);
+        confidence_append_bound(w, c, parameter, i);
     } else if (note == AUVID_NOTE_BESIDE_BOUND) {
-        add_dependents(w, c, vehicle, i);
+        confidence_append_dependents(w, c, vehicle, i);
     } else if (note == AUVID_NOTE_DISCREDITED) {
-        add_impossible(w, c, vehicle, i);
+        confidence_append_impossible(w, c, vehicle, i);
     } else if (note == AUVID_NOTE_THRUST_SCALE) {
-        add_scale(w, c, parameter, i);
+        confidence_append_scale(w, c, parameter, i);
     } else {
-        add_need(w, parameter);
+        confidence_append_need(w, parameter);
     }
 }
 
-/* The DoF that lost the largest part of its rows. */
-static int least_recorded(const auvid_confidence_t *c)
+/* Returns the DoF that lost the largest part of its rows. */
+static int confidence_max_lost_dof(const auvid_confidence_t *c)
 {
-    int most = 0;
+    int worst = 0;
     for (int j = 1; j < AUVID_DOF_COUNT; ++j) {
-        most = c->lost[j] > c->lost[most] ? j : most;
+        worst = c->lost[j] > c->lost[worst] ? j : worst;
     }
-    return most;
+    return worst;
 }
 
-static void add_lost(writer_t *w, int dof, unsigned lost)
+static void confidence_append_lost(writer_t *w, int dof, unsigned lost)
 {
     const char number[3] = {(char)('0' + lost / 10 % 10), (char)('0' + lost % 10), '\0'};
-    add_dof(w, (auvid_dof_t)dof);
-    confidence_add(w, number);
-    confidence_add(w, " % of the rows were lost to gaps in the record");
+    confidence_append_dof(w, (auvid_dof_t)dof);
+    confidence_append(w, number);
+    confidence_append(w, " % of the rows were lost to gaps in the record");
 }
 
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
@@ -314,15 +317,15 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
     writer_t w = {.text = text, .size = size};
     text[0] = '\0';
     for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
-        if (is_told(confidence, vehicle, free, i) && which-- == 0) {
-            add_sentence(&w, confidence, vehicle, i);
+        if (confidence_has_sentence(confidence, vehicle, free, i) && which-- == 0) {
+            confidence_append_sentence(&w, confidence, vehicle, i);
             return AUVID_OK;
         }
     }
-    int dof = confidence == NULL ? 0 : least_recorded(confidence);
+    int dof = confidence == NULL ? 0 : confidence_max_lost_dof(confidence);
     if (confidence != NULL && confidence->lost[dof] >= AUVID_CONFIDENCE_LOST_PERCENT &&
         which == 0) {
-        add_lost(&w, dof, confidence->lost[dof]);
+        confidence_append_lost(&w, dof, confidence->lost[dof]);
         return AUVID_OK;
     }
     return AUVID_FINISHED;

@@ -6,17 +6,17 @@
  *
  *     sum_i c_i Y_i pi = sum_i c_i tau_i,
  *
- * holds for the true pi exactly; which c is best is a matter of noise only. Savitzky-Golay of order
- * 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and stops what the DVL
- * adds.
+ * holds for the true pi exactly, so the choice of c is only a matter of noise. Savitzky-Golay of
+ * order 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and attenuates the
+ * noise of the DVL.
  *
- * Velocity that is interpolated between samples T apart has passed a triangle of variance T^2 / 6,
- * the mean over where in T the sample falls: at 0.25 Hz and 5 Hz that is 0.8 % off, and masses come
- * out so much too large. So the forces pass (a, 1 - 2 a, a) besides, a = T^2 / (12 cell^2), which
- * has the same variance.
+ * Velocity that is interpolated between samples T apart has passed a triangular filter. Its
+ * variance is T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its
+ * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
+ * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
  *
- * Cells become rows in auvid_metric_record.c, rows a set in auvid_metric_close.c, sets one weighted
- * triangle in auvid_metric_merge.c; costs are evaluated in auvid_metric_cost.c.
+ * auvid_metric_record.c forms rows from cells, auvid_metric_close.c sets from rows.
+ * auvid_metric_merge.c merges sets to one weighted R factor. auvid_metric_cost.c evaluates costs.
  */
 #include "auvid/metric.h"
 
@@ -26,7 +26,7 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Standard deviation of the weights by which residuals are smoothed in the residual path. */
+/* Standard deviation of the weights that smooth the residuals in the residual path. */
 #define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
 
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
@@ -77,7 +77,7 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
     auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
     auvid_real_t longest =
         cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
-    auvid_real_t earliest = /* one of its own must pass, rounded */
+    auvid_real_t earliest = /* accepts a rounded delay of the metric */
         -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
     if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) ||
         !auvid_is_finite(cfg->excitation_threshold) ||
@@ -110,21 +110,21 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
     return cfg->vehicle->regressor != NULL || stored ? AUVID_OK : AUVID_ERR_MODEL;
 }
 
-/* One pass of Savitzky-Golay in the middle of `taps`. @return its first coefficient */
-static auvid_real_t *make_pass(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width,
-                               uint8_t derivative)
+/* Write one pass of Savitzky-Golay to the middle of `taps`. @return its first coefficient */
+static auvid_real_t *metric_make_pass(const auvid_metric_t *m, auvid_real_t *kernel,
+                                      uint8_t half_width, uint8_t derivative)
 {
     auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
     auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
     (void)auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0,
-                                      first); /* they exist: filter_fits */
+                                      first); /* they exist: metric_check_filter */
     return first;
 }
 
-/* A pass of n coefficients at `first`, and after it one at c, which may be the same. */
-static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
+/* Convolve the n coefficients at `first` with those at c, which may be the same array. */
+static void metric_convolve(auvid_real_t *first, const auvid_real_t *c, int n)
 {
-    for (int t = 2 * n - 2; t >= 0; --t) { /* in place: what is still needed stands before t */
+    for (int t = 2 * n - 2; t >= 0; --t) { /* in place: later steps read only entries before t */
         auvid_real_t sum = AUVID_C(0.0);
         for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
             sum += first[i] * c[t - i];
@@ -133,8 +133,8 @@ static void convolve(auvid_real_t *first, const auvid_real_t *c, int n)
     }
 }
 
-/* Binomial weights over an odd number of rows: n of them have a variance of (n - 1) / 4. */
-static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
+/* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */
+static void metric_make_window(auvid_metric_t *m, auvid_real_t deviation_s)
 {
     auvid_real_t rows = deviation_s * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
@@ -145,57 +145,59 @@ static void make_window(auvid_metric_t *m, auvid_real_t deviation_s)
     memset(m->window_weight, 0, sizeof m->window_weight);
     m->window_weight[0] = AUVID_C(1.0);
     for (int n = 1; n < m->window_length; ++n) {
-        for (int k = n; k >= 0; --k) { /* Pascal's triangle, halved from line to line */
+        for (int k = n; k >= 0; --k) { /* Pascal's triangle, each line halved */
             auvid_real_t left = k > 0 ? m->window_weight[k - 1] : AUVID_C(0.0);
             m->window_weight[k] = AUVID_C(0.5) * (m->window_weight[k] + left);
         }
     }
 }
 
-/* The residual path with rows of its own kind: means over the row; residuals are smoothed later. */
-static bool averages(const auvid_metric_config_t *cfg)
+/* Returns true if rows are means over the row time: residual path, residuals smoothed later. */
+static bool metric_averages(const auvid_metric_config_t *cfg)
 {
     return !auvid_metric_is_linear(cfg) && !auvid_metric_is_literal(cfg);
 }
 
-static uint32_t widest(const auvid_metric_config_t *cfg)
+static uint32_t metric_max_half_width(const auvid_metric_config_t *cfg)
 {
     return cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
 }
 
-static uint32_t taps_of(const auvid_metric_config_t *cfg)
+static uint32_t metric_taps(const auvid_metric_config_t *cfg)
 {
     uint32_t ends = !auvid_metric_is_literal(cfg) && cfg->velocity_us > 0 ? 2u : 0u;
-    return averages(cfg) ? cfg->row_cells : 2 * widest(cfg) * cfg->passes + 1 + ends;
+    return metric_averages(cfg) ? cfg->row_cells
+                                : 2 * metric_max_half_width(cfg) * cfg->passes + 1 + ends;
 }
 
-static uint32_t overlap_of(const auvid_metric_config_t *cfg)
+static uint32_t metric_overlap(const auvid_metric_config_t *cfg)
 {
-    return (taps_of(cfg) + cfg->row_cells - 1) / cfg->row_cells;
+    return (metric_taps(cfg) + cfg->row_cells - 1) / cfg->row_cells;
 }
 
-/* Does the filter exist (smoother.h), and is there room for it? */
-static auvid_status_t filter_fits(const auvid_metric_config_t *cfg)
+/* Check that the filter exists (smoother.h) and fits. */
+static auvid_status_t metric_check_filter(const auvid_metric_config_t *cfg)
 {
-    int least = cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
-    if (taps_of(cfg) > AUVID_MAX_TAPS || overlap_of(cfg) > AUVID_MAX_OVERLAP) {
+    int min_half =
+        cfg->half_width[0] < cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
+    if (metric_taps(cfg) > AUVID_MAX_TAPS || metric_overlap(cfg) > AUVID_MAX_OVERLAP) {
         return AUVID_ERR_SIZE;
     }
-    if (averages(cfg)) {
+    if (metric_averages(cfg)) {
         return AUVID_OK;
     }
-    if (widest(cfg) > AUVID_MAX_HALF_WIDTH) {
+    if (metric_max_half_width(cfg) > AUVID_MAX_HALF_WIDTH) {
         return AUVID_ERR_SIZE;
     }
     if (cfg->order > AUVID_SMOOTHER_MAX_ORDER ||
         (auvid_metric_is_literal(cfg) && cfg->order < 1)) { /* no derivative */
         return AUVID_ERR_RANGE;
     }
-    return cfg->order > 2 * least ? AUVID_ERR_SINGULAR : AUVID_OK;
+    return cfg->order > 2 * min_half ? AUVID_ERR_SINGULAR : AUVID_OK;
 }
 
-/* Is there room for all channels and triangles? */
-static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
+/* Check that all channels and R factors fit. */
+static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg)
 {
     uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -210,35 +212,35 @@ static auvid_status_t columns_fit(const auvid_metric_config_t *cfg)
     return fit ? AUVID_OK : AUVID_ERR_SIZE;
 }
 
-static void make_filter(auvid_metric_t *m)
+static void metric_make_filter(auvid_metric_t *m)
 {
     const auvid_metric_config_t *cfg = &m->cfg;
-    m->taps = (uint8_t)taps_of(cfg);
-    m->overlap = (uint8_t)overlap_of(cfg);
-    if (averages(cfg)) {
+    m->taps = (uint8_t)metric_taps(cfg);
+    m->overlap = (uint8_t)metric_overlap(cfg);
+    if (metric_averages(cfg)) {
         for (int i = 0; i < m->taps; ++i) {
             m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
         }
-        make_window(m, RESIDUAL_SMOOTHING_S);
+        metric_make_window(m, RESIDUAL_SMOOTHING_S);
         return;
     }
-    make_window(m, AUVID_C(0.0));
+    metric_make_window(m, AUVID_C(0.0));
     bool literal = auvid_metric_is_literal(cfg);
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
     m->interpolation_spread = literal ? AUVID_C(0.0) : spread;
     uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
-    auvid_real_t *smooth = make_pass(m, m->kernel[0], half, 0);
-    auvid_real_t *second = make_pass(m, m->kernel[1], other, literal);
-    if (cfg->passes == 2) { /* a derivative is taken once */
-        convolve(second, literal ? smooth : second, 2 * other + 1);
-        convolve(smooth, smooth, 2 * half + 1);
+    auvid_real_t *smooth = metric_make_pass(m, m->kernel[0], half, 0);
+    auvid_real_t *second = metric_make_pass(m, m->kernel[1], other, literal);
+    if (cfg->passes == 2) { /* the derivative once */
+        metric_convolve(second, literal ? smooth : second, 2 * other + 1);
+        metric_convolve(smooth, smooth, 2 * half + 1);
     }
 }
 
-/* Give each modelled DoF its channels and its triangle. In the residual path they serve the model
- * linearised at an estimate. */
-static void lay_out(auvid_metric_t *m)
+/* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised
+ * at an estimate uses them. */
+static void metric_lay_out(auvid_metric_t *m)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
@@ -268,15 +270,15 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = metric_check(cfg);
-    status = status == AUVID_OK ? filter_fits(cfg) : status;
-    status = status == AUVID_OK ? columns_fit(cfg) : status;
+    status = status == AUVID_OK ? metric_check_filter(cfg) : status;
+    status = status == AUVID_OK ? metric_check_columns(cfg) : status;
     if (status < 0) {
         return status;
     }
     metric->cfg = *cfg;
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
-    make_filter(metric);
-    lay_out(metric);
+    metric_make_filter(metric);
+    metric_lay_out(metric);
     memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
     metric->first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;

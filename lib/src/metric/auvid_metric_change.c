@@ -1,11 +1,12 @@
 /*
- * Metric: do the newest sets belong to the same vehicle as the others?
+ * Metric: change test of the newest sets.
  *
- * With U(A) what no pi explains of the wrench in the sets A, a DoF's equation holds for the old and
- * the new sets with the same parameters when U(old and new) - U(old) - U(new) is noise only (Chow
- * 1960): it is then sigma^2 times a chi-square of as many degrees of freedom as there are
- * parameters. One chain of rotations, oldest set first, gives U of the old sets with and without
- * the set before the newest, and U of all; then the newest set is taken alone, and the two newest.
+ * U(A) is the part of the wrench in the sets A that no pi explains. A DoF's equation holds for the
+ * old and the new sets with the same parameters if U(old and new) - U(old) - U(new) is only noise
+ * (Chow 1960). It is then sigma^2 times a chi-square variable with as many degrees of freedom as
+ * there are parameters. One chain of rotations, oldest set first, gives U of the old sets with and
+ * without the set before the newest, and U of all. Then the newest set is rotated alone, and then
+ * the two newest.
  */
 #include "auvid/metric.h"
 
@@ -23,18 +24,18 @@ void auvid_metric_change_begin(auvid_metric_t *metric)
     }
 }
 
-/* The set of DoF j has been taken in as number `place` of the chain: what it tells. */
-static void note_set(auvid_metric_t *m, int j, int place)
+/* DoF j has rotated in set number `step` of the chain: update the statistic. */
+static void metric_record_change(auvid_metric_t *m, int j, int step)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
     auvid_metric_clear_dependent(m, j);
     auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
-    if (place == sets - 3) {
+    if (step == sets - 3) {
         m->change[1][j] -= u;
-    } else if (place == sets - 2) {
+    } else if (step == sets - 2) {
         m->change[0][j] -= u;
-    } else if (place == sets - 1) {
+    } else if (step == sets - 1) {
         m->change[0][j] += u;
         m->change[1][j] += u;
         for (int i = 0; i < m->count[j]; ++i) {
@@ -42,18 +43,18 @@ static void note_set(auvid_metric_t *m, int j, int place)
             m->change_rank[j] = (uint8_t)(m->change_rank[j] + usable);
         }
         memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_QR_FACTOR(n) * sizeof u);
-    } else if (place == sets) {
+    } else if (step == sets) {
         m->change[0][j] -= u;
-    } else if (place == sets + 1) {
+    } else if (step == sets + 1) {
         m->change[1][j] -= u;
     }
 }
 
-/* One row of one band of the set of that place in DoF j's chain. @return its rows are at an end */
-static bool metric_judge_row(auvid_metric_t *m, int j, int place)
+/* Rotate in one row of set number `step` of DoF j's chain. @return true if it has no more rows */
+static bool metric_change_row(auvid_metric_t *m, int j, int step)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
-    int age = place < sets ? sets - 1 - place : place - sets;
+    int age = step < sets ? sets - 1 - step : step - sets;
     const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
     if ((set->excited >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
         return true;
@@ -70,16 +71,16 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
     }
     auvid_metric_t *m = metric;
     int sets = auvid_metric_sets(m);
-    int places = sets < 3 ? 0 : sets + 2; /* else there is nothing to compare with */
+    int steps = sets < 3 ? 0 : sets + 2; /* fewer than three: nothing to compare with */
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_set = 0) {
         int j = m->at_dof;
-        while (auvid_metric_order(m, j) > 0 && m->at_set < places) {
+        while (auvid_metric_order(m, j) > 0 && m->at_set < steps) {
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
             if (auvid_metric_spend(m, budget, AUVID_METRIC_ROTATION) &&
-                metric_judge_row(m, j, m->at_set)) {
-                note_set(m, j, m->at_set++);
+                metric_change_row(m, j, m->at_set)) {
+                metric_record_change(m, j, m->at_set++);
                 m->at_row = 0;
             }
         }

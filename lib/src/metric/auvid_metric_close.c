@@ -1,6 +1,5 @@
 /*
- * Metric, recording: the end of a set. What becomes of its rows, and of those that come while the
- * ring is held.
+ * Metric, recording: completion of a set, and rows that arrive while the ring is held.
  */
 #include "auvid/metric.h"
 
@@ -18,21 +17,20 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     if (m->rows == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    uint8_t driven = 0;
+    uint8_t excited = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t least = m->cfg.excitation_threshold * m->cfg.tau_max[j];
-        bool is_driven =
-            m->cfg.vehicle->columns[j] != 0 &&
-            m->tau_m2[j] > least * least * (auvid_real_t)m->rows_of[j];
-        driven = (uint8_t)(driven | (unsigned)is_driven << j);
+        auvid_real_t min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j];
+        bool is_excited = m->cfg.vehicle->columns[j] != 0 &&
+                          m->tau_m2[j] > min_rms * min_rms * (auvid_real_t)m->rows_of[j];
+        excited = (uint8_t)(excited | (unsigned)is_excited << j);
     }
-    bool kept = auvid_metric_free_of(m, driven) != 0;
+    bool kept = auvid_metric_free_of(m, excited) != 0;
     if (kept && m->held && !auvid_metric_has_regressor(m)) {
         m->full = true;
         return AUVID_PENDING;
     }
     if (kept) {
-        auvid_metric_store_set(m, driven);
+        auvid_metric_store_set(m, excited);
     }
     ++m->sets_recorded;
     m->rows = 0;
@@ -80,7 +78,7 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
     }
     auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
     if (set->rows == 0) {
-        return AUVID_ERR_RANGE; /* dropped before */
+        return AUVID_ERR_RANGE; /* already deleted */
     }
     memset(set, 0, sizeof *set);
     return AUVID_OK;

@@ -46,7 +46,7 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auv
 }
 
 /* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
-static auvid_status_t triangle_cost(auvid_metric_t *m, uint32_t *budget)
+static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
         int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
@@ -92,11 +92,12 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
     return s;
 }
 
-/* Residuals of one stored row into the window. @return the window is full of successive rows */
-static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
+/* Put the residuals of one stored row into the window. @return true if the window is full of
+ * successive rows */
+static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-    uint8_t without = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
+    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
     if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
         m->window_rows = 0;
         memset(m->window_of, 0, sizeof m->window_of);
@@ -104,7 +105,7 @@ static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
     m->window_us = sample.t_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
-        m->window_of[j] = (uint8_t)((without >> j & 1) != 0 ? 0 : rows);
+        m->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
     auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
                            m->window[m->window_rows % m->window_length]);
@@ -112,7 +113,7 @@ static bool push_residual(auvid_metric_t *m, const auvid_row_t *row)
     return m->window_rows >= m->window_length;
 }
 
-static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
+static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 {
     auvid_real_t e = AUVID_C(0.0);
     for (uint32_t k = 0; k < m->window_length; ++k) {
@@ -121,8 +122,9 @@ static auvid_real_t smoothed_residual(const auvid_metric_t *m, int j)
     return e;
 }
 
-/* J = sum over stored rows, oldest set first; compensated, since the constant part is in it. */
-static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
+/* J = sum over stored rows, oldest set first. The sum is compensated because it contains the
+ * constant part. */
+static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
     int sets = auvid_metric_sets(m);
     for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
@@ -133,12 +135,12 @@ static auvid_status_t sample_cost(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
-            if (!push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
+            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
-                    auvid_real_t e = smoothed_residual(m, j);
+                    auvid_real_t e = metric_smoothed_residual(m, j);
                     squares += m->weight[j] * e * e;
                     m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
                 }
@@ -157,8 +159,8 @@ auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
     if (metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
-    return auvid_metric_has_regressor(metric) ? triangle_cost(metric, budget)
-                                              : sample_cost(metric, budget);
+    return auvid_metric_has_regressor(metric) ? metric_factor_cost(metric, budget)
+                                              : metric_sample_cost(metric, budget);
 }
 
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
@@ -183,7 +185,7 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 {
     if (metric != NULL && pi != NULL) {
         auvid_metric_measure_begin(metric, pi, delay_s);
-        metric->to_set = 1; /* by age, the residual path from the oldest on */
+        metric->to_set = 1; /* regressor path by age, residual path from the oldest set on */
         int oldest = auvid_metric_sets(metric) - 1;
         metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)oldest;
     }
@@ -196,7 +198,7 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     }
     auvid_metric_t *m = metric;
     bool done = auvid_metric_has_regressor(m) ? auvid_metric_for_each_row(m, budget)
-                                              : sample_cost(m, budget) == AUVID_OK;
+                                              : metric_sample_cost(m, budget) == AUVID_OK;
     if (!done) {
         return AUVID_PENDING;
     }
@@ -208,11 +210,11 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     return AUVID_OK;
 }
 
-uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t driven)
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
 {
     uint32_t free = 0;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        if (driven >> m->cfg.vehicle->parameter[i].dof & 1) {
+        if (excited >> m->cfg.vehicle->parameter[i].dof & 1) {
             free |= 1u << i;
         }
     }
@@ -270,8 +272,8 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
             const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
             total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
         }
-        auvid_real_t left = metric->sse[j] / total;
-        r2[j] = auvid_is_finite(left) ? AUVID_C(1.0) - left : AUVID_C(0.0);
+        auvid_real_t unexplained = metric->sse[j] / total;
+        r2[j] = auvid_is_finite(unexplained) ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
     }
 }
 
@@ -307,13 +309,13 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     if (!auvid_metric_has_regressor(m)) {
         return AUVID_ERR_MODEL;
     }
-    /* one triangle for all DoF: active parameters in order, then the wrench */
+    /* one R factor for all DoF: active parameters in order, then the wrench */
     auvid_real_t joint[AUVID_QR_FACTOR(AUVID_MAX_PARAMETERS + 1)] = {AUVID_C(0.0)};
-    auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and at last the solution */
-    int8_t place[AUVID_MAX_PARAMETERS] = {0}, n = 0;
+    auvid_real_t x[AUVID_MAX_PARAMETERS + 1]; /* a row, and finally the solution */
+    int8_t column[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     active &= m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        place[i] = (active >> i & 1u) ? n++ : -1;
+        column[i] = (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < m->count[j] && (m->excited >> j & 1); ++i) {
@@ -324,9 +326,9 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
     for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) {
         x[i] = joint[auvid_qr_row(n + 1, i) + n - i];
     }
-    int lost = auvid_qr_solve(joint, n + 1, n, AUVID_C(1e-6), x);
+    int undetermined = auvid_qr_solve(joint, n + 1, n, AUVID_C(1e-6), x);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        pi[i] = place[i] >= 0 ? x[place[i]] : pi[i];
+        pi[i] = column[i] >= 0 ? x[column[i]] : pi[i];
     }
-    return lost > 0 ? AUVID_ERR_SINGULAR : AUVID_OK;
+    return undetermined > 0 ? AUVID_ERR_SINGULAR : AUVID_OK;
 }

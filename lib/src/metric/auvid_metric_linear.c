@@ -5,13 +5,13 @@
  *
  *     [ e_1 .. e_n | Z_0 Z_1 Z_2 ],   Z_k = sum_i e_i pi_i - e - (k - s) node e_d,
  *
- * are those that a linear model with these derivatives would have: for s = d / node the weights l
- * of the wrench at the three delays have sum l_k = 1 and sum k l_k = s, so that row [pi, -l(s)] =
- * e, and its derivative by d is e_d. What reads the triangles of a model with regressor (judge,
- * confidence) reads these too.
+ * are those of a linear model with these derivatives. For s = d / node the weights l of the wrench
+ * at the three delays have sum l_k = 1 and sum k l_k = s, so row [pi, -l(s)] = e. Its
+ * derivative by d is e_d. The code that reads the R factors of a model with regressor (change test,
+ * confidence) also reads these.
  *
- * Smoothed residuals one standard deviation of the smoothing apart are all that is needed: they
- * hold what closer ones do, nearly.
+ * It is enough to take smoothed residuals one standard deviation of the smoothing apart: closer
+ * ones add almost no information.
  */
 #include "auvid/metric.h"
 
@@ -21,7 +21,7 @@
 #include "auvid_metric_internal.h"
 
 #define PARAMETER_STEP AUVID_C(0.01) /* relative */
-#define LEAST_STEP AUVID_C(1e-4)     /* smaller ones drown in rounding */
+#define MIN_STEP AUVID_C(1e-4)       /* rounding dominates smaller ones */
 #define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
 #define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
 
@@ -39,8 +39,8 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
     m->at_part = 0;
 }
 
-/* The row `back` rows before row r of the set of that age, if it is still there. */
-static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, int back)
+/* Returns the row `back` rows before row r of the set of that age; NULL if it is not stored. */
+static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, int r, int back)
 {
     if (back > r) {
         if (age + 1 >= auvid_metric_sets(m)) {
@@ -52,12 +52,12 @@ static const auvid_row_t *row_before(const auvid_metric_t *m, int age, int r, in
     return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
 }
 
-/* Do the rows that end with row r make a whole window? */
-static bool has_window(const auvid_metric_t *m, int age, int r)
+/* Returns true if the rows that end with row r form a complete window. */
+static bool metric_has_window(const auvid_metric_t *m, int age, int r)
 {
-    const auvid_row_t *later = row_before(m, age, r, 0);
+    const auvid_row_t *later = metric_row_before(m, age, r, 0);
     for (int k = 1; k < m->window_length; ++k) {
-        const auvid_row_t *row = row_before(m, age, r, k);
+        const auvid_row_t *row = metric_row_before(m, age, r, k);
         if (row == NULL || !auvid_metric_succeeds(m, row->sample.t_us, later->sample.t_us)) {
             return false;
         }
@@ -66,17 +66,18 @@ static bool has_window(const auvid_metric_t *m, int age, int r)
     return true;
 }
 
-/* Residuals of a stored row with value number v moved by half a step up or down, or as it is:
- * v = 0; parameter (v - 1) / 2; the delay. */
-static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *row, int v,
-                                          auvid_real_t residual[AUVID_DOF_COUNT])
+/* Evaluate the residuals of a stored row with value (v - 1) / 2 perturbed by half a step: a
+ * parameter or, after the last one, the delay; v odd: up, v even: down, v = 0: nothing. @return the
+ * weight of the residuals in the central difference */
+static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row_t *row, int v,
+                                              auvid_real_t residual[AUVID_DOF_COUNT])
 {
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
     if (v > 0 && i < n) {
         auvid_real_t pi = m->pi[i];
-        step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), LEAST_STEP)
+        step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), MIN_STEP)
                                             : ZERO_STEP;
         m->pi[i] = pi + sign * step;
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
@@ -91,12 +92,13 @@ static auvid_real_t metric_evaluate_moved(auvid_metric_t *m, const auvid_row_t *
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
 
-/* Add one evaluation to the derivatives, which gather in z: for each DoF those by its parameters,
- * then e, then e_d. */
-static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t share, int v)
+/* Add one evaluation to the derivatives in z: for each DoF those by its parameters, then e, then
+ * e_d. */
+static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t tap,
+                                  int v)
 {
     auvid_real_t residual[AUVID_DOF_COUNT];
-    auvid_real_t weight = share * metric_evaluate_moved(m, row, v, residual);
+    auvid_real_t weight = tap * metric_evaluate_perturbed(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *z = m->z + m->channel_at[j];
@@ -111,28 +113,30 @@ static void add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real
     }
 }
 
-/* The DoF that the window ending with row r of the set of that age lacks a velocity of. */
-static uint8_t without_window(const auvid_metric_t *m, int age, int r)
+/* Returns the DoF (bit j) that have no row: a velocity is missing in the window that ends with row
+ * r. */
+static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int r)
 {
     uint8_t missing = 0;
     for (int k = 0; k < m->window_length; ++k) {
-        missing |= row_before(m, age, r, k)->sample.missing;
+        missing |= metric_row_before(m, age, r, k)->sample.missing;
     }
     return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
 }
 
-/* The derivatives are complete: into the triangles, but for the DoF `without`. */
-static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, uint8_t without)
+/* Rotate the complete derivatives into the R factors, except for the DoF in `excluded`. */
+static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
+                                                uint8_t excluded)
 {
     auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
-    for (int j = 0; j < AUVID_DOF_COUNT;
-         ++j) { /* from here on in the place of e: sum e_i pi_i - e */
+    /* replace e by sum e_i pi_i - e */
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t *z = m->z + m->channel_at[j];
         int count = m->count[j];
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        if ((without >> j & 1) != 0) {
+        if ((excluded >> j & 1) != 0) {
             auvid_clear(z, (size_t)auvid_metric_order(m, j));
             continue;
         }
@@ -148,7 +152,7 @@ static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, ui
         const auvid_real_t *z = m->z + m->channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         int count = m->count[j];
-        if (auvid_metric_order(m, j) == 0 || (without >> j & 1) != 0) {
+        if (auvid_metric_order(m, j) == 0 || (excluded >> j & 1) != 0) {
             continue;
         }
         ++set->windows[j];
@@ -160,36 +164,37 @@ static AUVID_NOINLINE void finish_window(auvid_metric_t *m, auvid_set_t *set, ui
     }
 }
 
-/* Values that are moved: is number v one of them? */
-static bool metric_moves(const auvid_metric_t *m, int v)
+/* Returns true if evaluation v is needed: its value is free or the delay. */
+static bool metric_is_perturbed(const auvid_metric_t *m, int v)
 {
     int i = (v - 1) / 2;
     return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
            (m->cfg.free >> i & 1u) != 0;
 }
 
-/* All windows of one set. @return done */
-static bool linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
+/* Linearise all windows of one set. @return true if they are complete */
+static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
 {
     int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
     for (; m->at_row < set->rows; m->at_row = (uint16_t)(m->at_row + stride), m->at_part = 0) {
         if (m->at_part == 0) {
-            if (!has_window(m, m->at_set, m->at_row)) {
+            if (!metric_has_window(m, m->at_set, m->at_row)) {
                 continue;
             }
             memset(m->z, 0, sizeof m->z);
         }
         for (; m->at_part < values * m->window_length; ++m->at_part) {
             int k = m->at_part / values, v = m->at_part % values;
-            if (!metric_moves(m, v)) {
+            if (!metric_is_perturbed(m, v)) {
                 continue;
             }
             if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            add_evaluation(m, row_before(m, m->at_set, m->at_row, k), m->window_weight[k], v);
+            metric_add_evaluation(m, metric_row_before(m, m->at_set, m->at_row, k),
+                                  m->window_weight[k], v);
         }
-        finish_window(m, set, without_window(m, m->at_set, m->at_row));
+        metric_finish_window(m, set, metric_dofs_without_window(m, m->at_set, m->at_row));
     }
     return true;
 }
@@ -209,7 +214,7 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
             memset(m->factor, 0, sizeof m->factor);
             memset(set->windows, 0, sizeof set->windows);
         }
-        if (!linearise_set(m, set, budget)) {
+        if (!metric_linearise_set(m, set, budget)) {
             return AUVID_PENDING;
         }
         auvid_metric_pack(m, set);
@@ -223,6 +228,6 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
     if (!auvid_metric_merge_sets(m, budget)) {
         return AUVID_PENDING;
     }
-    m->constant = AUVID_C(0.0); /* the cost of this path has it in it */
+    m->constant = AUVID_C(0.0); /* the cost of this path contains it */
     return AUVID_OK;
 }

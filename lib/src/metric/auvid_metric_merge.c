@@ -1,12 +1,15 @@
 /*
- * Metric, merging: the sets of the ring to one weighted triangle for each DoF.
+ * Metric: merging the sets of the ring into one weighted R factor for each DoF.
  *
- * Three passes bring the ring together. (1) All rows of all sets and bands into one triangle for
- * each DoF, bands weighted alike; from it the delay and the DoF's own least-squares parameters.
- * (2) Each band's residual at those parameters; the new weights are the inverse of its mean square.
- * (3) As (1), with the new weights. Successive rows a, b have residual variance (1 +- rho) sigma^2
- * / 2 in their sum and difference when their correlation is rho, so this is the whitening of a
- * first-order autoregression, chosen after the fact.
+ * The merge makes three passes.
+ * (1) All rows of all sets and bands are rotated into one R factor for each DoF, with equal weights
+ *     of the bands. It gives the delay and the DoF's least-squares parameters.
+ * (2) The residual of each band at those parameters gives the new weights, the inverse of its mean
+ *     square.
+ * (3) Pass 1 is repeated with the new weights.
+ * If successive rows a, b have the correlation rho, the residual variance of their sum and
+ * difference is (1 +- rho) sigma^2 / 2. So the weights whiten a first-order autoregression that is
+ * chosen after the fact.
  */
 #include "auvid/metric.h"
 
@@ -15,26 +18,26 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* No band is trusted more than this times the other (in variance). */
+/* Largest ratio of the weights of the two bands, as inverse variances. */
 #define METRIC_LARGEST_RATIO AUVID_C(1e3)
 
-/* A delay is taken when it is known this well [s] and is this many standard deviations from none.
- * The thrusters' delays are (lag 0.05 s, disturbance 3 N, 240 s: +-0.006 s); what a model that
- * misses something, a thruster's curve, say, makes look like a delay is not: it fits a little
- * better with it and predicts worse. */
+/* A delay is accepted if its standard deviation is at most this [s] and it is at least this many
+ * standard deviations from zero. The delays of thrusters pass (lag 0.05 s, disturbance 3 N, 240 s:
+ * +-0.006 s). A model error, such as a missing thruster curve, can look like a delay and does not
+ * pass: with it the fit is slightly better and the prediction is worse. */
 #define DELAY_PRECISION_S AUVID_C(0.0125)
 #define DELAY_SIGMAS AUVID_C(4.0)
 
-/* A pivot up to this part of its column is rounding, of stored triangles above all. */
-#define ROUNDED                                                                                    \
+/* A pivot up to this part of its column norm is rounding, mostly of the stored R factors. */
+#define PIVOT_ROUNDING                                                                             \
     (AUVID_METRIC_DIGITS == 15 ? AUVID_C(4.0) / AUVID_C(32768.0) : AUVID_C(100.0) * AUVID_EPSILON)
 
-/* Delays tried, in units of the nodes' distance: 0 .. 2. No response precedes its command, but late
- * stamps make it look so: where the delay is uncertain, shifts from -2/3 (two cells) are tried. */
+/* Delays that are tried, in units of the node spacing: 0 .. 2. A response seems to precede its
+ * command if time stamps are late: if the delay is uncertain, shifts from -2/3 (two cells) are
+ * tried. */
 enum { DELAY_STEPS = 20, EARLY_STEPS = 7 };
 #define DELAY_STEP AUVID_C(0.1)
-#define EARLIEST                                                                                   \
-    (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
+#define EARLIEST (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
 
 /* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
  * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
@@ -65,62 +68,63 @@ auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real
     return a * a + b * b + c * c;
 }
 
-/* The delay (or lag) of least unexplained wrench: on a grid, then the vertex of the parabola
- * through the best point and its neighbours. */
-static auvid_real_t best_delay(const auvid_metric_t *m, int j, bool lag)
+/* Find the delay (or lag) with the smallest unexplained wrench: on a grid, then at the vertex of
+ * the parabola through the best point and its neighbours. */
+static auvid_real_t metric_best_delay(const auvid_metric_t *m, int j, bool lag)
 {
-    auvid_real_t least = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
+    auvid_real_t smallest = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     bool early = !lag && m->cfg.delay_sigma_s > AUVID_C(0.0);
     for (int i = early ? -EARLY_STEPS : 0; i <= DELAY_STEPS; ++i) {
         auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = auvid_metric_unexplained(m, j, s, lag);
-        if (e < least) {
-            least = e;
+        if (e < smallest) {
+            smallest = e;
             best = s;
         }
     }
     auvid_real_t left = auvid_metric_unexplained(m, j, best - DELAY_STEP, lag);
     auvid_real_t right = auvid_metric_unexplained(m, j, best + DELAY_STEP, lag);
-    auvid_real_t bend = left - AUVID_C(2.0) * least + right;
+    auvid_real_t bend = left - AUVID_C(2.0) * smallest + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
     return auvid_clamp(best, early ? EARLIEST : AUVID_C(0.0),
                        DELAY_STEP * (auvid_real_t)DELAY_STEPS);
 }
 
-/* Shift or first-order lag, whichever leaves less unexplained; none without evidence. With E(s) the
- * unexplained part, N rows and E nearly a parabola: sigma^2 = s^2 / (N (E(0) / E(s) - 1)). */
-static auvid_real_t estimate_delay(const auvid_metric_t *m, int j, bool *lag)
+/* Estimate a shift or a first-order lag, whichever leaves less unexplained; zero if it is not
+ * significant. With E(s) the unexplained part, N rows and E nearly a parabola:
+ * sigma^2 = s^2 / (N (E(0) / E(s) - 1)). */
+static auvid_real_t metric_estimate_delay(const auvid_metric_t *m, int j, bool *lag)
 {
-    auvid_real_t as_shift = best_delay(m, j, false), as_lag = best_delay(m, j, true);
-    auvid_real_t shift_leaves = auvid_metric_unexplained(m, j, as_shift, false);
-    auvid_real_t lag_leaves = auvid_metric_unexplained(m, j, as_lag, true);
-    *lag = as_lag > AUVID_C(0.0) && lag_leaves < shift_leaves;
-    auvid_real_t s = *lag ? as_lag : as_shift, leaves = *lag ? lag_leaves : shift_leaves;
+    auvid_real_t as_shift = metric_best_delay(m, j, false), as_lag = metric_best_delay(m, j, true);
+    auvid_real_t e_shift = auvid_metric_unexplained(m, j, as_shift, false);
+    auvid_real_t e_lag = auvid_metric_unexplained(m, j, as_lag, true);
+    *lag = as_lag > AUVID_C(0.0) && e_lag < e_shift;
+    auvid_real_t s = *lag ? as_lag : as_shift, e_best = *lag ? e_lag : e_shift;
     auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
-                        (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - leaves);
+                        (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - e_best);
     auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
-    bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * leaves && gain > precise * precise * leaves;
+    bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * e_best && gain > precise * precise * e_best;
     *lag = *lag && sure;
     return sure ? s : AUVID_C(0.0);
 }
 
-/* A column that depends on those before it (yaw: m_u and m_v stand there as -u v and u v) leaves a
- * pivot of rounding, and in its row whatever direction of the others' rows rounding chose. That row
- * goes back to where it can be explained, or not. */
+/* A column that depends on those before it (yaw: m_u and m_v have the columns -u v and u v) has a
+ * pivot that is only rounding. The rest of its row then has an arbitrary direction. The row is
+ * cleared and rotated in again from the next column on. */
 void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j);
-    auvid_real_t *triangle = m->merged + m->factor_at[j];
+    auvid_real_t *factor = m->merged + m->factor_at[j];
     for (int i = 0; i < m->count[j]; ++i) {
-        auvid_real_t *r = triangle + auvid_qr_row(n, i);
-        auvid_real_t norm = auvid_qr_column_norm(triangle, n, i);
-        if (auvid_abs(r[0]) > ROUNDED * norm) {
+        auvid_real_t *r = factor + auvid_qr_row(n, i);
+        auvid_real_t norm = auvid_qr_column_norm(factor, n, i);
+        if (auvid_abs(r[0]) > PIVOT_ROUNDING * norm) {
             continue;
         }
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         memcpy(row + i, r, (size_t)(n - i) * sizeof *r);
         memset(r, 0, (size_t)(n - i) * sizeof *r);
-        auvid_qr_update(triangle, n, i + 1, row);
+        auvid_qr_update(factor, n, i + 1, row);
     }
 }
 
@@ -128,31 +132,31 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 void auvid_metric_solve_dof(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
-    const auvid_real_t *triangle = m->merged + m->factor_at[j];
+    const auvid_real_t *factor = m->merged + m->factor_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
-    bool driven = (m->excited >> j & 1) != 0;
+    bool excited = (m->excited >> j & 1) != 0;
     bool lag = (m->cfg.first_order_lag >> j & 1) != 0;
     auvid_metric_clear_dependent(m, j);
     if (!auvid_metric_has_regressor(m)) {
-        s = driven ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
+        s = excited ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
         lag = false;
     } else if (m->cfg.estimate_delay) {
-        s = driven ? estimate_delay(m, j, &lag) : AUVID_C(0.0);
+        s = excited ? metric_estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
     m->delay_s[j] = s * auvid_metric_node_s(m);
     m->first_order_lag = (uint8_t)((m->first_order_lag & ~(1u << j)) | (unsigned)lag << j);
     auvid_metric_delay_weights(s, lag, l);
     for (int i = 0; i < count; ++i) {
-        const auvid_real_t *r = triangle + auvid_qr_row(n, i);
+        const auvid_real_t *r = factor + auvid_qr_row(n, i);
         m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
         m->candidate[at + i] = m->z[at + i];
     }
-    (void)auvid_qr_solve(triangle, n, count, AUVID_C(1e-4), m->candidate + at);
+    (void)auvid_qr_solve(factor, n, count, AUVID_C(1e-4), m->candidate + at);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         m->candidate[at + count + d] = -l[d];
     }
-    if (driven) {
+    if (excited) {
         m->constant += m->weight[j] * auvid_metric_unexplained(m, j, s, lag);
     }
 }
@@ -169,16 +173,16 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     auvid_qr_update(m->merged + m->factor_at[j], n, i, row);
 }
 
-static bool rotates(const auvid_metric_t *m)
+static bool metric_rotates(const auvid_metric_t *m)
 {
     return m->pass != PASS_RESIDUAL && m->pass != PASS_MEASURE;
 }
 
-/* One row of one band of one set: rotate it in, or add its residual at the candidate. */
-static void visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+/* Process one row of one band of one set: rotate it in, or add its residual at the candidate. */
+static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
     int n = auvid_metric_order(m, j);
-    if (!rotates(m)) {
+    if (!metric_rotates(m)) {
         const auvid_real_t *x = m->candidate + m->channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
         auvid_metric_unpack_row(m, set, band, j, i, row);
@@ -205,8 +209,8 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
     }
 }
 
-/* Visit rows until the budget or the sets are at an end. Each unit of the budget is one step of the
- * loop at least. @return all visited */
+/* Process rows until the budget is used or the sets are complete. The loop takes at least one step
+ * for each unit of the budget. @return true if all rows are processed */
 bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_set < m->to_set) {
@@ -217,8 +221,8 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            if (auvid_metric_spend(m, budget, rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
-                visit_row(m, set, m->at_band, j, m->at_row++);
+            if (auvid_metric_spend(m, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+                metric_visit_row(m, set, m->at_band, j, m->at_row++);
             }
             continue;
         }
@@ -235,7 +239,7 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 }
 
 /* weight_b ~ 1 / sse_b, geometric mean one. */
-static void weigh_bands(auvid_metric_t *m, int j)
+static void metric_weigh_bands(auvid_metric_t *m, int j)
 {
     auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
     auvid_real_t ratio = AUVID_C(1.0);
@@ -246,8 +250,8 @@ static void weigh_bands(auvid_metric_t *m, int j)
     m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
 }
 
-/* After a pass, one DoF at a time: eight units each. @return all done */
-static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
+/* Complete a pass, one DoF at a time, at eight units each. @return true if all are complete */
+static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
     while (m->at_dof < AUVID_DOF_COUNT) {
         int j = m->at_dof;
@@ -259,7 +263,7 @@ static bool metric_settle_dof(auvid_metric_t *m, uint32_t *budget)
                 continue; /* the work of two rows */
             }
             if (m->pass == PASS_RESIDUAL) {
-                weigh_bands(m, j);
+                metric_weigh_bands(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
@@ -276,7 +280,7 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
     while (status == AUVID_EMPTY) {
         if (m->pass == PASS_PRIOR) {
             status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
-        } else if (auvid_metric_for_each_row(m, budget) && metric_settle_dof(m, budget)) {
+        } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
             auvid_metric_restart_pass(m, (uint8_t)(m->pass + 1));
         } else {
             status = AUVID_PENDING;

@@ -1,12 +1,12 @@
 /*
- * Metric, storage: the triangles of completed sets in half the memory.
+ * Metric, storage: the R factors of completed sets in half the memory.
  *
- * An entry is a whole number times 2^e, with e common to its column in both bands: the least for
- * which the largest entry stays below 2^15. Columns differ by orders of magnitude, and so do,
- * inversely, the parameters that they are multiplied by: rounded like this, the force that each
- * parameter explains is off by 2^-16 of its largest in each row, independently. Measured, Girona500
- * with its sensors' noise and no disturbance: estimates move by 0.009 standard errors (rms; with a
- * disturbance of 1 N by 0.004). With one e for a row instead it would be 0.7.
+ * An entry is an integer times 2^e. The exponent e is common to its column in both bands, and is
+ * the smallest for which the largest entry stays below 2^15. Columns differ by orders of magnitude,
+ * and the parameters that multiply them differ inversely. So the rounding error of the force of
+ * each parameter is 2^-16 of its largest value in each row, independently. Measured with Girona500,
+ * its sensors' noise and no disturbance: estimates change by 0.009 standard errors (rms); with a
+ * disturbance of 1 N by 0.004. With one e for each row instead of each column it would be 0.7.
  */
 #include "auvid/metric.h"
 
@@ -18,7 +18,7 @@
 enum { DIGITS = AUVID_METRIC_DIGITS };
 
 /* 2^e, -126 <= e <= 126. */
-static auvid_real_t power_of_two(int e)
+static auvid_real_t metric_power_of_two(int e)
 {
     uint32_t bits = (uint32_t)(e + 127) << 23;
     float power;
@@ -26,8 +26,8 @@ static auvid_real_t power_of_two(int e)
     return (auvid_real_t)power;
 }
 
-/* The least e with x < 2^(e + DIGITS), a little less to have room for rounding; from -126 on. */
-static int exponent_of(auvid_real_t x)
+/* Returns the smallest e >= -126 with 1.0001 x < 2^(e + DIGITS); the margin is for rounding. */
+static int metric_exponent(auvid_real_t x)
 {
     float single = (float)(AUVID_C(1.0001) * x);
     uint32_t bits;
@@ -36,14 +36,14 @@ static int exponent_of(auvid_real_t x)
     return e < -126 ? -126 : e;
 }
 
-/* To the nearest whole number. */
-static auvid_packed_t rounded(auvid_real_t share)
+/* Round to the nearest integer. */
+static auvid_packed_t metric_round(auvid_real_t x)
 {
-    return (auvid_packed_t)(share + (share < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
+    return (auvid_packed_t)(x + (x < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
-/* Column k of DoF j's triangle, of order n. Rows were within bounds, so all is finite. */
-static void pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n, int k)
+/* Pack column k of DoF j's R factor, of order n. Rows were within bounds, so all is finite. */
+static void metric_pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n, int k)
 {
     int top = m->factor_at[j] + k;
     auvid_real_t largest = AUVID_C(0.0);
@@ -52,12 +52,12 @@ static void pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n,
         largest = low > largest ? low : largest;
         largest = high > largest ? high : largest;
     }
-    int e = exponent_of(largest);
-    auvid_real_t scale = power_of_two(-e);
+    int e = metric_exponent(largest);
+    auvid_real_t scale = metric_power_of_two(-e);
     set->exponent[m->channel_at[j] + k] = (int8_t)e;
     for (int i = 0, at = top; i <= k; at += n - ++i) {
-        set->factor[0][at] = rounded(scale * m->factor[0][at]);
-        set->factor[1][at] = rounded(scale * m->factor[1][at]);
+        set->factor[0][at] = metric_round(scale * m->factor[0][at]);
+        set->factor[1][at] = metric_round(scale * m->factor[1][at]);
     }
 }
 
@@ -66,55 +66,57 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(m, j);
         for (int k = 0; k < n; ++k) {
-            pack_column(m, set, j, n, k);
+            metric_pack_column(m, set, j, n, k);
         }
     }
 }
 
-/* The set of the ring that is `back` turns old: 0 is where the next one goes. */
-static auvid_set_t *metric_place(auvid_metric_t *m, uint32_t back)
+/* Returns the slot of the set stored `back` - 1 sets before the last one; 0: of the next set. */
+static auvid_set_t *metric_set_slot(auvid_metric_t *m, uint32_t back)
 {
     return &m->set[(m->sets_stored + m->cfg.sets - back) % m->cfg.sets];
 }
 
-/* Would the next set overwrite one that is still needed? */
-static bool is_taken(auvid_metric_t *m)
+/* Returns true if the next set would overwrite one that is still needed. */
+static bool metric_slot_is_needed(auvid_metric_t *m)
 {
-    uint32_t most = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
+    uint32_t max_waiting = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
     if (!m->held) {
         return m->waiting >= m->cfg.sets;
     }
-    return metric_place(m, 0)->rows > 0 && (m->waiting >= most || auvid_metric_sets(m) <= m->least);
+    return metric_set_slot(m, 0)->rows > 0 &&
+           (m->waiting >= max_waiting || auvid_metric_sets(m) <= m->least);
 }
 
-/* Make room for a set. While the ring is held, the sets that count keep more than half of it: of
- * those that wait the oldest is lost then, and the others move up. Null: the new one is lost. */
-static auvid_set_t *make_room(auvid_metric_t *m)
+/* Make room for a set. While the ring is held, the sets that count keep more than half of it: the
+ * oldest waiting set is then lost and the others move up. @return its slot; NULL: the new set is
+ * lost */
+static auvid_set_t *metric_make_room(auvid_metric_t *m)
 {
-    bool lose = is_taken(m);
-    if (lose) {
-        m->rows_dropped += m->waiting > 0 ? metric_place(m, m->waiting)->rows : m->rows;
+    bool full = metric_slot_is_needed(m);
+    if (full) {
+        m->rows_dropped += m->waiting > 0 ? metric_set_slot(m, m->waiting)->rows : m->rows;
     } else {
         ++m->waiting;
     }
     if (m->waiting == 0) {
         return NULL;
     }
-    if (lose && m->held) {
+    if (full && m->held) {
         for (uint32_t back = m->waiting; back > 1; --back) {
-            *metric_place(m, back) = *metric_place(m, back - 1u);
+            *metric_set_slot(m, back) = *metric_set_slot(m, back - 1u);
         }
     } else {
         ++m->sets_stored;
         m->from = (uint8_t)(m->from + m->held);
         m->ring_changed = m->held;
     }
-    return metric_place(m, 1);
+    return metric_set_slot(m, 1);
 }
 
-void auvid_metric_store_set(auvid_metric_t *m, uint8_t driven)
+void auvid_metric_store_set(auvid_metric_t *m, uint8_t excited)
 {
-    auvid_set_t *set = make_room(m);
+    auvid_set_t *set = metric_make_room(m);
     if (set == NULL) {
         return;
     }
@@ -124,7 +126,7 @@ void auvid_metric_store_set(auvid_metric_t *m, uint8_t driven)
     memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
     set->lost = m->lost;
     memcpy(set->fastest, m->fastest, sizeof set->fastest);
-    set->excited = driven;
+    set->excited = excited;
     memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
     if (auvid_metric_has_regressor(m)) {
         auvid_metric_pack(m, set);
@@ -135,9 +137,9 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
                              int i, auvid_real_t *row)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_packed_t *share = set->factor[band] + m->factor_at[j] + auvid_qr_row(n, i) - i;
+    const auvid_packed_t *packed = set->factor[band] + m->factor_at[j] + auvid_qr_row(n, i) - i;
     const int8_t *exponent = set->exponent + m->channel_at[j];
     for (int k = i; k < n; ++k) {
-        row[k] = (auvid_real_t)share[k] * power_of_two(exponent[k]);
+        row[k] = (auvid_real_t)packed[k] * metric_power_of_two(exponent[k]);
     }
 }

@@ -1,10 +1,11 @@
 /*
- * Metric, memory: what was known of the parameters before the first set.
+ * Metric, prior: parameters estimated before the first set was recorded.
  *
- * With s_j^2 the noise that counts in DoF j's rows, pi_i = p_i +- sigma_i is one more row of its
- * equation, s_j / sigma_i (pi_i - p_i) = 0. What rows of a DoF leave unexplained rises by T when
- * these come in: T / s_j^2 is a chi-square of as many degrees of freedom as there are rows, if they
- * are of the same vehicle (Chow 1960; auvid_metric_change.c).
+ * With s_j^2 the effective noise in DoF j's rows, the prior pi_i = p_i +- sigma_i is one more row
+ * of its equation, s_j / sigma_i (pi_i - p_i) = 0. These rows increase what the rows of a DoF leave
+ * unexplained by T. If the prior and the sets are of the same vehicle, T / s_j^2 is a chi-square
+ * variable (Chow 1960; auvid_metric_change.c). It has as many degrees of freedom as there are prior
+ * rows.
  */
 #include "auvid/metric.h"
 
@@ -13,27 +14,28 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Memory is dropped above this F. What it costs to drop it for nothing is little: a cold start. */
+/* The prior is discarded above this F. A wrong discard costs little: a cold start. */
 #define METRIC_LIMIT AUVID_C(6.0)
 
-/* Larger values are no parameters (crs.h). */
+/* Larger values are not accepted as parameters (crs.h). */
 #define LARGEST_VALUE AUVID_C(1e18)
-/* Standard errors and colours are between the inverse of this and this. */
+/* Standard errors and variance inflations are below this and above its inverse. */
 #define LARGEST_ERROR AUVID_C(2e30)
 
-/* Parameters of DoF j's own that are remembered: bit k, by column. */
-static uint32_t columns_known(const auvid_metric_t *m, int j)
+/* Returns the columns (bit k) of DoF j's own parameters that have a prior. */
+static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 {
     uint32_t known = 0;
     for (int k = 0; k < m->count[j]; ++k) {
         int i = m->index[m->channel_at[j] + k];
-        bool own = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(own && (m->prior.known >> i & 1u)) << k;
+        bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
+        known |= (uint32_t)(of_dof && (m->prior.known >> i & 1u)) << k;
     }
     return known;
 }
 
-static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+/* Rotate the prior of column k into DoF j's R factor. */
+static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
@@ -47,28 +49,28 @@ static void metric_rotate(auvid_metric_t *m, int j, int k, auvid_real_t noise)
     auvid_qr_update(m->merged + m->factor_at[j], n, k, row);
 }
 
-/* @return are these sets and the memory of the same vehicle? */
-static bool recall_dof(auvid_metric_t *m, int j)
+/* Rotate the priors of DoF j in. @return true if they agree with the sets */
+static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
     bool lag = (m->first_order_lag >> j & 1) != 0;
     auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
-    auvid_real_t square = m->prior.variance_inflation[j] * before / rows, freedom = AUVID_C(0.0);
-    uint32_t known = columns_known(m, j);
+    auvid_real_t square = m->prior.variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
+    uint32_t known = metric_prior_columns(m, j);
     for (int k = 0; k < m->count[j]; ++k) {
         if (known >> k & 1u) {
-            metric_rotate(m, j, k, auvid_sqrt(square));
-            freedom += AUVID_C(1.0);
+            metric_add_prior_row(m, j, k, auvid_sqrt(square));
+            degrees += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
     m->constant -= m->weight[j] * before;
     auvid_metric_solve_dof(m, j);
-    return more <= METRIC_LIMIT * freedom * square;
+    return more <= METRIC_LIMIT * degrees * square;
 }
 
-/* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (forgotten: the last pass begins anew) */
-static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
+/* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (prior discarded: the last pass starts again) */
+static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
 {
     for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
         int j = m->at_dof;
@@ -81,7 +83,7 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
         } while (!auvid_metric_spend(m, budget, price));
-        if (!recall_dof(m, j)) {
+        if (!metric_apply_prior_dof(m, j)) {
             m->prior.known = 0;
             m->apply_prior = NULL;
             auvid_metric_restart_pass(m, PASS_LAST);
@@ -91,43 +93,43 @@ static auvid_status_t recall(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-static bool is_error(auvid_real_t x)
+static bool metric_is_valid_error(auvid_real_t x)
 {
     return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
 }
 
-auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *memory)
+auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior)
 {
-    if (!auvid_all_finite(memory->pi, AUVID_MAX_PARAMETERS) ||
-        !auvid_all_finite(memory->sigma, AUVID_MAX_PARAMETERS) ||
-        !auvid_all_finite(memory->variance_inflation, AUVID_DOF_COUNT)) {
+    if (!auvid_all_finite(prior->pi, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(prior->sigma, AUVID_MAX_PARAMETERS) ||
+        !auvid_all_finite(prior->variance_inflation, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         int j = (int)metric->cfg.vehicle->parameter[i].dof;
-        if ((memory->known >> i & 1u) &&
-            !(is_error(memory->sigma[i]) && is_error(memory->variance_inflation[j]))) {
+        if ((prior->known >> i & 1u) && !(metric_is_valid_error(prior->sigma[i]) &&
+                                          metric_is_valid_error(prior->variance_inflation[j]))) {
             return AUVID_ERR_RANGE;
         }
     }
-    bool good = (memory->known & ~auvid_metric_free_of(metric, UINT8_MAX)) == 0 &&
-                auvid_all_within(memory->pi, AUVID_MAX_PARAMETERS, LARGEST_VALUE) == AUVID_OK;
+    bool good = (prior->known & ~auvid_metric_free_of(metric, UINT8_MAX)) == 0 &&
+                auvid_all_within(prior->pi, AUVID_MAX_PARAMETERS, LARGEST_VALUE) == AUVID_OK;
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
-auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *memory)
+auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior)
 {
-    if (metric == NULL || memory == NULL) {
+    if (metric == NULL || prior == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_metric_check_prior(metric, memory);
+    auvid_status_t status = auvid_metric_check_prior(metric, prior);
     if (status < 0) {
         return status;
     }
     if (!auvid_metric_has_regressor(metric)) {
         return AUVID_ERR_MODEL;
     }
-    metric->prior = *memory;
-    metric->apply_prior = memory->known == 0 ? NULL : recall;
+    metric->prior = *prior;
+    metric->apply_prior = prior->known == 0 ? NULL : metric_apply_prior;
     return AUVID_OK;
 }

@@ -1,9 +1,9 @@
 /*
- * Metric, recording (Karras et al. 2013, III-B): cells to rows. Sets are completed in
- * auvid_metric_close.c.
+ * Metric, recording (Karras et al. 2013, III-B): cells to rows. auvid_metric_close.c completes
+ * sets.
  *
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
- * rows under construction, so no window of cells is kept.
+ * rows under construction, so no window of cells is stored.
  */
 #include "auvid/metric.h"
 
@@ -12,12 +12,12 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
-/* Cells of which the inputs are kept. */
+/* Number of cells whose inputs are stored. */
 enum { PAST = AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1 };
 /* Wrench and commands. */
 enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
 
-/* Where the regressor is evaluated: in memory that the residual path alone needs, or else on the
+/* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
  * stack. */
 #if AUVID_REGRESSOR_ONLY
 #define REGRESSOR(metric) (&(auvid_regressor_t){{{AUVID_C(0.0)}}})
@@ -25,24 +25,25 @@ enum { INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS };
 #define REGRESSOR(metric) (&(metric)->regressor)
 #endif
 
-/* Wrench and commands at node `delay`, each AUVID_METRIC_DELAY_CELLS cells. */
-static const auvid_real_t *delayed(const auvid_metric_t *m, int delay)
+/* Returns wrench and commands at delay number `delay`, in steps of AUVID_METRIC_DELAY_CELLS. */
+static const auvid_real_t *metric_delayed_inputs(const auvid_metric_t *m, int delay)
 {
     uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->cells % PAST;
     return m->past_tau[now >= ago ? now - ago : now + PAST - ago];
 }
 
-/* Channels of the regressor path stand in sections of one weight each: of the forces what their
- * parameters are multiplied by, then their wrench at three delays; then the same of the moments.
- * Where section i of these four begins: */
+/* The channels of the regressor path form four sections of one weight each. The forces have the
+ * factors of their parameters, then their wrench at three delays; the moments have the same.
+ * Returns where section i begins. */
 static int metric_section(const auvid_metric_t *m, int i)
 {
     int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
     return m->channel_at[j] + (i % 2 ? m->count[j] + m->count[j + 1] + m->count[j + 2] : 0);
 }
 
-/* What fixed parameters explain of DoF j's wrench. */
-static auvid_real_t explained(const auvid_metric_t *m, int j, const auvid_real_t *row)
+/* Returns the part of DoF j's wrench that fixed parameters explain. */
+static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
+                                              const auvid_real_t *row)
 {
     auvid_real_t sum = AUVID_C(0.0);
     uint32_t fixed = m->cfg.vehicle->columns[j] & ~m->columns[j];
@@ -55,16 +56,18 @@ static auvid_real_t explained(const auvid_metric_t *m, int j, const auvid_real_t
     return sum;
 }
 
+/* Evaluate the regressor into *y. */
 static void metric_evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
 {
     auvid_clear(y->row[0], sizeof *y / sizeof y->row[0][0]);
     m->cfg.vehicle->regressor(m->cfg.vehicle->context, s, y);
 }
 
-/* Fill the sections; late: inputs at each node. @return do fixed parameters explain anything? */
-static bool row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
-                         const auvid_real_t *const late[AUVID_METRIC_DELAYS], auvid_real_t *channel,
-                         auvid_real_t known[AUVID_DOF_COUNT])
+/* Fill the sections. late: inputs at each delay; fixed: wrench explained by fixed parameters.
+ * @return true if it is not zero */
+static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
+                                const auvid_real_t *const late[AUVID_METRIC_DELAYS],
+                                auvid_real_t *channel, auvid_real_t fixed[AUVID_DOF_COUNT])
 {
     auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     bool any = false;
@@ -73,12 +76,12 @@ static bool row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
             motion = channel + metric_section(m, 2);
             wrench = channel + metric_section(m, 3);
         }
-        known[j] = AUVID_C(0.0);
+        fixed[j] = AUVID_C(0.0);
         if (m->cfg.vehicle->columns[j] == 0) {
             continue;
         }
-        known[j] = explained(m, j, y->row[j]);
-        any = any || auvid_abs(known[j]) > AUVID_C(0.0);
+        fixed[j] = metric_explained_by_fixed(m, j, y->row[j]);
+        any = any || auvid_abs(fixed[j]) > AUVID_C(0.0);
         const uint8_t *index = m->index + m->channel_at[j];
         for (int k = m->count[j]; k > 0; --k) {
             *motion++ = y->row[j][*index++];
@@ -90,8 +93,8 @@ static bool row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
     return any;
 }
 
-/* Weight of the wrench of forces besides kernel[age], which motion has too: see auvid_metric.c. */
-static auvid_real_t spread_weight(const auvid_metric_t *m, uint32_t age)
+/* Returns the weight of the wrench of forces in addition to kernel[age]: see auvid_metric.c. */
+static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
 {
     const auvid_real_t *kernel = m->kernel[0];
     auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
@@ -99,8 +102,8 @@ static auvid_real_t spread_weight(const auvid_metric_t *m, uint32_t age)
     return m->interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
-/* y += a x; four at a time, which halves its cost */
-AUVID_INLINE void add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t *x, int n)
+/* y += a x; four entries at a time, which halves the cost. */
+AUVID_INLINE void metric_add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t *x, int n)
 {
     for (; n >= 4; n -= 4, x += 4, y += 4) {
         y[0] += a * x[0];
@@ -113,74 +116,78 @@ AUVID_INLINE void add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t
     }
 }
 
-/* Velocities that were not measured in a cell with a weight in the row. */
-static void note_missing(auvid_metric_t *m, uint32_t slot, uint32_t age, uint8_t missing)
+/* Record the velocities that were not measured in a cell with a weight in the row. */
+static void metric_record_missing(auvid_metric_t *m, uint32_t slot, uint32_t age, uint8_t missing)
 {
     for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
-        bool counts = auvid_metric_smooths_motion(m) ||
-                      auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
+        bool counts =
+            auvid_metric_smooths_motion(m) || auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
         m->missing[slot][moment] |= counts ? missing : 0u;
     }
 }
 
-/* The DoF that have no row, because the model reads what is missing. */
-static uint8_t without_row(const auvid_metric_t *m, uint32_t slot)
+/* Returns the DoF (bit j) that have no row, because the model reads a missing velocity. */
+static uint8_t metric_dofs_without_row(const auvid_metric_t *m, uint32_t slot)
 {
     unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][0]);
     unsigned moments = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][1]);
     return (uint8_t)((forces & 7u) | (moments & ~7u));
 }
 
-/* Add weight * channel to row under construction `slot`; `age` cells have gone into it before.
- * known: null, where it is zero. */
-static void accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
-                            const auvid_real_t *channel, const auvid_real_t *known, uint8_t missing)
+/* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
+ * it is zero. */
+static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                                   const auvid_real_t *channel, const auvid_real_t *fixed,
+                                   uint8_t missing)
 {
     const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
     int wrench = metric_section(m, 1), moments = metric_section(m, 2),
         end = m->channel_at[AUVID_DOF_COUNT];
     auvid_real_t *row = m->accumulator[slot];
-    note_missing(m, slot, age, missing);
-    add_scaled(row, force, channel, wrench);
-    add_scaled(row + wrench, force + spread_weight(m, age), channel + wrench, moments - wrench);
-    if (auvid_abs(moment) > AUVID_C(0.0)) { /* its kernel is shorter */
-        add_scaled(row + moments, moment, channel + moments, end - moments);
+    metric_record_missing(m, slot, age, missing);
+    metric_add_scaled(row, force, channel, wrench);
+    metric_add_scaled(row + wrench, force + metric_spread_weight(m, age), channel + wrench,
+                      moments - wrench);
+    if (auvid_abs(moment) > AUVID_C(0.0)) { /* the kernel of moments is shorter */
+        metric_add_scaled(row + moments, moment, channel + moments, end - moments);
     }
-    for (int j = 0; known != NULL && j < AUVID_DOF_COUNT; ++j) {
-        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * known[j];
+    for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
+        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
     }
 }
 
-/* The same for motion: attitude, nu, nu_dot, inputs at all delays. The literal reading makes its
- * accelerations of nu. */
-static void accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
-                              const auvid_sample_t *s)
+/* The same for motion: attitude, nu, nu_dot, inputs at all delays. Literal smoothing differentiates
+ * nu for the accelerations. */
+static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                                     const auvid_sample_t *s)
 {
     auvid_real_t *row = m->accumulator[slot];
     bool literal = auvid_metric_is_literal(&m->cfg);
     auvid_real_t smooth = m->kernel[0][age];
     auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
     auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
-    note_missing(m, slot, age, s->missing);
+    metric_record_missing(m, slot, age, s->missing);
     row[0] += smooth * s->phi;
     row[1] += smooth * s->theta;
     row[2] += smooth * s->psi;
-    add_scaled(row + MOTION_NU, smooth, s->nu, AUVID_DOF_COUNT);
-    add_scaled(row + MOTION_NU_DOT, derivative, literal ? s->nu : s->nu_dot, AUVID_DOF_COUNT);
+    metric_add_scaled(row + MOTION_NU, smooth, s->nu, AUVID_DOF_COUNT);
+    metric_add_scaled(row + MOTION_NU_DOT, derivative, literal ? s->nu : s->nu_dot,
+                      AUVID_DOF_COUNT);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        add_scaled(row + MOTION_TAU + d * INPUTS, raw, delayed(m, d), INPUTS);
+        metric_add_scaled(row + MOTION_TAU + d * INPUTS, raw, metric_delayed_inputs(m, d), INPUTS);
     }
 }
 
-/* Mean and sum of squares about it, one value at a time (Welford). */
-static void watch_wrench(auvid_metric_t *m, int j, auvid_real_t tau)
+/* Update the mean of the wrench and the sum of squares about it by one value (Welford). */
+static void metric_update_wrench_moments(auvid_metric_t *m, int j, auvid_real_t tau)
 {
     auvid_real_t off = tau - m->tau_mean[j];
     m->tau_mean[j] += off / (auvid_real_t)++m->rows_of[j];
     m->tau_m2[j] += off * (tau - m->tau_mean[j]);
 }
 
-static void sample_from_channels(const auvid_real_t *channel, uint64_t t_us, auvid_sample_t *s)
+static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_us,
+                                        auvid_sample_t *s)
 {
     memset(s, 0, sizeof *s);
     s->t_us = t_us;
@@ -193,10 +200,10 @@ static void sample_from_channels(const auvid_real_t *channel, uint64_t t_us, auv
     memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
 }
 
-/* Sums and differences of this row and an earlier one go into DoF j's triangles. The factor 1/2
- * makes the two bands together weigh as much as the rows themselves:
+/* Rotate sums and differences of this row and an earlier one into DoF j's R factors. The factor 1/2
+ * gives the two bands together the weight of the rows themselves:
  *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
-static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
+static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
     int at = m->channel_at[j], n = auvid_metric_order(m, j);
     uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
@@ -214,28 +221,28 @@ static void rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
     m->successive[j] = (uint8_t)(m->successive[j] + (m->successive[j] < AUVID_METRIC_LAGS));
 }
 
-static void lose_rows(auvid_metric_t *m, uint32_t rows)
+static void metric_count_lost_rows(auvid_metric_t *m, uint32_t rows)
 {
     uint32_t lost = m->lost + rows;
     m->lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
 }
 
-/* Some DoF has taken a row, or none. */
-static AUVID_NOINLINE void count_row(auvid_metric_t *m, bool taken)
+/* Count a row: taken if some DoF has taken it, else lost. */
+static AUVID_NOINLINE void metric_count_row(auvid_metric_t *m, bool taken)
 {
     m->rows = (uint16_t)(m->rows + taken);
-    lose_rows(m, !taken);
+    metric_count_lost_rows(m, !taken);
 }
 
-/* A row of the regressor path: into the triangles, but for the DoF `without`. One in which the
- * regressor failed does not count: its wrench would pass for explained. */
+/* Take a row of the regressor path into the R factors, except for the DoF in `excluded`. A row in
+ * which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
-                            const auvid_real_t *known, uint8_t without)
+                            const auvid_real_t *fixed, uint8_t excluded)
 {
     const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
             AUVID_OK ||
-        auvid_all_within(known, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         memset(m->successive, 0, sizeof m->successive);
         return;
     }
@@ -250,45 +257,45 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        if ((without >> j & 1) != 0) {
+        if ((excluded >> j & 1) != 0) {
             m->successive[j] = 0;
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
             continue;
         }
         any = true;
-        watch_wrench(m, j, *wrench);
+        metric_update_wrench_moments(m, j, *wrench);
         memcpy(row, motion, (size_t)count * sizeof *row);
         motion += count;
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[count + d] = *wrench++ - known[j];
+            row[count + d] = *wrench++ - fixed[j];
         }
-        rotate_row(m, j, row);
+        metric_rotate_row(m, j, row);
     }
-    count_row(m, any);
+    metric_count_row(m, any);
     ++m->since_gap;
 }
 
-/* The literal reading's row in the place of its motion: at the smoothed sample, with the raw wrench
- * in the middle of the window. */
-static void form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+/* Literal smoothing: replace the smoothed motion by the row evaluated there, with the raw wrench in
+ * the middle of the window. */
+static void metric_form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     auvid_real_t *channel = m->accumulator[slot], tau[AUVID_METRIC_DELAYS][AUVID_DOF_COUNT];
     const auvid_real_t *late[AUVID_METRIC_DELAYS];
     auvid_regressor_t *y = REGRESSOR(m);
     auvid_sample_t sample;
-    sample_from_channels(channel, t_us, &sample);
+    metric_sample_from_channels(channel, t_us, &sample);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         memcpy(tau[d], channel + MOTION_TAU + d * INPUTS, sizeof tau[d]);
         late[d] = tau[d];
     }
     metric_evaluate(m, &sample, y);
-    (void)row_channels(m, y, late, channel, m->fixed_wrench[slot]);
+    (void)metric_row_channels(m, y, late, channel, m->fixed_wrench[slot]);
 }
 
-/* A row of the residual path: into the store, if there is room, unless no equation of the model can
+/* Store a row of the residual path if there is room. It is counted if an equation of the model can
  * use it. */
-static void store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (m->full || t_us < m->resume_us) {
         ++m->rows_dropped;
@@ -296,65 +303,68 @@ static void store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     }
     const auvid_real_t *channel = m->accumulator[slot];
     auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
-    uint8_t without = without_row(m, slot);
+    uint8_t excluded = metric_dofs_without_row(m, slot);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool has_row = (without >> j & 1) == 0;
+        bool has_row = (excluded >> j & 1) == 0;
         any = any || (has_row && m->cfg.vehicle->columns[j] != 0);
         if (has_row) {
-            watch_wrench(m, j, channel[MOTION_TAU + j]);
+            metric_update_wrench_moments(m, j, channel[MOTION_TAU + j]);
         }
     }
-    sample_from_channels(channel, t_us, &store->sample);
+    metric_sample_from_channels(channel, t_us, &store->sample);
     store->sample.missing = m->missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
-    count_row(m, any);
+    metric_count_row(m, any);
 }
 
-/* A row is complete. */
-static AUVID_NOINLINE void finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+/* Process a complete row. */
+static AUVID_NOINLINE void metric_finish_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (!auvid_metric_has_regressor(m)) {
-        store_row(m, t_us, slot);
+        metric_store_row(m, t_us, slot);
         return;
     }
     if (auvid_metric_is_literal(&m->cfg)) {
-        form_row(m, t_us, slot);
+        metric_form_row(m, t_us, slot);
     }
-    metric_take_row(m, m->accumulator[slot], m->fixed_wrench[slot], without_row(m, slot));
+    metric_take_row(m, m->accumulator[slot], m->fixed_wrench[slot],
+                    metric_dofs_without_row(m, slot));
 }
 
-/* Cell n of the record to all rows under construction, the youngest, begun n % row_cells cells ago,
- * at `slot`. */
-static void add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n, uint32_t slot)
+/* Add the motion in cell n of the record to all rows under construction. The newest, begun
+ * n % row_cells cells ago, is at `slot`. */
+static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
+                              uint32_t slot)
 {
     uint32_t step = m->cfg.row_cells;
     for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
-        accumulate_motion(m, slot, age, sample);
+        metric_accumulate_motion(m, slot, age, sample);
         slot = slot > 0 ? slot - 1u : m->overlap - 1u;
     }
 }
 
-static AUVID_NOINLINE void add_equations(auvid_metric_t *m, const auvid_sample_t *sample,
-                                         uint32_t n, uint32_t slot)
+/* The same for the equations of the regressor path. */
+static AUVID_NOINLINE void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample,
+                                                uint32_t n, uint32_t slot)
 {
-    auvid_real_t channel[AUVID_MAX_COLUMNS], known[AUVID_DOF_COUNT];
+    auvid_real_t channel[AUVID_MAX_COLUMNS], fixed[AUVID_DOF_COUNT];
     const auvid_real_t *late[AUVID_METRIC_DELAYS];
     auvid_regressor_t *y = REGRESSOR(m);
     uint32_t step = m->cfg.row_cells;
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        late[d] = delayed(m, d);
+        late[d] = metric_delayed_inputs(m, d);
     }
     metric_evaluate(m, sample, y);
-    bool any = row_channels(m, y, late, channel, known);
+    bool any = metric_row_channels(m, y, late, channel, fixed);
     for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
-        accumulate_rows(m, slot, age, channel, any ? known : NULL, sample->missing);
+        metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
         slot = slot > 0 ? slot - 1u : m->overlap - 1u;
     }
 }
 
-/* Add a cell to the rows under construction. @return slot of the row that it completes, or -1 */
-static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
+/* Add a cell to the rows under construction. @return slot of the row that it completes; -1: none */
+static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     if (m->cells + 1 < PAST) { /* the wrench is not yet known at all delays */
         return -1;
@@ -367,15 +377,15 @@ static int add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
         memset(m->missing[slot], 0, sizeof m->missing[slot]);
     }
     if (auvid_metric_smooths_motion(m)) {
-        add_motion(m, sample, n, slot);
+        metric_add_motion(m, sample, n, slot);
     } else {
-        add_equations(m, sample, n, slot);
+        metric_add_equations(m, sample, n, slot);
     }
     return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
 }
 
-/* Largest speed in each direction, in thousandths. */
-static void watch_speed(auvid_metric_t *m, const auvid_sample_t *sample)
+/* Update the largest speed in each direction, in thousandths. */
+static void metric_update_max_speed(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t speed = AUVID_C(1000.0) * auvid_abs(sample->nu[j]);
@@ -401,15 +411,15 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     }
     m->full = m->full || (m->held && sample->t_us > m->until_us);
     if (!m->full && sample->t_us >= m->resume_us) {
-        watch_speed(m, sample);
+        metric_update_max_speed(m, sample);
     }
     memcpy(m->past_tau[m->cells % PAST], sample->tau, sizeof sample->tau);
     memcpy(m->past_tau[m->cells % PAST] + AUVID_DOF_COUNT, sample->command, sizeof sample->command);
     auvid_status_t status = AUVID_OK;
-    int slot = add_to_rows(m, sample);
+    int slot = metric_add_to_rows(m, sample);
     if (slot >= 0) {
         uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
-        finish_row(m, middle, (uint32_t)slot);
+        metric_finish_row(m, middle, (uint32_t)slot);
         if (m->rows >= m->cfg.set_rows) {
             status = auvid_metric_close(m);
         }
@@ -423,7 +433,7 @@ void auvid_metric_gap(auvid_metric_t *metric)
     if (metric != NULL) {
         uint32_t cells = PAST - 1u + metric->taps - 1u; /* before the first row */
         cells = metric->cells < cells ? metric->cells : cells;
-        lose_rows(metric, cells / metric->cfg.row_cells);
+        metric_count_lost_rows(metric, cells / metric->cfg.row_cells);
         metric->cells = 0;
         memset(metric->successive, 0, sizeof metric->successive);
     }

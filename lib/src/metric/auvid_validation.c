@@ -2,10 +2,10 @@
  * Validation (Karras et al. 2013, Section IV): Eq. 12-15 solved for the velocities under the
  * recorded inputs.
  *
- * From the middle of one cell to the middle of the next, by the classical Runge-Kutta method: in
- * the first half the wrench is the older cell's mean, in the second the newer one's, shifted
- * by the delay or passed through the lag T y' = tau - y. Attitude and the velocities that are not
- * integrated run straight between the cells.
+ * The classical Runge-Kutta method integrates from the middle of one cell to the middle of the
+ * next. In the first half the wrench is the mean of the older cell, in the second that of the newer
+ * one. It is shifted by the delay or passed through the lag T y' = tau - y. Attitude and the
+ * velocities that are not integrated are interpolated linearly between the cells.
  */
 #include "auvid/validation.h"
 
@@ -13,19 +13,19 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* A simulated velocity beyond this [m/s, rad/s] has diverged; it is held here, and R2 shows it. */
+/* A simulated velocity beyond this [m/s, rad/s] has diverged. It is clamped here; R2 shows it. */
 #define DIVERGED AUVID_C(100.0)
 
-/* Steps in half a cell. In cells of 0.1 s the integration is stable up to a damping of 55 times
- * the mass a second; small vehicles reach 30 in yaw. */
+/* Steps in half a cell. With cells of 0.1 s the integration is stable up to a damping of 55 times
+ * the mass per second; small vehicles node 30 in yaw. */
 enum { STEPS = 1 };
 
-/* Cells of a piece before its wrench is known at every delay. */
+/* Cells after a gap until the wrench is known at every delay. */
 enum { WARM_UP = AUVID_VALIDATION_PAST };
 
 auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid_vehicle_t *vehicle,
                                      const auvid_real_t *pi, uint32_t dofs,
-                                     const auvid_real_t *delay_s, uint32_t lagged,
+                                     const auvid_real_t *delay_s, uint32_t first_order_lag,
                                      auvid_real_t cell_s)
 {
     if (validation == NULL || pi == NULL) {
@@ -49,7 +49,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
         return AUVID_ERR_RANGE;
     }
     for (int j = 0; j < AUVID_DOF_COUNT && delay_s != NULL; ++j) {
-        auvid_real_t cells = delay_s[j] / cell_s; /* a metric's own delay must pass, rounded */
+        auvid_real_t cells = delay_s[j] / cell_s; /* accepts a rounded delay of the metric */
         if (!(cells >= AUVID_C(-2.001) && cells <= AUVID_C(6.001))) {
             return AUVID_ERR_RANGE;
         }
@@ -66,7 +66,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
     memset(v, 0, sizeof *v);
     v->vehicle = vehicle;
     v->cell_s = cell_s;
-    v->first_order_lag = lagged;
+    v->first_order_lag = first_order_lag;
     memcpy(v->pi, pi, vehicle->parameters * sizeof pi[0]);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool integrate = vehicle->columns[j] != 0 && (dofs == 0 || (dofs >> j & 1u));
@@ -77,8 +77,8 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
     return AUVID_OK;
 }
 
-/* The wrench of DoF j, `ago` cells before the newest, straight between cells. */
-static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t ago)
+/* Returns the wrench of DoF j `ago` cells before the newest, linear between cells. */
+static auvid_real_t validation_past_wrench(const auvid_validation_t *v, int j, auvid_real_t ago)
 {
     ago = auvid_min(ago, (auvid_real_t)(AUVID_VALIDATION_PAST - 1)); /* rounding */
     uint32_t whole = (uint32_t)ago;
@@ -88,11 +88,11 @@ static auvid_real_t past_wrench(const auvid_validation_t *v, int j, auvid_real_t
     return near + (ago - (auvid_real_t)whole) * (far - near);
 }
 
-/* nu_dot with the recorded signals `part` of the way from the last cell to `to`, commands of
- * `half`. */
-static void rates(const auvid_validation_t *v, const auvid_sample_t *to, const auvid_sample_t *half,
-                  auvid_real_t part, const auvid_real_t *nu, const auvid_real_t *tau,
-                  auvid_real_t *nu_dot)
+/* Compute nu_dot with the recorded signals interpolated by `part` from the last cell to `to`, and
+ * the commands of `half`. */
+static void validation_rates(const auvid_validation_t *v, const auvid_sample_t *to,
+                             const auvid_sample_t *half, auvid_real_t part, const auvid_real_t *nu,
+                             const auvid_real_t *tau, auvid_real_t *nu_dot)
 {
     auvid_sample_t s = v->last;
     memcpy(s.command, half->command, sizeof s.command);
@@ -108,22 +108,23 @@ static void rates(const auvid_validation_t *v, const auvid_sample_t *to, const a
     (void)v->vehicle->acceleration(v->vehicle->context, &s, v->pi, nu_dot);
 }
 
-/* One step over `part` of a cell, begun `from` of the way, under a constant wrench. */
-static void runge_kutta(auvid_validation_t *v, const auvid_sample_t *to, const auvid_sample_t *half,
-                        auvid_real_t from, auvid_real_t part, const auvid_real_t *tau)
+/* One step over `part` of a cell, starting at `from` of it, under a constant wrench. */
+static void validation_runge_kutta(auvid_validation_t *v, const auvid_sample_t *to,
+                                   const auvid_sample_t *half, auvid_real_t from, auvid_real_t part,
+                                   const auvid_real_t *tau)
 {
-    static const auvid_real_t reach[4] = {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.5), AUVID_C(1.0)};
-    static const auvid_real_t share[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
+    static const auvid_real_t node[4] = {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.5), AUVID_C(1.0)};
+    static const auvid_real_t weight[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
     auvid_real_t h = part * v->cell_s, k[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     auvid_real_t step[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     for (int stage = 0; stage < 4; ++stage) {
         auvid_real_t nu[AUVID_DOF_COUNT];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            nu[j] = v->predicted[j] + reach[stage] * h * k[j];
+            nu[j] = v->predicted[j] + node[stage] * h * k[j];
         }
-        rates(v, to, half, from + part * reach[stage], nu, tau, k);
+        validation_rates(v, to, half, from + part * node[stage], nu, tau, k);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            step[j] += share[stage] * k[j];
+            step[j] += weight[stage] * k[j];
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -133,26 +134,26 @@ static void runge_kutta(auvid_validation_t *v, const auvid_sample_t *to, const a
 }
 
 /* Half a cell under a constant wrench. */
-static void half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t from,
-                      const auvid_real_t *tau)
+static void validation_half_cell(auvid_validation_t *v, const auvid_sample_t *to, auvid_real_t from,
+                                 const auvid_real_t *tau)
 {
     const auvid_sample_t *half = from > AUVID_C(0.0) ? to : &v->last;
     auvid_real_t part = AUVID_C(0.5) / (auvid_real_t)STEPS;
     for (int i = 0; i < STEPS; ++i) {
-        runge_kutta(v, to, half, from + part * (auvid_real_t)i, part, tau);
+        validation_runge_kutta(v, to, half, from + part * (auvid_real_t)i, part, tau);
     }
 }
 
-/* The wrench of one half cell, mean over it: `ago` is that half's cell, before delay. */
-static void wrench_of_half(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
+/* Compute the mean wrench of one half cell; `ago`: the cell of that half, before the delay. */
+static void validation_half_cell_wrench(auvid_validation_t *v, auvid_real_t ago, auvid_real_t *tau)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (!(v->first_order_lag >> j & 1u) || !(v->delay_cells[j] > AUVID_C(0.0))) {
-            tau[j] = past_wrench(v, j, ago + v->delay_cells[j]);
+            tau[j] = validation_past_wrench(v, j, ago + v->delay_cells[j]);
             continue;
         }
         /* y(h) - y(0) by the trapezoidal rule, h half a cell */
-        auvid_real_t target = past_wrench(v, j, ago);
+        auvid_real_t target = validation_past_wrench(v, j, ago);
         auvid_real_t step =
             (target - v->wrench[j]) * AUVID_C(0.5) / (v->delay_cells[j] + AUVID_C(0.25));
         tau[j] = v->wrench[j] + AUVID_C(0.5) * step;
@@ -178,8 +179,8 @@ static void validation_compare(auvid_validation_t *v, const auvid_sample_t *s)
     }
 }
 
-/* Do the integrated equations read one of these velocities? */
-static bool lacks(const auvid_validation_t *v, uint32_t missing)
+/* Returns true if the integrated equations read one of these velocities. */
+static bool validation_lacks_velocity(const auvid_validation_t *v, uint32_t missing)
 {
     return (auvid_vehicle_unmeasured(v->vehicle, (uint8_t)missing) & v->dofs) != 0;
 }
@@ -198,18 +199,19 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     auvid_validation_t *v = validation;
     ++v->since_gap;
     memcpy(v->past[v->since_gap % AUVID_VALIDATION_PAST], sample->tau, sizeof sample->tau);
-    if (lacks(v, sample->missing & ~v->dofs)) { /* of what comes from the record */
-        v->running = false;
-    } else if (!v->running && v->since_gap >= WARM_UP && !lacks(v, sample->missing)) {
+    if (validation_lacks_velocity(v, sample->missing & ~v->dofs)) {
+        v->running = false; /* the missing velocity comes from the record */
+    } else if (!v->running && v->since_gap >= WARM_UP &&
+               !validation_lacks_velocity(v, sample->missing)) {
         memcpy(v->predicted, sample->nu, sizeof v->predicted);
         memcpy(v->wrench, v->last.tau, sizeof v->wrench);
         v->running = true;
     } else if (v->running) {
         auvid_real_t tau[AUVID_DOF_COUNT];
-        wrench_of_half(v, AUVID_C(1.0), tau);
-        half_cell(v, sample, AUVID_C(0.0), tau);
-        wrench_of_half(v, AUVID_C(0.0), tau);
-        half_cell(v, sample, AUVID_C(0.5), tau);
+        validation_half_cell_wrench(v, AUVID_C(1.0), tau);
+        validation_half_cell(v, sample, AUVID_C(0.0), tau);
+        validation_half_cell_wrench(v, AUVID_C(0.0), tau);
+        validation_half_cell(v, sample, AUVID_C(0.5), tau);
     }
     if (v->running) {
         validation_compare(v, sample);
@@ -235,9 +237,9 @@ auvid_status_t auvid_validation_r2(const auvid_validation_t *validation, auvid_r
         return AUVID_ERR_NO_DATA;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t left = validation->sse[j] / validation->m2[j];
-        bool varies = validation->m2[j] > AUVID_C(0.0) && auvid_is_finite(left);
-        r2[j] = varies ? AUVID_C(1.0) - left : AUVID_C(0.0);
+        auvid_real_t unexplained = validation->sse[j] / validation->m2[j];
+        bool varies = validation->m2[j] > AUVID_C(0.0) && auvid_is_finite(unexplained);
+        r2[j] = varies ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
     }
     return AUVID_OK;
 }

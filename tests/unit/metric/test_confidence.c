@@ -1,10 +1,10 @@
 /*
- * Confidence: verdicts and words, on data where they are known. Coverage is measured in
- * tests/reference/test_coverage.cpp, the formulas are computed again in
- * tests/reference/test_confidence_reference.cpp.
+ * Confidence: notes and sentences, on data for which they are known. Coverage is measured in
+ * tests/reference/test_coverage.cpp. tests/reference/test_confidence_reference.cpp computes the
+ * formulas again.
  *
- * Most tests feed a vehicle's own equations with made-up motion, at the cells of the recorder: a
- * metric is then full in no time, and what is known about it can be chosen.
+ * Most tests evaluate a vehicle's equations for synthetic motion at the cells of the recorder. A
+ * metric is then full at once, and the test chooses what the data determine.
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ enum { SETS = 8, COUNT = 13 };
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
 
 void setUp(void)
@@ -32,17 +32,17 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* Motion in the DoF asked for; it rolls, too. */
+/* Motion in the DoF of the mask, with some roll. */
 static void move(double t, uint32_t dofs, auvid_sample_t *s)
 {
     sines_motion(t, dofs, s);
     s->phi = (auvid_real_t)(0.02 * sin(0.29 * t + 1.0));
 }
 
-/* A world: which DoF move, for how many sets, white noise of force and of the measured
- * acceleration. */
+/* A synthetic run: the DoF that move, the number of sets, white noise of the force and of the
+ * measured acceleration. */
 typedef struct {
     uint32_t dofs;
     int sets;
@@ -54,8 +54,8 @@ enum {
     ALL = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW
 };
 
-/* The wrench that the truth needs for the motion, then the noise. */
-static void spoil(auvid_sample_t *s, const world_t *world, uint64_t *state)
+/* The wrench that gives the motion with the true parameters, then the noise. */
+static void add_noise(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
     sines_wrench(s, truth, tau);
@@ -72,13 +72,13 @@ static void record(const auvid_metric_config_t *cfg, const world_t *world)
     for (uint64_t k = 1; metric.sets_recorded < (uint32_t)world->sets; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world->dofs, &s);
-        spoil(&s, world, &state);
+        add_noise(&s, world, &state);
         s.t_us = 100000 * k;
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
     }
 }
 
-static auvid_metric_config_t usual(void)
+static auvid_metric_config_t default_config(void)
 {
     auvid_metric_config_t cfg;
     auvid_metric_defaults(&cfg, &auvid_girona500);
@@ -87,8 +87,8 @@ static auvid_metric_config_t usual(void)
     return cfg;
 }
 
-/* The verdict on `estimate`. */
-static void judge(auvid_real_t dry_mass_kg)
+/* The confidence in `estimate`. */
+static void compute_confidence(auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
@@ -97,8 +97,8 @@ static void judge(auvid_real_t dry_mass_kg)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-/* Least squares over what can be searched, but for parameters left at zero, and the verdict. */
-static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
+/* Least squares over the searched parameters, except those left at zero, and their confidence. */
+static void estimate_without(uint32_t left_out, auvid_real_t dry_mass_kg)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_merge_begin(&metric);
@@ -106,38 +106,38 @@ static void assess_without(uint32_t left_out, auvid_real_t dry_mass_kg)
     memcpy(estimate, metric.cfg.fixed, sizeof metric.cfg.fixed);
     uint32_t solved = auvid_metric_searched(&metric) & ~left_out;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, solved, estimate));
-    judge(dry_mass_kg);
+    compute_confidence(dry_mass_kg);
 }
 
-static void assess(void)
+static void estimate_all(void)
 {
-    assess_without(0, AUVID_C(0.0));
+    estimate_without(0, AUVID_C(0.0));
 }
 
 static void observe(const world_t *world)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, world);
-    assess();
+    estimate_all();
 }
 
 static bool is_identifiable(int i)
 {
-    return (verdict->identifiable >> i & 1u) != 0;
+    return (result->identifiable >> i & 1u) != 0;
 }
 
 /* ---- standard errors ---- */
 
-/* What is predicted of the bias grows with the square of the noise, and stored sets are rounded as
- * if by a noise of 0.02 N: little of both here. */
+/* The predicted bias grows with the square of the noise. The rounding of stored sets acts like a
+ * noise of 0.02 N. Both are small here. */
 static void test_standard_errors_are_proportional_to_the_noise(void)
 {
     auvid_real_t sigma[COUNT];
     observe(&(world_t){ALL, SETS, 0.4, 0.0});
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    memcpy(sigma, result->sigma, sizeof sigma);
     observe(&(world_t){ALL, SETS, 0.8, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, 2.0, (double)verdict->sigma[i] / (double)sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, 2.0, (double)result->sigma[i] / (double)sigma[i]);
     }
 }
 
@@ -146,11 +146,11 @@ static void test_standard_errors_fall_as_sets_come_in(void)
     auvid_real_t sigma[COUNT];
     double ratio = 0.0;
     observe(&(world_t){ALL, 2, 1.0, 0.0});
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    memcpy(sigma, result->sigma, sizeof sigma);
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_TRUE(verdict->sigma[i] < sigma[i]);
-        ratio += log((double)sigma[i] / (double)verdict->sigma[i]) / COUNT;
+        TEST_ASSERT_TRUE(result->sigma[i] < sigma[i]);
+        ratio += log((double)sigma[i] / (double)result->sigma[i]) / COUNT;
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.35, log(2.0), ratio); /* a quarter of the data */
 }
@@ -160,15 +160,15 @@ static void test_one_set_is_enough_for_standard_errors(void)
     observe(&(world_t){ALL, 1, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
         double error = fabs((double)estimate[i] - (double)truth[i]);
-        TEST_ASSERT_TRUE(verdict->sigma[i] > AUVID_C(0.0));
-        TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
-        TEST_ASSERT_TRUE(error < 5.0 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] > AUVID_C(0.0));
+        TEST_ASSERT_TRUE(result->sigma[i] < AUVID_LARGEST);
+        TEST_ASSERT_TRUE(error < 5.0 * (double)result->sigma[i]);
     }
 }
 
-/* The numbers are those of the build in double. In float, with sets kept in 16 bits, they were
- * within 4e-3 of them; with sets in float, within 4e-5. */
-static void test_float_and_double_come_to_the_same_standard_errors(void)
+/* The numbers are those of the build in double. In float, with sets stored in 16 bits, the results
+ * were within 4e-3 of them; with sets in float, within 4e-5. */
+static void test_float_and_double_give_the_same_standard_errors(void)
 {
     static const double expected[COUNT] = {0.16674,  0.170391, 0.205302, 0.0743761, 0.0231826,
                                            0.282209, 1.01882,  0.321731, 1.04528,   0.312877,
@@ -176,7 +176,7 @@ static void test_float_and_double_come_to_the_same_standard_errors(void)
     double tolerance = sizeof(auvid_real_t) == sizeof(double) ? 1e-5 : 5e-3;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance * expected[i], expected[i], (double)verdict->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance * expected[i], expected[i], (double)result->sigma[i]);
     }
 }
 
@@ -185,7 +185,7 @@ static void test_any_budget_gives_the_same_bits(void)
     static const uint32_t pieces[] = {1, 2, 7, 100};
     static auvid_confidence_t whole;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    whole = *verdict;
+    whole = *result;
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
         auvid_status_t status = AUVID_PENDING;
         uint32_t turns = 0;
@@ -197,18 +197,18 @@ static void test_any_budget_gives_the_same_bits(void)
             TEST_ASSERT_TRUE(status != AUVID_PENDING || budget == 0);
         }
         TEST_ASSERT_EQUAL(AUVID_OK, status);
-        TEST_ASSERT_EQUAL_MEMORY(&whole, verdict, sizeof whole);
+        TEST_ASSERT_EQUAL_MEMORY(&whole, result, sizeof whole);
     }
 }
 
-static void test_a_job_copied_half_way_with_its_metric_goes_on(void)
+static void test_a_job_copied_half_way_with_its_metric_continues(void)
 {
     static auvid_metric_t other;
     static auvid_confidence_job_t copy;
     static auvid_confidence_t whole;
     uint32_t budget = 400;
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    whole = *verdict;
+    whole = *result;
     auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_confidence_work(&job, &metric, &budget));
     other = metric;
@@ -228,7 +228,8 @@ static void test_the_cost_of_eight_sets_is_what_the_header_says(void)
     TEST_ASSERT_UINT32_WITHIN(50, 7700, UINT32_MAX - budget);
 }
 
-/* A lag of the thrusters nobody told of: what estimating it costs is in the masses' errors. */
+/* An unmodelled lag of the thrusters: the errors of the masses contain the cost of estimating it.
+ * */
 static void test_an_estimated_delay_widens_the_masses(void)
 {
     static chain_t chain;
@@ -238,8 +239,8 @@ static void test_an_estimated_delay_widens_the_masses(void)
         chain_defaults(&config, 3, 4, 1.0);
         config.sim.lag_s = 0.15;
         config.budget = 0;
-        config.id.uncertainty.delay_s = 0; /* of what is given there is none */
-        if (known) { /* as it was found */
+        config.id.uncertainty.delay_s = 0; /* a given delay has none */
+        if (known) {                       /* as it was estimated */
             memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
                    sizeof config.id.metric.delay_s);
             config.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
@@ -259,43 +260,43 @@ static void test_an_estimated_delay_widens_the_masses(void)
     }
 }
 
-/* ---- verdicts ---- */
+/* ---- notes ---- */
 
 static void test_good_data_make_everything_identifiable(void)
 {
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->effective_noise[j] > AUVID_C(0.0));
-        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, verdict->residual_rms[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, result->effective_noise[j] > AUVID_C(0.0));
+        TEST_ASSERT_EQUAL((ALL >> j & 1u) != 0, result->residual_rms[j] > AUVID_C(0.0));
     }
 }
 
 static void test_a_fixed_parameter_is_called_so(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     cfg.free = AUVID_G500_FREE & ~(1u << AUVID_G500_N_RR);
     cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, verdict->note[AUVID_G500_N_RR]);
-    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_N_RR] == AUVID_LARGEST);
-    TEST_ASSERT_EQUAL_HEX32(cfg.free, verdict->identifiable);
+    estimate_all();
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, result->note[AUVID_G500_N_RR]);
+    TEST_ASSERT_TRUE(result->sigma[AUVID_G500_N_RR] == AUVID_LARGEST);
+    TEST_ASSERT_EQUAL_HEX32(cfg.free, result->identifiable);
 }
 
-static void test_parameters_of_a_dof_that_was_not_driven_are_not_known(void)
+static void test_parameters_of_a_dof_that_was_not_excited_are_not_known(void)
 {
     observe(&(world_t){SURGE, SETS, 0.0, 0.0});
     for (int i = 0; i < COUNT; ++i) {
         bool surge = auvid_girona500.parameter[i].dof == AUVID_SURGE;
         bool heave = auvid_girona500.parameter[i].dof == AUVID_HEAVE;
         TEST_ASSERT_TRUE(surge || !is_identifiable(i));
-        TEST_ASSERT_TRUE(surge || heave || verdict->note[i] == AUVID_NOTE_NOT_EXCITED);
-        TEST_ASSERT_TRUE(surge == (verdict->sigma[i] < AUVID_LARGEST));
+        TEST_ASSERT_TRUE(surge || heave || result->note[i] == AUVID_NOTE_NOT_EXCITED);
+        TEST_ASSERT_TRUE(surge == (result->sigma[i] < AUVID_LARGEST));
     }
 }
 
@@ -307,114 +308,114 @@ static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor
     }
 }
 
-/* A model may count in units of its own. */
+/* A model may use its own units. */
 static void test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms(void)
 {
     static auvid_vehicle_t vehicle;
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    uint32_t identifiable = verdict->identifiable;
+    estimate_all();
+    uint32_t identifiable = result->identifiable;
     vehicle = auvid_girona500;
     vehicle.regressor = tonnes;
     cfg.vehicle = &vehicle;
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess();
-    TEST_ASSERT_EQUAL_HEX32(identifiable, verdict->identifiable);
+    estimate_all();
+    TEST_ASSERT_EQUAL_HEX32(identifiable, result->identifiable);
 }
 
-/* A velocity that is measured as zero all the time says nothing of drag; the mass is known. */
-static void test_drags_of_a_velocity_that_stands_still_are_not_known(void)
+/* A velocity that is always measured as zero does not determine drag; the mass is known. */
+static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
 {
     const uint32_t drags = 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const world_t world = {ALL, SETS, 1.0, 0.0};
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     uint64_t state = 5;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
     for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world.dofs, &s);
         s.nu[AUVID_SURGE] = 0;
-        spoil(&s, &world, &state);
+        add_noise(&s, &world, &state);
         s.t_us = 100000 * k;
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= AUVID_OK);
     }
-    assess_without(drags, 0);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable & drags);
+    estimate_without(drags, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable & drags);
     TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
     for (int i = AUVID_G500_X_U; i <= AUVID_G500_X_UU; ++i) {
-        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
-        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, result->note[i]);
     }
 }
 
-/* W-B and Z_0 are told apart by the cosine of small angles only. */
+/* W-B and Z_0 differ only by the cosine of small angles. */
 static void test_two_constants_of_heave_are_known_as_a_sum_only(void)
 {
-    static auvid_confidence_t alone;
-    auvid_metric_config_t cfg = usual();
+    static auvid_confidence_t single;
+    auvid_metric_config_t cfg = default_config();
     observe(&(world_t){1u << AUVID_HEAVE | SURGE, SETS, 1.0, 0.0});
-    alone = *verdict;
+    single = *result;
     cfg.free = AUVID_G500_FREE | 1u << AUVID_G500_Z_0;
     record(&cfg, &(world_t){1u << AUVID_HEAVE, SETS, 1.0, 0.0});
-    assess_without(1u << AUVID_G500_Z_0, AUVID_C(0.0));
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, verdict->note[AUVID_G500_Z_0]);
-    TEST_ASSERT_EQUAL(AUVID_G500_Z_0, verdict->partner[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL(AUVID_G500_W_B, verdict->partner[AUVID_G500_Z_0]);
+    estimate_without(1u << AUVID_G500_Z_0, AUVID_C(0.0));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, result->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_COMBINATION, result->note[AUVID_G500_Z_0]);
+    TEST_ASSERT_EQUAL(AUVID_G500_Z_0, result->partner[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL(AUVID_G500_W_B, result->partner[AUVID_G500_Z_0]);
     static const int others[] = {AUVID_G500_M_W, AUVID_G500_Z_W, AUVID_G500_Z_WW};
     for (int k = 0; k < 3; ++k) {
         int i = others[k];
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)verdict->sigma[i] / (double)alone.sigma[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.0, (double)result->sigma[i] / (double)single.sigma[i]);
     }
 }
 
-/* Nothing of surge is claimed; the other equations are as they were. */
+/* No parameter of surge is identifiable; the other equations are unchanged. */
 static void expect_surge_discredited_by(int culprit)
 {
     uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-    TEST_ASSERT_EQUAL_HEX32(1u << culprit, verdict->implausible);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(1u << culprit, result->implausible);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, result->identifiable);
     for (int i = 0; i < COUNT; ++i) {
         if (surge >> i & 1u) {
-            TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, verdict->note[i]);
-            TEST_ASSERT_EQUAL(culprit, verdict->partner[i]);
+            TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, result->note[i]);
+            TEST_ASSERT_EQUAL(culprit, result->partner[i]);
         } else {
-            TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[i]);
+            TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[i]);
         }
     }
 }
 
 static void test_a_mass_below_the_dry_mass_discredits_its_equation(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
-    assess_without(0, AUVID_C(300.0)); /* m_u is 250 kg, the others more */
+    estimate_without(0, AUVID_C(300.0)); /* m_u is 250 kg, the others more */
     expect_surge_discredited_by(AUVID_G500_M_U);
 }
 
-static void test_a_drag_that_drives_discredits_its_equation(void)
+static void test_a_drag_that_accelerates_discredits_its_equation(void)
 {
     truth[AUVID_G500_X_UU] = -truth[AUVID_G500_X_UU];
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     expect_surge_discredited_by(AUVID_G500_X_UU);
 }
 
-/* Its interval has possible values, but what is impossible of it makes a good part of the force. */
+/* Its interval has possible values, but its impossible part explains much of the force. */
 static void test_a_large_impossible_part_discredits_its_equation_without_being_known(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(-1000.0);
     truth[AUVID_G500_X_UU] = AUVID_C(500.0);
     observe(&(world_t){ALL, SETS, 300.0, 0.0});
-    TEST_ASSERT_TRUE(estimate[AUVID_G500_X_UU] < AUVID_C(2.1) * verdict->sigma[AUVID_G500_X_UU]);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, verdict->note[AUVID_G500_X_U]);
-    TEST_ASSERT_EQUAL(AUVID_G500_X_UU, verdict->partner[AUVID_G500_X_U]);
+    TEST_ASSERT_TRUE(estimate[AUVID_G500_X_UU] < AUVID_C(2.1) * result->sigma[AUVID_G500_X_UU]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, result->note[AUVID_G500_X_U]);
+    TEST_ASSERT_EQUAL(AUVID_G500_X_UU, result->partner[AUVID_G500_X_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_M_U) || is_identifiable(AUVID_G500_X_U) ||
                       is_identifiable(AUVID_G500_X_UU));
 }
 
-/* A drag that is truly zero comes out positive in half of the worlds. */
+/* The estimate of a drag that is truly zero is positive in half of the runs. */
 static void test_a_zero_drag_that_comes_out_positive_discredits_nothing(void)
 {
     int positive = 0;
@@ -422,44 +423,44 @@ static void test_a_zero_drag_that_comes_out_positive_discredits_nothing(void)
         truth[AUVID_G500_X_U] = (auvid_real_t)(0.2 * (k - 3));
         observe(&(world_t){ALL, SETS, 1.0, 0.0});
         positive += estimate[AUVID_G500_X_U] > AUVID_C(0.0);
-        TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
-        TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), verdict->identifiable);
+        TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
+        TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), result->identifiable);
     }
     TEST_ASSERT_TRUE(positive > 0 && positive < 8);
 }
 
-/* A search that ended elsewhere, by its bounds or in a worse optimum: its mass looks sure. */
+/* A search that ended at its bounds or in a worse optimum: the mass seems well determined. */
 static void test_what_explains_no_force_is_implausible(void)
 {
     auvid_real_t r2[AUVID_DOF_COUNT];
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
     estimate[AUVID_G500_M_U] *= AUVID_C(3.0);
-    judge(AUVID_C(0.0));
+    compute_confidence(AUVID_C(0.0));
     auvid_metric_r2(&metric, r2);
     TEST_ASSERT_TRUE(r2[AUVID_SURGE] < 0);
     TEST_ASSERT_TRUE(is_identifiable(AUVID_G500_M_U));
-    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, verdict->implausible);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U, result->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_IMPLAUSIBLE, result->note[AUVID_G500_M_U]);
 }
 
 /* ---- bounds ---- */
 
 static auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
 
-/* The verdict on `estimate` of a search within the bounds. */
-static void judge_within_bounds(bool capped)
+/* The confidence in `estimate` of a search within the bounds. */
+static void compute_within_bounds(bool not_converged)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(&metric, estimate, AUVID_C(0.0));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
     auvid_confidence_begin(&job, &metric, estimate, AUVID_C(0.0), NULL);
-    auvid_confidence_limits(&job, lower, upper, capped);
+    auvid_confidence_limits(&job, lower, upper, not_converged);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-/* A world of which all is known, and m_u held at its upper bound, `part` of its optimum; the other
- * parameters make the best of it. @return where they would be without the bound */
+/* A run that determines all parameters, with m_u at its upper bound, `part` of its optimum. The
+ * other parameters are optimal for it. @return where they would be without the bound */
 static const auvid_real_t *hold_mass(double part)
 {
     static auvid_real_t optimum[AUVID_MAX_PARAMETERS];
@@ -471,53 +472,52 @@ static const auvid_real_t *hold_mass(double part)
     }
     upper[AUVID_G500_M_U] = (auvid_real_t)(part * (double)optimum[AUVID_G500_M_U]);
     estimate[AUVID_G500_M_U] = upper[AUVID_G500_M_U];
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_metric_least_squares(
-                          &metric, AUVID_G500_FREE & ~(1u << AUVID_G500_M_U), estimate));
-    judge_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(
+                                    &metric, AUVID_G500_FREE & ~(1u << AUVID_G500_M_U), estimate));
+    compute_within_bounds(false);
     return optimum;
 }
 
 static void test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable(void)
 {
     (void)hold_mass(0.9);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, result->note[AUVID_G500_M_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_M_U));
-    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == upper[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL(1, verdict->partner[AUVID_G500_M_U]);
-    TEST_ASSERT_TRUE(verdict->sigma[AUVID_G500_M_U] == AUVID_LARGEST);
+    TEST_ASSERT_TRUE(result->bound[AUVID_G500_M_U] == upper[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(1, result->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(result->sigma[AUVID_G500_M_U] == AUVID_LARGEST);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) { /* the lower one */
         estimate[i] = -estimate[i];
         lower[i] = -upper[i];
     }
-    judge_within_bounds(false);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, verdict->note[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL(0, verdict->partner[AUVID_G500_M_U]);
-    TEST_ASSERT_TRUE(verdict->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
+    compute_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, result->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(0, result->partner[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(result->bound[AUVID_G500_M_U] == lower[AUVID_G500_M_U]);
 }
 
-/* Standard errors of such a result are those of its residual, so the half-widths are known. */
-static void test_what_moves_by_more_than_its_half_width_without_the_bound_is_named(void)
+/* The residual gives the standard errors of such a result, so the half-widths are known. */
+static void test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_named(void)
 {
     static const double parts[] = {0.5, 0.9, 0.99};
     int named = 0, left = 0;
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; ++k) {
         const auvid_real_t *free = hold_mass(parts[k]);
         static auvid_confidence_t within;
-        within = *verdict;
-        judge(AUVID_C(0.0)); /* the same without bounds: half-widths */
+        within = *result;
+        compute_confidence(AUVID_C(0.0)); /* the same without bounds: half-widths */
         for (int i = 0; i < COUNT; ++i) {
             double moves = fabs((double)free[i] - (double)estimate[i]);
-            double half = 2.1 * (double)verdict->sigma[i];
+            double half = 2.1 * (double)result->sigma[i];
             if (i == AUVID_G500_M_U || fabs(moves / half - 1.0) < 0.05) {
                 continue;
             }
-            bool beside = within.note[i] == AUVID_NOTE_BESIDE_BOUND;
-            TEST_ASSERT_EQUAL(moves > half, beside);
-            TEST_ASSERT_FALSE(beside && (within.identifiable >> i & 1u));
-            TEST_ASSERT_TRUE(!beside || within.partner[i] == AUVID_G500_M_U);
-            named += beside;
-            left += !beside && (within.identifiable >> i & 1u);
+            bool beside_bound = within.note[i] == AUVID_NOTE_BESIDE_BOUND;
+            TEST_ASSERT_EQUAL(moves > half, beside_bound);
+            TEST_ASSERT_FALSE(beside_bound && (within.identifiable >> i & 1u));
+            TEST_ASSERT_TRUE(!beside_bound || within.partner[i] == AUVID_G500_M_U);
+            named += beside_bound;
+            left += !beside_bound && (within.identifiable >> i & 1u);
         }
     }
     TEST_ASSERT_TRUE(named > 0);
@@ -529,59 +529,59 @@ static void test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_
     (void)hold_mass(0.9);
     observe(&(world_t){ALL, SETS, 1.0, 0.0});
     upper[AUVID_G500_M_U] = estimate[AUVID_G500_M_U] + AUVID_C(1.0); /* a thousandth is 2.2 kg */
-    TEST_ASSERT_TRUE(AUVID_C(2.1) * verdict->sigma[AUVID_G500_M_U] < AUVID_C(1.0));
-    judge_within_bounds(false);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    TEST_ASSERT_TRUE(AUVID_C(2.1) * result->sigma[AUVID_G500_M_U] < AUVID_C(1.0));
+    compute_within_bounds(false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
 }
 
 static void test_a_search_that_has_not_converged_identifies_nothing(void)
 {
     (void)hold_mass(0.9);
-    judge_within_bounds(true);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    compute_within_bounds(true);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable | result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_CONVERGED, verdict->note[i]);
-        TEST_ASSERT_TRUE(verdict->sigma[i] == AUVID_LARGEST);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_NOT_CONVERGED, result->note[i]);
+        TEST_ASSERT_TRUE(result->sigma[i] == AUVID_LARGEST);
     }
 }
 
-static void test_a_parameter_that_is_zero_and_known_to_be_is_called_small(void)
+static void test_a_parameter_known_to_be_zero_is_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
     observe(&(world_t){ALL, SETS, 0.02, 0.0});
-    TEST_ASSERT_EQUAL(AUVID_NOTE_SMALL, verdict->note[AUVID_G500_X_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_SMALL, result->note[AUVID_G500_X_U]);
     TEST_ASSERT_FALSE(is_identifiable(AUVID_G500_X_U));
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_X_U), result->identifiable);
 }
 
 static void test_a_parameter_that_may_be_zero_is_not_called_small(void)
 {
     truth[AUVID_G500_X_U] = AUVID_C(0.0);
     observe(&(world_t){ALL, SETS, 20.0, 0.0});
-    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_X_U] == AUVID_NOTE_UNCERTAIN ||
-                     verdict->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
+    TEST_ASSERT_TRUE(result->note[AUVID_G500_X_U] == AUVID_NOTE_UNCERTAIN ||
+                     result->note[AUVID_G500_X_U] == AUVID_NOTE_COMBINATION);
 }
 
-/* Noise of the acceleration makes masses smaller: where that may be much, it is said. */
+/* Noise of the acceleration makes masses smaller: a note says where this may be large. */
 static void test_a_mass_that_noise_may_bias_is_called_so(void)
 {
     observe(&(world_t){ALL, SETS, 0.0, 0.2});
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NOISE, verdict->note[AUVID_G500_M_U]);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NOISE, result->note[AUVID_G500_M_U]);
     TEST_ASSERT_TRUE(estimate[AUVID_G500_M_U] < truth[AUVID_G500_M_U]);
     double short_by = (double)truth[AUVID_G500_M_U] - (double)estimate[AUVID_G500_M_U];
-    TEST_ASSERT_TRUE(short_by < 2.0 * (double)verdict->sigma[AUVID_G500_M_U]);
+    TEST_ASSERT_TRUE(short_by < 2.0 * (double)result->sigma[AUVID_G500_M_U]);
 }
 
 static void test_too_much_noise_makes_all_uncertain(void)
 {
     observe(&(world_t){ALL, 1, 300.0, 0.0});
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->implausible);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, verdict->note[AUVID_G500_M_R]);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, result->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, result->note[AUVID_G500_M_R]);
 }
 
-/* ---- words ---- */
+/* ---- sentences ---- */
 
 static auvid_confidence_t notes;
 static char text[160];
@@ -593,7 +593,7 @@ static void expect(const char *words, unsigned which)
     TEST_ASSERT_EQUAL_STRING(words, text);
 }
 
-static void test_every_need_has_its_words(void)
+static void test_every_need_has_its_sentence(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = AUVID_NOTE_NOISE;
@@ -607,7 +607,7 @@ static void test_every_need_has_its_words(void)
     expect("surge: too little acceleration for m_u; sines of 0.1-0.3 Hz, stronger or for longer",
            0);
     expect("yaw: too little acceleration for m_r; sines of 0.1-0.3 Hz, stronger or for longer", 1);
-    expect("heave: too short a record for W-B; go on recording", 2);
+    expect("heave: too short a record for W-B; continue recording", 2);
     expect("surge: too little slow motion for X_u; more steps held 4-8 s, some at a third of the "
            "strength",
            3);
@@ -618,7 +618,7 @@ static void test_every_need_has_its_words(void)
     TEST_ASSERT_EQUAL_STRING("", text);
 }
 
-static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
+static void test_a_large_part_of_rows_lost_to_gaps_is_reported(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = AUVID_NOTE_UNCERTAIN;
@@ -634,7 +634,7 @@ static void test_a_large_part_of_the_rows_that_gaps_cost_is_told(void)
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 2, text, sizeof text));
 }
 
-static void test_a_pair_is_told_once_and_a_dof_once(void)
+static void test_a_pair_and_a_dof_have_one_sentence_each(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_X_UU] = AUVID_NOTE_COMBINATION;
@@ -645,16 +645,15 @@ static void test_a_pair_is_told_once_and_a_dof_once(void)
     notes.note[AUVID_G500_M_W] = notes.note[AUVID_G500_W_B] = AUVID_NOTE_COMBINATION;
     notes.partner[AUVID_G500_M_W] = AUVID_G500_W_B;
     notes.partner[AUVID_G500_W_B] = AUVID_G500_M_W;
-    expect("sway: nothing moved it; excite it with steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
-    expect("heave: m_w and W-B cannot be told apart; hold one of them fixed, or vary the motion",
-           1);
-    expect("surge: X_u and X_uu cannot be told apart; steps held 4-8 s at two strengths", 2);
+    expect("sway: not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz", 0);
+    expect("heave: m_w and W-B cannot be distinguished; fix one of them, or vary the motion", 1);
+    expect("surge: X_u and X_uu cannot be distinguished; steps held 4-8 s at two strengths", 2);
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
 }
 
-static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void)
+static void test_a_bound_is_reported_with_its_value_and_its_dependents(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_V] = notes.note[AUVID_G500_Z_W] = AUVID_NOTE_AT_BOUND;
@@ -671,10 +670,10 @@ static void test_a_bound_is_told_with_its_value_and_with_what_depends_on_it(void
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
 }
 
-static void test_numbers_in_words_are_those_of_printf(void)
+static void test_numbers_in_sentences_are_those_of_printf(void)
 {
-    static const double numbers[] = {0, 1, -1, 0.001, 0.5, 12.25, -999.999,
-                                     1000, 65536.125, 999999};
+    static const double numbers[] = {0,     1,        -1,   0.001,     0.5,
+                                     12.25, -999.999, 1000, 65536.125, 999999};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
         char words[100];
         memset(&notes, 0, sizeof notes);
@@ -686,7 +685,7 @@ static void test_numbers_in_words_are_those_of_printf(void)
     }
 }
 
-static void test_a_search_that_has_not_converged_is_told_once(void)
+static void test_a_search_that_has_not_converged_is_reported_once(void)
 {
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_Y_V] =
@@ -706,12 +705,12 @@ static void test_before_the_first_estimate_every_dof_is_asked_for(void)
          ++which) {
         TEST_ASSERT_TRUE(which < 4);
         TEST_ASSERT_EQUAL_PTR(text, strstr(text, dof[which]));
-        TEST_ASSERT_NOT_NULL(strstr(text, "nothing moved it"));
+        TEST_ASSERT_NOT_NULL(strstr(text, "not excited"));
     }
     TEST_ASSERT_EQUAL(4, which);
 }
 
-static void test_a_text_too_long_is_cut_and_ended(void)
+static void test_a_text_too_long_is_truncated_and_terminated(void)
 {
     for (size_t size = 1; size < 60; ++size) {
         memset(text, 'x', sizeof text);
@@ -719,7 +718,7 @@ static void test_a_text_too_long_is_cut_and_ended(void)
                           auvid_confidence_missing(NULL, &auvid_girona500, 0, 0, text, size));
         TEST_ASSERT_EQUAL(size - 1, strlen(text));
         TEST_ASSERT_EQUAL('x', text[size]);
-        TEST_ASSERT_EQUAL(0, memcmp(text, "surge: nothing moved it; excite it with steps held 4-8",
+        TEST_ASSERT_EQUAL(0, memcmp(text, "surge: not excited; apply steps held 4-8 s and sines o",
                                     size - 1 < 54 ? size - 1 : 54));
     }
 }
@@ -737,7 +736,7 @@ static void test_every_note_has_a_phrase(void)
     TEST_ASSERT_EQUAL_STRING("unknown note", auvid_note_str((auvid_note_t)77));
 }
 
-static void test_wrong_arguments_are_named(void)
+static void test_wrong_arguments_are_refused(void)
 {
     uint32_t budget = 1;
     observe(&(world_t){SURGE, 1, 1.0, 0.0});
@@ -765,39 +764,39 @@ int main(void)
     RUN_TEST(test_standard_errors_are_proportional_to_the_noise);
     RUN_TEST(test_standard_errors_fall_as_sets_come_in);
     RUN_TEST(test_one_set_is_enough_for_standard_errors);
-    RUN_TEST(test_float_and_double_come_to_the_same_standard_errors);
+    RUN_TEST(test_float_and_double_give_the_same_standard_errors);
     RUN_TEST(test_any_budget_gives_the_same_bits);
-    RUN_TEST(test_a_job_copied_half_way_with_its_metric_goes_on);
+    RUN_TEST(test_a_job_copied_half_way_with_its_metric_continues);
     RUN_TEST(test_the_cost_of_eight_sets_is_what_the_header_says);
     RUN_TEST(test_an_estimated_delay_widens_the_masses);
     RUN_TEST(test_good_data_make_everything_identifiable);
     RUN_TEST(test_a_fixed_parameter_is_called_so);
-    RUN_TEST(test_parameters_of_a_dof_that_was_not_driven_are_not_known);
+    RUN_TEST(test_parameters_of_a_dof_that_was_not_excited_are_not_known);
     RUN_TEST(test_a_mass_in_tonnes_is_as_identifiable_as_in_kilograms);
-    RUN_TEST(test_drags_of_a_velocity_that_stands_still_are_not_known);
+    RUN_TEST(test_drags_of_a_velocity_that_is_always_zero_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_discredits_its_equation);
-    RUN_TEST(test_a_drag_that_drives_discredits_its_equation);
+    RUN_TEST(test_a_drag_that_accelerates_discredits_its_equation);
     RUN_TEST(test_a_large_impossible_part_discredits_its_equation_without_being_known);
     RUN_TEST(test_a_zero_drag_that_comes_out_positive_discredits_nothing);
     RUN_TEST(test_what_explains_no_force_is_implausible);
     RUN_TEST(test_a_parameter_at_its_bound_is_named_with_it_and_not_identifiable);
-    RUN_TEST(test_what_moves_by_more_than_its_half_width_without_the_bound_is_named);
+    RUN_TEST(test_a_parameter_that_a_bound_shifts_by_more_than_its_half_width_is_named);
     RUN_TEST(test_a_parameter_near_a_bound_by_more_than_its_half_width_is_not_at_it);
     RUN_TEST(test_a_search_that_has_not_converged_identifies_nothing);
-    RUN_TEST(test_a_parameter_that_is_zero_and_known_to_be_is_called_small);
+    RUN_TEST(test_a_parameter_known_to_be_zero_is_called_small);
     RUN_TEST(test_a_parameter_that_may_be_zero_is_not_called_small);
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
     RUN_TEST(test_too_much_noise_makes_all_uncertain);
-    RUN_TEST(test_every_need_has_its_words);
-    RUN_TEST(test_a_large_part_of_the_rows_that_gaps_cost_is_told);
-    RUN_TEST(test_a_pair_is_told_once_and_a_dof_once);
-    RUN_TEST(test_a_bound_is_told_with_its_value_and_with_what_depends_on_it);
-    RUN_TEST(test_numbers_in_words_are_those_of_printf);
-    RUN_TEST(test_a_search_that_has_not_converged_is_told_once);
+    RUN_TEST(test_every_need_has_its_sentence);
+    RUN_TEST(test_a_large_part_of_rows_lost_to_gaps_is_reported);
+    RUN_TEST(test_a_pair_and_a_dof_have_one_sentence_each);
+    RUN_TEST(test_a_bound_is_reported_with_its_value_and_its_dependents);
+    RUN_TEST(test_numbers_in_sentences_are_those_of_printf);
+    RUN_TEST(test_a_search_that_has_not_converged_is_reported_once);
     RUN_TEST(test_before_the_first_estimate_every_dof_is_asked_for);
-    RUN_TEST(test_a_text_too_long_is_cut_and_ended);
+    RUN_TEST(test_a_text_too_long_is_truncated_and_terminated);
     RUN_TEST(test_every_note_has_a_phrase);
-    RUN_TEST(test_wrong_arguments_are_named);
+    RUN_TEST(test_wrong_arguments_are_refused);
     return UNITY_END();
 }

@@ -1,10 +1,10 @@
 /*
- * What is not known of the delay between thrust and motion: its part in standard errors, and delays
- * of both signs. The formulas are computed again in tests/reference/test_confidence_reference.cpp,
- * flags are counted in tests/vehicles/test_propeller_lag.c.
+ * Uncertainty of the delay between thrust and motion: its part in standard errors, and delays of
+ * both signs. tests/reference/test_confidence_reference.cpp computes the formulas again.
+ * tests/vehicles/test_propeller_lag.c counts flags.
  *
- * The vehicle's equations are fed with made-up motion at the cells of the recorder, of parabolas
- * instead of sines: the same numbers with any C library.
+ * The vehicle's equations are evaluated for synthetic motion at the cells of the recorder. It is
+ * made of parabolas instead of sines, which give the same numbers with any C library.
  */
 #include <math.h>
 #include <stdio.h>
@@ -16,20 +16,20 @@
 #include "finish.h"
 #include "unity.h"
 
-enum { SETS = 8, N = 13 }; /* parameters that are free */
+enum { SETS = 8, N = 13 }; /* free parameters */
 
-/* A world: parameters, white noise of the force, and by how many cells the stamps of the wrench are
- * late, or early if negative. */
+/* A synthetic run: parameters, white noise of the force, and the number of cells by which the time
+ * stamps of the wrench are late (negative: early). */
 typedef struct {
     const auvid_real_t *truth;
     double force_N;
     int late;
-    bool sine; /* surge alone moves, in a sine */
+    bool sine; /* only surge moves, in a sine */
 } world_t;
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_metric_config_t cfg;
 static auvid_real_t estimate[AUVID_MAX_PARAMETERS];
 
@@ -43,9 +43,9 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* A wave of period one, and its derivative: parabolas. */
+/* A wave of period one made of parabolas, and its derivative. */
 static double wave(double x, double *slope)
 {
     x -= floor(x);
@@ -89,7 +89,7 @@ static void wrench(const world_t *world, double t, double tau[AUVID_DOF_COUNT])
     }
 }
 
-/* About a Gaussian, the same in every build. */
+/* Approximately Gaussian, the same in every build. */
 static double gauss(uint64_t *state)
 {
     double sum = -6;
@@ -131,7 +131,7 @@ static void solve(void)
 }
 
 /* @return units of work */
-static uint32_t judge(auvid_real_t delay_s)
+static uint32_t compute_confidence(auvid_real_t delay_s)
 {
     const auvid_uncertainty_t uncertainty = {0, 0, delay_s};
     uint32_t budget = UINT32_MAX;
@@ -140,13 +140,13 @@ static uint32_t judge(auvid_real_t delay_s)
     return UINT32_MAX - budget;
 }
 
-/* Data, estimate and verdict; delay_s is the uncertainty of the delay. */
+/* Data, estimate and confidence; delay_s is the uncertainty of the delay. */
 static void observe(const world_t *world, auvid_real_t delay_s)
 {
     cfg.delay_sigma_s = delay_s;
     record(world);
     solve();
-    (void)judge(delay_s);
+    (void)compute_confidence(delay_s);
 }
 
 static double error_of(const world_t *world, int i)
@@ -156,7 +156,7 @@ static double error_of(const world_t *world, int i)
 
 /* ---- standard errors ---- */
 
-/* In a sine a delay d makes of a linear drag X a mass of -X d: the data see the sum only. */
+/* In a sine a delay d turns a linear drag X into a mass of -X d: the data show only the sum. */
 static void test_an_undetermined_delay_widens_the_mass(void)
 {
     auvid_real_t viscous[AUVID_G500_COUNT];
@@ -165,9 +165,9 @@ static void test_an_undetermined_delay_widens_the_mass(void)
     viscous[AUVID_G500_X_UU] = AUVID_C(-1.0);
     const world_t world = {viscous, 1, 0, true};
     observe(&world, AUVID_C(0.0));
-    double before = (double)verdict->sigma[AUVID_G500_M_U];
+    double before = (double)result->sigma[AUVID_G500_M_U];
     observe(&world, AUVID_C(0.1));
-    double after = (double)verdict->sigma[AUVID_G500_M_U];
+    double after = (double)result->sigma[AUVID_G500_M_U];
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, (double)metric.delay_s[AUVID_SURGE]);
     TEST_ASSERT_TRUE(before < 1);
     TEST_ASSERT_TRUE(after > 0.1 * 200);
@@ -179,18 +179,18 @@ static void test_a_determined_delay_hardly_widens(void)
     const world_t world = {auvid_girona500_paper, 1, 0, false};
     auvid_real_t before[N];
     observe(&world, AUVID_C(0.0));
-    memcpy(before, verdict->sigma, sizeof before);
+    memcpy(before, result->sigma, sizeof before);
     observe(&world, AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        double ratio = (double)verdict->sigma[i] / (double)before[i];
+        double ratio = (double)result->sigma[i] / (double)before[i];
         TEST_ASSERT_TRUE(ratio > 0.99);
         TEST_ASSERT_TRUE(ratio < 2.5);
         TEST_ASSERT_TRUE(i <= AUVID_G500_M_R || ratio < 1.5);
     }
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
 }
 
-/* The user gives a delay of zero, and the data know better. */
+/* The user gives a delay of zero, which the data contradict. */
 static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_errors(void)
 {
     const world_t world = {auvid_girona500_paper, 1, -1, false};
@@ -198,27 +198,27 @@ static void test_a_given_delay_that_the_data_contradict_is_in_the_standard_error
     cfg.estimate_delay = false;
     observe(&world, AUVID_C(0.0));
     for (int i = 0; i < N; ++i) {
-        far += fabs(error_of(&world, i)) > 2.1 * (double)verdict->sigma[i];
+        far += fabs(error_of(&world, i)) > 2.1 * (double)result->sigma[i];
     }
     TEST_ASSERT_TRUE(far >= 5);
-    (void)judge(AUVID_C(0.1));
+    (void)compute_confidence(AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 2.1 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 2.1 * (double)result->sigma[i]);
     }
 }
 
-/* ---- stamps ---- */
+/* ---- time stamps ---- */
 
 static void test_late_stamps_are_found_as_a_negative_delay(void)
 {
     const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
     for (int i = 0; i < N; ++i) {
-        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)verdict->sigma[i]);
+        TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)result->sigma[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (metric.excited >> j & 1) != 0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, driven ? -0.1 : 0, (double)metric.delay_s[j]);
+        bool excited = (metric.excited >> j & 1) != 0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, excited ? -0.1 : 0, (double)metric.delay_s[j]);
     }
     TEST_ASSERT_EQUAL_HEX8(0, metric.first_order_lag);
 }
@@ -242,10 +242,10 @@ static void test_without_uncertainty_no_delay_is_negative(void)
     }
 }
 
-/* ---- as before ---- */
+/* ---- without uncertainty ---- */
 
-/* Of the library before it knew of this uncertainty. */
-static void test_without_uncertainty_the_numbers_are_as_before(void)
+/* Numbers of the library before it considered this uncertainty. */
+static void test_without_uncertainty_the_numbers_are_unchanged(void)
 {
     static const world_t world = {auvid_girona500_paper, 1, -1, false};
     static const double pi[N] = {0x1.f2a238p+7,  0x1.6fabc6p+8,  0x1.49d8acp+9,  0x1.2bfc8cp+6,
@@ -260,7 +260,7 @@ static void test_without_uncertainty_the_numbers_are_as_before(void)
     observe(&world, AUVID_C(0.0));
     for (int i = 0; i < N; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(tolerance * fabs(pi[i]), pi[i], (double)estimate[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(tolerance * sigma[i], sigma[i], (double)verdict->sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance * sigma[i], sigma[i], (double)result->sigma[i]);
     }
 }
 
@@ -271,7 +271,7 @@ static void test_any_budget_gives_the_same_bits(void)
     const auvid_uncertainty_t uncertainty = {0, 0, AUVID_C(0.1)};
     const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.1));
-    whole = *verdict;
+    whole = *result;
     for (size_t k = 0; k < sizeof pieces / sizeof pieces[0]; ++k) {
         auvid_status_t status = AUVID_PENDING;
         uint32_t turns = 0;
@@ -281,7 +281,7 @@ static void test_any_budget_gives_the_same_bits(void)
             uint32_t budget = pieces[k];
             status = auvid_confidence_work(&job, &metric, &budget);
         }
-        TEST_ASSERT_EQUAL_MEMORY(&whole, verdict, sizeof whole);
+        TEST_ASSERT_EQUAL_MEMORY(&whole, result, sizeof whole);
     }
 }
 
@@ -289,11 +289,11 @@ static void test_the_uncertainty_costs_what_the_header_says(void)
 {
     const world_t world = {auvid_girona500_paper, 1, 0, false};
     observe(&world, AUVID_C(0.0));
-    uint32_t without = judge(AUVID_C(0.0));
-    TEST_ASSERT_UINT32_WITHIN(20, 538, judge(AUVID_C(0.1)) - without);
+    uint32_t without = compute_confidence(AUVID_C(0.0));
+    TEST_ASSERT_UINT32_WITHIN(20, 538, compute_confidence(AUVID_C(0.1)) - without);
 }
 
-/* ---- what is taken ---- */
+/* ---- accepted values ---- */
 
 static void test_the_metric_refuses_delays_and_uncertainties_out_of_range(void)
 {
@@ -312,7 +312,7 @@ static void test_the_metric_refuses_delays_and_uncertainties_out_of_range(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
 }
 
-static void test_the_identifier_hands_its_uncertainty_to_the_metric(void)
+static void test_the_identifier_passes_its_uncertainty_to_the_metric(void)
 {
     static auvid_identifier_t id;
     static auvid_identifier_config_t config;
@@ -323,7 +323,7 @@ static void test_the_identifier_hands_its_uncertainty_to_the_metric(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0.25, (double)id.metric.cfg.delay_sigma_s);
 }
 
-static void test_a_validation_takes_a_negative_delay_as_none(void)
+static void test_a_validation_treats_a_negative_delay_as_zero(void)
 {
     static auvid_validation_t early, none;
     const auvid_real_t delay[AUVID_DOF_COUNT] = {AUVID_C(-0.2), AUVID_C(-0.1)};
@@ -345,11 +345,11 @@ int main(void)
     RUN_TEST(test_late_stamps_are_found_as_a_negative_delay);
     RUN_TEST(test_late_stamps_beyond_two_cells_give_no_earlier_delay);
     RUN_TEST(test_without_uncertainty_no_delay_is_negative);
-    RUN_TEST(test_without_uncertainty_the_numbers_are_as_before);
+    RUN_TEST(test_without_uncertainty_the_numbers_are_unchanged);
     RUN_TEST(test_any_budget_gives_the_same_bits);
     RUN_TEST(test_the_uncertainty_costs_what_the_header_says);
     RUN_TEST(test_the_metric_refuses_delays_and_uncertainties_out_of_range);
-    RUN_TEST(test_the_identifier_hands_its_uncertainty_to_the_metric);
-    RUN_TEST(test_a_validation_takes_a_negative_delay_as_none);
+    RUN_TEST(test_the_identifier_passes_its_uncertainty_to_the_metric);
+    RUN_TEST(test_a_validation_treats_a_negative_delay_as_zero);
     return UNITY_END();
 }

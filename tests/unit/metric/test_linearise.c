@@ -1,6 +1,6 @@
 /*
- * The residual path linearised at an estimate: what judge and confidence read of a model without
- * regressor. The models here are linear in their parameters, so what they must give is known.
+ * The residual path linearised at an estimate, as the change test and the confidence read it. The
+ * models here are linear in their parameters, so the correct result is known.
  */
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #include "unity.h"
 
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static uint64_t state;
 
 void setUp(void)
@@ -24,7 +24,8 @@ void tearDown(void)
 {
 }
 
-/* From time t on, until the set is complete; white noise on the wrench. @return time after it */
+/* Feed cells from time t on until the set is complete; white noise on the wrench. @return time
+ * after the set */
 static double feed_set(const world_t *w, double t, double force_N)
 {
     for (uint32_t sets = metric.sets_recorded; metric.sets_recorded == sets; t += w->cell_s) {
@@ -46,7 +47,7 @@ static double squares_of(auvid_metric_t *m, const auvid_real_t *pi, double delay
     return (double)m->sse[AUVID_SURGE];
 }
 
-/* The same with parameter i as it is in pi plus `more`. */
+/* The same with `more` added to parameter i. */
 static double squares_beside(auvid_metric_t *m, const auvid_real_t *pi, int i, double more,
                              double delay_s)
 {
@@ -56,7 +57,7 @@ static double squares_beside(auvid_metric_t *m, const auvid_real_t *pi, int i, d
     return squares_of(m, moved, delay_s);
 }
 
-/* By pieces of the budget. @return units used */
+/* Linearise in pieces of the budget. @return units used */
 static uint32_t linearise(const auvid_real_t *pi, double delay_s, uint8_t sets, uint32_t piece)
 {
     uint32_t used = 0;
@@ -78,15 +79,15 @@ static void assess(const auvid_real_t *pi)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-static void judge(void)
+static void change_test(void)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_change_begin(&metric);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_change(&metric, &budget));
 }
 
-/* In the literal reading both paths have the same rows. Those of a regressor are taken in pairs, so
- * that the first and the last count half. */
+/* With literal smoothing both paths have the same rows. The regressor path takes them in pairs, so
+ * the first and the last row count half. */
 static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives(void)
 {
     double sigma[2][13];
@@ -106,7 +107,7 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
         (void)linearise(truth, 0, cfg.sets, UINT32_MAX);
         assess(truth);
         for (int i = 0; i < 13; ++i) {
-            sigma[path][i] = (double)verdict->sigma[i];
+            sigma[path][i] = (double)result->sigma[i];
         }
     }
     for (int i = 0; i < 13; ++i) {
@@ -114,8 +115,8 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
     }
 }
 
-/* Of rows of half a second every window is linearised. Windows reach across the borders of sets,
- * and neither across a gap nor, of what reads yaw, across guesses of it. */
+/* With rows of half a second every window is linearised. Windows reach across the borders of sets.
+ * They do not reach across a gap nor, in an equation that reads yaw, across a missing yaw rate. */
 static void test_the_rms_residual_is_that_of_the_measurement(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -137,7 +138,7 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     merge_all(&metric);
     memcpy(pi, truth, sizeof pi);
     for (int i = AUVID_G500_X_0; i <= AUVID_G500_N_0; ++i) {
-        pi[i] = 1000; /* a residual of -1000 everywhere, and little beside it */
+        pi[i] = 1000; /* a residual of -1000 everywhere, and little else */
     }
     (void)squares_of(&metric, pi, 0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -156,7 +157,7 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double rms = windows[j] > 0 ? sqrt((double)metric.sse[j] / windows[j]) : 0;
         TEST_ASSERT_EQUAL(auvid_girona500.columns[j] != 0, rms > 0.1);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)verdict->residual_rms[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)result->residual_rms[j]);
     }
 }
 
@@ -175,7 +176,7 @@ static void test_linearising_takes_the_units_that_the_header_says(void)
     uint32_t used = linearise(truth, 0, 1, UINT32_MAX), each = WORK * WINDOW * (2 * N + 3);
     TEST_ASSERT_EQUAL_UINT32(0, used % each);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, sqrt(WINDOW - 1) / 2, 120.0 / (used / each));
-    used = linearise(truth, 0, 2, UINT32_MAX); /* and merged: by rows, and by DoF */
+    used = linearise(truth, 0, 2, UINT32_MAX); /* and the merge: by rows, and by DoF */
     uint32_t merge = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(&metric, j);
@@ -203,7 +204,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
     before = metric;
     for (size_t k = 0; k < sizeof piece / sizeof piece[0]; ++k) {
         metric = before;
-        if (k > 0) { /* begun elsewhere, and then begun again */
+        if (k > 0) { /* begun at another point, and then begun again */
             uint32_t few = 99;
             auvid_metric_linearise_begin(&metric, truth, 0, 1);
             TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_linearise(&metric, &few));
@@ -212,9 +213,9 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
         used = k == 0 ? units : used;
         TEST_ASSERT_EQUAL_UINT32(used, units);
         assess(truth);
-        all = k == 0 ? *verdict : all;
-        TEST_ASSERT_EQUAL_MEMORY(all.sigma, verdict->sigma, sizeof all.sigma);
-        TEST_ASSERT_EQUAL_MEMORY(all.residual_rms, verdict->residual_rms, sizeof all.residual_rms);
+        all = k == 0 ? *result : all;
+        TEST_ASSERT_EQUAL_MEMORY(all.sigma, result->sigma, sizeof all.sigma);
+        TEST_ASSERT_EQUAL_MEMORY(all.residual_rms, result->residual_rms, sizeof all.residual_rms);
     }
 }
 
@@ -222,7 +223,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
 
 enum { POINTS = 5, NEWTONS_PER_S = 100 };
 
-/* Least and largest value of each parameter, and of the time by which the wrench is late [s]. */
+/* Smallest and largest value of each parameter, and of the delay of the wrench [s]. */
 static double seen[POINTS + 1][2];
 
 static void note(int i, double value)
@@ -231,8 +232,8 @@ static void note(int i, double value)
     seen[i][1] = fmax(seen[i][1], value);
 }
 
-static void spy(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                auvid_real_t *e)
+static void observing_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                               auvid_real_t *e)
 {
     (void)context;
     for (int i = 0; i < POINTS; ++i) {
@@ -242,7 +243,7 @@ static void spy(const void *context, const auvid_sample_t *s, const auvid_real_t
     e[AUVID_SURGE] = pi[0] - s->tau[AUVID_SURGE];
 }
 
-/* The wrench rises steadily: it says of what time it is. */
+/* The wrench rises steadily, so its value gives its time. */
 static void test_derivatives_are_central_differences_over_the_steps_that_the_header_says(void)
 {
     static const auvid_real_t point[AUVID_MAX_PARAMETERS] = {200, -0.5, AUVID_C(1e-3), 0, 7};
@@ -258,7 +259,7 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
                                 .parameters = POINTS,
                                 .parameter = parameter,
                                 .columns = {31u},
-                                .residual = spy};
+                                .residual = observing_residual};
     auvid_metric_defaults(&cfg, &vehicle);
     cfg.sets = 1;
     cfg.set_rows = 20;
@@ -288,9 +289,9 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.2 + 0.01 / 2, seen[POINTS][1]);
 }
 
-/* ---- what is made of it ---- */
+/* ---- use of the linear model ---- */
 
-/* What no value of X_u explains of surge in the sets whose age's bit is set. */
+/* The part of surge that no X_u explains, in the sets whose age has its bit set. */
 static double unexplained(uint32_t ages, double delay_s)
 {
     before = metric;
@@ -308,9 +309,9 @@ static double unexplained(uint32_t ages, double delay_s)
     return here - slope * slope / (4 * bend);
 }
 
-/* Between the sets there are gaps, so that no residual is of two of them. The newest is linearised
- * alone, as the identifier does, at other values than the rest. */
-static void test_change_is_what_the_newest_sets_fit_worse_together_than_apart(void)
+/* Gaps between the sets prevent residuals that span two of them. The newest set is linearised
+ * separately, as in the identifier, at other values than the rest. */
+static void test_change_is_the_pooled_minus_the_separate_sum_of_squares(void)
 {
     const double delay_s = 0.13;
     auvid_real_t changed[AUVID_MAX_PARAMETERS], pi[AUVID_MAX_PARAMETERS];
@@ -333,7 +334,7 @@ static void test_change_is_what_the_newest_sets_fit_worse_together_than_apart(vo
     (void)linearise(pi, delay_s, 3, UINT32_MAX);
     pi[AUVID_G500_X_U] *= AUVID_C(0.5);
     (void)linearise(pi, delay_s, 1, UINT32_MAX);
-    judge();
+    change_test();
     double all = unexplained(7, delay_s);
     double one = all - unexplained(6, delay_s) - unexplained(1, delay_s);
     double two = all - unexplained(4, delay_s) - unexplained(3, delay_s);
@@ -366,7 +367,7 @@ static void test_an_estimated_delay_widens_the_standard_error_as_the_costs_curva
         (void)squares_of(&metric, truth, delay_s);
         (void)linearise(truth, delay_s, cfg.sets, UINT32_MAX);
         assess(truth);
-        sigma[estimated] = (double)verdict->sigma[P];
+        sigma[estimated] = (double)result->sigma[P];
     }
     double here = squares_of(&metric, truth, delay_s);
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -396,8 +397,8 @@ static void steep(const void *context, const auvid_sample_t *s, const auvid_real
     e[AUVID_SURGE] = fails ? (auvid_real_t)NAN : steepness * pi[0] - s->tau[AUVID_SURGE];
 }
 
-/* Three sets of the steep model, linearised and judged. @return time after them [s] */
-static double judge_steep(void)
+/* Three sets of the steep model, linearised and tested for a change. @return time after them [s] */
+static double change_test_steep(void)
 {
     static const auvid_parameter_t parameter = {"k", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER};
     static auvid_vehicle_t vehicle;
@@ -418,10 +419,10 @@ static double judge_steep(void)
     merge_all(&metric);
     (void)squares_of(&metric, pi, 0);
     (void)linearise(pi, 0, cfg.sets, UINT32_MAX);
-    judge();
+    change_test();
     TEST_ASSERT_TRUE(isfinite((double)metric.change[0][AUVID_SURGE]));
     assess(pi);
-    TEST_ASSERT_TRUE(isfinite((double)verdict->residual_rms[AUVID_SURGE]));
+    TEST_ASSERT_TRUE(isfinite((double)result->residual_rms[AUVID_SURGE]));
     return t;
 }
 
@@ -431,12 +432,12 @@ static void test_windows_with_derivatives_beyond_1e15_are_left_out(void)
     memset(fails_us, 0, sizeof fails_us);
     for (size_t k = 0; k < sizeof steeper / sizeof steeper[0]; ++k) {
         steepness = steeper[k];
-        (void)judge_steep();
+        (void)change_test_steep();
         TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
-        TEST_ASSERT_EQUAL_DOUBLE(0, (double)verdict->residual_rms[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_DOUBLE(0, (double)result->residual_rms[AUVID_SURGE]);
     }
     steepness = AUVID_C(0.9e15);
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
 }
 
@@ -444,15 +445,15 @@ static void test_windows_in_which_the_model_fails_are_left_out(void)
 {
     steepness = 1;
     memset(fails_us, 0, sizeof fails_us);
-    double t = judge_steep(), whole = (double)verdict->residual_rms[AUVID_SURGE];
+    double t = change_test_steep(), whole = (double)result->residual_rms[AUVID_SURGE];
     TEST_ASSERT_TRUE(whole > 1);
     fails_us[0] = (uint64_t)(1e6 * (t - 3)) + 1000000000u;
     fails_us[1] = UINT64_MAX;
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
-    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)verdict->residual_rms[AUVID_SURGE]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)result->residual_rms[AUVID_SURGE]);
     fails_us[0] = 0;
-    (void)judge_steep();
+    (void)change_test_steep();
     TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
 }
 
@@ -488,7 +489,7 @@ int main(void)
     RUN_TEST(test_linearising_takes_the_units_that_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_linearises_to_the_same_bits);
     RUN_TEST(test_derivatives_are_central_differences_over_the_steps_that_the_header_says);
-    RUN_TEST(test_change_is_what_the_newest_sets_fit_worse_together_than_apart);
+    RUN_TEST(test_change_is_the_pooled_minus_the_separate_sum_of_squares);
     RUN_TEST(test_an_estimated_delay_widens_the_standard_error_as_the_costs_curvature_says);
     RUN_TEST(test_windows_with_derivatives_beyond_1e15_are_left_out);
     RUN_TEST(test_windows_in_which_the_model_fails_are_left_out);

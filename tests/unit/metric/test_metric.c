@@ -1,7 +1,7 @@
 /*
- * The metric through its header: cells without noise, made of known parameters, so that every
- * smoother must give the parameters back. Numbers against an independent pipeline:
- * tests/reference/test_metric.cpp.
+ * The metric through its header: noise-free cells of known parameters, so that every smoother must
+ * return the parameters. tests/reference/test_metric.cpp compares numbers with an independent
+ * pipeline.
  */
 #include <math.h>
 #include <string.h>
@@ -19,7 +19,7 @@ void tearDown(void)
 {
 }
 
-/* ---- parameters come back ---- */
+/* ---- parameters are recovered ---- */
 
 static void test_least_squares_give_the_parameters_of_noise_free_cells_back(void)
 {
@@ -34,9 +34,9 @@ static void test_least_squares_give_the_parameters_of_noise_free_cells_back(void
     }
 }
 
-/* J is quadratic: where its derivative along each parameter vanishes, there is its minimum. The
- * vertex of the parabola through three points is exact but for rounding. */
-static void test_cost_is_least_at_the_parameters(void)
+/* J is quadratic: its minimum is where the derivative along each parameter vanishes. The vertex of
+ * the parabola through three points is exact except for rounding. */
+static void test_cost_is_smallest_at_the_true_parameters(void)
 {
     start();
     world_t w = world_of(&cfg);
@@ -62,7 +62,8 @@ static void test_measurement_of_the_true_parameters_has_r2_of_one(void)
     }
 }
 
-/* Of the ring's only set, which the cost is of. The bands' residuals differ: noise is smoothed. */
+/* The cost is of the ring's only set. The residuals of the bands differ, because noise is smoothed.
+ * */
 static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
@@ -94,7 +95,7 @@ static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cost, cost, weighed);
 }
 
-static void test_literal_reading_comes_within_ten_percent(void)
+static void test_literal_smoothing_is_within_ten_percent(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     auvid_metric_literal(&cfg);
@@ -103,7 +104,7 @@ static void test_literal_reading_comes_within_ten_percent(void)
     feed(&metric, &w, 0, cells_of(&cfg, 120));
     merge_all(&metric);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, AUVID_G500_FREE, pi));
-    for (int i = 0; i < 13; ++i) { /* it is biased: that is why it is not the default */
+    for (int i = 0; i < 13; ++i) { /* it is biased, and therefore not the default */
         TEST_ASSERT_DOUBLE_WITHIN(0.1 * fabs((double)truth[i]), (double)truth[i], (double)pi[i]);
     }
 }
@@ -161,7 +162,7 @@ static void test_a_merge_takes_three_passes_and_eight_units_for_each_dof(void)
     auvid_metric_merge_begin(&metric);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
     uint32_t rows = 5 * 2 * (9 + 9 + 9 + 8);
-    /* a row that is rotated costs four, one of which the residual is measured one */
+    /* rotating a row costs four, measuring its residual one */
     TEST_ASSERT_EQUAL_UINT32(1000000 - (2 * 4 * rows + rows + 3 * 8 * 4), budget);
 }
 
@@ -209,7 +210,7 @@ static void test_ring_of_one_set_keeps_the_last(void)
     TEST_ASSERT_EQUAL_UINT16(60, metric.dof_rows[AUVID_SURGE]);
 }
 
-static void test_set_dropped_is_forgotten_and_cannot_be_dropped_again(void)
+static void test_a_dropped_set_is_deleted_and_cannot_be_dropped_again(void)
 {
     world_t w = world_of(&cfg);
     start();
@@ -256,8 +257,9 @@ static void test_a_set_completes_with_its_last_row_and_not_before(void)
     TEST_ASSERT_EQUAL(1, feed(&metric, &w, (cells_of(&cfg, 60) - 1) * w.cell_s, 1));
 }
 
-/* Pairs of rows reach over the border of two sets: many small sets know as much as a large one. */
-static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
+/* Pairs of rows reach across the border of two sets: many small sets give the result of a large
+ * one. */
+static void test_sets_of_one_row_use_pairs_across_their_borders(void)
 {
     cfg.set_rows = 1;
     cfg.sets = AUVID_MAX_SETS;
@@ -267,7 +269,7 @@ static void test_sets_of_one_row_know_what_pairs_across_their_borders_tell(void)
     start();
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 12));
-    for (int s = 0; s < AUVID_MAX_SETS; ++s) { /* a single row has no variance: not driven */
+    for (int s = 0; s < AUVID_MAX_SETS; ++s) { /* a single row has no variance: not excited */
         TEST_ASSERT_EQUAL_HEX8(0, metric.set[s].excited);
     }
     uint32_t budget = UINT32_MAX;
@@ -284,20 +286,20 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_least_squares_give_the_parameters_of_noise_free_cells_back);
-    RUN_TEST(test_cost_is_least_at_the_parameters);
+    RUN_TEST(test_cost_is_smallest_at_the_true_parameters);
     RUN_TEST(test_measurement_of_the_true_parameters_has_r2_of_one);
     RUN_TEST(test_a_prediction_weighs_the_bands_as_the_cost_does);
-    RUN_TEST(test_literal_reading_comes_within_ten_percent);
+    RUN_TEST(test_literal_smoothing_is_within_ten_percent);
     RUN_TEST(test_literal_sets_what_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_gives_the_same_bits);
     RUN_TEST(test_a_cost_takes_one_unit_for_each_row_of_r);
     RUN_TEST(test_a_merge_takes_three_passes_and_eight_units_for_each_dof);
     RUN_TEST(test_ninth_set_drops_the_first);
     RUN_TEST(test_ring_of_one_set_keeps_the_last);
-    RUN_TEST(test_set_dropped_is_forgotten_and_cannot_be_dropped_again);
+    RUN_TEST(test_a_dropped_set_is_deleted_and_cannot_be_dropped_again);
     RUN_TEST(test_close_of_an_empty_set_is_refused);
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
-    RUN_TEST(test_sets_of_one_row_know_what_pairs_across_their_borders_tell);
+    RUN_TEST(test_sets_of_one_row_use_pairs_across_their_borders);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 /*
- * What the metric makes of its data: which DoF are driven, what is kept of a set, delays, gaps and
- * cells that no model can explain.
+ * How the metric treats its data: excitation of the DoF, contents of a stored set, delays, gaps,
+ * and cells that no model can explain.
  */
 #include <math.h>
 #include <string.h>
@@ -17,9 +17,9 @@ void tearDown(void)
 {
 }
 
-/* ---- driven or not ---- */
+/* ---- excitation ---- */
 
-/* Two minutes in which sway moves, but is not driven. */
+/* Two minutes in which sway moves, but is not excited. */
 static void drift_sideways(void)
 {
     start();
@@ -33,7 +33,7 @@ static void drift_sideways(void)
 }
 
 /* m_v v r acts on surge, and (m_u - m_v) u v on yaw. */
-static void test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others(void)
+static void test_motion_of_a_dof_that_is_not_excited_does_not_bias_the_others(void)
 {
     const uint32_t drag = 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
@@ -45,7 +45,7 @@ static void test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others(voi
     assert_truth(pi, searched);
 }
 
-static void test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched(void)
+static void test_known_parameters_of_a_dof_that_is_not_excited_are_not_searched(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     memcpy(cfg.fixed, truth, sizeof cfg.fixed);
@@ -67,7 +67,7 @@ static void test_columns_that_are_zero_are_not_searched(void)
     TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_searched(NULL));
 }
 
-static void test_dof_that_is_not_driven_is_left_out(void)
+static void test_dof_that_is_not_excited_is_left_out(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     start();
@@ -89,8 +89,8 @@ static void test_dof_that_is_not_driven_is_left_out(void)
     TEST_ASSERT_EQUAL_DOUBLE(at_truth, cost_of(&metric, pi));
 }
 
-/* Three periods of a sine slow enough to pass the smoother, its rms 5 % beside the threshold. */
-static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
+/* Three periods of a sine slow enough to pass the smoother, with an rms 5 % from the threshold. */
+static void test_dof_is_excited_above_the_stated_part_of_its_scale(void)
 {
     for (int above = 0; above < 2; ++above) {
         setUp();
@@ -109,7 +109,7 @@ static void test_dof_is_driven_from_the_stated_part_of_its_scale_on(void)
     }
 }
 
-static void test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2(void)
+static void test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2(void)
 {
     auvid_real_t r2[2][6], pi[AUVID_MAX_PARAMETERS];
     memcpy(pi, truth, sizeof pi);
@@ -137,7 +137,7 @@ static void test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, (double)r2[0][AUVID_YAW], (double)r2[1][AUVID_YAW]);
 }
 
-static void test_no_dof_driven_is_no_data(void)
+static void test_no_dof_excited_is_no_data(void)
 {
     uint32_t budget = 100;
     start();
@@ -157,7 +157,7 @@ static void test_no_dof_driven_is_no_data(void)
 }
 
 /* A fixed mass times an acceleration is not a wrench. */
-static void test_what_fixed_parameters_explain_does_not_drive_a_dof(void)
+static void test_what_fixed_parameters_explain_does_not_excite_a_dof(void)
 {
     cfg.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_V);
     cfg.fixed[AUVID_G500_M_V] = truth[AUVID_G500_M_V];
@@ -172,7 +172,7 @@ static void test_what_fixed_parameters_explain_does_not_drive_a_dof(void)
     TEST_ASSERT_EQUAL_HEX8(0, metric.excited & 1u << AUVID_SWAY);
 }
 
-static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
+static void test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench(void)
 {
     uint32_t fixed = 1u << AUVID_G500_M_U | 1u << AUVID_G500_W_B | 1u << AUVID_G500_N_RR;
     truth[AUVID_G500_X_0] = 4;
@@ -183,7 +183,7 @@ static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
     feed(&metric, &w, 0, cells_of(&cfg, 120));
     assert_least_squares_find_truth(AUVID_G500_FREE & ~fixed);
 
-    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* what is said of them is ignored */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* their values are ignored */
     memcpy(pi, truth, sizeof pi);
     pi[AUVID_G500_X_UU] *= AUVID_C(1.1);
     double cost = cost_of(&metric, pi);
@@ -198,17 +198,18 @@ static void test_the_share_of_fixed_parameters_is_taken_from_the_wrench(void)
 
 /* ---- stored sets ---- */
 
-/* Pseudo-random in +-1. */
+/* Pseudo-random within +-1. */
 static auvid_real_t noise(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
     return (auvid_real_t)((double)*state / 2147483648.0 - 1.0);
 }
 
-static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size(void)
+static void test_stored_entries_have_an_error_relative_to_their_column(void)
 {
     static const double size[] = {1e17, 3e-30, 1, 0, 1e-20, 7e3, 250, 1e-38, 1.0 / 3};
-    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], most[AUVID_MAX_COLUMNS] = {0};
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS],
+        max_entry[AUVID_MAX_COLUMNS] = {0};
     uint32_t state = 1;
     start();
     int n = auvid_metric_order(&metric, 0), entries = n * (n + 1) / 2;
@@ -217,7 +218,7 @@ static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_
             for (int k = i; k < n; ++k, ++at) {
                 auvid_real_t value = noise(&state) * (auvid_real_t)size[k % 9];
                 metric.factor[band][at] = value;
-                most[k] = (auvid_real_t)fmax((double)most[k], fabs((double)value));
+                max_entry[k] = (auvid_real_t)fmax((double)max_entry[k], fabs((double)value));
             }
         }
     }
@@ -227,16 +228,16 @@ static void test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_
             auvid_metric_unpack_row(&metric, &metric.set[0], band, 0, i, row);
             for (int k = i; k < n; ++k, ++at) {
                 double off = fabs((double)row[k] - (double)metric.factor[band][at]);
-                double unit = fmax(ldexp(1.001 * (double)most[k], -15), ldexp(1, -127));
+                double unit = fmax(ldexp(1.001 * (double)max_entry[k], -15), ldexp(1, -127));
                 TEST_ASSERT_TRUE(off <= unit);
             }
         }
     }
 }
 
-/* In yaw m_u and m_v stand as -u v and u v: one pivot has to be none, or rounding would count as
- * knowledge. */
-static void test_a_column_that_depends_on_others_is_none_after_rounding(void)
+/* In yaw m_u and m_v have the columns -u v and u v: one pivot must be zero, or rounding would count
+ * as information. */
+static void test_a_column_that_depends_on_others_has_no_pivot_after_rounding(void)
 {
     for (int begin = 0; begin < 60; ++begin) {
         start();
@@ -262,7 +263,7 @@ static void test_every_parameter_is_free_where_the_mask_is_zero(void)
     TEST_ASSERT_EQUAL_HEX32((1u << N) - 1, auvid_metric_active(&metric));
 }
 
-static void test_least_squares_name_what_the_data_do_not_determine(void)
+static void test_least_squares_report_what_the_data_do_not_determine(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     start();
@@ -327,7 +328,7 @@ static void test_parameters_come_back_from_a_delayed_wrench(void)
     }
 }
 
-static void test_response_before_its_command_is_taken_as_no_delay(void)
+static void test_response_before_its_command_has_no_delay(void)
 {
     start();
     world_t w = world_of(&cfg);
@@ -359,10 +360,10 @@ static void test_given_delay_is_used_as_it_is(void)
 /* ---- gaps and bad cells ---- */
 
 /* A smoothed equation holds across a jump as well; a delayed wrench does not. */
-static void test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides(void)
+static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
 {
     double whole[2];
-    for (int told = 0; told < 2; ++told) {
+    for (int marked = 0; marked < 2; ++marked) {
         setUp();
         cfg.estimate_delay = false;
         for (int j = 0; j < 6; ++j) {
@@ -372,21 +373,21 @@ static void test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides(void)
         world_t w = world_of(&cfg);
         w.shift_s = 0.3;
         feed(&metric, &w, 0, cells_of(&cfg, 40) + 3);
-        if (told) {
+        if (marked) {
             auvid_metric_gap(&metric);
         }
         TEST_ASSERT_EQUAL(1, feed(&metric, &w, 333, cells_of(&cfg, 20)));
         merge_all(&metric);
-        whole[told] = cost_of(&metric, truth) + (double)metric.constant;
+        whole[marked] = cost_of(&metric, truth) + (double)metric.constant;
     }
     TEST_ASSERT_TRUE(whole[1] < 1e-8);
     TEST_ASSERT_TRUE(whole[0] > 1e-4);
     auvid_metric_gap(NULL);
 }
 
-/* Two sets of cells in which a velocity is not measured for 2 s in every 20, and a guess stands in
- * its place. */
-static void feed_guesses(int velocity, bool told)
+/* Two sets of cells in which a velocity is not measured for 2 s in every 20; a wrong value replaces
+ * it. */
+static void feed_wrong_values(int velocity, bool marked)
 {
     world_t w = world_of(&cfg);
     start();
@@ -395,7 +396,7 @@ static void feed_guesses(int velocity, bool told)
         if (k % 200 < 20) {
             s.nu[velocity] += 1;
             s.nu_dot[velocity] -= 2;
-            s.missing = (uint8_t)(told ? 1u << velocity : 0u);
+            s.missing = (uint8_t)(marked ? 1u << velocity : 0u);
         }
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
     }
@@ -404,19 +405,19 @@ static void feed_guesses(int velocity, bool told)
 static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing(void)
 {
     for (int velocity = 0; velocity < 3; ++velocity) {
-        feed_guesses(velocity, true);
+        feed_wrong_values(velocity, true);
         assert_least_squares_find_truth(AUVID_G500_FREE);
-        feed_guesses(velocity, false);
+        feed_wrong_values(velocity, false);
         merge_all(&metric);
         TEST_ASSERT_TRUE(cost_of(&metric, truth) + (double)metric.constant > 1e-4);
     }
-    feed_guesses(AUVID_HEAVE, true); /* yaw does not read it */
+    feed_wrong_values(AUVID_HEAVE, true); /* yaw does not read it */
     const auvid_set_t *set = auvid_metric_newest(&metric);
     TEST_ASSERT_EQUAL_UINT16(60, set->rows);
     TEST_ASSERT_EQUAL_UINT16(60, set->rows_of[AUVID_YAW]);
     TEST_ASSERT_EQUAL_UINT16(0, set->lost);
     for (int j = 0; j < 3; ++j) {
-        /* of 40 rows in 20 s those whose 41 cells, or 43 for their ends, meet the 20: 12 */
+        /* of 40 rows in 20 s, 12 have a cell without velocity among their 41 (43 with the ends) */
         TEST_ASSERT_UINT16_WITHIN(3, 60 - 60 * 12 / 40, set->rows_of[j]);
     }
     merge_all(&metric);
@@ -424,7 +425,7 @@ static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missin
     TEST_ASSERT_UINT16_WITHIN(6, 84, metric.dof_rows[AUVID_HEAVE]);
 }
 
-static void test_rows_that_gaps_in_the_record_cost_are_counted(void)
+static void test_rows_lost_to_gaps_in_the_record_are_counted(void)
 {
     world_t w = world_of(&cfg);
     start();
@@ -461,7 +462,7 @@ static void test_cell_that_is_not_finite_is_ignored(void)
 }
 
 /* Girona500's trigonometry ends at 1e4 rad; 1e30 squared overflows. */
-static void test_rows_the_model_cannot_make_are_left_out(void)
+static void test_rows_whose_regressor_fails_are_left_out(void)
 {
     world_t w = world_of(&cfg);
     for (int literal = 0; literal < 2; ++literal) {
@@ -484,7 +485,7 @@ static void test_rows_the_model_cannot_make_are_left_out(void)
     }
 }
 
-/* What the broken regressor gives for m_u. */
+/* The value of the faulty regressor for m_u. */
 static auvid_real_t broken_entry;
 
 static void broken_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
@@ -493,7 +494,7 @@ static void broken_regressor(const void *context, const auvid_sample_t *s, auvid
     y->row[AUVID_SURGE][AUVID_G500_M_U] = broken_entry;
 }
 
-static void test_rows_the_model_never_can_make_do_not_count_as_explained(void)
+static void test_rows_whose_regressor_always_fails_do_not_count_as_explained(void)
 {
     const auvid_real_t entries[] = {(auvid_real_t)NAN, -(auvid_real_t)INFINITY, AUVID_C(1e16)};
     auvid_vehicle_t broken = auvid_girona500;
@@ -519,29 +520,29 @@ static void test_rows_the_model_never_can_make_do_not_count_as_explained(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_motion_of_a_dof_that_is_not_driven_does_not_bias_the_others);
-    RUN_TEST(test_what_is_known_of_a_dof_that_is_not_driven_is_not_searched);
+    RUN_TEST(test_motion_of_a_dof_that_is_not_excited_does_not_bias_the_others);
+    RUN_TEST(test_known_parameters_of_a_dof_that_is_not_excited_are_not_searched);
     RUN_TEST(test_columns_that_are_zero_are_not_searched);
-    RUN_TEST(test_dof_that_is_not_driven_is_left_out);
-    RUN_TEST(test_dof_is_driven_from_the_stated_part_of_its_scale_on);
-    RUN_TEST(test_set_in_which_a_dof_is_not_driven_does_not_count_in_its_r2);
-    RUN_TEST(test_no_dof_driven_is_no_data);
-    RUN_TEST(test_what_fixed_parameters_explain_does_not_drive_a_dof);
-    RUN_TEST(test_the_share_of_fixed_parameters_is_taken_from_the_wrench);
-    RUN_TEST(test_stored_entries_are_off_by_a_share_of_their_column_whatever_its_size);
-    RUN_TEST(test_a_column_that_depends_on_others_is_none_after_rounding);
+    RUN_TEST(test_dof_that_is_not_excited_is_left_out);
+    RUN_TEST(test_dof_is_excited_above_the_stated_part_of_its_scale);
+    RUN_TEST(test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2);
+    RUN_TEST(test_no_dof_excited_is_no_data);
+    RUN_TEST(test_what_fixed_parameters_explain_does_not_excite_a_dof);
+    RUN_TEST(test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench);
+    RUN_TEST(test_stored_entries_have_an_error_relative_to_their_column);
+    RUN_TEST(test_a_column_that_depends_on_others_has_no_pivot_after_rounding);
     RUN_TEST(test_every_parameter_is_free_where_the_mask_is_zero);
-    RUN_TEST(test_least_squares_name_what_the_data_do_not_determine);
+    RUN_TEST(test_least_squares_report_what_the_data_do_not_determine);
     RUN_TEST(test_delay_of_the_wrench_is_found_within_5_ms);
     RUN_TEST(test_lag_of_the_wrench_is_found_within_5_ms_and_flagged);
     RUN_TEST(test_parameters_come_back_from_a_delayed_wrench);
-    RUN_TEST(test_response_before_its_command_is_taken_as_no_delay);
+    RUN_TEST(test_response_before_its_command_has_no_delay);
     RUN_TEST(test_given_delay_is_used_as_it_is);
-    RUN_TEST(test_gap_inside_a_set_does_not_mix_what_is_on_its_two_sides);
+    RUN_TEST(test_gap_inside_a_set_does_not_mix_its_two_sides);
     RUN_TEST(test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missing);
-    RUN_TEST(test_rows_that_gaps_in_the_record_cost_are_counted);
+    RUN_TEST(test_rows_lost_to_gaps_in_the_record_are_counted);
     RUN_TEST(test_cell_that_is_not_finite_is_ignored);
-    RUN_TEST(test_rows_the_model_cannot_make_are_left_out);
-    RUN_TEST(test_rows_the_model_never_can_make_do_not_count_as_explained);
+    RUN_TEST(test_rows_whose_regressor_fails_are_left_out);
+    RUN_TEST(test_rows_whose_regressor_always_fails_do_not_count_as_explained);
     return UNITY_END();
 }

@@ -1,5 +1,5 @@
 /*
- * What the metric refuses, changing nothing, and the limits up to which it does not.
+ * What the metric rejects without any change, and the limits up to which it accepts.
  */
 #include <math.h>
 #include <string.h>
@@ -109,7 +109,7 @@ static void test_largest_filter_that_fits_is_accepted(void)
     assert_least_squares_find_truth(AUVID_G500_FREE);
 }
 
-static void test_rows_further_apart_than_the_filter_is_long_are_made_too(void)
+static void test_rows_further_apart_than_the_filter_is_long_are_formed(void)
 {
     cfg.half_width[0] = cfg.half_width[1] = 2;
     cfg.passes = 1;
@@ -120,7 +120,7 @@ static void test_rows_further_apart_than_the_filter_is_long_are_made_too(void)
     assert_least_squares_find_truth(AUVID_G500_FREE);
 }
 
-static void test_null_pointers_are_refused_or_ignored(void)
+static void test_null_pointers_are_refused_or_a_no_op(void)
 {
     uint32_t budget = 1;
     auvid_real_t x[AUVID_MAX_PARAMETERS];
@@ -152,7 +152,7 @@ int main(void)
     RUN_TEST(test_init_refuses_what_exceeds_the_sizes_and_changes_nothing);
     RUN_TEST(test_init_refuses_what_cannot_work_and_changes_nothing);
     RUN_TEST(test_largest_filter_that_fits_is_accepted);
-    RUN_TEST(test_rows_further_apart_than_the_filter_is_long_are_made_too);
-    RUN_TEST(test_null_pointers_are_refused_or_ignored);
+    RUN_TEST(test_rows_further_apart_than_the_filter_is_long_are_formed);
+    RUN_TEST(test_null_pointers_are_refused_or_a_no_op);
     return UNITY_END();
 }

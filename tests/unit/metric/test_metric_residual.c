@@ -1,5 +1,5 @@
 /*
- * The metric's residual path: models that give residuals, not rows.
+ * The metric's residual path: models that give residuals instead of rows.
  */
 #include <math.h>
 #include <string.h>
@@ -27,8 +27,8 @@ static void assert_canaries(void)
     }
 }
 
-/* Rows of one cell: no averaging, so both paths see the same equations and both costs are least at
- * the truth, exactly but for rounding. */
+/* Rows of one cell are not averaged, so both paths have the same equations. Both costs are smallest
+ * at the true parameters, exactly except for rounding. */
 static void test_residual_path_has_its_minimum_where_the_regressor_path_has(void)
 {
     cfg.sets = 4;
@@ -52,13 +52,13 @@ static void test_residual_path_with_rows_of_two_cells_is_within_half_a_percent(v
     merge_all(&metric);
     for (int i = 0; i < 13; ++i) {
         auvid_real_t pi[AUVID_MAX_PARAMETERS];
-        double h = 0.1 * fabs((double)truth[i]), least = cost_of(&metric, truth);
+        double h = 0.1 * fabs((double)truth[i]), at_truth = cost_of(&metric, truth);
         memcpy(pi, truth, sizeof pi);
         pi[i] = truth[i] + (auvid_real_t)h;
         double up = cost_of(&metric, pi);
         pi[i] = truth[i] - (auvid_real_t)h;
         double down = cost_of(&metric, pi);
-        double vertex = 0.5 * h * (down - up) / (up + down - 2 * least);
+        double vertex = 0.5 * h * (down - up) / (up + down - 2 * at_truth);
         TEST_ASSERT_DOUBLE_WITHIN(0.05 * h, 0, vertex);
     }
 }
@@ -85,7 +85,7 @@ static void test_residual_path_takes_one_unit_for_each_row(void)
     TEST_ASSERT_EQUAL_UINT32(1000 - 60, budget);
 }
 
-/* Residuals are smoothed across the borders of sets: where sets end does not matter. */
+/* Residuals are smoothed across the borders of sets, so it does not matter where sets end. */
 static void test_residual_path_gives_the_same_bits_for_any_division_into_sets(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], cost[2];
@@ -139,7 +139,7 @@ static void test_a_record_whose_times_are_rounded_is_still_one_record(void)
     TEST_ASSERT_TRUE(cost_of(&metric, pi) > 1e-3);
 }
 
-/* 31 rows are smoothed at once: thirty fewer results than rows, on each side of a gap. */
+/* 31 rows are smoothed at once: on each side of a gap there are thirty fewer results than rows. */
 static void test_residuals_are_not_smoothed_over_a_gap(void)
 {
     double sse[2];
@@ -169,11 +169,11 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
     TEST_ASSERT_DOUBLE_WITHIN(100, 20 * 100, sse[1]);
 }
 
-/* Guesses of heave for 1 s in every 10: what is read of them is no residual of any equation. */
+/* Heave is not measured for 1 s in every 10: no residual may read the values that replace it. */
 static void test_residuals_of_what_was_not_measured_do_not_count(void)
 {
     double cost[2];
-    for (int told = 0; told < 2; ++told) {
+    for (int marked = 0; marked < 2; ++marked) {
         cells_defaults();
         cfg.sets = 2;
         use_residual_path(2, 120);
@@ -183,20 +183,20 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
             auvid_sample_t s = cell_at(&w, k * w.cell_s);
             if (k % 100 < 10) {
                 s.nu[AUVID_HEAVE] += 1;
-                s.missing = (uint8_t)(told ? 1u << AUVID_HEAVE : 0u);
+                s.missing = (uint8_t)(marked ? 1u << AUVID_HEAVE : 0u);
             }
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_all(&metric);
-        cost[told] = cost_of(&metric, truth);
+        cost[marked] = cost_of(&metric, truth);
         uint32_t budget = UINT32_MAX;
         auvid_metric_linearise_begin(&metric, truth, 0, 2);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
         const auvid_set_t *set = auvid_metric_newest(&metric);
         /* of 240 cells 20 or 30, in rows of two */
-        TEST_ASSERT_UINT16_WITHIN(told ? 3 : 0, told ? 108 : 120, set->rows_of[AUVID_SURGE]);
+        TEST_ASSERT_UINT16_WITHIN(marked ? 3 : 0, marked ? 108 : 120, set->rows_of[AUVID_SURGE]);
         TEST_ASSERT_EQUAL_UINT16(120, set->rows_of[AUVID_YAW]);
-        if (told) {
+        if (marked) {
             TEST_ASSERT_TRUE(set->windows[AUVID_SURGE] < set->windows[AUVID_YAW]);
         } else {
             TEST_ASSERT_EQUAL_UINT16(set->windows[AUVID_YAW], set->windows[AUVID_SURGE]);
@@ -206,7 +206,7 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
     TEST_ASSERT_TRUE(cost[0] > 1e-2);
 }
 
-static void test_rows_are_stored_inside_the_storage_alone(void)
+static void test_rows_are_stored_only_inside_the_storage(void)
 {
     cfg.sets = 3;
     use_residual_path(1, 7);
@@ -233,7 +233,7 @@ static void test_residual_path_has_neither_least_squares_nor_scale(void)
     }
 }
 
-static void test_cost_that_is_not_finite_is_returned_as_such(void)
+static void test_cost_that_is_not_finite_is_returned_unchanged(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     uint32_t budget = UINT32_MAX;
@@ -246,7 +246,7 @@ static void test_cost_that_is_not_finite_is_returned_as_such(void)
     auvid_metric_cost_begin(&metric, pi, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
     TEST_ASSERT_FALSE(auvid_is_finite(metric.cost));
-    TEST_ASSERT_TRUE(cost_of(&metric, truth) < 1e-3); /* and the next one is as ever */
+    TEST_ASSERT_TRUE(cost_of(&metric, truth) < 1e-3); /* and the next one is correct */
 }
 
 int main(void)
@@ -261,8 +261,8 @@ int main(void)
     RUN_TEST(test_a_record_whose_times_are_rounded_is_still_one_record);
     RUN_TEST(test_residuals_are_not_smoothed_over_a_gap);
     RUN_TEST(test_residuals_of_what_was_not_measured_do_not_count);
-    RUN_TEST(test_rows_are_stored_inside_the_storage_alone);
+    RUN_TEST(test_rows_are_stored_only_inside_the_storage);
     RUN_TEST(test_residual_path_has_neither_least_squares_nor_scale);
-    RUN_TEST(test_cost_that_is_not_finite_is_returned_as_such);
+    RUN_TEST(test_cost_that_is_not_finite_is_returned_unchanged);
     return UNITY_END();
 }

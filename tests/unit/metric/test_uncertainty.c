@@ -1,9 +1,9 @@
 /*
- * What the user supplies but does not know exactly: the scale of the thrust and of the DVL's
- * velocity. And the covariance of an estimate, which is given with both as told.
+ * What the user supplies and does not know exactly: the scale of the thrust and of the DVL's
+ * velocity. Also the covariance of an estimate, which is conditional on both as supplied.
  *
- * The worlds are made up as in test_confidence.c: a vehicle's own equations with made-up motion, at
- * the cells of the recorder.
+ * The data are synthetic, as in test_confidence.c: a vehicle's equations evaluated for synthetic
+ * motion at the cells of the recorder.
  */
 #include <math.h>
 #include <string.h>
@@ -18,7 +18,7 @@ enum { SETS = 8, COUNT = 13 };
 
 static auvid_metric_t metric;
 static auvid_confidence_job_t job;
-static const auvid_confidence_t *const verdict = &job.result;
+static const auvid_confidence_t *const result = &job.result;
 static auvid_real_t truth[AUVID_G500_COUNT], estimate[AUVID_MAX_PARAMETERS];
 static auvid_uncertainty_t uncertainty;
 
@@ -32,9 +32,9 @@ void tearDown(void)
 {
 }
 
-/* ---- made-up data ---- */
+/* ---- synthetic data ---- */
 
-/* Scales by which what is told differs from what is. */
+/* Ratios of the supplied values to the true ones. */
 typedef struct {
     double force_N; /* rms of white noise */
     double thrust, dvl;
@@ -43,7 +43,7 @@ typedef struct {
 
 enum { MOVED = 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW };
 
-/* The wrench that the truth needs for the motion, and noise; then both as they are told. */
+/* The wrench that gives the motion with the true parameters, and noise; then both as supplied. */
 static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
 {
     double tau[AUVID_DOF_COUNT];
@@ -56,7 +56,7 @@ static void act(auvid_sample_t *s, const world_t *world, uint64_t *state)
     }
 }
 
-static auvid_metric_config_t usual(void)
+static auvid_metric_config_t default_config(void)
 {
     auvid_metric_config_t cfg;
     auvid_metric_defaults(&cfg, &auvid_girona500);
@@ -65,7 +65,7 @@ static auvid_metric_config_t usual(void)
     return cfg;
 }
 
-/* Least squares over what is free, and the verdict. */
+/* Least squares over the free parameters, and their confidence. */
 static void observe(const auvid_metric_config_t *cfg, const world_t *world)
 {
     uint32_t budget = UINT32_MAX;
@@ -89,12 +89,12 @@ static void observe(const auvid_metric_config_t *cfg, const world_t *world)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
 }
 
-static const world_t told_truly = {1.0, 1.0, 1.0, 5};
+static const world_t true_scales = {1.0, 1.0, 1.0, 5};
 
 /* d pi / d scale, by two estimates from data that differ in the scale by 4 %. */
 static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double slope[COUNT])
 {
-    world_t more = told_truly, less = told_truly;
+    world_t more = true_scales, less = true_scales;
     *(thrust ? &more.thrust : &more.dvl) = 1.02;
     *(thrust ? &less.thrust : &less.dvl) = 0.98;
     observe(cfg, &more);
@@ -105,69 +105,68 @@ static void differentiate(const auvid_metric_config_t *cfg, bool thrust, double 
     for (int i = 0; i < COUNT; ++i) {
         slope[i] = (slope[i] - (double)estimate[i]) / 0.04;
     }
-    observe(cfg, &told_truly);
+    observe(cfg, &true_scales);
 }
 
-/* ---- what is considered ---- */
+/* ---- considered parameters ---- */
 
-static void test_a_thrust_scale_moves_all_parameters_by_what_is_told(void)
+static void test_a_thrust_scale_changes_all_parameters_by_the_reported_error(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     differentiate(&cfg, true, slope);
     for (int i = 0; i < COUNT; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * fabs(0.05 * slope[i]), 0.05 * slope[i],
-                                  (double)verdict->thrust_error[i]);
+                                  (double)result->thrust_error[i]);
     }
 }
 
-/* Yaw's (m_u - m_v) u v is of another degree than the forces' terms, by which the masses are taken:
- * in motion as coupled as this one that is 15 % of them. */
-static void test_a_dvl_scale_moves_parameters_by_their_degree(void)
+/* Yaw's (m_u - m_v) u v has another degree than the terms of the forces, which set the degree of
+ * the masses. In motion as coupled as this the difference is 15 %. */
+static void test_a_dvl_scale_changes_parameters_by_their_degree(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     differentiate(&cfg, false, slope);
     for (int i = 0; i < COUNT; ++i) {
         double part = i == AUVID_G500_M_U || i == AUVID_G500_M_V ? 0.2 : 0.03;
         TEST_ASSERT_DOUBLE_WITHIN(part * fabs((double)estimate[i]), slope[i],
-                                  (double)verdict->dvl_error[i] / 0.005);
+                                  (double)result->dvl_error[i] / 0.005);
     }
 }
 
-/* What is known of the vehicle does not scale with the thrust, and its column is nearly orthogonal
- * to the others' in its own equation. Sway has m_u u r in it, yaw (m_u - m_v) u v. */
-static void test_with_a_known_mass_the_others_still_move_with_the_thrust_scale(void)
+/* A known parameter does not scale with the thrust. Its column is nearly orthogonal to the others
+ * in its own equation. Sway contains m_u u r, yaw (m_u - m_v) u v. */
+static void test_with_a_known_mass_the_others_still_change_with_the_thrust_scale(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     double slope[COUNT];
     cfg.free &= ~(1u << AUVID_G500_M_U);
     cfg.fixed[AUVID_G500_M_U] = truth[AUVID_G500_M_U];
     differentiate(&cfg, true, slope);
     TEST_ASSERT_TRUE(fabs(slope[AUVID_G500_M_U]) < 1e-6);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)verdict->thrust_error[AUVID_G500_M_U]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, (double)result->thrust_error[AUVID_G500_M_U]);
     for (int i = AUVID_G500_M_V; i < COUNT; ++i) {
         bool sway = auvid_girona500.parameter[i].dof == AUVID_SWAY;
-        double ratio = (double)verdict->thrust_error[i] / 0.05 / slope[i];
+        double ratio = (double)result->thrust_error[i] / 0.05 / slope[i];
         TEST_ASSERT_TRUE(ratio > (sway ? 0.85 : 0.97));
         TEST_ASSERT_TRUE(ratio < (sway ? 1.5 : 1.03));
     }
 }
 
-/* A known drag's share of the scale goes to the other drag: more is considered than happens, up to
- * twice. */
-static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share(void)
+/* The other drag takes over the part of a known drag: the considered error is larger than the true
+ * one, up to twice. */
+static void test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its_part(void)
 {
     for (int known = AUVID_G500_X_U; known <= AUVID_G500_X_UU; ++known) {
         int other = known == AUVID_G500_X_U ? AUVID_G500_X_UU : AUVID_G500_X_U;
         for (int thrust = 0; thrust < 2; ++thrust) {
-            auvid_metric_config_t cfg = usual();
+            auvid_metric_config_t cfg = default_config();
             double slope[COUNT];
             cfg.free &= ~(1u << known);
             cfg.fixed[known] = truth[known];
             differentiate(&cfg, thrust == 1, slope);
-            double considered =
-                (double)(thrust ? verdict->thrust_error : verdict->dvl_error)[other];
+            double considered = (double)(thrust ? result->thrust_error : result->dvl_error)[other];
             double ratio = considered / (thrust ? 0.05 : 0.005) / slope[other];
             TEST_ASSERT_TRUE(fabs(slope[other]) > 1.2 * fabs((double)estimate[other]));
             TEST_ASSERT_TRUE(ratio > 0.95);
@@ -176,27 +175,27 @@ static void test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share
     }
 }
 
-static void test_nothing_told_of_the_scales_leaves_the_standard_errors(void)
+static void test_without_uncertain_scales_the_standard_errors_are_unchanged(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     auvid_real_t sigma[COUNT];
-    observe(&cfg, &told_truly);
-    auvid_confidence_t with = *verdict;
+    observe(&cfg, &true_scales);
+    auvid_confidence_t with = *result;
     memset(&uncertainty, 0, sizeof uncertainty);
-    observe(&cfg, &told_truly);
-    memcpy(sigma, verdict->sigma, sizeof sigma);
+    observe(&cfg, &true_scales);
+    memcpy(sigma, result->sigma, sizeof sigma);
     for (int i = 0; i < COUNT; ++i) {
-        double told = hypot((double)sigma[i], (double)with.thrust_error[i]);
-        TEST_ASSERT_TRUE(verdict->thrust_error[i] == AUVID_C(0.0));
-        TEST_ASSERT_TRUE(verdict->dvl_error[i] == AUVID_C(0.0));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * told, hypot(told, (double)with.dvl_error[i]),
+        double with_thrust = hypot((double)sigma[i], (double)with.thrust_error[i]);
+        TEST_ASSERT_TRUE(result->thrust_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_TRUE(result->dvl_error[i] == AUVID_C(0.0));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * with_thrust, hypot(with_thrust, (double)with.dvl_error[i]),
                                   (double)with.sigma[i]);
     }
-    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &verdict->uncertainty, sizeof uncertainty);
+    TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &result->uncertainty, sizeof uncertainty);
 }
 
-/* A model without regressor whose parameters are of a kind scales, too; one that forms the thrust
- * from commands does not. */
+/* A model without regressor also scales if its parameters have a known kind. A model that forms the
+ * thrust from commands does not. */
 static void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
                      auvid_real_t *e)
 {
@@ -205,7 +204,7 @@ static void residual(const void *context, const auvid_sample_t *s, const auvid_r
                      pi[2] * s->nu[AUVID_SWAY] - s->tau[AUVID_SURGE];
 }
 
-static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
+static void test_without_regressor_parameters_of_a_known_kind_scale(void)
 {
     enum { N = 3, ROWS = 20 };
     static const auvid_parameter_t parameter[N] = {
@@ -214,7 +213,7 @@ static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
         {"c", "?", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
     static auvid_row_t rows[(SETS + 1) * ROWS];
     static auvid_vehicle_t vehicle;
-    for (int own = 0; own < 2; ++own) {
+    for (int from_commands = 0; from_commands < 2; ++from_commands) {
         auvid_metric_config_t cfg;
         auvid_real_t pi[AUVID_MAX_PARAMETERS] = {AUVID_C(200.0), AUVID_C(-80.0), AUVID_C(10.0)};
         uint64_t state = 7;
@@ -225,7 +224,7 @@ static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
                                     .parameter = parameter,
                                     .columns = {7u},
                                     .residual = residual,
-                                    .own_thrust = own == 1};
+                                    .own_thrust = from_commands == 1};
         auvid_metric_defaults(&cfg, &vehicle);
         cfg.estimate_delay = false;
         cfg.set_rows = ROWS;
@@ -249,79 +248,79 @@ static void test_of_a_model_without_regressor_what_has_a_kind_scales(void)
         auvid_confidence_begin(&job, &metric, pi, AUVID_C(0.0), &uncertainty);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
         for (int i = 0; i < N; ++i) {
-            double scale = i == 2 || own == 1 ? 0.0 : 0.05;
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, scale * (double)pi[i],
-                                      (double)verdict->thrust_error[i]);
-            TEST_ASSERT_TRUE(verdict->sigma[i] < AUVID_LARGEST);
+            double scale = i == 2 || from_commands == 1 ? 0.0 : 0.05;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, scale * (double)pi[i], (double)result->thrust_error[i]);
+            TEST_ASSERT_TRUE(result->sigma[i] < AUVID_LARGEST);
         }
     }
 }
 
 /* ---- notes ---- */
 
-/* The total half-width decides; what only the scale of the thrust prevents is called so. */
+/* The total half-width decides. A note says if only the thrust scale prevents identification. */
 static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
 {
     static char text[160];
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     uncertainty.thrust_scale = AUVID_C(0.12);
-    observe(&cfg, &told_truly);
-    TEST_ASSERT_EQUAL_HEX32(0, verdict->identifiable | verdict->implausible);
+    observe(&cfg, &true_scales);
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable | result->implausible);
     for (int i = 0; i < COUNT; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, verdict->note[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, result->note[i]);
         bool force = i == AUVID_G500_W_B;
-        double room = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
-        double told =
-            sqrt(pow((double)verdict->sigma[i], 2.0) - pow((double)verdict->thrust_error[i], 2.0));
-        double most = sqrt(room * room - told * told) / fabs((double)estimate[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, most, (double)verdict->bound[i]);
+        double max_sigma = (force ? 0.02 * 100.0 : 0.2 * fabs((double)estimate[i])) / 2.1;
+        double without_thrust =
+            sqrt(pow((double)result->sigma[i], 2.0) - pow((double)result->thrust_error[i], 2.0));
+        double max_scale = sqrt(max_sigma * max_sigma - without_thrust * without_thrust) /
+                           fabs((double)estimate[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3 * max_scale, max_scale, (double)result->bound[i]);
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "surge: m_u is known to 2 % in your newtons; calibrate thrust to 9 % for SI", text);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+        "surge: m_u is known to 2 % up to the thrust scale; calibrate thrust to 9 %", text);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
-        "heave: W-B is known to 0.1 N in your newtons; calibrate thrust to 2 % for SI", text);
-    uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)verdict->bound[AUVID_G500_M_U]);
-    observe(&cfg, &told_truly);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_M_U]);
+        "heave: W-B is known to 0.1 N up to the thrust scale; calibrate thrust to 2 %", text);
+    uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)result->bound[AUVID_G500_M_U]);
+    observe(&cfg, &true_scales);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_M_U]);
 }
 
 static void test_a_constant_force_has_its_tolerance_in_newtons(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     memset(&uncertainty, 0, sizeof uncertainty);
     truth[AUVID_G500_W_B] = AUVID_C(0.1); /* known to 0.06 N */
-    observe(&cfg, &told_truly);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, verdict->note[AUVID_G500_W_B]);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, verdict->identifiable);
-    cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)verdict->sigma[AUVID_G500_W_B] / 0.02);
-    observe(&cfg, &told_truly);
-    TEST_ASSERT_TRUE(verdict->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
-                     verdict->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), verdict->identifiable);
+    observe(&cfg, &true_scales);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_W_B]);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, result->identifiable);
+    cfg.tau_max[AUVID_HEAVE] = (auvid_real_t)(2.0 * (double)result->sigma[AUVID_G500_W_B] / 0.02);
+    observe(&cfg, &true_scales);
+    TEST_ASSERT_TRUE(result->note[AUVID_G500_W_B] == AUVID_NOTE_UNCERTAIN ||
+                     result->note[AUVID_G500_W_B] == AUVID_NOTE_SMALL);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~(1u << AUVID_G500_W_B), result->identifiable);
 }
 
-static void test_an_impossible_estimate_is_told_once_for_its_equation(void)
+static void test_an_impossible_estimate_is_reported_once_for_its_equation(void)
 {
     static char text[160];
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     truth[AUVID_G500_X_UU] = AUVID_C(890.0);
     truth[AUVID_G500_X_U] = AUVID_C(-546.0);
     uncertainty.thrust_scale = AUVID_C(0.0);
     observe(&cfg, &(world_t){0.0, 1.0, 1.0, 5});
     uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, verdict->identifiable);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE,
+    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~surge, result->identifiable);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
     TEST_ASSERT_EQUAL_MEMORY("surge: X_uu is impossible (+8", text, 29);
     TEST_ASSERT_NOT_NULL(
-        strstr(text, "): the equation is not trusted; check signs, units, the model"));
+        strstr(text, "): the equation is not trusted; check signs, units and the model"));
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
-        auvid_confidence_missing(verdict, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
+        auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));
 }
 
 /* ---- covariance ---- */
@@ -330,7 +329,7 @@ static auvid_estimate_t published(void)
 {
     auvid_estimate_t e;
     memset(&e, 0, sizeof e);
-    e.confidence = *verdict;
+    e.confidence = *result;
     memcpy(e.covariance, job.covariance, sizeof e.covariance);
     return e;
 }
@@ -340,34 +339,34 @@ static double covariance(const auvid_estimate_t *e, int i, int k)
     return (double)auvid_estimate_covariance(e, &auvid_girona500, i, k);
 }
 
-/* Cholesky, of correlations. @return smallest pivot */
+/* Cholesky decomposition of the correlations. @return smallest pivot */
 static double smallest_pivot(const auvid_estimate_t *e, int n)
 {
-    double l[COUNT][COUNT], least = 1.0;
+    double l[COUNT][COUNT], smallest = 1.0;
     for (int i = 0; i < n; ++i) {
         for (int k = 0; k <= i; ++k) {
             double sum = covariance(e, i, k) / sqrt(covariance(e, i, i) * covariance(e, k, k));
             for (int m = 0; m < k; ++m) {
                 sum -= l[i][m] * l[k][m];
             }
-            if (i == k && sum < least) {
-                least = sum;
+            if (i == k && sum < smallest) {
+                smallest = sum;
             }
             l[i][k] = i == k ? sqrt(sum) : sum / l[k][k];
         }
     }
-    return least;
+    return smallest;
 }
 
 static void test_the_covariance_is_symmetric_positive_and_has_the_standard_errors(void)
 {
-    auvid_metric_config_t cfg = usual();
-    observe(&cfg, &told_truly);
+    auvid_metric_config_t cfg = default_config();
+    observe(&cfg, &true_scales);
     auvid_estimate_t e = published();
     for (int i = 0; i < COUNT; ++i) {
-        double total = covariance(&e, i, i) + pow((double)verdict->thrust_error[i], 2.0) +
-                       pow((double)verdict->dvl_error[i], 2.0);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)verdict->sigma[i], 2.0));
+        double total = covariance(&e, i, i) + pow((double)result->thrust_error[i], 2.0) +
+                       pow((double)result->dvl_error[i], 2.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * total, total, pow((double)result->sigma[i], 2.0));
         for (int k = 0; k < COUNT; ++k) {
             TEST_ASSERT_TRUE(covariance(&e, i, k) == covariance(&e, k, i));
         }
@@ -378,10 +377,10 @@ static void test_the_covariance_is_symmetric_positive_and_has_the_standard_error
 
 static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
 {
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     cfg.free &= ~(1u << AUVID_G500_N_RR);
     cfg.fixed[AUVID_G500_N_RR] = truth[AUVID_G500_N_RR];
-    observe(&cfg, &told_truly);
+    observe(&cfg, &true_scales);
     auvid_estimate_t e = published();
     for (int k = 0; k < AUVID_G500_COUNT; ++k) {
         TEST_ASSERT_TRUE(covariance(&e, AUVID_G500_N_RR, k) == 0.0);
@@ -394,15 +393,15 @@ static void test_a_covariance_out_of_range_or_not_known_is_zero(void)
     TEST_ASSERT_TRUE(auvid_estimate_covariance(&e, NULL, 0, 0) == AUVID_C(0.0));
 }
 
-/* The drag force at a speed is better known than the sum of its coefficients' errors: of so many
- * worlds, the share within one standard error, and two. */
-static void test_a_linear_combination_is_covered_as_often_as_it_says(void)
+/* The drag force at a speed is more accurate than the sum of its coefficients' errors. Fraction of
+ * the runs within one standard error, and within two. */
+static void test_a_linear_combination_is_covered_as_often_as_its_standard_error_says(void)
 {
     enum { RUNS = 60, SPEEDS = 3 };
     static const int linear[4] = {AUVID_G500_X_U, AUVID_G500_Y_V, AUVID_G500_Z_W, AUVID_G500_N_R};
     static const int square[4] = {AUVID_G500_X_UU, AUVID_G500_Y_VV, AUVID_G500_Z_WW,
                                   AUVID_G500_N_RR};
-    auvid_metric_config_t cfg = usual();
+    auvid_metric_config_t cfg = default_config();
     int covered[2] = {0, 0}, all = 0;
     double gain = 0.0;
     for (uint64_t run = 1; run <= RUNS; ++run) {
@@ -437,10 +436,10 @@ static void test_an_uncertainty_out_of_range_is_refused(void)
 {
     chain_defaults(&config, 1, 2, 0.0);
     for (int k = 0; k < 3; ++k) {
-        auvid_uncertainty_t *told = &config.id.uncertainty;
-        auvid_real_t *one = k == 0   ? &told->thrust_scale
-                            : k == 1 ? &told->dvl_scale
-                                     : &told->delay_s;
+        auvid_uncertainty_t *supplied = &config.id.uncertainty;
+        auvid_real_t *one = k == 0   ? &supplied->thrust_scale
+                            : k == 1 ? &supplied->dvl_scale
+                                     : &supplied->delay_s;
         *one = (auvid_real_t)NAN;
         TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &config.id));
         *one = AUVID_C(-0.01);
@@ -481,18 +480,18 @@ static void test_an_estimate_carries_covariance_and_considered_errors(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_a_thrust_scale_moves_all_parameters_by_what_is_told);
-    RUN_TEST(test_a_dvl_scale_moves_parameters_by_their_degree);
-    RUN_TEST(test_with_a_known_mass_the_others_still_move_with_the_thrust_scale);
-    RUN_TEST(test_with_a_known_drag_the_other_one_of_its_equation_takes_its_share);
-    RUN_TEST(test_nothing_told_of_the_scales_leaves_the_standard_errors);
-    RUN_TEST(test_of_a_model_without_regressor_what_has_a_kind_scales);
+    RUN_TEST(test_a_thrust_scale_changes_all_parameters_by_the_reported_error);
+    RUN_TEST(test_a_dvl_scale_changes_parameters_by_their_degree);
+    RUN_TEST(test_with_a_known_mass_the_others_still_change_with_the_thrust_scale);
+    RUN_TEST(test_with_a_known_drag_the_other_drag_of_its_equation_takes_over_its_part);
+    RUN_TEST(test_without_uncertain_scales_the_standard_errors_are_unchanged);
+    RUN_TEST(test_without_regressor_parameters_of_a_known_kind_scale);
     RUN_TEST(test_what_only_the_thrust_scale_prevents_is_called_so);
     RUN_TEST(test_a_constant_force_has_its_tolerance_in_newtons);
-    RUN_TEST(test_an_impossible_estimate_is_told_once_for_its_equation);
+    RUN_TEST(test_an_impossible_estimate_is_reported_once_for_its_equation);
     RUN_TEST(test_the_covariance_is_symmetric_positive_and_has_the_standard_errors);
     RUN_TEST(test_a_covariance_out_of_range_or_not_known_is_zero);
-    RUN_TEST(test_a_linear_combination_is_covered_as_often_as_it_says);
+    RUN_TEST(test_a_linear_combination_is_covered_as_often_as_its_standard_error_says);
     RUN_TEST(test_an_uncertainty_out_of_range_is_refused);
     RUN_TEST(test_five_per_cent_of_thrust_and_half_of_the_dvl_are_the_default);
     RUN_TEST(test_an_estimate_carries_covariance_and_considered_errors);

@@ -1,6 +1,6 @@
 /*
- * Validation through its header, against a vehicle integrated here, in double, in steps of a
- * millisecond, with its own copy of Eq. 12-15.
+ * Validation through its header, against a vehicle integrated here in double in steps of a
+ * millisecond, with a separate implementation of Eq. 12-15.
  */
 #include <math.h>
 #include <string.h>
@@ -33,7 +33,7 @@ static double tau_of(int j, int k)
     return (double)(auvid_real_t)(scale[j] * level - (j == AUVID_HEAVE ? 37 : 0));
 }
 
-/* Recorded attitude and p, q: straight between the middles of cells. */
+/* Recorded attitude and p, q: linear between the middles of cells. */
 static double straight(double t, double (*signal)(double))
 {
     double k = floor(t / CELL_S - 0.5 + 1e-9), part = t / CELL_S - 0.5 - k;
@@ -78,7 +78,7 @@ static void accelerations(const double *x, double t, const double *nu, const dou
     d[3] = d[4] = 0;
 }
 
-/* Heun's method in steps of a millisecond: error of 1e-7 of a second's motion. */
+/* Heun's method in steps of a millisecond: the error is 1e-7 of a second's motion. */
 static void step(const world_t *w, double t, double h, double *nu, const double *tau)
 {
     double a[6], b[6], mid[6];
@@ -92,8 +92,8 @@ static void step(const world_t *w, double t, double h, double *nu, const double 
     }
 }
 
-/* Writes cell[]; the velocity of a cell is that in its middle. From cell `from` on, with velocities
- * nu[6] at its beginning. */
+/* Write cell[] from cell `from` on, with the velocities nu[6] at its beginning. The velocity of a
+ * cell is that in its middle. */
 static void simulate(const world_t *w, int from, int to, double *nu)
 {
     double thrust[6], h = CELL_S / STEPS;
@@ -145,10 +145,11 @@ void tearDown(void)
 {
 }
 
-static void start(uint32_t dofs, const auvid_real_t *delay_s, uint32_t lagged)
+static void start(uint32_t dofs, const auvid_real_t *delay_s, uint32_t first_order_lag)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_init(&validation, &auvid_girona500, pi, dofs,
-                                                      delay_s, lagged, (auvid_real_t)CELL_S));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_validation_init(&validation, &auvid_girona500, pi, dofs, delay_s,
+                                            first_order_lag, (auvid_real_t)CELL_S));
 }
 
 static void play(int from, int to)
@@ -162,16 +163,16 @@ static void play(int from, int to)
 static double worst(void)
 {
     auvid_real_t r2[6];
-    double most = 0;
+    double max_off = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&validation, r2));
     for (int j = 0; j < 6; ++j) {
         if (DOFS >> j & 1u) {
-            most = fmax(most, 1 - (double)r2[j]);
+            max_off = fmax(max_off, 1 - (double)r2[j]);
         } else {
             TEST_ASSERT_EQUAL_DOUBLE(0, (double)r2[j]);
         }
     }
-    return most;
+    return max_off;
 }
 
 /* ---- prediction ---- */
@@ -190,8 +191,8 @@ static void test_true_parameters_follow_the_vehicle_for_two_minutes(void)
     TEST_ASSERT_TRUE(worst() < 1e-7);
 }
 
-/* Wrong parameters: what is predicted is that other vehicle, and R2 is its formula. */
-static void test_wrong_parameters_predict_that_other_vehicle_and_r2_is_as_written(void)
+/* With wrong parameters the prediction is the motion of that other vehicle; R2 is its formula. */
+static void test_wrong_parameters_predict_the_other_vehicle_and_r2_is_its_formula(void)
 {
     static auvid_sample_t measured[CELLS];
     double mean[6] = {0}, sse[6] = {0}, total[6] = {0}, nu[6];
@@ -205,7 +206,7 @@ static void test_wrong_parameters_predict_that_other_vehicle_and_r2_is_as_writte
     for (int i = 0; i < N; ++i) {
         truth.pi[i] = (double)pi[i];
     }
-    /* integrated from the middle of cell 7 with the velocity measured there */
+    /* integrated from the middle of cell 7, from the velocity measured there */
     for (int j = 0; j < 6; ++j) {
         nu[j] = (double)measured[WARM_UP - 1].nu[j];
     }
@@ -257,7 +258,7 @@ static void test_dof_that_is_not_integrated_comes_from_the_record(void)
         }
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_validation_r2(&validation, r2));
-    /* v r is straight between cells here, and a curve in truth */
+    /* v r is linear between cells here, and a curve in the vehicle */
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1, (double)r2[AUVID_SURGE]);
     for (int j = 1; j < 6; ++j) {
         TEST_ASSERT_EQUAL_DOUBLE(0, (double)r2[j]);
@@ -293,7 +294,7 @@ static void test_longest_delay_is_six_cells(void)
     TEST_ASSERT_TRUE(worst() < 1e-7);
 }
 
-/* Between cells the wrench's mean runs straight: a step half a cell late becomes two half steps. */
+/* The mean wrench is linear between cells: a step half a cell late becomes two half steps. */
 static void test_delay_of_a_part_of_a_cell_lies_between_its_neighbours(void)
 {
     double nu[6] = {0}, off[3];
@@ -334,10 +335,10 @@ static void test_lag_passes_the_wrench_through_a_first_order_element(void)
     TEST_ASSERT_TRUE(1 - (double)r2[AUVID_YAW] > 20 * as_lag);
 }
 
-static void test_after_a_gap_the_prediction_starts_again_from_what_is_measured(void)
+static void test_after_a_gap_the_prediction_starts_again_from_the_measured_velocity(void)
 {
     double nu[6] = {AUVID_C(0.8), AUVID_C(-0.4), AUVID_C(0.3), 0, 0, AUVID_C(0.5)};
-    simulate(&truth, 600, CELLS, nu); /* elsewhere, in another state */
+    simulate(&truth, 600, CELLS, nu); /* another place, another state */
     start(0, NULL, 0);
     play(0, 600);
     auvid_validation_gap(&validation);
@@ -345,13 +346,13 @@ static void test_after_a_gap_the_prediction_starts_again_from_what_is_measured(v
     TEST_ASSERT_EQUAL_UINT32(CELLS - 2 * (WARM_UP - 1), validation.cells);
     TEST_ASSERT_TRUE(worst() < 1e-7);
 
-    start(0, NULL, 0); /* untold, the jump is a failure of the prediction */
+    start(0, NULL, 0); /* without the call, the jump makes the prediction fail */
     play(0, CELLS);
     TEST_ASSERT_TRUE(worst() > 1e-2);
     auvid_validation_gap(NULL);
 }
 
-/* Guesses in the place of what was not measured: where it would start, and while it runs. */
+/* Wrong values replace what was not measured: where it would start, and while it runs. */
 static void test_velocities_that_were_not_measured_are_neither_started_from_nor_compared(void)
 {
     for (int k = 0; k < CELLS; ++k) {
@@ -363,16 +364,16 @@ static void test_velocities_that_were_not_measured_are_neither_started_from_nor_
     start(0, NULL, 0);
     play(0, CELLS);
     TEST_ASSERT_TRUE(worst() < 1e-7);
-    TEST_ASSERT_EQUAL_UINT32(CELLS - 41, validation.cells); /* cell 40 is the tenth, too */
+    TEST_ASSERT_EQUAL_UINT32(CELLS - 41, validation.cells); /* cell 40 is a tenth one, too */
     for (int k = 0; k < CELLS; ++k) {
         cell[k].missing = 0;
     }
-    start(0, NULL, 0); /* untold, they are believed */
+    start(0, NULL, 0); /* without the mark, they are used */
     play(0, CELLS);
     TEST_ASSERT_TRUE(worst() > 1e-2);
 }
 
-/* Sway comes from the record, and surge reads it. */
+/* Sway comes from the record; surge reads it. */
 static void test_simulation_starts_again_after_a_velocity_from_the_record_is_missing(void)
 {
     for (int k = 300; k < 320; ++k) {
@@ -408,7 +409,7 @@ static void test_parameters_that_make_the_simulation_diverge_give_no_nan(void)
     }
 }
 
-/* A model that acts on commands sees those of the same half cell as the wrench. */
+/* A model that reads commands gets those of the same half cell as the wrench. */
 static bool by_command(const void *context, const auvid_sample_t *s, const auvid_real_t *p,
                        auvid_real_t *nu_dot)
 {
@@ -530,13 +531,13 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_true_parameters_follow_the_vehicle_for_two_minutes);
-    RUN_TEST(test_wrong_parameters_predict_that_other_vehicle_and_r2_is_as_written);
+    RUN_TEST(test_wrong_parameters_predict_the_other_vehicle_and_r2_is_its_formula);
     RUN_TEST(test_dof_that_is_not_integrated_comes_from_the_record);
     RUN_TEST(test_delay_shifts_the_wrench);
     RUN_TEST(test_longest_delay_is_six_cells);
     RUN_TEST(test_delay_of_a_part_of_a_cell_lies_between_its_neighbours);
     RUN_TEST(test_lag_passes_the_wrench_through_a_first_order_element);
-    RUN_TEST(test_after_a_gap_the_prediction_starts_again_from_what_is_measured);
+    RUN_TEST(test_after_a_gap_the_prediction_starts_again_from_the_measured_velocity);
     RUN_TEST(test_velocities_that_were_not_measured_are_neither_started_from_nor_compared);
     RUN_TEST(test_simulation_starts_again_after_a_velocity_from_the_record_is_missing);
     RUN_TEST(test_parameters_that_make_the_simulation_diverge_give_no_nan);
