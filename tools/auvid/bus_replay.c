@@ -147,7 +147,7 @@ static int begin(run_t *run)
     if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
         return report_error("replay: the identifier refused its configuration");
     }
-    if (run->options->warm != NULL && !prior_file_read(&run->node.id, run->options->warm)) {
+    if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
         return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
@@ -157,7 +157,7 @@ static int begin(run_t *run)
 }
 
 /* Tell on stderr what was left out of the log. */
-static void tell_left_out(const run_t *run)
+static void warn_left_out(const run_t *run)
 {
     const uint32_t *refused = run->refused;
     if (run->log.bus.text[0] != '\0') {
@@ -212,7 +212,7 @@ int bus_replay(const options_t *options)
             csv_discard(&run->csv);
         }
         if (status == 0) {
-            tell_left_out(run);
+            warn_left_out(run);
             status = report(run);
         }
         (void)run->log.bus.close(&run->log.bus);

@@ -62,22 +62,22 @@ static int unlikeness(const char *name, const char *column)
     if (!letters(name, a, &stem_a) || !letters(column, b, &stem_b)) {
         return 100;
     }
-    int length = (int)strlen(b), far = 100 * distance(a, b) / length;
+    int length = (int)strlen(b), unlike = 100 * distance(a, b) / length;
     bool same_stem = stem_a == stem_b && strncmp(name, column, stem_a) == 0 &&
                      (stem_a == strlen(a) || (stem_a > 1 && strncmp(name, "cmd", 3) != 0));
     if (same_without_case(a, b)) {
         return 0;
     }
-    return a[0] == b[0] && (far <= 34 || same_stem) ? far : 100;
+    return a[0] == b[0] && (unlike <= 34 || same_stem) ? unlike : 100;
 }
 
 int columns_like(const char *name)
 {
-    int found = -1, least = 100;
+    int found = -1, min_distance = 100;
     for (int c = 0; c < CSV_COLUMNS; ++c) {
-        int far = unlikeness(name, csv_name[c]);
-        if (far < least) {
-            least = far;
+        int unlike = unlikeness(name, csv_name[c]);
+        if (unlike < min_distance) {
+            min_distance = unlike;
             found = c;
         }
     }

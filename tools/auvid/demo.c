@@ -35,7 +35,7 @@ typedef struct {
     csv_writer_t *writer; /* null: no log */
     csv_row_t row[WAITING];
     int rows;
-    auvid_nav_velocity_sample_t knot; /* the last velocity */
+    auvid_nav_velocity_sample_t last_velocity; /* the last velocity */
 } logger_t;
 
 /* One run. */
@@ -49,23 +49,23 @@ typedef struct {
 } run_t;
 
 /* A new velocity: rows since the last one can be written. After a gap they are dropped. */
-static void log_velocity(logger_t *logger, const auvid_nav_velocity_sample_t *knot)
+static void log_velocity(logger_t *logger, const auvid_nav_velocity_sample_t *last_velocity)
 {
-    double t0 = 1e-6 * (double)logger->knot.t_us, t1 = 1e-6 * (double)knot->t_us;
-    for (int k = 0; k < logger->rows && logger->knot.sequence > 0 && t1 - t0 <= 0.5; ++k) {
+    double t0 = 1e-6 * (double)logger->last_velocity.t_us, t1 = 1e-6 * (double)last_velocity->t_us;
+    for (int k = 0; k < logger->rows && logger->last_velocity.sequence > 0 && t1 - t0 <= 0.5; ++k) {
         csv_row_t *row = &logger->row[k];
         double part = (row->value[CSV_T] - t0) / (t1 - t0);
         if (part < 0.0 || part >= 1.0) {
             continue;
         }
         for (int i = 0; i < 3; ++i) {
-            double from = (double)logger->knot.velocity[i], to = (double)knot->velocity[i];
+            double from = (double)logger->last_velocity.velocity[i], to = (double)last_velocity->velocity[i];
             row->value[CSV_NU + i] = from + part * (to - from);
         }
         csv_write_row(logger->writer, row);
     }
     logger->rows = 0;
-    logger->knot = *knot;
+    logger->last_velocity = *last_velocity;
 }
 
 /* A tick: the wrench since the row before, attitude and rates now. */
@@ -73,16 +73,16 @@ static void log_tick(logger_t *logger, const world_t *world)
 {
     auvid_nav_state_t state;
     const auvid_nav_t *nav = &world->node[0].id.nav;
-    const auvid_nav_velocity_sample_t *knot = &nav->ground;
+    const auvid_nav_velocity_sample_t *last_velocity = &nav->ground;
     if (logger->writer == NULL || auvid_nav_state(nav, &state) != AUVID_OK) {
         return;
     }
     if (logger->rows > 0) {
-        memcpy(&logger->row[logger->rows - 1].value[CSV_WRENCH], world->craft.seen.wrench,
-               sizeof world->craft.seen.wrench);
+        memcpy(&logger->row[logger->rows - 1].value[CSV_WRENCH], world->vehicle_sim.seen.wrench,
+               sizeof world->vehicle_sim.seen.wrench);
     }
-    if (knot->sequence != logger->knot.sequence) {
-        log_velocity(logger, knot);
+    if (last_velocity->sequence != logger->last_velocity.sequence) {
+        log_velocity(logger, last_velocity);
     }
     if (logger->rows == WAITING) {
         logger->rows = 0;
@@ -101,8 +101,8 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
                           uint32_t *told)
 {
     const auvid_estimate_t *e = &run->world.node[0].id.estimate;
-    double truth[CRAFT_PARAMETERS];
-    vehicle_sim_truth(&run->world.craft, truth);
+    double truth[VEHICLE_SIM_PARAMETERS];
+    vehicle_sim_truth(&run->world.vehicle_sim, truth);
     double rms = report_rms_percent(e, truth);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
@@ -183,7 +183,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         run->result[i].budget = options->budget;
     }
     run->result[0].estimates = &run->estimates;
-    report_heard(&run->result[0], &world->craft);
+    report_add_truth(&run->result[0], &world->vehicle_sim);
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);

@@ -22,6 +22,6 @@ typedef struct {
 
 /** Tell a line. The text must not hold quotes or backslashes. Lines beyond EVENT_LOG_LINES are not
  * kept. */
-void event_log_add(event_log_t *story, double t_s, const char *format, ...);
+void event_log_add(event_log_t *events, double t_s, const char *format, ...);
 
 #endif

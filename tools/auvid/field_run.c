@@ -35,15 +35,15 @@ void field_run_defaults(field_run_config_t *config)
 /* The thrusters as the operator knows them. */
 static void allocate(field_vehicle_t vehicle, auvid_allocation_config_t *to)
 {
-    double matrix[6][SIM_THRUSTERS], most_N = 0.0;
+    double matrix[6][SIM_THRUSTERS], max_N = 0.0;
     auvid_allocation_defaults(to);
-    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &most_N);
+    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &max_N);
     for (int i = 0; i < to->thrusters; ++i) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             to->thruster[i].wrench[j] = (auvid_real_t)matrix[j][i];
         }
-        to->thruster[i].max_N = (auvid_real_t)most_N;
-        to->thruster[i].min_N = (auvid_real_t)-most_N;
+        to->thruster[i].max_N = (auvid_real_t)max_N;
+        to->thruster[i].min_N = (auvid_real_t)-max_N;
     }
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         to->dofs |= AUVID_DOF_BIT(field_dof(e));

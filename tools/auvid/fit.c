@@ -22,7 +22,7 @@
 /* Shortest set [rows of half a second]: a set is what is left out in cross-validation. */
 #define SHORTEST_SET 20
 /* Most rows that the ring may hold (metric.h). */
-#define MOST_ROWS 60000u
+#define MAX_ROWS 60000u
 
 /* An input whose largest value is below this part of the largest of all does not count as driven:
  * it is what rounding leaves of zero. */
@@ -135,7 +135,7 @@ static int check_columns(const csv_log_t *log, const job_t *job)
 }
 
 /* Tell what of a log is not used. */
-static void tell_unused(csv_log_t *log, input_kind_t kind)
+static void warn_unused(csv_log_t *log, input_kind_t kind)
 {
     int other = replay_inputs(kind == INPUT_WRENCH ? INPUT_COMMAND : INPUT_WRENCH);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -162,16 +162,16 @@ static int find_inputs(job_t *job)
 }
 
 /* Which DoF can be identified, and how large their inputs are. */
-static void find_driven(job_t *job)
+static void find_excited(job_t *job)
 {
     const csv_log_t *log = &job->train;
-    double most = 0.0, largest[AUVID_DOF_COUNT] = {0};
+    double max_input = 0.0, largest[AUVID_DOF_COUNT] = {0};
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int input = replay_inputs(job->replay.kind) + j;
         for (size_t i = 0; i < log->rows; ++i) {
             largest[j] = fmax(largest[j], fabs(log->row[i].value[input]));
         }
-        most = fmax(most, largest[j]);
+        max_input = fmax(max_input, largest[j]);
     }
     for (size_t i = 1; i < log->rows; ++i) {
         job->gaps += replay_time_us(log, i) - replay_time_us(log, i - 1) > GAP_US;
@@ -182,7 +182,7 @@ static void find_driven(job_t *job)
         }
         if (!log->has[replay_inputs(job->replay.kind) + j]) {
             job->why[j] = "no input column";
-        } else if (!(largest[j] > NEGLIGIBLE * most)) {
+        } else if (!(largest[j] > NEGLIGIBLE * max_input)) {
             job->why[j] = "input is always zero";
         } else {
             job->replay.dofs = (uint8_t)(job->replay.dofs | 1u << j);
@@ -265,8 +265,8 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     double span_s = 1e-6 * (double)(replay_time_us(&job->train, job->train.rows - 1) -
                                     replay_time_us(&job->train, 0));
     double rows = ceil((span_s / row_s + 1.0) / cfg->metric.sets);
-    double most = floor((double)MOST_ROWS / cfg->metric.sets);
-    cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), most);
+    double max_rows = floor((double)MAX_ROWS / cfg->metric.sets);
+    cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), max_rows);
 }
 
 /* Replay the log with a model and search. Null after a complaint. */
@@ -350,9 +350,9 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     report_gather(result, id, job->options->seed);
     result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (id->estimate.excited >> j & 1u) != 0;
+        bool excited = (id->estimate.excited >> j & 1u) != 0;
         result->why[j] = job->why[j];
-        if (!driven && job->why[j] == NULL) {
+        if (!excited && job->why[j] == NULL) {
             result->why[j] = id->metric.sets_recorded > 0 ? "input hardly varies"
                              : job->gaps > 0              ? "no unbroken stretch of 6 s in the log"
                                                           : "the log is too short";
@@ -369,11 +369,11 @@ static int run(job_t *job)
     if (status != 0) {
         return status;
     }
-    tell_unused(&job->train, job->replay.kind);
+    warn_unused(&job->train, job->replay.kind);
     if (options->validate != NULL) {
-        tell_unused(&job->test, job->replay.kind);
+        warn_unused(&job->test, job->replay.kind);
     }
-    find_driven(job);
+    find_excited(job);
     auvid_identifier_t *id = choose(job);
     if (id == NULL) {
         return EXIT_REFUSED;

@@ -21,9 +21,9 @@ void frames_send(bus_memory_end_t *end, const auvid_can_frame_t *frame, int coun
 bool frames_receive(bus_memory_end_t *end, auvid_can_frame_t *frame);
 
 /** The vehicle at this end takes what has come for it. */
-void frames_hear(bus_memory_end_t *end, vehicle_sim_t *craft);
+void frames_take(bus_memory_end_t *end, vehicle_sim_t *vehicle_sim);
 
 /** The vehicle's part of a tick: hear, move the bus's clock on, simulate, send. */
-void frames_vehicle(bus_memory_end_t *end, vehicle_sim_t *craft);
+void frames_vehicle(bus_memory_end_t *end, vehicle_sim_t *vehicle_sim);
 
 #endif

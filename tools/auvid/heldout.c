@@ -147,9 +147,9 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
         return false;
     }
     result->has_validation = true;
-    size_t most = cells.cells + 1; /* every cell in a block of its own */
-    block_t *block = calloc(most * AUVID_DOF_COUNT, sizeof *block);
-    block_t *one = calloc(most, sizeof *one);
+    size_t max_blocks = cells.cells + 1; /* every cell in a block of its own */
+    block_t *block = calloc(max_blocks * AUVID_DOF_COUNT, sizeof *block);
+    block_t *one = calloc(max_blocks, sizeof *one);
     if (block == NULL || one == NULL) {
         free(block);
         free(one);

@@ -104,9 +104,9 @@ static void json_reals(const result_t *result, const char *key, const char *cons
 
 static void json_dof_values(const result_t *result)
 {
-    uint32_t driven = result->estimate.number > 0 ? result->estimate.excited : 0u;
-    json_reals(result, "delay_s", force, result->estimate.delay_s, driven);
-    json_reals(result, "r2_force", force, result->estimate.r2_force, driven);
+    uint32_t excited = result->estimate.number > 0 ? result->estimate.excited : 0u;
+    json_reals(result, "delay_s", force, result->estimate.delay_s, excited);
+    json_reals(result, "r2_force", force, result->estimate.r2_force, excited);
     json_dofs(result, "r2_validation", velocity, result->r2, NULL,
               result->has_validation ? result->validated : 0u);
     if (result->has_interval) {
@@ -176,21 +176,21 @@ static void json_missing(const result_t *result)
 /* null: no set was foretold. */
 static void json_change_test(const result_t *result)
 {
-    const auvid_change_test_t *judged = &result->judgement;
+    const auvid_change_test_t *test = &result->change_test;
     const char *separator = "";
-    if (judged->set == 0) {
+    if (test->set == 0) {
         printf(",\n  \"change_test\": null");
         return;
     }
-    printf(",\n  \"change_test\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
-           (unsigned)judged->estimate);
-    json_reals(result, "variance_ratio", force, judged->variance_ratio, judged->excited);
-    json_reals(result, "change", force, judged->change, judged->excited);
-    json_reals(result, "r2_velocity", velocity, judged->r2_velocity,
-               judged->simulated & judged->excited);
+    printf(",\n  \"change_test\": {\"set\": %u, \"estimate\": %u", (unsigned)test->set,
+           (unsigned)test->estimate);
+    json_reals(result, "variance_ratio", force, test->variance_ratio, test->excited);
+    json_reals(result, "change", force, test->change, test->excited);
+    json_reals(result, "r2_velocity", velocity, test->r2_velocity,
+               test->simulated & test->excited);
     printf(",\n  \"changed\": [");
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (judged->changed >> j & 1u) {
+        if (test->changed >> j & 1u) {
             printf("%s\"%s\"", separator, report_dof_name[j]);
             separator = ", ";
         }
@@ -242,12 +242,12 @@ static void json_guard(const result_t *result)
     printf("}");
 }
 
-static void json_event_log(const event_log_t *story)
+static void json_event_log(const event_log_t *events)
 {
-    printf(",\n  \"scenario\": \"%s\",\n  \"events\": [", story->name);
-    for (int k = 0; k < story->lines; ++k) {
-        printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", story->line[k].t_s,
-               story->line[k].text);
+    printf(",\n  \"scenario\": \"%s\",\n  \"events\": [", events->name);
+    for (int k = 0; k < events->lines; ++k) {
+        printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", events->line[k].t_s,
+               events->line[k].text);
     }
     printf("\n  ]");
 }
@@ -291,10 +291,10 @@ static void json_beside(const beside_t *beside)
 }
 
 void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
-                 const event_log_t *story)
+                 const event_log_t *events)
 {
     const char *status = report_status(result);
-    uint32_t worst = campaign == NULL ? result->work_most : campaign->work_most;
+    uint32_t worst = campaign == NULL ? result->max_work : campaign->max_work;
     if (campaign != NULL && campaign->not_converged) {
         status = "not_converged";
     }
@@ -321,8 +321,8 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     if (beside != NULL) {
         json_beside(beside);
     }
-    if (story != NULL) {
-        json_event_log(story);
+    if (events != NULL) {
+        json_event_log(events);
     }
     printf("\n}\n");
 }

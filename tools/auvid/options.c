@@ -317,7 +317,7 @@ static int node_option(reader_t *r, options_t *options)
         return take_value(r, &options->log);
     }
     if (is(r, "--prior")) {
-        return take_value(r, &options->warm);
+        return take_value(r, &options->prior);
     }
     if (is(r, "--save")) {
         return take_value(r, &options->save);
@@ -355,7 +355,7 @@ static int replay_option(reader_t *r, options_t *options)
         return take_vehicle(r, options, false);
     }
     if (is(r, "--prior")) {
-        return take_value(r, &options->warm);
+        return take_value(r, &options->prior);
     }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);

@@ -69,7 +69,7 @@ typedef struct {
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;  /**< interface */
     const char *log;  /**< node: to be written, null: none; replay: to be read */
-    const char *warm; /**< node, replay: record to begin with; null: none */
+    const char *prior; /**< node, replay: record to begin with; null: none */
     const char *save; /**< node: record to be written; null: none */
     bool clock_own;   /**< the node gives the tick */
     bool excite;

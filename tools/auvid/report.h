@@ -27,12 +27,12 @@ typedef struct {
     const auvid_vehicle_t *vehicle;
     uint32_t free;       /**< bit i: parameter i was to be identified */
     uint32_t budget;     /**< of work in a tick [units] */
-    uint32_t work_most;  /**< units in any call of work */
+    uint32_t max_work;  /**< units in any call of work */
     const estimates_t *estimates; /**< null: they were not listed */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< why the guard is ABORTED */
     auvid_estimate_t estimate;
-    auvid_change_test_t judgement; /**< of the newest set */
+    auvid_change_test_t change_test; /**< of the newest set */
     double excited_s; /**< adaptive excitation: how long; 0: it was not */
     uint32_t given_up, still_missing; /**< by it; bit i: parameter i */
     auvid_guard_state_t guard;
@@ -62,7 +62,7 @@ typedef struct {
     uint32_t known, covered[2]; /**< parameters with a standard error; within one of it, and two */
     /** flagged; of those, more than 20 % off, or four standard errors where the truth is 0 */
     uint32_t identifiable, wrong;
-    uint32_t work_most;
+    uint32_t max_work;
     bool not_converged; /**< some run did not converge */
 } campaign_t;
 
@@ -86,7 +86,7 @@ int report_exit(const result_t *result);
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed);
 
 /** What the simulated vehicle knows: the truth, and the estimate as it came in frames. */
-void report_heard(result_t *result, const vehicle_sim_t *craft);
+void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim);
 
 /** Root mean square relative error of the parameters that are identified and whose truth is not 0
  * [%]; 0 when none is. @param truth [AUVID_MAX_PARAMETERS] */
@@ -132,9 +132,9 @@ void report_result(const result_t *result, const result_t *last);
 /** Table of many runs; last as above. */
 void report_campaign(const result_t *first, const campaign_t *campaign, const campaign_t *last);
 
-/** The JSON object; campaign, beside and story may be null. */
+/** The JSON object; campaign, beside and events may be null. */
 void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
-                 const event_log_t *story);
+                 const event_log_t *events);
 
 /** Flush stdout; EXIT_REFUSED after one line on stderr if it could not be written, else status. */
 int report_finish(int status);

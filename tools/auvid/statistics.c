@@ -61,9 +61,9 @@ static void count_coverage(campaign_t *c, const result_t *result)
         c->covered[0] += isfinite(sigma) && off <= sigma;
         c->covered[1] += isfinite(sigma) && off <= 2.0 * sigma;
         c->identifiable += sure;
-        double most =
+        double tolerance =
             fabs(result->truth[i]) > 0.0 ? MISLEADING * fabs(result->truth[i]) : 4.0 * sigma;
-        c->wrong += sure && !(off <= most);
+        c->wrong += sure && !(off <= tolerance);
     }
 }
 
@@ -100,7 +100,7 @@ void tally_add(tally_t *tally, const result_t *result)
     }
     c->failed += failed;
     c->not_converged = c->not_converged || not_converged;
-    c->work_most = result->work_most > c->work_most ? result->work_most : c->work_most;
+    c->max_work = result->max_work > c->max_work ? result->max_work : c->max_work;
     ++c->runs;
 }
 

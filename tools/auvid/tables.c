@@ -235,22 +235,22 @@ static void dof_table(const result_t *result)
 {
     static const char *const words[] = {"X, u", "Y, v", "Z, w", "K, p", "M, q", "N, r"};
     double value[AUVID_DOF_COUNT];
-    uint32_t driven = result->estimate.excited;
+    uint32_t excited = result->estimate.excited;
     dof_heading(result, words);
     to_double(value, result->estimate.delay_s);
-    dof_line(result, "delay from input to response [s]", 3, value, driven);
-    if (result->estimate.first_order_lag & driven) {
+    dof_line(result, "delay from input to response [s]", 3, value, excited);
+    if (result->estimate.first_order_lag & excited) {
         printf("  %-34s", "  which is that of a");
         auvid_dof_t dof[AUVID_DOF_COUNT];
         int dofs = report_dofs(result->vehicle, dof);
         for (int k = 0; k < dofs; ++k) {
             bool lag = (result->estimate.first_order_lag >> dof[k] & 1u) != 0;
-            printf("  %8s", driven >> dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
+            printf("  %8s", excited >> dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
         }
         putchar('\n');
     }
     to_double(value, result->estimate.r2_force);
-    dof_line(result, "R2 of the force", 4, value, driven);
+    dof_line(result, "R2 of the force", 4, value, excited);
     if (result->has_validation) {
         dof_line(result, "R2 of held-out velocity", 4, result->r2, result->validated);
     }
@@ -266,19 +266,19 @@ static void dof_table(const result_t *result)
 /* How the newest set was foretold. */
 static void change_test_lines(const result_t *result)
 {
-    const auvid_change_test_t *judged = &result->judgement;
+    const auvid_change_test_t *test = &result->change_test;
     double value[AUVID_DOF_COUNT];
-    if (judged->set == 0) {
+    if (test->set == 0) {
         return;
     }
     printf("  the newest set, foretold before it was used%s\n",
-           judged->changed ? ": THE VEHICLE HAS CHANGED" : "");
-    to_double(value, judged->variance_ratio);
-    dof_line(result, "  variance ratio of the force", 2, value, judged->excited);
-    to_double(value, judged->change);
-    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, judged->excited);
-    to_double(value, judged->r2_velocity);
-    dof_line(result, "  R2 of its velocity", 4, value, judged->simulated & judged->excited);
+           test->changed ? ": THE VEHICLE HAS CHANGED" : "");
+    to_double(value, test->variance_ratio);
+    dof_line(result, "  variance ratio of the force", 2, value, test->excited);
+    to_double(value, test->change);
+    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, test->excited);
+    to_double(value, test->r2_velocity);
+    dof_line(result, "  R2 of its velocity", 4, value, test->simulated & test->excited);
 }
 
 static void guard_line(const result_t *result)
@@ -313,7 +313,7 @@ void report_result(const result_t *result, const result_t *last)
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
            e->not_converged ? "; NOT CONVERGED" : "");
-    printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->work_most,
+    printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->max_work,
            (unsigned)result->budget);
 }
 
@@ -337,7 +337,7 @@ static void campaign_summary(const campaign_t *c, const char *title, uint32_t bu
            (unsigned)c->identifiable);
     printf("  evaluations  %8.0f     median of the last search; 95 %% need at most %.0f\n",
            c->evaluations_median, c->evaluations_p95);
-    printf("  work         %8u     largest in any tick, budget %u\n", (unsigned)c->work_most,
+    printf("  work         %8u     largest in any tick, budget %u\n", (unsigned)c->max_work,
            (unsigned)budget);
 }
 

@@ -61,7 +61,7 @@ const auvid_vehicle_t *vehicle_model(const char *word)
     return vehicle != NULL ? vehicle->model : NULL;
 }
 
-void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config)
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config)
 {
     vehicle_sim_defaults(config);
     vehicle->simulate(&config->sim);

@@ -48,7 +48,7 @@ void vehicle_use_averaged_model(auvid_identifier_config_t *cfg);
 void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 
 /** Configure its simulation: vehicle_sim_defaults of this vehicle. */
-void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config);
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config);
 
 /** Configure its identification: auvid_identifier_defaults of this vehicle.
  * @param sets of excitation, of set_s seconds each

@@ -47,7 +47,7 @@ enum { WORLD_VEHICLE, WORLD_NODE, WORLD_LISTENER, WORLD_ENDS };
 
 typedef struct {
     bus_memory_t hub;
-    vehicle_sim_t craft;
+    vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
     int nodes;
     bool both_locks;                    /**< see world_config_t */

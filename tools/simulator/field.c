@@ -152,9 +152,9 @@ void field_step(field_t *field, const double *thruster_N, field_output_t *out)
     }
     out->t_us = field->t_us;
     complete_truth(field);
-    field_thrust_tell(field, out);
+    field_thrust_report(field, out);
     field_sensors_deliver(field, out);
-    field_pilot_hear(field, out);
+    field_pilot_observe(field, out);
 }
 
 const field_truth_t *field_truth(const field_t *field)

@@ -211,7 +211,7 @@ void field_amplitude(field_vehicle_t vehicle, double amplitude[6]);
 
 /** Body wrench per newton of each thruster, as the operator knows it, and its largest force [N].
  * @return how many thrusters */
-int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *most_N);
+int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N);
 
 /** Start at time 0. False, and nothing done: a size or an enumeration is out of range. */
 bool field_init(field_t *field, const field_config_t *config);

@@ -64,7 +64,7 @@ void field_pilot_init(field_t *field)
     }
 }
 
-void field_pilot_hear(field_t *field, const field_output_t *out)
+void field_pilot_observe(field_t *field, const field_output_t *out)
 {
     field_pilot_t *p = &field->pilot;
     const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
@@ -133,30 +133,30 @@ static void joystick(field_t *field, double want[WANTED])
 
 /* PID of a body with mass m: poles at `bandwidth`, the integral slower. */
 static double pid(double *sum, double error, double error_rate, double m, double bandwidth,
-                  double most)
+                  double limit)
 {
     double gain = m * bandwidth * bandwidth, damping = 2.0 * m * bandwidth;
     *sum += gain * bandwidth / 6.0 * error * TICK_S;
-    *sum = fmax(-most, fmin(most, *sum));
-    return fmax(-most, fmin(most, gain * error + damping * error_rate + *sum));
+    *sum = fmax(-limit, fmin(limit, *sum));
+    return fmax(-limit, fmin(limit, gain * error + damping * error_rate + *sum));
 }
 
 /* Hold the reference: place, depth, heading. */
 static void hold(field_t *field, const double rate[2], double want[WANTED])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *mass = sheet->parameter + SIM_M_U, *most = sheet->amplitude;
+    const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
     field_pilot_t *p = &field->pilot;
     double c = cos(p->euler[2]), s = sin(p->euler[2]), b = sheet->bandwidth;
     double north = p->reference[0] - p->position[0], east = p->reference[1] - p->position[1];
     double turn = remainder(p->reference_heading - p->euler[2], 2.0 * FIELD_PI);
     double down = FIELD_START_M - p->position[2];
     want[X] = pid(&p->sum[X], c * north + s * east, c * rate[0] + s * rate[1] - p->velocity[0],
-                  mass[0], b, most[0]);
+                  mass[0], b, limit[0]);
     want[Y] = pid(&p->sum[Y], c * east - s * north, c * rate[1] - s * rate[0] - p->velocity[1],
-                  mass[1], b, most[1]);
-    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, most[2]);
-    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, most[5]);
+                  mass[1], b, limit[1]);
+    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, limit[2]);
+    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, limit[5]);
 }
 
 static void station(field_t *field, double want[WANTED])

@@ -75,10 +75,10 @@ void field_amplitude(field_vehicle_t vehicle, double amplitude[6])
     memcpy(amplitude, sheets[vehicle].amplitude, sizeof sheets[vehicle].amplitude);
 }
 
-int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *most_N)
+int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N)
 {
     memcpy(matrix, sheets[vehicle].matrix, sizeof sheets[vehicle].matrix);
-    *most_N = sheets[vehicle].thruster_max_N;
+    *max_N = sheets[vehicle].thruster_max_N;
     return sheets[vehicle].thrusters;
 }
 

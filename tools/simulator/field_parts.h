@@ -131,7 +131,7 @@ void field_thrust_advance(field_t *field, double h, double wrench[6]);
 /** What acts at the end of a substep; and what was told to. */
 void field_thrust_truth(const field_t *field, double delivered[6], double told[6]);
 /** Tell the operator's side what is due. */
-void field_thrust_tell(field_t *field, field_output_t *out);
+void field_thrust_report(field_t *field, field_output_t *out);
 
 void field_sensors_init(field_t *field);
 /** Take the samples due in (before, now], which lasts h seconds and ends at field->t_us. */
@@ -143,6 +143,6 @@ void field_pilot_init(field_t *field);
 /** The command of the tick that begins. */
 void field_pilot_drive(field_t *field, const double *thruster_N, double command_N[SIM_THRUSTERS]);
 /** What the pilot learns of a tick. */
-void field_pilot_hear(field_t *field, const field_output_t *out);
+void field_pilot_observe(field_t *field, const field_output_t *out);
 
 #endif

@@ -141,9 +141,9 @@ static void follow(field_t *field, int j, double force, double h)
     field_thrust_t *t = &field->thrust;
     if (size[FIELD_THRUST_LAG] > 0.0 || size[FIELD_SLEW] > 0.0) {
         double to = copysign(sqrt(fabs(force)), force);
-        double most = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
+        double limit = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
                       fmax(size[FIELD_SLEW], 1e-9);
-        t->slewed[j] += fmax(-most, fmin(most, to - t->slewed[j]));
+        t->slewed[j] += fmax(-limit, fmin(limit, to - t->slewed[j]));
         t->speed[j] = lagged(t->speed[j], t->slewed[j], size[FIELD_THRUST_LAG], h);
         force = t->speed[j] * fabs(t->speed[j]);
     }
@@ -188,7 +188,7 @@ void field_thrust_truth(const field_t *field, double delivered[6], double told[6
     }
 }
 
-void field_thrust_tell(field_t *field, field_output_t *out)
+void field_thrust_report(field_t *field, field_output_t *out)
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
     const double *size = field->config.size;

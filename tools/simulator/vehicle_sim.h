@@ -21,10 +21,10 @@ extern "C" {
 #endif
 
 /** Most frames of one tick. */
-enum { CRAFT_FRAMES = 12 };
+enum { VEHICLE_SIM_FRAMES = 12 };
 
 /** Most parameters that the node may tell. */
-enum { CRAFT_PARAMETERS = SIM_FOSSEN_PARAMETERS };
+enum { VEHICLE_SIM_PARAMETERS = SIM_FOSSEN_PARAMETERS };
 
 typedef struct {
     sim_config_t sim;
@@ -49,8 +49,8 @@ typedef struct {
     uint64_t cut_us;               /**< the last time commands ended: from the last good one until
                                           thrust was zero */
     uint32_t cuts;                 /**< times that commands ended */
-    double estimate[CRAFT_PARAMETERS]; /**< told by the node last */
-    double sigma[CRAFT_PARAMETERS];    /**< likewise; infinite: not known */
+    double estimate[VEHICLE_SIM_PARAMETERS]; /**< told by the node last */
+    double sigma[VEHICLE_SIM_PARAMETERS];    /**< likewise; infinite: not known */
     uint32_t estimated;                /**< bit i: it has told parameter i */
     bool no_arm, arm_again;            /* of the configuration */
     bool navigates, armed;             /* the guard has left DISARMED */
@@ -62,25 +62,25 @@ typedef struct {
 void vehicle_sim_defaults(vehicle_sim_config_t *config);
 
 /** Start at time 0. False when the simulator refuses its configuration. */
-bool vehicle_sim_init(vehicle_sim_t *craft, const vehicle_sim_config_t *config);
+bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *config);
 
 /** Take a frame off the bus; its time of arrival is the last tick's. */
-void vehicle_sim_take(vehicle_sim_t *craft, const auvid_can_frame_t *frame);
+void vehicle_sim_take(vehicle_sim_t *vehicle, const auvid_can_frame_t *frame);
 
 /** The true values of the model's parameters as the vehicle is now; beyond the last: 0. */
-void vehicle_sim_truth(const vehicle_sim_t *craft, double truth[CRAFT_PARAMETERS]);
+void vehicle_sim_truth(const vehicle_sim_t *vehicle, double truth[VEHICLE_SIM_PARAMETERS]);
 
 /** Root mean square relative error of the estimates told, but of those whose truth is 0 [%];
  * negative: not all are there. */
-double vehicle_sim_rms_percent(const vehicle_sim_t *craft);
+double vehicle_sim_rms_percent(const vehicle_sim_t *vehicle);
 
 /** Thrust that the node's commands ask for now. @param force_N [SIM_THRUSTERS] written.
  * @return whether there are good commands */
-bool vehicle_sim_commanded(vehicle_sim_t *craft, double force_N[SIM_THRUSTERS]);
+bool vehicle_sim_commanded(vehicle_sim_t *vehicle, double force_N[SIM_THRUSTERS]);
 
-/** Simulate a tick of 20 ms. @param frame [CRAFT_FRAMES] written: to be sent in this order.
+/** Simulate a tick of 20 ms. @param frame [VEHICLE_SIM_FRAMES] written: to be sent in this order.
  * @return how many */
-int vehicle_sim_tick(vehicle_sim_t *craft, auvid_can_frame_t *frame);
+int vehicle_sim_tick(vehicle_sim_t *vehicle, auvid_can_frame_t *frame);
 
 #ifdef __cplusplus
 }

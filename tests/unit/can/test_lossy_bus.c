@@ -109,7 +109,7 @@ static bool serve(uint64_t t_us)
 /* @return rms error [%] after this number of sets and the last search */
 static double run(uint32_t seed, uint32_t sets)
 {
-    auvid_can_frame_t frame, sent[CRAFT_FRAMES];
+    auvid_can_frame_t frame, sent[VEHICLE_SIM_FRAMES];
     uint32_t over = 0;
     begin(seed, sets);
     for (uint64_t t_us = TICK_US; over < LAST_SEARCH; t_us += TICK_US) {

@@ -136,7 +136,7 @@ static void set_clock(auvid_can_frame_t *frame)
 
 static void tick(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int count = vehicle_sim_tick(&craft, frame);
     ++run.ticks;
     for (int i = 0; i < count; ++i) {
@@ -474,7 +474,7 @@ static void test_a_wrap_of_the_clock_has_no_effect(void)
 
 static void test_a_lost_tick_is_counted(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     begin(false);
     go(100);
     (void)vehicle_sim_tick(&craft, frame);
@@ -513,7 +513,7 @@ static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
 
 static void test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES], late;
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES], late;
     bool has = false;
     begin(false);
     for (int k = 0; k < 100; ++k) {

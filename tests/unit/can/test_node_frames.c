@@ -72,7 +72,7 @@ static void step_at(uint32_t sequence)
 /* A tick of the vehicle without the messages of this bit mask. */
 static void tick_without(uint32_t kinds)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int frames = vehicle_sim_tick(&craft, frame);
     for (int i = 0; i < frames; ++i) {
         if ((kinds >> auvid_can_kind(NULL, frame[i].id) & 1u) == 0 &&

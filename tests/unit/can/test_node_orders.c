@@ -59,7 +59,7 @@ static void deliver(pair_t *p)
 
 static void tick(pair_t *p)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int count = vehicle_sim_tick(&p->craft, frame);
     for (int i = 0; i < count; ++i) {
         if (auvid_node_take(&p->node, &frame[i]) == AUVID_TICK) {
@@ -518,7 +518,7 @@ static void test_a_node_that_is_not_armed_only_counts_foreign_commands(void)
 /* A tick of the node's clock: all frames of the vehicle except its tick. */
 static auvid_status_t own_tick(pair_t *p, uint64_t t_us)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int count = vehicle_sim_tick(&p->craft, frame);
     for (int i = 0; i < count - 1; ++i) {
         (void)auvid_node_take(&p->node, &frame[i]);

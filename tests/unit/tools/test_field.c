@@ -37,11 +37,11 @@ static void begin(void)
 /* Forces that jump every 1.5 s, in all thrusters. */
 static void excite(double seconds, void (*each)(void))
 {
-    double matrix[6][SIM_THRUSTERS], most, force[SIM_THRUSTERS] = {0};
-    int n = field_thrusters(cfg.vehicle, matrix, &most);
+    double matrix[6][SIM_THRUSTERS], max, force[SIM_THRUSTERS] = {0};
+    int n = field_thrusters(cfg.vehicle, matrix, &max);
     for (long tick = 0; tick < lround(seconds * 50); ++tick) {
         for (int j = 0; j < n && tick % 75 == 0; ++j) {
-            force[j] = most * 0.4 * floor(3 * sim_rng_uniform(&dice) - 1);
+            force[j] = max * 0.4 * floor(3 * sim_rng_uniform(&dice) - 1);
         }
         field_step(&field, force, &out);
         if (each != NULL) {
@@ -183,8 +183,8 @@ static void test_the_girona500_is_the_papers(void)
 static void test_thrusters_give_the_excitations_amplitude(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
-        double amplitude[6], matrix[6][SIM_THRUSTERS], most;
-        int n = field_thrusters((field_vehicle_t)v, matrix, &most);
+        double amplitude[6], matrix[6][SIM_THRUSTERS], max;
+        int n = field_thrusters((field_vehicle_t)v, matrix, &max);
         field_amplitude((field_vehicle_t)v, amplitude);
         field_defaults(&cfg, (field_vehicle_t)v, FIELD_EXCITED, 1);
         begin();
@@ -193,7 +193,7 @@ static void test_thrusters_give_the_excitations_amplitude(void)
             for (int i = 0; i < 4; ++i) {
                 force += fabs(field.pilot.mix[j][i]) * amplitude[i == 3 ? N : i];
             }
-            NOT_ABOVE(most, force);
+            NOT_ABOVE(max, force);
         }
     }
 }
@@ -290,7 +290,7 @@ static void test_mixtures_of_any_strength_up_to_4_are_simulated(void)
 
 static void test_hulls_differ_by_up_to_their_variety(void)
 {
-    double least = 9, most = -9;
+    double min = 9, max = -9;
     for (uint64_t seed = 1; seed <= 300; ++seed) {
         field_built_t built;
         cfg.seed = seed;
@@ -299,14 +299,14 @@ static void test_hulls_differ_by_up_to_their_variety(void)
         field_built(&field, &built);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             double off = built.parameter[i] / auvid_girona500_paper[i] - 1;
-            least = fmin(least, off);
-            most = fmax(most, off);
+            min = fmin(min, off);
+            max = fmax(max, off);
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, -37.3058, built.parameter[SIM_WB]);
         TEST_ASSERT_EQUAL_DOUBLE(160, built.dry_kg);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, -0.15, least);
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.15, most);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, -0.15, min);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.15, max);
 }
 
 static void test_set_refuses_what_makes_no_sense_and_changes_nothing(void)
@@ -394,14 +394,14 @@ static void test_under_excitation_thrust_too_weak_to_hover_loses_a_few_metres(vo
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 20 - 3 - 1.9, field.truth.position[2]);
 }
 
-static double least[6], most[6], off, askew;
+static double min[6], max[6], off, askew;
 
 static void see_range(void)
 {
     const field_truth_t *t = field_truth(&field);
     for (int i = 0; i < 3; ++i) {
-        least[i] = fmin(least[i], t->position[i]);
-        most[i] = fmax(most[i], t->position[i]);
+        min[i] = fmin(min[i], t->position[i]);
+        max[i] = fmax(max[i], t->position[i]);
     }
     off = fmax(off, hypot(t->position[0] - field.pilot.reference[0],
                           t->position[1] - field.pilot.reference[1]));
@@ -417,8 +417,8 @@ static void drive(field_vehicle_t vehicle, field_driver_t driver, double strengt
     begin();
     off = askew = 0;
     for (int i = 0; i < 6; ++i) {
-        least[i] = 1e9;
-        most[i] = -1e9;
+        min[i] = 1e9;
+        max[i] = -1e9;
     }
     run(seconds, see_range);
 }
@@ -430,11 +430,11 @@ static void test_over_a_near_bottom_nobody_drives_into_it(void)
             field_defaults(&cfg, (field_vehicle_t)v, (field_driver_t)driver, 4);
             TEST_ASSERT_TRUE(field_set(&cfg, "wall", 0.5));
             begin();
-            least[2] = 1e9;
-            most[2] = -1e9;
+            min[2] = 1e9;
+            max[2] = -1e9;
             excite(300, see_range); /* of the excitation alone, thrust is read */
-            BELOW(field.hull.seabed_m, most[2]);
-            ABOVE(20 - 1.5, least[2]);
+            BELOW(field.hull.seabed_m, max[2]);
+            ABOVE(20 - 1.5, min[2]);
         }
     }
 }
@@ -445,10 +445,10 @@ static void test_the_lawnmower_follows_its_legs(void)
         drive((field_vehicle_t)v, FIELD_LAWNMOWER, 0, 300);
         BELOW(2, off);
         BELOW(1, askew);
-        TEST_ASSERT_DOUBLE_WITHIN(2, 18, most[0] - least[0]);
-        ABOVE(9, most[1]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, least[2]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, most[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(2, 18, max[0] - min[0]);
+        ABOVE(9, max[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, min[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, max[2]);
     }
 }
 
@@ -466,21 +466,21 @@ static void test_the_pilot_keeps_the_depth_and_moves_in_all_directions(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
         drive((field_vehicle_t)v, FIELD_JOYSTICK, 1, 300);
-        TEST_ASSERT_DOUBLE_WITHIN(4, 20, least[2]);
-        TEST_ASSERT_DOUBLE_WITHIN(4, 20, most[2]);
-        ABOVE(5, hypot(most[0] - least[0], most[1] - least[1]));
+        TEST_ASSERT_DOUBLE_WITHIN(4, 20, min[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(4, 20, max[2]);
+        ABOVE(5, hypot(max[0] - min[0], max[1] - min[1]));
     }
 }
 
 static void see_wrench(void)
 {
-    double matrix[6][SIM_THRUSTERS], most_N, sum;
-    int n = field_thrusters(cfg.vehicle, matrix, &most_N);
+    double matrix[6][SIM_THRUSTERS], max_N, sum;
+    int n = field_thrusters(cfg.vehicle, matrix, &max_N);
     TEST_ASSERT_TRUE(out.told);
     for (int i = 0; i < 6; ++i) {
         sum = 0;
         for (int j = 0; j < n; ++j) {
-            NOT_ABOVE(most_N, fabs(out.thruster_N[j]));
+            NOT_ABOVE(max_N, fabs(out.thruster_N[j]));
             sum += matrix[i][j] * out.thruster_N[j];
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, out.wrench[i]);

@@ -401,7 +401,7 @@ static void test_disturbance_has_its_rms_and_colour(void)
 static void test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude(void)
 {
     for (cfg.seed = 1; cfg.seed <= 20; ++cfg.seed) {
-        double most = 0, down = 0, before = 0;
+        double max = 0, down = 0, before = 0;
         int turns = 0;
         begin_with("waves", 4);
         for (int tick = 0; tick < 60 * 50; ++tick) {
@@ -412,12 +412,12 @@ static void test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude(void)
                 world[i] = r[i][0] * d[0] + r[i][1] * d[1] + r[i][2] * d[2];
             }
             double along = (field.wave[0] * world[0] + field.wave[1] * world[1]) / 4;
-            most = fmax(most, fabs(along));
+            max = fmax(max, fabs(along));
             down = fmax(down, fabs(world[2]));
             turns += along * before < 0;
             before = along;
         }
-        TEST_ASSERT_DOUBLE_WITHIN(0.01, 4, most);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 4, max);
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 2.8, down);
         TEST_ASSERT_TRUE(turns >= 14 && turns <= 31); /* 60 s of 4..8 s, two a period */
     }

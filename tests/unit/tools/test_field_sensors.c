@@ -224,7 +224,7 @@ static void test_a_dvl_elsewhere_moves_with_the_vehicles_rotation(void)
 {
     static const char *const name[3] = {"dvl_arm_x", "dvl_arm_y", "dvl_arm_z"};
     for (int k = 0; k < 3; ++k) {
-        double most = 0, nu[6], euler[3];
+        double max = 0, nu[6], euler[3];
         begin_with(name[k], 2);
         watch(SIM_DVL, 60);
         for (int i = 0; i < seen.samples; ++i) {
@@ -234,10 +234,10 @@ static void test_a_dvl_elsewhere_moves_with_the_vehicles_rotation(void)
                                nu[K] * arm[1] - nu[M] * arm[0]};
             for (int j = 0; j < 3; ++j) {
                 TEST_ASSERT_DOUBLE_WITHIN(0.03, nu[j] + moved[j], seen.sample[i].value[j]);
-                most = fmax(most, fabs(moved[j]));
+                max = fmax(max, fabs(moved[j]));
             }
         }
-        TEST_ASSERT_TRUE(most > 0.06);
+        TEST_ASSERT_TRUE(max > 0.06);
     }
 }
 
@@ -305,11 +305,11 @@ static void test_outliers_are_off_by_half_a_metre_a_second(void)
     TEST_ASSERT_EQUAL(1200, seen.samples);
     for (int i = 0; i < seen.samples; ++i) {
         truth_at(1e-6 * (double)seen.sample[i].t_us, nu, euler);
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < 3; ++k) {
-            most = fmax(most, fabs(seen.sample[i].value[k] - nu[k]));
+            max = fmax(max, fabs(seen.sample[i].value[k] - nu[k]));
         }
-        off += most > 0.05;
+        off += max > 0.05;
     }
     TEST_ASSERT_INT_WITHIN(35, 120, off);
 }
@@ -360,11 +360,11 @@ static void test_an_autopilots_velocity_jumps_and_comes_back(void)
     watch(SIM_DVL, 240);
     for (int i = 0; i < seen.samples; ++i) {
         truth_at(1e-6 * (double)seen.sample[i].t_us, nu, euler);
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < 3; ++k) {
-            most = fmax(most, fabs(seen.sample[i].value[k] - nu[k]));
+            max = fmax(max, fabs(seen.sample[i].value[k] - nu[k]));
         }
-        jumps += most > 0.04;
+        jumps += max > 0.04;
     }
     TEST_ASSERT_TRUE(jumps > 10 && jumps < 60); /* 24, most of them seen in one or two samples */
 }

@@ -277,7 +277,7 @@ static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
     const auvid_real_t amplitude[6] = {100, 100, 100, 0, 0, 40};
     static auvid_excitation_t excitation;
     auvid_excitation_config_t plan;
-    double z = 60 / (2 * sqrt(80.0 * 150)), o = exp(-PI * z / sqrt(1 - z * z)), most = 0;
+    double z = 60 / (2 * sqrt(80.0 * 150)), o = exp(-PI * z / sqrt(1 - z * z)), max_angle = 0;
     double worst = asin(0.08 * 100 / 150 * (1 + o) / (1 - o)); /* 7.3 degrees */
     auvid_excitation_defaults(&plan);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&plan, amplitude, 30, 8, 1));
@@ -295,10 +295,10 @@ static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
             wrench[i] = (double)asked[i] + (i == 2 ? 37.3058 : 0);
         }
         sim_step(&sim, NULL, wrench, &out);
-        most = fmax(most, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
+        max_angle = fmax(max_angle, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
     }
     TEST_ASSERT_TRUE(sim.truth.t_us == 240000000u);
-    TEST_ASSERT_TRUE(most > 0.01 && most < worst);
+    TEST_ASSERT_TRUE(max_angle > 0.01 && max_angle < worst);
 }
 
 /* ---- thrusters and disturbance ---- */

@@ -121,16 +121,16 @@ static void test_coriolis_forces_do_no_work(void)
     without_drag();
     cfg.fossen.weight_N = cfg.fossen.buoyancy_N = 0;
     start_tumbling();
-    double m[6][6], nu_dot[6], power = 0, most = 0;
+    double m[6][6], nu_dot[6], power = 0, max_term = 0;
     sim_fossen_matrix(&cfg.fossen, m);
     sim_fossen_acceleration(&cfg.fossen, cfg.euler, cfg.nu, none, nu_dot);
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
             power += cfg.nu[i] * m[i][j] * nu_dot[j];
-            most = fmax(most, fabs(cfg.nu[i] * m[i][j] * nu_dot[j]));
+            max_term = fmax(max_term, fabs(cfg.nu[i] * m[i][j] * nu_dot[j]));
         }
     }
-    TEST_ASSERT_TRUE(most > 0.1);
+    TEST_ASSERT_TRUE(max_term > 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-13, 0, power);
 }
 
