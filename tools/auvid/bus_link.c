@@ -50,7 +50,7 @@ int link_log(link_t *link, const char *path, const char *interface)
     return 0;
 }
 
-/* A log that failed is told of once, and not written any more. */
+/* Logs a frame. Returns -1 on the first failure; after it nothing more is logged. */
 static int log_frame(link_t *link, const bus_frame_t *frame)
 {
     if (!link->logging || link->log_failed || link->log.bus.send(&link->log.bus, frame) == BUS_OK) {
@@ -65,7 +65,7 @@ static int report_log_error(const link_t *link)
     return report_error("%s: %s", link->command, link->log.bus.text);
 }
 
-/* What a failure of the bus means: a line when it goes down or comes up, the end when broken. */
+/* Prints a line when the bus goes down or up. Returns EXIT_REFUSED if it is broken. */
 static int check_status(link_t *link, int status)
 {
     bool down = status == BUS_DOWN;
@@ -83,11 +83,11 @@ int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
     uint64_t now_us = link->bus->now_us(link->bus);
     bool broken = false, unlogged = false;
-    for (int i = 0; i < count; ++i) { /* all of them, whatever fails: a command has two halves */
+    for (int i = 0; i < count; ++i) { /* all of them despite failures: a command has two halves */
         bus_frame_t raw = frames_raw(&frame[i]);
         broken = link->bus->send(link->bus, &raw) == BUS_BROKEN || broken;
     }
-    for (int i = 0; i < count; ++i) { /* then the log, which may keep us waiting */
+    for (int i = 0; i < count; ++i) { /* then the log, which may block */
         bus_frame_t raw = frames_raw(&frame[i]);
         raw.t_us = now_us;
         unlogged = log_frame(link, &raw) != 0 || unlogged;
@@ -123,7 +123,7 @@ int link_close(link_t *link)
         status = report_log_error(link);
     }
     if (link->ticking) {
-        tick_close(&link->tick); /* last: it lets through the signals that have come since */
+        tick_close(&link->tick); /* last: it unblocks the pending signals */
     }
     return status;
 }

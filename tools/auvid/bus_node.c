@@ -13,22 +13,22 @@
 #include "prior_file.h"
 #include "world.h"
 
-/* Frames received in one turn of the loop: more than a full bus brings in a tick. */
+/* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
 #define MAX_FRAMES 512
 
-/* Times that are told apart: ticks that histogram longer count as this long [us]. */
+/* Upper end of the histogram of tick times [us]: longer ticks count in the last bin. */
 #define MAX_US 40000
 
 typedef struct {
     const options_t *options;
     auvid_node_t node;
     link_t link;
-    vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle is in this process */
-    bus_memory_t hub; /* ends: node, vehicle */
+    vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
+    bus_memory_t hub;          /* its ends: node, vehicle */
     bool simulated, silent;
-    uint64_t last_tick_us;          /* last tick */
-    uint32_t linger;            /* ticks since everything was done */
-    uint32_t histogram[MAX_US + 1]; /* ticks by the time of step and work [us] */
+    uint64_t last_tick_us;          /* time of the last tick */
+    uint32_t linger;                /* ticks since all work was done */
+    uint32_t histogram[MAX_US + 1]; /* ticks by execution time of step and work [us] */
 } run_t;
 
 static int begin(run_t *run)
@@ -64,7 +64,7 @@ static int begin(run_t *run)
     return o->realtime ? link_tick(&run->link, o) : 0;
 }
 
-/* Everything of one tick. own_us: null, or the time of the node's own clock. */
+/* Does all work of one tick. clock_us: time of the node's own clock, or NULL. */
 static int serve(run_t *run, const uint64_t *clock_us)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
@@ -85,8 +85,7 @@ static int serve(run_t *run, const uint64_t *clock_us)
     return status;
 }
 
-/* The frames that are there, up to a tick: where they never end, signals are looked at in between.
- */
+/* Receives pending frames up to a tick. The limit lets signals through on a saturated bus. */
 static int receive(run_t *run)
 {
     auvid_can_frame_t frame;
@@ -99,7 +98,7 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Wait for frames or the own tick. Returns TICK_... or a negative number after a complaint. */
+/* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error message. */
 static int wait(run_t *run)
 {
     int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;
@@ -153,7 +152,7 @@ static void print_counters(const run_t *run)
            (unsigned long long)s->clock_steps);
 }
 
-/* The time that this part of the ticks did not exceed [us]. */
+/* The execution time that a fraction `part` of the ticks did not exceed [us]. */
 static unsigned quantile(const run_t *run, double part)
 {
     double below = part * run->node.counters.ticks;

@@ -1,5 +1,5 @@
 /*
- * auvid vehicle: the simulated vehicle on a CAN bus.
+ * auvid vehicle: a simulated vehicle on a CAN bus.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,18 +10,18 @@
 #include "report.h"
 #include "vehicles.h"
 
-/* Frames received in one turn of the loop: more than a full bus brings in a tick. */
+/* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
 #define MAX_FRAMES 512
 
-/* Ticks of 20 ms until, in lock step, a node that has not answered yet gets another tick. The first
- * answer may take more than one: then the run would not be the same again. */
+/* In lock step, ticks of 20 ms until a node that has never answered gets another tick. The first
+ * answer may take longer than one tick, and a repeated run must be the same. */
 #define FIRST_TICKS 50
 
 typedef struct {
     const options_t *options;
     vehicle_sim_t vehicle_sim;
     link_t link;
-    uint64_t last_frame_us; /* last frame of the node */
+    uint64_t last_frame_us; /* time of the node's last frame */
     bool stop;
 } run_t;
 
@@ -37,8 +37,8 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Until the next tick may be simulated: 20 ms, or in lock step until the node has done this one. A
- * node that has never answered yet may not be there: it is waited for, but not for ever. */
+/* Waits until the next tick is due: 20 ms, or in lock step until the node has done its tick. A node
+ * that has never answered may be absent, so the wait for it is limited. */
 static int pace(run_t *run)
 {
     const vehicle_sim_t *vehicle_sim = &run->vehicle_sim;
@@ -48,7 +48,8 @@ static int pace(run_t *run)
         int events = tick_wait(&run->link.tick, -1);
         status = events < 0 ? report_error("vehicle: %s", run->link.tick.text) : receive(run);
         run->stop = events > 0 && (events & TICK_STOP) != 0;
-        bool silent = run->last_frame_us > 0 && tick_now_us() - run->last_frame_us > LINK_SILENCE_US;
+        bool silent =
+            run->last_frame_us > 0 && tick_now_us() - run->last_frame_us > LINK_SILENCE_US;
         run->stop = run->stop || silent;
         if (lock_step && vehicle_sim->done == vehicle_sim->sequence) {
             break;
@@ -78,7 +79,7 @@ static void print(const run_t *run)
     double rms = vehicle_sim_rms_percent(c);
     printf("auvid %s vehicle on %s: %.0f s simulated, %u frames of a node\n", AUVID_VERSION_STRING,
            run->options->bus, 1e-6 * (double)c->seen.t_us, (unsigned)c->frames);
-    printf("  commands  %u good, %u lost, %u repeated, %u jumped, %u bad\n",
+    printf("  commands  %u good, %u lost, %u repeated, %u out of sequence, %u bad\n",
            (unsigned)c->command.half[0].good, (unsigned)c->command.half[0].lost,
            (unsigned)c->command.half[0].repeated, (unsigned)c->command.half[0].counter_jumps,
            (unsigned)(c->command.half[0].checksum + c->command.half[0].invalid));

@@ -9,7 +9,7 @@
 #include "options.h"
 
 int demo(const options_t *options);
-int scenario(const options_t *options); /**< demo --scenario */
+int scenario(const options_t *options);   /**< demo --scenario */
 int field_demo(const options_t *options); /**< demo --field, --mismatch, --matched */
 int fit(const options_t *options);
 

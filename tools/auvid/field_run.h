@@ -42,7 +42,7 @@ typedef struct {
     double size[FIELD_MISMATCHES]; /**< of the mismatches */
     double tau_max[FIELD_EQUATIONS];
     bool not_converged; /**< the search has not converged */
-    uint32_t sets; /**< recorded */
+    uint32_t sets;      /**< recorded */
     double simulated_s;
     bool estimated[SIM_PARAMETERS];  /**< free, and its DoF excited enough */
     bool flagged[SIM_PARAMETERS];    /**< identifiable */

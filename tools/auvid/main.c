@@ -36,8 +36,9 @@ static const char demo_fit_help[] =
     "                     thrust, which no motion reveals; default 0.05 (5 %), for commands 0\n"
     "  --dvl-scale S      relative standard deviation of the scale error of the DVL's velocity;\n"
     "                     default 0.005\n"
-    "  --delay S          standard deviation of the delay from supplied thrust to motion [s], used\n"
-    "                     where the data do not determine the delay; default 0.1\n"
+    "  --delay S          standard deviation of the delay from supplied thrust to motion [s], "
+    "used\n"
+    "                     used where the data do not determine the delay; default 0.1\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"
@@ -130,17 +131,13 @@ static const char exit_help[] =
 
 static const struct {
     const char *of, *text; /* of: the commands that it describes */
-} section[] = {{"demo fit", demo_fit_help},
-               {"demo", demo_help},
-               {"demo", field_help},
-               {"fit", fit_help},
+} section[] = {{"demo fit", demo_fit_help}, {"demo", demo_help},
+               {"demo", field_help},        {"fit", fit_help},
 #ifdef __linux__
-               {"node", node_help},
-               {"vehicle", vehicle_help},
+               {"node", node_help},         {"vehicle", vehicle_help},
                {"replay", replay_help},
 #endif
-               {"fit", columns_help},
-               {"demo fit node vehicle replay", exit_help}};
+               {"fit", columns_help},       {"demo fit node vehicle replay", exit_help}};
 
 static bool is_command(const char *name)
 {

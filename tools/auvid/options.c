@@ -141,7 +141,7 @@ static int take_word(reader_t *r, const char *const *words, int count, int *out)
                         count > 2 ? ", " : "", count > 2 ? words[2] : "");
 }
 
-/* Reads an option that demo, fit, node, vehicle and replay share. Returns -1 if it is another one. */
+/* Reads an option that all commands share. Returns -1 if it is another one. */
 static int common_option(reader_t *r, options_t *options)
 {
     if (is(r, "--seed")) {
@@ -458,7 +458,8 @@ static int check_bus(options_t *options, const char *command)
         return report_error("%s: unknown option --literal (auvid --help lists them)", command);
     }
     if (options->bus == NULL) {
-        return report_error("%s: no --bus given: use --bus can0 or --bus vcan0, for example", command);
+        return report_error("%s: no --bus given: use --bus can0 or --bus vcan0, for example",
+                            command);
     }
     if (options->clock_own && options->lock_step) {
         return report_error("%s: --clock own and --lock-step cannot be combined", command);
@@ -471,7 +472,8 @@ int options_node(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "node", node_option, NULL);
     status = status != 0 ? status : check_bus(options, "node");
     if (status == 0 && options->clock_own && strcmp(options->bus, "memory") == 0) {
-        return report_error("node: --bus memory does not allow --clock own: its vehicle sends the ticks");
+        return report_error(
+            "node: --bus memory does not allow --clock own: its vehicle sends the ticks");
     }
     return status;
 }

@@ -67,11 +67,11 @@ typedef struct {
     int choices;
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
-    const char *bus;  /**< interface */
-    const char *log;  /**< node: log to write, or NULL; replay: log to read */
+    const char *bus;   /**< interface */
+    const char *log;   /**< node: log to write, or NULL; replay: log to read */
     const char *prior; /**< node, replay: prior record to start with, or NULL */
-    const char *save; /**< node: prior record to write, or NULL */
-    bool clock_own;   /**< the node sends the tick frames */
+    const char *save;  /**< node: prior record to write, or NULL */
+    bool clock_own;    /**< the node sends the tick frames */
     bool excite;
     bool lock_step;
     bool realtime;

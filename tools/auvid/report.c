@@ -86,7 +86,7 @@ int report_identifiable(const auvid_estimate_t *estimate)
     return count;
 }
 
-/* Where the inputs are commands, a force is measured in commands. */
+/* Units for inputs that are commands: a force is measured in commands. */
 static const char *unit_in_commands(const auvid_parameter_t *parameter)
 {
     bool moment = parameter->dof >= AUVID_ROLL;

@@ -1,6 +1,6 @@
 /*
- * auvid demo --scenario: what goes otherwise than planned, told with simulated times. The same seed
- * tells the same story.
+ * auvid demo --scenario: runs with a disruption, whose events are printed with simulated times. The
+ * same seed gives the same events.
  */
 #include <math.h>
 #include <stdio.h>
@@ -14,41 +14,41 @@
 #include "event_log.h"
 #include "world.h"
 
-/* A search may go on for so long after the last set [s of simulated time]. */
+/* Longest time that a search may take after the last set [s of simulated time]. */
 #define PATIENCE_S 600.0
 
-/* When something happens: in the middle of the fourth set, or (payload) of the ninth [s]. */
+/* Time of the disruption: in the middle of the fourth set, or (payload) of the ninth [s]. */
 #define EVENT_S 100.0
 #define PAYLOAD_S 250.0
 enum { PAYLOAD_SETS = 16 };
 
-/* What the payload does. */
+/* Effects of the payload. */
 #define MASS_FACTOR 1.1
 #define DRAG_FACTOR 1.3
 
 #define CURRENT_M_S 0.3
-enum { ROWS = 60 }; /* of a set */
+enum { ROWS = 60 }; /* rows of a set */
 
 typedef struct {
     const options_t *options;
     event_log_t log;
     world_t world;
-    result_t result, other; /* other: of the first of two runs */
-    const char *other_key;  /* its name in JSON; null: there is none */
-    bool log_change_tests;        /* tell of each set how it was foretold */
+    result_t result, other; /* other: result of the first of two runs */
+    const char *other_key;  /* name of `other` in JSON; NULL: none */
+    bool log_change_tests;  /* log how well each set was predicted */
 
-    /* of the run under way */
+    /* state of the current run */
     auvid_guard_state_t guard;
-    double before[AUVID_DOF_COUNT]; /* excitation of the tick before */
+    double before[AUVID_DOF_COUNT]; /* excitation of the previous tick */
     double after_abort;             /* largest excitation since the guard aborted */
-    double farthest_m;              /* in truth, from the start, horizontally */
-    bool changed;                   /* a change was found */
+    double farthest_m;              /* true horizontal distance from the start */
+    bool changed;                   /* a change was detected */
 
-    auvid_current_t current; /* of the second node, which searches the current as well */
+    auvid_current_t current; /* model of the second node, with the current as parameters */
     auvid_row_t rows[(AUVID_MAX_SETS + 1) * ROWS];
 } scenario_run_t;
 
-/* ---- telling ---- */
+/* ---- events ---- */
 
 static void log_excitation(scenario_run_t *run, const char *when, const double *wrench)
 {
@@ -63,7 +63,7 @@ static void log_guard(scenario_run_t *run)
     const auvid_guard_trip_t *trip = &guard->trip;
     double t_s = world_time_s(&run->world);
     if (guard->state == AUVID_GUARD_EXCITING) {
-        event_log_add(&run->log, t_s, "armed, and exciting");
+        event_log_add(&run->log, t_s, "armed, excitation started");
     } else if (guard->state == AUVID_GUARD_ABORTED) {
         const char *unit = report_cause_unit(trip->cause);
         char value[60] = "";
@@ -73,7 +73,7 @@ static void log_guard(scenario_run_t *run)
         }
         event_log_add(&run->log, t_s, "guard: ABORTED: %s%s", auvid_guard_cause_str(trip->cause),
                       value);
-        log_excitation(run, "in the tick before", run->before);
+        log_excitation(run, "in the previous tick", run->before);
         log_excitation(run, "in this tick", run->world.excitation);
     } else {
         event_log_add(&run->log, t_s, "guard: %s", auvid_guard_state_str(guard->state));
@@ -89,7 +89,7 @@ static void log_change_test(scenario_run_t *run)
         max_change = fmax(max_change, (double)test->change[j]);
     }
     event_log_add(&run->log, world_time_s(&run->world),
-                  "set %u, foretold: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
+                  "set %u, predicted: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
                   (unsigned)test->set, (double)ratio[AUVID_SURGE], (double)ratio[AUVID_SWAY],
                   (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], max_change);
 }
@@ -102,7 +102,7 @@ static void log_change(scenario_run_t *run)
         ++j;
     }
     event_log_add(&run->log, world_time_s(&run->world),
-                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, a new search",
+                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, new search",
                   report_dof_name[j]);
 }
 
@@ -137,15 +137,14 @@ static void log_events(scenario_run_t *run)
         log_change(run);
     }
     if (events & AUVID_EVENT_RESTORED) {
-        event_log_add(&run->log, t_s,
-                      "the estimate before foretold this set better: taken back");
+        event_log_add(&run->log, t_s, "the previous estimate predicted this set better: restored");
     }
     if (events & AUVID_EVENT_ESTIMATE) {
         log_estimate(run);
     }
 }
 
-/* ---- running ---- */
+/* ---- the run ---- */
 
 static bool begin(scenario_run_t *run, world_config_t config)
 {
@@ -159,7 +158,7 @@ static bool begin(scenario_run_t *run, world_config_t config)
     return world_begin(&run->world, &config);
 }
 
-/* A tick. @return is there work left? */
+/* Runs one tick. Returns true while work is left. */
 static bool advance(scenario_run_t *run)
 {
     world_t *world = &run->world;
@@ -167,8 +166,7 @@ static bool advance(scenario_run_t *run)
     world_tick(world);
     const sim_t *sim = &world->vehicle_sim.sim;
     const double *position = sim->truth.position, *start = sim->config.position;
-    run->farthest_m =
-        fmax(run->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
+    run->farthest_m = fmax(run->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
     log_events(run);
     for (int j = 0; j < AUVID_DOF_COUNT && run->guard == AUVID_GUARD_ABORTED; ++j) {
         run->after_abort = fmax(run->after_abort, fabs(world->excitation[j]));
@@ -183,7 +181,7 @@ static void run_until(scenario_run_t *run, double t_s)
     }
 }
 
-/* Until so many sets are recorded and searched; then the result. */
+/* Runs until `sets` sets are recorded and searched, then stores the result. */
 static void run_to_end(scenario_run_t *run, uint32_t sets)
 {
     double end_s = (double)sets * WORLD_SET_S + PATIENCE_S;
@@ -200,7 +198,7 @@ static void run_to_end(scenario_run_t *run, uint32_t sets)
     run->result.estimate.not_converged |= busy;
 }
 
-/* After an abort: the latch holds, and the estimate stays. @return did both? */
+/* Checks after an abort that the guard stays latched and that the estimate is kept. */
 static bool aftermath(scenario_run_t *run, uint32_t number)
 {
     const auvid_identifier_t *id = &run->world.node[0].id;
@@ -208,17 +206,16 @@ static bool aftermath(scenario_run_t *run, uint32_t number)
     run_until(run, t_s);
     run->world.vehicle_sim.order_arm = true;
     event_log_add(&run->log, t_s,
-                  "latched: the operator's order to arm is refused until disarm");
+                  "latched: the operator's order to arm is refused until the guard is disarmed");
     run_until(run, t_s + 15.0);
-    event_log_add(
-        &run->log, t_s + 15.0,
-        "largest excitation since the abort: %.1f; what was identified stays: estimate %u",
-        run->after_abort, (unsigned)id->estimate.number);
+    event_log_add(&run->log, t_s + 15.0,
+                  "largest excitation since the abort: %.1f; estimate %u is kept", run->after_abort,
+                  (unsigned)id->estimate.number);
     return !(run->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
            id->estimate.number >= number;
 }
 
-/* ---- the scenarios; each returns whether it went as its story has it ---- */
+/* ---- the scenarios; each returns whether the run went as expected ---- */
 
 static bool payload(scenario_run_t *run)
 {
@@ -236,8 +233,8 @@ static bool payload(scenario_run_t *run)
         run->world.vehicle_sim.sim.config.parameter[i] *= DRAG_FACTOR;
     }
     event_log_add(&run->log, PAYLOAD_S,
-                  "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; from now on "
-                  "errors are against this truth");
+                  "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; errors are relative to this "
+                  "truth from now on");
     bool early = run->changed;
     run_to_end(run, PAYLOAD_SETS);
     return !early && run->changed;
@@ -264,7 +261,7 @@ static bool operator_abort(scenario_run_t *run)
         return false;
     }
     run_until(run, EVENT_S);
-    event_log_add(&run->log, EVENT_S, "operator: abort, in the middle of set 4");
+    event_log_add(&run->log, EVENT_S, "operator: abort in the middle of set 4");
     uint32_t number = run->world.node[0].id.estimate.number;
     run->world.vehicle_sim.order_abort = true;
     bool held = aftermath(run, number);
@@ -279,7 +276,7 @@ static bool dvl_lost(scenario_run_t *run)
         return false;
     }
     run_until(run, EVENT_S);
-    event_log_add(&run->log, EVENT_S, "the DVL falls silent, for good");
+    event_log_add(&run->log, EVENT_S, "the DVL is lost: no more samples");
     uint32_t number = run->world.node[0].id.estimate.number;
     run->world.vehicle_sim.sim.config.sensor[SIM_DVL].dropout = 1.0;
     bool held = aftermath(run, number);
@@ -287,7 +284,7 @@ static bool dvl_lost(scenario_run_t *run)
     return held && run->result.trip.cause == AUVID_GUARD_VELOCITY_STALE;
 }
 
-/* The parameter that its standard error explains least. */
+/* Logs the parameter whose error is the largest multiple of its standard error. */
 static void log_worst(scenario_run_t *run)
 {
     const result_t *result = &run->result;
@@ -302,12 +299,12 @@ static void log_worst(scenario_run_t *run)
     }
     event_log_add(
         &run->log, world_time_s(&run->world),
-        "worst in standard errors: %s, %.1f off, %.1f of them; farthest from start %.1f m",
+        "largest error by standard error: %s, %.1f, %.1f sigma; farthest from start %.1f m",
         result->vehicle->parameter[at].name, (double)result->estimate.pi[at] - result->truth[at],
         worst, run->farthest_m);
 }
 
-/* A second node hears the same frames, and searches the current with the parameters. */
+/* Adds a second node that receives the same frames and also identifies the current. */
 static bool listen_for_current(scenario_run_t *run, world_config_t config)
 {
     auvid_identifier_config_t cfg;
@@ -329,14 +326,14 @@ static void log_current(scenario_run_t *run)
 {
     const auvid_estimate_t *e = &run->world.node[1].id.estimate;
     int north = run->current.hull->parameters;
-    double truth[VEHICLE_SIM_PARAMETERS], half[2]; /* the current's stands elsewhere: 0 here */
+    double truth[VEHICLE_SIM_PARAMETERS], half[2]; /* 0 for the parameters of the current */
     vehicle_sim_truth(&run->world.vehicle_sim, truth);
     for (int i = 0; i < 2; ++i) {
         half[i] = HALF_WIDTH * (double)e->confidence.sigma[north + i];
     }
     event_log_add(
         &run->log, world_time_s(&run->world),
-        "current searched too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
+        "current identified too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
         report_rms_percent(e, truth), (double)e->pi[north], half[0], (double)e->pi[north + 1],
         half[1]);
 }
@@ -347,7 +344,7 @@ static bool current(scenario_run_t *run)
     if (!begin(run, config) || !listen_for_current(run, config)) {
         return false;
     }
-    event_log_add(&run->log, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is taken for motion");
+    event_log_add(&run->log, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is mistaken for motion");
     run_to_end(run, run->options->sets);
     log_worst(run);
     log_current(run);
@@ -359,7 +356,7 @@ static bool current(scenario_run_t *run)
         return false;
     }
     event_log_add(&run->log, 0.0,
-                  "DYNAMICS FROM WATER LOCK: the DVL pings bottom and water in turn");
+                  "DYNAMICS FROM WATER LOCK: the DVL alternates between bottom and water");
     run_to_end(run, run->options->sets);
     log_worst(run);
     return bottom && run->result.guard != AUVID_GUARD_ABORTED;
@@ -368,12 +365,13 @@ static bool current(scenario_run_t *run)
 static const struct {
     const char *name, *about;
     bool (*run)(scenario_run_t *);
-} scenarios[] = {
-    {"payload", "the vehicle changes in the middle of set 9 of 16", payload},
-    {"yaw-idle", "yaw is never excited", yaw_idle},
-    {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
-    {"current", "a current of 0.3 m/s to the north, seen with two locks of the DVL", current},
-    {"dvl-lost", "the DVL falls silent in the middle of a set", dvl_lost}};
+} scenarios[] = {{"payload", "the vehicle changes in the middle of set 9 of 16", payload},
+                 {"yaw-idle", "yaw is never excited", yaw_idle},
+                 {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
+                 {"current",
+                  "a current of 0.3 m/s to the north, with DVL bottom lock, then with water lock",
+                  current},
+                 {"dvl-lost", "the DVL is lost in the middle of a set", dvl_lost}};
 
 enum { SCENARIOS = sizeof scenarios / sizeof scenarios[0] };
 
@@ -396,22 +394,22 @@ static int play(scenario_run_t *run, int which)
     run->log.name = scenarios[which].name;
     run->log.silent = options->json;
     if (!options->json) {
-        printf("auvid %s demo: scenario %s, seed %llu\n  %s\n", AUVID_VERSION_STRING,
-               run->log.name, (unsigned long long)options->seed, scenarios[which].about);
-        printf("  disturbance %g N, thruster lag %g s; all else as in auvid demo\n\n",
+        printf("auvid %s demo: scenario %s, seed %llu\n  %s\n", AUVID_VERSION_STRING, run->log.name,
+               (unsigned long long)options->seed, scenarios[which].about);
+        printf("  disturbance %g N, thruster lag %g s; otherwise as auvid demo\n\n",
                options->disturbance_N, options->lag_s);
     }
-    bool as_told = scenarios[which].run(run);
+    bool as_expected = scenarios[which].run(run);
     if (run->result.vehicle == NULL) {
         return report_error("demo: the identifier refused its configuration");
     }
-    const beside_t beside = {run->other_key, &run->other, NULL};
+    const second_result_t second = {run->other_key, &run->other, NULL};
     if (options->json) {
-        report_json(&run->result, NULL, run->other_key != NULL ? &beside : NULL, &run->log);
+        report_json(&run->result, NULL, run->other_key != NULL ? &second : NULL, &run->log);
     } else {
         print_tables(run);
     }
-    return as_told ? report_exit(&run->result) : 1;
+    return as_expected ? report_exit(&run->result) : 1;
 }
 
 int scenario(const options_t *options)

@@ -4,7 +4,7 @@
 
 #include "auvid/adaptive.h"
 
-/* Moment of the disturbance for its force [m]. */
+/* Moment of the disturbance relative to its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
 static const vehicle_t *vehicle_of(const world_config_t *config)
@@ -12,7 +12,7 @@ static const vehicle_t *vehicle_of(const world_config_t *config)
     return config->vehicle == NULL ? &vehicle_girona500 : config->vehicle;
 }
 
-/* Instead of the plan: its amplitudes and leash. */
+/* Replaces the plan by adaptive excitation, with the same amplitudes and excursion limits. */
 static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config)
 {
     auvid_adaptive_config_t cfg;
@@ -39,7 +39,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
         cfg->recorder.cell_us = SIM_TICK_US;
         auvid_identifier_literal(cfg);
-        /* a row every half second, as in the default reading */
+        /* a row every half second, as by default */
         cfg->metric.row_cells = (uint16_t)(500000 / SIM_TICK_US);
     }
 }
@@ -81,7 +81,7 @@ bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
            auvid_node_init(&world->node[world->nodes++], &node, cfg) >= 0;
 }
 
-/* A node's frames, up to the tick frame, and its answer. */
+/* Passes frames to a node up to the tick frame, and sends its answer. */
 static void step(world_t *world, int i)
 {
     bus_memory_end_t *end = &world->hub.end[WORLD_NODE + i];
@@ -95,7 +95,7 @@ static void step(world_t *world, int i)
     }
 }
 
-/* The wrench of the thrust that the vehicle has been commanded. */
+/* Records the wrench of the thrust commanded to the vehicle. */
 static void record_excitation(world_t *world)
 {
     vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
