@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The code in README and in the library's guide compiles without a warning, runs, and identifies,
-# passively and exciting; the commands there print what they show. After a change of what they
-# print, README_BLOCKS=write tests/program/test_readme.sh puts it there.
+# The code in README and in the library's guide compiles without a warning, runs, and identifies a
+# vehicle, passively and with excitation. The commands there print the output shown. After a change
+# of the output, README_BLOCKS=write tests/program/test_readme.sh updates it.
 . "$(dirname "$0")/common.sh"
 
 blocks() {
@@ -246,13 +246,13 @@ check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*/*.c "$ROOT"/tools/simulator/*.c -lm
-check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
+check "README's example identifies a vehicle passively, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's own thrusters are accepted" ./example own-thrusters
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 check "README's adaptive excitation identifies it, and the guard is done" ./example adaptive
 
-# The section on six degrees of freedom has sizes of its own.
+# The section on six degrees of freedom needs other sizes.
 cat >six.c <<'END'
 #include <string.h>
 
@@ -278,7 +278,7 @@ check "README's vehicle in six degrees of freedom compiles at the sizes it names
     -I. -o six six.c "$ROOT"/lib/src/*/*.c
 check "README's vehicle in six degrees of freedom is accepted" ./six
 
-# Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
+# Every block below "<!-- output of: COMMAND -->" is the output of the command, except wall times.
 cat >blocks.py <<'END'
 import os, re, subprocess, sys
 root, name, auvid, mode = sys.argv[1:]
@@ -304,7 +304,7 @@ for name in README.md lib/README.md; do
         "${README_BLOCKS:-check}"
 done
 
-# Every link to a file or a heading of ours leads there.
+# Every link to a file or heading of the project has a target.
 cat >links.py <<'END'
 import pathlib, re, sys
 root = pathlib.Path(sys.argv[1])
@@ -325,5 +325,5 @@ for page in pages:
 print("\n".join(bad))
 assert links > 20 and not bad
 END
-check "links in the documentation lead somewhere" python3 links.py "$ROOT"
+check "links in the documentation have targets" python3 links.py "$ROOT"
 finish

@@ -98,7 +98,7 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error message. */
+/* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
 static int wait(run_t *run)
 {
     int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;

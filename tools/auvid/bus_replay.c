@@ -130,7 +130,7 @@ static int read_all(run_t *run)
     }
     return run->node.counters.ticks > 0
                ? 0
-               : report_error("replay: %s: no tick frame, so no time: record the whole bus,
+               : report_error("replay: %s: no tick frame, so no time: record the whole bus",
                               run->options->log);
 }
 

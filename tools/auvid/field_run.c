@@ -5,20 +5,20 @@
 
 #include "vehicles.h"
 
-/* Length of a set, and the time for which the last one may be late [s]. */
+/* Length of a set, and largest delay of the last one [s]. */
 #define SET_S 30.0
 #define LATE_S 60.0
 
-/* The excitation begins after this time [s]. */
+/* Start of the excitation [s]. */
 #define BEGIN_S 1.0
 
-/* From one sample of the DVL to the next. */
+/* Interval of the DVL samples. */
 #define DVL_US 200000u
 
-/* Ticks from one look at the truth to the next. */
+/* Interval in ticks at which the truth is sampled. */
 #define LOOK 4
 
-/* Units of work in a call, when nobody waits. */
+/* Work units per call where time does not matter. */
 #define AT_EASE 1000000u
 
 const double field_part[FIELD_PARTS] = {0.3, 0.6, 1.0};
@@ -32,7 +32,7 @@ void field_run_defaults(field_run_config_t *config)
     config->budget = AUVID_DEFAULT_BUDGET;
 }
 
-/* The thrusters as the operator knows them. */
+/* The thrusters as known to the operator. */
 static void allocate(field_vehicle_t vehicle, auvid_allocation_config_t *to)
 {
     double matrix[6][SIM_THRUSTERS], max_N = 0.0;
@@ -113,7 +113,7 @@ static void sense(const field_output_t *seen, auvid_input_t *in)
     in->gps.y_m = (auvid_real_t)s[SIM_GPS].value[1];
 }
 
-/* Once the filter runs: arm, and excite. */
+/* Arms and starts the excitation once the filter runs. */
 static void begin(auvid_identifier_t *id)
 {
     if (id->guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(id) == AUVID_OK) {
@@ -121,7 +121,7 @@ static void begin(auvid_identifier_t *id)
     }
 }
 
-/* Record until all sets are complete, or the time of a passive run is over. */
+/* Records until all sets are complete, or until a passive run ends. */
 static void record_motion(field_run_t *run, const field_run_config_t *config)
 {
     bool excited = config->field.driver == FIELD_EXCITED;
@@ -156,7 +156,7 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
     }
 }
 
-/* Drag force of DoF e's pair at this velocity, as the library tells it. */
+/* Drag force of DoF e at this velocity, as reported by the library. */
 static void estimate_force(const auvid_identifier_t *id, int e, double velocity, field_force_t *to)
 {
     auvid_drag_t drag;
