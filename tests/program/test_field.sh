@@ -79,7 +79,7 @@ check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmo
 for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust; do
     # shellcheck disable=SC2086
     check "$other without field statistics" refuses \
-        "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other
+        "demo: ${other%% *}.* needs --field, --mismatch or --matched" demo $other
 done
 for other in "--scenario payload" "--csv x.csv" --literal --adaptive "--disturbance 1" "--lag 1"; do
     # shellcheck disable=SC2086

@@ -123,9 +123,8 @@ const char *report_unit(const result_t *result, int i);
 bool report_is_identified(const result_t *result, int i);
 bool report_is_driven(const result_t *result, auvid_dof_t j);
 bool report_is_at_bound(const result_t *result, int i);
-double report_sigma(const result_t *result, int i); /**< infinite: not known */
-double report_sigma_told(const result_t *result,
-                         int i); /**< with exact scales of thrust and DVL */
+double report_sigma(const result_t *result, int i);      /**< infinite: not known */
+double report_sigma_told(const result_t *result, int i); /**< with exact scales of thrust and DVL */
 
 /** Prints the table of one identification, with that of the last set only if `last` is not NULL. */
 void report_result(const result_t *result, const result_t *last);

@@ -8,7 +8,7 @@
 /* Ticks in a second. */
 #define SECOND (1000000u / SIM_TICK_US)
 
-/* Frames of one tick under way. */
+/* Frames of one tick that are being collected. */
 typedef struct {
     vehicle_sim_t *vehicle;
     auvid_can_frame_t *frame;
@@ -117,7 +117,7 @@ double vehicle_sim_rms_percent(const vehicle_sim_t *vehicle)
     return 100.0 * sqrt(sum / count);
 }
 
-/* What a thruster does at most in a force's direction. */
+/* Largest force of a thruster in the direction of a force. */
 static double max_force_N(const vehicle_sim_t *vehicle, double force)
 {
     const sim_config_t *c = &vehicle->sim.config;
@@ -226,7 +226,8 @@ static void send_orders(sending_t *s)
     vehicle->ticks_navigated += vehicle->navigates;
     bool due = vehicle->ticks_navigated > 0 && vehicle->ticks_navigated % SECOND == 0;
     bool aborted = vehicle->arm_again && vehicle->guard == AUVID_GUARD_ABORTED;
-    vehicle->armed = vehicle->armed && !(vehicle->arm_again && vehicle->guard == AUVID_GUARD_DISARMED);
+    vehicle->armed =
+        vehicle->armed && !(vehicle->arm_again && vehicle->guard == AUVID_GUARD_DISARMED);
     if (vehicle->order_arm || (due && !vehicle->no_arm && (!vehicle->armed || aborted))) {
         auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
         m.as.arm.action = aborted ? AUVID_CAN_ACTION_DISARM : AUVID_CAN_ACTION_ARM;
