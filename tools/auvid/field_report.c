@@ -264,7 +264,7 @@ static void json_record(const field_record_t *record)
     json_list("flagged", flagged, SIM_PARAMETERS);
     json_list("note", note, SIM_PARAMETERS);
     json_list("truth", truth->si, SIM_PARAMETERS);
-    json_list("told_truth", truth->told, SIM_PARAMETERS);
+    json_list("told_truth", truth->reported, SIM_PARAMETERS);
     json_list("told_gain", truth->gain, FIELD_EQUATIONS);
     json_list("residual", truth->residual, FIELD_EQUATIONS);
     json_list("speed", truth->speed[0], FIELD_DIRECTIONS);

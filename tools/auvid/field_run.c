@@ -134,10 +134,10 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
         auvid_input_t in;
         auvid_output_t out;
         field_step(&run->field, excited ? thruster_N : NULL, &seen);
-        if (seen.told) {
+        if (seen.reported) {
             auvid_real_t wrench[AUVID_DOF_COUNT];
             copy(wrench, seen.wrench, AUVID_DOF_COUNT);
-            (void)auvid_identifier_applied(id, seen.told_us, wrench, NULL);
+            (void)auvid_identifier_applied(id, seen.reported_us, wrench, NULL);
         }
         if (excited && k >= begin_at) {
             begin(id);

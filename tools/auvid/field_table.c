@@ -74,7 +74,7 @@ static void answer(field_ratio_t *run, int question, int i, double part)
 static void take_parameter(field_ratio_t *run, const field_record_t *record, int i)
 {
     double error = record->pi[i] - record->truth.si[i], off = fabs(error);
-    double told = fabs(record->pi[i] - record->truth.told[i]);
+    double reported = fabs(record->pi[i] - record->truth.reported[i]);
     double scale = i == SIM_WB ? record->tau_max[field_equation(i)] : record->truth.si[i];
     double sigma = record->sigma[i], relative = error / scale;
     answer(run, FIELD_FLAGGED, i, record->flagged[i]);
@@ -91,8 +91,8 @@ static void take_parameter(field_ratio_t *run, const field_record_t *record, int
         answer(run, FIELD_BEYOND, i, !(off <= HALF_WIDTH * sigma));
         answer(run, FIELD_OVER_SIGMA, i, error * error / (sigma * sigma));
         answer(run, FIELD_ERROR_FLAGGED, i, relative * relative);
-        answer(run, FIELD_TOLD_WRONG, i, field_is_wrong(record, i, record->truth.told));
-        answer(run, FIELD_TOLD_BEYOND, i, !(told <= HALF_WIDTH * sigma));
+        answer(run, FIELD_TOLD_WRONG, i, field_is_wrong(record, i, record->truth.reported));
+        answer(run, FIELD_TOLD_BEYOND, i, !(reported <= HALF_WIDTH * sigma));
     }
 }
 

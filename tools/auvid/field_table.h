@@ -88,7 +88,7 @@ typedef struct {
     field_figure_t figure[FIELD_FIGURES];
 } field_table_t;
 
-/** Is the flag of parameter i wrong? @param truth record->truth.si or .told */
+/** Is the flag of parameter i wrong? @param truth record->truth.si or .reported */
 bool field_is_wrong(const field_record_t *record, int i, const double *truth);
 
 /** Starts a table of so many runs. Returns false if there is no memory. */

@@ -83,7 +83,7 @@ static void complete_truth(field_t *field)
     field_truth_t *t = &field->truth;
     double state[12], derivative[12];
     t->t_s = 1e-6 * (double)field->t_us;
-    field_thrust_truth(field, t->delivered, t->told);
+    field_thrust_truth(field, t->delivered, t->reported);
     disturb(field, t->euler, t->t_s, t->disturbance);
     for (int i = 0; i < 6; ++i) {
         t->hull[i] = t->delivered[i] + t->disturbance[i];

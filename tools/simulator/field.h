@@ -74,8 +74,8 @@ typedef struct {
 typedef struct {
     uint64_t t_us;                         /**< clock of the identifier at the end of the tick */
     sim_measurement_t sensor[SIM_SENSORS]; /**< by sim_sensor_id_t, with timestamps */
-    bool told;                             /**< a wrench was reported in this tick */
-    uint64_t told_us;                      /**< its timestamp: reported start of its action, until
+    bool reported;                         /**< a wrench was reported in this tick */
+    uint64_t reported_us;                  /**< its timestamp: reported start of its action, until
                                                 the next one; correct: the start of the tick */
     double wrench[6];                      /**< the reported wrench [N, Nm] */
     double thruster_N[SIM_THRUSTERS];      /**< the reported thrust of each thruster [N] */
@@ -87,7 +87,7 @@ typedef struct {
     double position[3], euler[3]; /**< NED [m], ZYX [rad] */
     double nu[6], nu_dot[6];      /**< through the water [m/s, rad/s], and its derivative */
     double delivered[6];          /**< true wrench of the thrusters [N, Nm] */
-    double told[6];               /**< reported wrench, without timestamp errors [N, Nm] */
+    double reported[6];           /**< reported wrench, without timestamp errors [N, Nm] */
     double disturbance[6];        /**< waves and coloured noise, not of the hull [N, Nm] */
     double hull[6];               /**< left side of the equations of motion, M nu' + forces of the
                                        hull: equal to delivered + disturbance [N, Nm] */
@@ -128,7 +128,7 @@ typedef struct {
 typedef struct {
     uint64_t t_us; /* start of its tick */
     double command_N[SIM_THRUSTERS];
-    double told_N[SIM_THRUSTERS]; /* reported thrust */
+    double reported_N[SIM_THRUSTERS]; /* reported thrust */
 } field_command_t;
 
 typedef struct {
@@ -137,8 +137,8 @@ typedef struct {
     double slewed[SIM_THRUSTERS]; /* speed commanded by the electronics, likewise */
     double force[SIM_THRUSTERS];  /* after the lag of force [N] */
     field_command_t ring[FIELD_RING];
-    unsigned written, told; /* numbers of entered and of reported commands */
-    unsigned acting;        /* number of the acting command, plus one */
+    unsigned written, reported; /* numbers of entered and of reported commands */
+    unsigned acting;            /* number of the acting command, plus one */
 } field_thrust_t;
 
 typedef struct {

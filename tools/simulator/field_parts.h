@@ -129,7 +129,7 @@ void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS]);
 /** Advances the thrusters by a substep of h seconds and writes the mean wrench. */
 void field_thrust_advance(field_t *field, double h, double wrench[6]);
 /** Writes the true and the reported wrench at the end of a substep. */
-void field_thrust_truth(const field_t *field, double delivered[6], double told[6]);
+void field_thrust_truth(const field_t *field, double delivered[6], double reported[6]);
 /** Writes the reports to the operator that are due. */
 void field_thrust_report(field_t *field, field_output_t *out);
 

@@ -53,7 +53,7 @@ void field_projection_add(field_projection_t *projection, const field_truth_t *t
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         int j = dof_of[e];
         double nu = truth->nu[j], *speed = projection->speed[e];
-        const double c[FIELD_COLUMNS] = {-nu, -fabs(nu) * nu, drag[e], truth->told[j],
+        const double c[FIELD_COLUMNS] = {-nu, -fabs(nu) * nu, drag[e], truth->reported[j],
                                          truth->delivered[j]};
         for (int a = 0; a < FIELD_COLUMNS; ++a) {
             for (int b = 0; b < FIELD_COLUMNS; ++b) {
@@ -108,7 +108,7 @@ void field_projection_solve(const field_projection_t *projection, const field_bu
         to->residual[e] = sqrt(squares_left(s, to->si + drag_of[e]) / n);
     }
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        to->told[i] = to->si[i] / to->gain[field_equation(i)];
+        to->reported[i] = to->si[i] / to->gain[field_equation(i)];
     }
 }
 

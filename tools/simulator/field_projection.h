@@ -11,7 +11,7 @@
  * on -nu and -|nu| nu, with masses and W-B as they were at the time, so that ballast is not drag.
  * The projection includes cable, lift, asymmetry and exponent of the hull, but not errors of the
  * thrust or disturbances. With *reported* thrust each equation is divided by
- * g_j = <delivered_j, told_j> / <told_j, told_j>, where told is the reported thrust.
+ * g_j = <delivered_j, reported_j> / <reported_j, reported_j>.
  *
  * Host side: C11, double. One call every 50 to 100 ms costs nothing compared with the simulation.
  */
@@ -41,7 +41,7 @@ typedef struct {
 /** The truth of a run. */
 typedef struct {
     double si[SIM_PARAMETERS];            /**< parameters in true newtons */
-    double told[SIM_PARAMETERS];          /**< parameters in reported newtons */
+    double reported[SIM_PARAMETERS];      /**< parameters in reported newtons */
     double gain[FIELD_EQUATIONS];         /**< g_j; 1 if no thrust was reported */
     double residual[FIELD_EQUATIONS];     /**< rms hull force not described by them [N, Nm] */
     double speed[FIELD_EQUATIONS][2];     /**< largest forward, largest backward, >= 0 */

@@ -72,16 +72,16 @@ void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
     c->t_us = field->t_us;
     for (int j = 0; j < sheet->thrusters; ++j) {
         command_N[j] = fmax(-f_max, fmin(f_max, command_N[j]));
-        c->command_N[j] = c->told_N[j] = command_N[j];
+        c->command_N[j] = c->reported_N[j] = command_N[j];
         if (size[FIELD_COMMAND_PWM] > 0.0) {
             double s = pulse_us(command_N[j] / f_max) / PULSE_US;
-            c->told_N[j] = f_max * s * fabs(s);
+            c->reported_N[j] = f_max * s * fabs(s);
         }
     }
     if (size[FIELD_BATTERY_CORRECTED] > 0.0) {
         double v = voltage(field, mean_load(sheet, command_N));
         for (int j = 0; j < sheet->thrusters; ++j) {
-            c->told_N[j] *= v * v;
+            c->reported_N[j] *= v * v;
         }
     }
 }
@@ -172,18 +172,18 @@ void field_thrust_advance(field_t *field, double h, double wrench[6])
     }
 }
 
-void field_thrust_truth(const field_t *field, double delivered[6], double told[6])
+void field_thrust_truth(const field_t *field, double delivered[6], double reported[6])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
     const field_thrust_t *t = &field->thrust;
     memset(delivered, 0, 6 * sizeof delivered[0]);
-    memset(told, 0, 6 * sizeof told[0]);
+    memset(reported, 0, 6 * sizeof reported[0]);
     for (int j = 0; j < sheet->thrusters; ++j) {
         double acts = inflow(field, j, t->force[j]);
-        double said = t->acting > 0 ? t->ring[(t->acting - 1) % FIELD_RING].told_N[j] : 0.0;
+        double said = t->acting > 0 ? t->ring[(t->acting - 1) % FIELD_RING].reported_N[j] : 0.0;
         for (int i = 0; i < 6; ++i) {
             delivered[i] += sheet->matrix[i][j] * acts;
-            told[i] += sheet->matrix[i][j] * said;
+            reported[i] += sheet->matrix[i][j] * said;
         }
     }
 }
@@ -194,18 +194,19 @@ void field_thrust_report(field_t *field, field_output_t *out)
     const double *size = field->config.size;
     field_thrust_t *t = &field->thrust;
     uint64_t late_us = (uint64_t)(1e6 * fmax(size[FIELD_THRUST_LATE], 0.0) + 0.5);
-    if (t->told == t->written || t->ring[t->told % FIELD_RING].t_us + late_us >= out->t_us) {
+    if (t->reported == t->written ||
+        t->ring[t->reported % FIELD_RING].t_us + late_us >= out->t_us) {
         return;
     }
-    const field_command_t *c = &t->ring[t->told % FIELD_RING];
-    out->told = fabs(size[FIELD_COMMAND_10HZ]) <= 0.0 || t->told % 5 == 0;
-    ++t->told;
-    if (out->told) {
-        out->told_us = c->t_us + late_us;
-        memcpy(out->thruster_N, c->told_N, sizeof out->thruster_N);
+    const field_command_t *c = &t->ring[t->reported % FIELD_RING];
+    out->reported = fabs(size[FIELD_COMMAND_10HZ]) <= 0.0 || t->reported % 5 == 0;
+    ++t->reported;
+    if (out->reported) {
+        out->reported_us = c->t_us + late_us;
+        memcpy(out->thruster_N, c->reported_N, sizeof out->thruster_N);
         for (int j = 0; j < sheet->thrusters; ++j) {
             for (int i = 0; i < 6; ++i) {
-                out->wrench[i] += sheet->matrix[i][j] * c->told_N[j];
+                out->wrench[i] += sheet->matrix[i][j] * c->reported_N[j];
             }
         }
     }
