@@ -36,7 +36,7 @@ def arguments(parser):
                         help="held-out runs, each with its own identification; "
                         "default %(default)s")
     parser.add_argument("--starts", type=at_least(1), default=20, metavar="N",
-                        help="of the UKF for each kind of start, each on another run; default %(default)s")
+                        help="UKF runs per kind of start, each on another run; default %(default)s")
 
 
 def least_squares(run):

@@ -229,7 +229,8 @@ def in_short(found):
     shown = [s for s in NAMES if any(s in one["judged"]["r2"] for one in found)]
     rows = [(one["log"], one["validate"] or "itself", *(explained(one, s) for s in shown),
              sure(one)) for one in found]
-    return table(("from", "validated on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"), rows)
+    return table(("from", "validated on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"),
+                 rows)
 
 
 def agreement(found):

@@ -85,7 +85,7 @@ BAD = {
             b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
         for line in b.splitlines()) + b"\n"),
     "the row ends": ("x.csv", "train.csv", lambda b: b[:50000] + b"\n"),
-    "is no line of": ("x.log", "bus.log", lambda b: b[:100000] + b"\n(1.0\n"),
+    " line of": ("x.log", "bus.log", lambda b: b[:100000] + b"\n(1.0\n"),
     "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
     "x.blf: is cut off": ("x.blf", "bus.blf", lambda b: b[:-2000]),
     "no frame in it": ("x.asc", "bus.asc", lambda b: b"no log\n"),
