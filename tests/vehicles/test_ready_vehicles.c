@@ -45,12 +45,12 @@ static void test_literal_smoothing_has_rows_without_averaging(void)
 static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
 {
     vehicle_sim_config_t cfg;
-    vehicle_sim_t *craft = &world.vehicle_sim;
+    vehicle_sim_t *simulated = &world.vehicle_sim;
     double truth[VEHICLE_SIM_PARAMETERS];
     TEST_ASSERT_EQUAL(SIM_FOSSEN_PARAMETERS, AUVID_FOSSEN_COUNT);
     vehicle_simulation(rov, &cfg);
-    TEST_ASSERT_TRUE(vehicle_sim_init(craft, &cfg));
-    vehicle_sim_truth(craft, truth);
+    TEST_ASSERT_TRUE(vehicle_sim_init(simulated, &cfg));
+    vehicle_sim_truth(simulated, truth);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double expected = (double)auvid_bluerov2_heavy_benzon[i];
         TEST_ASSERT_DOUBLE_WITHIN(2e-7 * fabs(expected), expected, truth[i]);
