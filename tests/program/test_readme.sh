@@ -11,7 +11,7 @@ blocks() {
 }
 blocks 0 >example.c
 cat >main.c <<'END'
-/* What the example leaves to the integrator: a simulated vehicle, driven by somebody else. */
+/* The part that the example leaves to the integrator: a simulated vehicle with a pilot. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static void fault(const char *what)
 
 static sim_output_t sensed;
 static auvid_estimate_t last;
-static auvid_real_t driven[AUVID_DOF_COUNT], added[AUVID_DOF_COUNT];
+static auvid_real_t pilot_wrench[AUVID_DOF_COUNT], added[AUVID_DOF_COUNT];
 
 static void read_sensors(auvid_input_t *in)
 {
@@ -49,7 +49,7 @@ static void read_sensors(auvid_input_t *in)
 
 static void thrust_now(auvid_real_t *wrench)
 {
-    memcpy(wrench, driven, sizeof driven);
+    memcpy(wrench, pilot_wrench, sizeof pilot_wrench);
 }
 
 static void add_to_controller(const auvid_real_t *wrench)
@@ -125,7 +125,7 @@ static void tick(void)
 {
     double wrench[6];
     for (int j = 0; j < 6; ++j) {
-        wrench[j] = (double)driven[j];
+        wrench[j] = (double)pilot_wrench[j];
     }
     sim_step(&sim, NULL, wrench, &sensed);
 }
@@ -154,15 +154,15 @@ static bool pilot(const auvid_real_t *amplitude)
     auvid_excitation_config_t sequence;
     auvid_excitation_t stick;
     sim_init(&sim, &world);
-    memset(driven, 0, sizeof driven);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
     auvid_excitation_defaults(&sequence);
     auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
     auvid_excitation_init(&stick, &sequence);
     auvid_excitation_start(&stick, 0);
     for (int k = 0; k < 150 * 50; ++k) {
         tick();
-        auvid_excitation_step(&stick, sensed.t_us, driven);
-        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        auvid_excitation_step(&stick, sensed.t_us, pilot_wrench);
+        pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         control_tick(sensed.t_us);
         if (k == restart_at) {
             restart();
@@ -212,15 +212,15 @@ static int exciting(bool adaptive)
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     plan(&cfg);
     sim_init(&sim, &world);
-    memset(driven, 0, sizeof driven);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
     if (auvid_identifier_init(&id, &cfg) < 0 || (adaptive && !plan_adaptive())) {
         return 1;
     }
     for (int k = 0; k < 300 * 50; ++k) {
         tick();
         control_tick(sensed.t_us);
-        memcpy(driven, added, sizeof driven);
-        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        memcpy(pilot_wrench, added, sizeof pilot_wrench);
+        pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         begun = begun || begin();
     }
     printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));

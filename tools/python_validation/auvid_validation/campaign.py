@@ -12,7 +12,7 @@ import numpy as np
 
 from auvid_validation import style
 from auvid_validation.bound import bound
-from auvid_validation.complaint import Complaint, at_least, folder
+from auvid_validation.user_error import UserError, at_least, folder
 from auvid_validation.library import PARAMETERS
 from auvid_validation.progress import Progress
 from auvid_validation.world import N, Run, identify
@@ -97,7 +97,7 @@ def results(tasks, options):
         import distributed
     except ImportError:
         if options.scheduler:
-            raise Complaint("--scheduler needs dask: pip install 'auvid-validation[campaign]'")
+            raise UserError("--scheduler needs dask: pip install 'auvid-validation[campaign]'")
         import concurrent.futures as futures
         with futures.ProcessPoolExecutor(options.workers) as pool:
             yield from (f.result() for f in futures.as_completed(
@@ -107,7 +107,7 @@ def results(tasks, options):
         try:
             client = distributed.Client(options.scheduler, timeout=10)
         except (OSError, ValueError) as error:
-            raise Complaint(f"--scheduler: no cluster at {options.scheduler} ({error})")
+            raise UserError(f"--scheduler: no cluster at {options.scheduler} ({error})")
     else:
         client = distributed.Client(n_workers=options.workers, threads_per_worker=1,
                                     dashboard_address=None)
@@ -298,7 +298,7 @@ def run(options):
     worlds = [w.strip() for w in options.worlds.split(";")] if options.worlds else list(WORLDS)
     for name in worlds:
         if name not in WORLDS:
-            raise Complaint(f"--worlds: no world '{name}': choose from {'; '.join(WORLDS)}")
+            raise UserError(f"--worlds: no world '{name}': choose from {'; '.join(WORLDS)}")
     lines = gather(worlds, options)
     tallies = {name: tally(some, WORLDS[name][1]) for name, some in lines.items()}
     print_tables(tallies)

@@ -7,7 +7,7 @@ import argparse
 import importlib
 import sys
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 
 #: Subcommand, which is also the name of its module, and its description.
 COMMANDS = {
@@ -36,7 +36,7 @@ def main(argv=None):
                 module.arguments(command)
         options = parser.parse_args(argv)
         sys.exit(module.run(options))
-    except Complaint as complaint:
-        sys.exit(parser.error(str(complaint)))
+    except UserError as error:
+        sys.exit(parser.error(str(error)))
     except KeyboardInterrupt:
         sys.exit(130)

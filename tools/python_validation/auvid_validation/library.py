@@ -5,7 +5,7 @@ import pathlib
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.dwarf import Binding
 
 MARK = "lib/include/auvid/auvid.h"
@@ -23,13 +23,13 @@ def root():
         for folder in place.parents:
             if (folder / MARK).exists():
                 return folder
-    raise Complaint(f"no {MARK} in any folder above: set AUVID_ROOT to the folder of auvid")
+    raise UserError(f"no {MARK} in any folder above: set AUVID_ROOT to the folder of auvid")
 
 
 def built(path):
     """A file built by make."""
     if not (root() / path).exists():
-        raise Complaint(f"{path} is not built: run `make {path}`")
+        raise UserError(f"{path} is not built: run `make {path}`")
     return root() / path
 
 

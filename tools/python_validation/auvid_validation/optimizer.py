@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from auvid_validation.complaint import output
+from auvid_validation.user_error import output
 from auvid_validation.library import load
 
 CAP = 20_000

@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from auvid_validation import style, ukf
-from auvid_validation.complaint import at_least, folder
+from auvid_validation.user_error import at_least, folder
 from auvid_validation.library import PARAMETERS, values
 from auvid_validation.model import r2, simulate
 from auvid_validation.progress import Progress

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.library import PARAMETERS, program
 from auvid_validation.model import simulate
 from auvid_validation.world import DOFS
@@ -24,7 +24,7 @@ def auvid(*arguments):
     done = subprocess.run([str(program()), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode == 2 or (done.returncode != 0 and not done.stdout):
         words = done.stderr.strip().splitlines() or ["the program failed"]
-        raise Complaint(words[-1].removeprefix("auvid: "))
+        raise UserError(words[-1].removeprefix("auvid: "))
     sys.stderr.write(done.stderr)  # warnings, and unused parts of a log
     return done.stdout
 
@@ -44,27 +44,27 @@ def as_candump(path, to):
                            f"{bytes(frame.data).hex().upper()}\n")
             cut_off = getattr(log, "file_size", 0) > path.stat().st_size  # of a .blf: as its header
     except Exception as error:  # any exception of the parser on a damaged file
-        raise Complaint(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
+        raise UserError(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
     if frames == 0:
-        raise Complaint(f"{path}: no frame in it: check that it is a {path.suffix} file")
+        raise UserError(f"{path}: no frame in it: check that it is a {path.suffix} file")
     if path.suffix == ".asc":
         text = path.read_text().lower()
         cut_off = "begin triggerblock" in text and "end triggerblock" not in text
     if cut_off:
-        raise Complaint(f"{path}: is cut off")
+        raise UserError(f"{path}: is cut off")
 
 
 def as_csv(path, folder):
     """The log in the format of `auvid fit`: itself, or converted into the folder."""
     if not path.is_file():
-        raise Complaint(f"{path}: no such file")
+        raise UserError(f"{path}: no such file")
     if path.suffix in (".asc", ".blf"):
         candump = folder / (path.stem + ".log")
         as_candump(path, candump)
         try:
             return as_csv(candump, folder)
-        except Complaint as complaint:
-            raise Complaint(str(complaint).replace(str(candump), str(path)))
+        except UserError as error:
+            raise UserError(str(error).replace(str(candump), str(path)))
     if path.suffix != ".log":
         return path
     to = folder / (path.stem + ".csv")
@@ -77,12 +77,12 @@ def fit(train, test, arguments):
     more = ["--validate", test] if test else []
     found = json.loads(auvid("fit", train, "--json", *more, *arguments))
     if found["status"] == "not_excited":
-        raise Complaint(f"{train}: nothing to identify: the log is too short, or no degree of "
+        raise UserError(f"{train}: nothing to identify: the log is too short, or no degree of "
                         "freedom has an input that varies")
     velocity = Log(train).velocity
     for i, axis in enumerate("XYZN"):
         if found["r2_force"][axis] is not None and np.ptp(velocity[:, i]) == 0:
-            raise Complaint(f"{train}: {VELOCITIES[i]} never changes although its input does: "
+            raise UserError(f"{train}: {VELOCITIES[i]} never changes although its input does: "
                             "check the sensor, or remove the column")
     return found
 

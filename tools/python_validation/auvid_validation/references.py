@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from auvid_validation.compare import Row
-from auvid_validation.complaint import Complaint, output
+from auvid_validation.user_error import UserError, output
 from auvid_validation.library import load
 
 #: Each name stands for a module reference_NAME with comparisons(lib).
@@ -25,7 +25,7 @@ def rows_of(part, precision):
     try:
         module = importlib.import_module(f"auvid_validation.reference_{part}")
         yield from module.comparisons(load(precision))
-    except Complaint:
+    except UserError:
         raise
     except Exception as error:  # noqa: BLE001  the other modules continue after any exception
         where = error.__traceback__

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from auvid_validation import style
-from auvid_validation.complaint import Complaint, folder
+from auvid_validation.user_error import UserError, folder
 from auvid_validation.model import r2
 from auvid_validation.recorded import Log, Model, as_csv, fit
 
@@ -206,9 +206,9 @@ def bullets(sentences):
 
 def sure(one):
     parameters = one["fit"]["parameters"]
-    driven = sum(p["estimate"] is not None for p in parameters)
-    still = len(parameters) - driven
-    return (f"{sum(p['identifiable'] for p in parameters)} of {driven}"
+    excited = sum(p["estimate"] is not None for p in parameters)
+    still = len(parameters) - excited
+    return (f"{sum(p['identifiable'] for p in parameters)} of {excited}"
             + (f", {still} not excited" if still else ""))
 
 
@@ -235,23 +235,24 @@ def in_short(found):
 
 def agreement(found):
     """Two logs of one vehicle should give the same parameters, within their joint half-widths."""
-    rows, apart = [], []
+    rows, differing = [], []
     other = {p["name"]: p for p in found[1]["fit"]["parameters"]}
     for a in found[0]["fit"]["parameters"]:
         b = other.get(a["name"])
         if b and half_width(a) and half_width(b):
             near = abs(a["estimate"] - b["estimate"]) <= np.hypot(half_width(a), half_width(b))
-            apart += [] if near else [a["name"]]
+            differing += [] if near else [a["name"]]
             rows.append((a["name"], rounded(a), rounded(b), "yes" if near else "no"))
     if not rows:
         return ("<h2>Do the two logs agree?</h2><p>Unknown: no parameter is known from both "
                 "logs.</p>")
-    if not apart:
+    if not differing:
         answer = (f"Yes: the estimates of all {len(rows)} parameters known from both logs differ "
                   "by less than their joint half-width.")
     else:
-        answer = (f"No: {', '.join(apart)} differ{'s' if len(apart) == 1 else ''} by more than the "
-                  f"joint half-width, {len(apart)} of {len(rows)} parameters. One in twenty "
+        ending = "s" if len(differing) == 1 else ""
+        answer = (f"No: {', '.join(differing)} differ{ending} by more than the joint half-width, "
+                  f"{len(differing)} of {len(rows)} parameters. One in twenty "
                   "differs by chance. If more differ, the half-widths are too small: a term is "
                   "missing in the model, a disturbance lasted, or the vehicle changed in between.")
     return (f"<h2>Do the two logs agree?</h2><p>{answer}</p>"
@@ -333,17 +334,17 @@ def direction(log, test, names, options):
     """Identifies from one CSV, validates on the other or on itself."""
     try:
         found = fit(log, test, passed_on(options))
-    except Complaint as complaint:  # which may name the converted log
-        words = str(complaint)
+    except UserError as error:  # which may name the converted log
+        words = str(error)
         for path, name in zip((log, test), names):
             words = words.replace(str(path), str(name)) if path else words
-        raise Complaint(words)
+        raise UserError(words)
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
     one = {"log": names[0], "validate": names[1], "rows": len(read.t),
            "seconds": float(read.t[-1]), "fit": found, "judged": numbers}
     if test and all(explained(one, symbol) == "-" for symbol in NAMES):
-        raise Complaint(f"{names[1]}: nothing to validate on: the log is too short or without "
+        raise UserError(f"{names[1]}: nothing to validate on: the log is too short or without "
                         "motion")
     return one, drawn
 
@@ -358,7 +359,7 @@ def print_summary(one):
 
 def run(options):
     if options.both and not options.validate:
-        raise Complaint("--both needs --validate LOG2")
+        raise UserError("--both needs --validate LOG2")
     with tempfile.TemporaryDirectory() as made:
         folders = [pathlib.Path(made, name) for name in "ab"]  # two logs may have the same name
         given = [options.log, options.validate] if options.validate else [options.log]

@@ -15,7 +15,7 @@ import dataclasses
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.library import PARAMETERS, load, values
 
 TICK_S = 0.02
@@ -76,7 +76,7 @@ def identify(world):
     config, chain = configured(lib, world), lib.chain_t()
     status = lib.chain_run_sets(chain, config, world.get("sets", 8))
     if status < 0:
-        raise Complaint(f"this world is refused ({status.name}): {world}")
+        raise UserError(f"this world is refused ({status.name}): {world}")
     lib.chain_finish(chain, 1000, 100000)
     return Estimate.of(chain.id.estimate), truth_of(config)
 
@@ -109,7 +109,7 @@ class Run:
         self.config.budget = self.config.budget if work else 0
         status = lib.chain_run_sets(chain, self.config, sets)
         if status < 0:
-            raise Complaint(f"this world is refused ({status.name}): {world}")
+            raise UserError(f"this world is refused ({status.name}): {world}")
         if work:
             lib.chain_finish(chain, 1000, 100000)
             self.estimates.append(Estimate.of(chain.id.estimate))

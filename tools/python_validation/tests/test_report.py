@@ -146,10 +146,10 @@ def test_the_two_logs_of_one_vehicle_agree_and_of_a_changed_one_do_not(logs, tmp
         status, path = report(tmp_path, logs / "train.csv", "--validate", name, "--both")
         page, (a, b) = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
         said = re.search(r"<h2>Do the two logs agree\?</h2><p>(Yes|No): (.*?)</p>", page)
-        apart = {p["name"] for p, q in zip(a["fit"]["parameters"], b["fit"]["parameters"])
+        differing = {p["name"] for p, q in zip(a["fit"]["parameters"], b["fit"]["parameters"])
                  if abs(p["estimate"] - q["estimate"]) > 2.1 * np.hypot(p["sigma"], q["sigma"])}
-        assert not status and differ <= apart and bool(apart) == (said[1] == "No")
-        assert apart == {p["name"] for p in a["fit"]["parameters"]
+        assert not status and differ <= differing and bool(differing) == (said[1] == "No")
+        assert differing == {p["name"] for p in a["fit"]["parameters"]
                          if re.search(rf"\b{p['name']}\b", said[2])}
 
 

@@ -3,7 +3,7 @@ import argparse
 import pathlib
 
 
-class Complaint(Exception):
+class UserError(Exception):
     """Its text is the line that the user sees."""
 
 
