@@ -36,8 +36,7 @@ static const char demo_fit_help[] =
     "                     thrust, which no motion reveals; default 0.05 (5 %), for commands 0\n"
     "  --dvl-scale S      relative standard deviation of the scale error of the DVL's velocity;\n"
     "                     default 0.005\n"
-    "  --delay S          standard deviation of the delay from supplied thrust to motion [s], "
-    "used\n"
+    "  --delay S          standard deviation of the delay from supplied thrust to motion [s],\n"
     "                     used where the data do not determine the delay; default 0.1\n"
     "\n";
 static const char demo_help[] =
