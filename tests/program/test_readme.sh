@@ -96,7 +96,7 @@ static bool holds_speed(void)
     return thrust > 0.95 * 37.02 && thrust < 1.05 * 37.02 && !(thrust_to_hold(5.0f) > 0);
 }
 
-static int judge(void)
+static int check_estimate(void)
 {
     bool good = holds_speed();
     for (int i = 0; i < 13; ++i) {
@@ -105,7 +105,7 @@ static int judge(void)
     return good ? 0 : 1;
 }
 
-static int judge_own(void)
+static int check_own_estimate(void)
 {
     static const int same[MINE] = {
         [M_U] = AUVID_G500_M_U, [M_V] = AUVID_G500_M_V, [M_R] = AUVID_G500_M_R,
@@ -185,7 +185,7 @@ static int passive(void)
     if (!pilot(amplitude) || memcmp(first.pi, last.pi, sizeof first.pi) != 0) {
         fault("another estimate after a restart");
     }
-    return judge();
+    return check_estimate();
 }
 
 static int own_vehicle(void)
@@ -196,7 +196,7 @@ static int own_vehicle(void)
     if (auvid_identifier_init(&id, &cfg) < 0) {
         return 1;
     }
-    return pilot(amplitude) ? judge_own() : 1;
+    return pilot(amplitude) ? check_own_estimate() : 1;
 }
 
 static int own_thrusters(void)
@@ -224,7 +224,7 @@ static int exciting(bool adaptive)
         begun = begun || begin();
     }
     printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
-    return last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE ? judge() : 1;
+    return last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE ? check_estimate() : 1;
 }
 
 int main(int count, char **argument)
