@@ -224,7 +224,8 @@ static int exciting(bool adaptive)
         begun = begun || begin();
     }
     printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
-    return last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE ? check_estimate() : 1;
+    bool good = last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE;
+    return good ? check_estimate() : 1;
 }
 
 int main(int count, char **argument)
