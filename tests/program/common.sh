@@ -1,4 +1,4 @@
-# Shared by tests/program/test_*.sh: the program under test, a directory for files, checks.
+# Shared by tests/program/test_*.sh: the program under test, a temporary directory, checks.
 # usage of each test: test_x.sh [PROGRAM]     (default $AUVID, else build/auvid)
 set -uo pipefail
 AUVID=$(realpath "${1:-${AUVID:-build/auvid}}")
@@ -7,8 +7,8 @@ cd "$(mktemp -d)" || exit 1
 trap 'rm -rf "$PWD"' EXIT
 failed=0
 
-# check NAME COMMAND...: one test; it passes when the command, run in a shell of its own that stops
-# at the first failure, succeeds. Not inside `if`: there that shell would not stop.
+# check NAME COMMAND...: runs one test, which passes if the command succeeds. The command runs in a
+# subshell that stops at the first failure. Not inside `if`: there the subshell would not stop.
 check() {
     local name=$1 status
     shift
@@ -26,7 +26,7 @@ check() {
     fi
 }
 
-# is FILE CODE: Python that sees the JSON object in FILE as d; passes when no assertion fails.
+# is FILE CODE: runs Python with the JSON object in FILE as d; passes if no assertion fails.
 is() {
     python3 - "$1" "$2" <<'END'
 import json, math, sys
@@ -51,7 +51,7 @@ refuses() {
         grep -Eq -- "$pattern" refuse.err
 }
 
-# exits STATUS ARGUMENTS...: what the program prints is in out and err.
+# exits STATUS ARGUMENTS...: the output of the program is in the files out and err.
 exits() {
     local wanted=$1 status=0
     shift

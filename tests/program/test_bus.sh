@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The program on a bus, as far as it needs no kernel with CAN: the bus in memory, logs, refusals.
+# The program on a bus without a kernel with CAN: the bus in memory, logs, refusals.
 . "$(dirname "$0")/common.sh"
 
 if [ "$(uname -s)" != Linux ]; then
@@ -15,7 +15,7 @@ assert all(error(n) < 0.1 for n in P), {n: error(n) for n in P}
 assert d["status"] == "ok", d["status"]'
 check "it has sent thruster commands" grep -q ' 042#' run.log
 check "a listening node ends" exits 1 node --bus memory --sets 1 --log passive.log
-check "and has sent none" sh -c '! grep -Eq " 04[23]#" passive.log'
+check "and has sent no commands" sh -c '! grep -Eq " 04[23]#" passive.log'
 check "the same seed, the same estimate" exits 0 node --bus memory --excite --sets 2 --json
 check "to the last digit" cmp out node.json
 
@@ -39,8 +39,8 @@ check "a log with frames missing differs from its estimates" exits 1 replay loss
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
 # ---- signals ----
-# ended SIGNAL: a node that excites in real time is told to end; what it sent last, by its log, is
-# a command of zero for both halves of the thrusters.
+# ended SIGNAL: a node that excites in real time gets a signal; the last frames in its log are
+# commands of zero for both halves of the thrusters.
 ended() {
     local node commands status=0
     env --default-signal "$AUVID" node --bus memory --excite --sets 1 --realtime --log "$1.log" \
@@ -107,7 +107,7 @@ check "unknown option of node" refuses 'node: unknown option --no-arm' node --bu
 check "unknown option of vehicle" refuses 'vehicle: unknown option --excite' vehicle --excite
 check "unknown option of replay" refuses 'replay: unknown option --bus' replay --bus=x a.log
 check "another clock" refuses "'sun' is not one of bus, own" node --clock sun
-check "a clock of its own in lock step" refuses 'do not go together' \
+check "a clock of its own in lock step" refuses 'cannot be combined' \
     node --bus can0 --clock own --lock-step
 check "a log that cannot be written" refuses 'none/x.log' \
     node --bus memory --sets 1 --log none/x.log
@@ -120,7 +120,7 @@ check "a log that is full" refuses '/dev/full' node --bus memory --sets 1 --log 
 check "no log" refuses 'replay: no FILE.log given' replay
 check "a log that is not there" refuses 'none.log: No such file' replay none.log
 
-# What is known at the end of one dive, the next one begins with.
+# The prior record of one dive starts the next one.
 dives() {
     "$AUVID" node --bus memory --excite --sets 2 --seed 1 --save first.avw &&
         "$AUVID" node --bus memory --excite --sets 2 --seed 2 --prior first.avw --log warm.log \
@@ -129,13 +129,14 @@ dives() {
         ! cmp -s first.avw second.avw && [ ! -e first.avw.new ]
 } >dives.out 2>&1
 
-# A record that is of no use: told in a line, and the dive is made.
+# A record that cannot be used: one line says so, and the dive is made.
 cold() {
     "$AUVID" node --bus memory --excite --sets 1 --seed 1 --prior "$2" >cold.out 2>cold.err || true
-    [ "$(wc -l <cold.err)" = 1 ] && grep -q "$1: starts cold" cold.err && grep -q ' m_u ' cold.out
+    [ "$(wc -l <cold.err)" = 1 ] && grep -q "$1: starting without a prior" cold.err &&
+        grep -q ' m_u ' cold.out
 }
 
-check "a dive is begun with what the one before has left" dives
+check "a dive starts with the prior record of the previous one" dives
 check "its log, replayed with the record, gives the same estimates" \
     exits 0 replay warm.log --seed 2 --sets 2 --prior first.avw
 check "without the record it does not" exits 1 replay warm.log --seed 2 --sets 2
@@ -145,11 +146,11 @@ head -c 235 first.avw >short.avw
 head -c 235 first.avw | tr '\0' '\1' >torn.avw
 echo >>torn.avw
 check "no record yet" cold 'No such file or directory' none.avw
-check "a record that was cut off" cold 'no warm record' short.avw
-check "a damaged record" cold 'a damaged record' torn.avw
+check "a truncated record" cold 'not a prior record' short.avw
+check "a damaged record" cold 'a damaged prior record' torn.avw
 check "a record that cannot be written" exits 2 \
     node --bus memory --excite --sets 1 --save none/x.avw
-# used NAME PATTERN LOG: it replays, and one line on stderr says what was left out.
+# used PATTERN LOG: the log replays, and one line on stderr says what was ignored.
 used() {
     "$AUVID" replay "$2" --sets 1 --json >used.out 2>used.err
     cat used.err
@@ -158,12 +159,12 @@ used() {
 }
 head -n -1 run.log >whole.log
 { cat whole.log && printf '(9999.000000) memory 404#11'; } >cut.log
-check "a log that was cut off is used up to its last whole line" \
+check "a truncated log is used up to its last whole line" \
     used 'warning: cut.log:[0-9]+: the last line is truncated' cut.log
 exits 0 replay whole.log --sets 1 --json
 check "  as if the cut line were not there" cmp out used.out
 check "a log cut within its only line" refuses 'no frame of auvid' replay <(printf '(1.000000) ca')
-# what is of other nodes on the bus
+# frames of other nodes on the bus
 sed '5i (0.000000) memory 404##1112233\n(0.000000) memory 00000404#11\n(0.000000) memory 404#R8' \
     run.log >others.log
 check "CAN FD, extended and remote frames of others are skipped" exits 0 replay others.log --sets 2

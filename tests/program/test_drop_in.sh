@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The library in other people's builds: a wildcard and an include path with any flags, CMake,
+# The library in other build systems: a wildcard and an include path with various flags, CMake,
 # pkg-config, C++.
 . "$(dirname "$0")/common.sh"
 CC=${CC:-gcc}
@@ -19,7 +19,7 @@ int main(void)
 END
 cp user.c user.cpp
 
-# compiles FLAG...: silent with these flags, and init accepts the arithmetic it finds.
+# compiles FLAG...: no warnings with these flags, and init accepts the arithmetic.
 compiles() {
     "$CC" "$@" -I"$ROOT/lib/include" user.c "$ROOT"/lib/src/*/*.c -o user 2>log
     cat log
@@ -66,7 +66,7 @@ END
         cmake --build found/build && found/build/user | grep -q '^0 8$'
 }
 
-# pkg_config PREFIX BYTES: the library installed there, by its auvid.pc, has reals of so many bytes.
+# pkg_config PREFIX BYTES: the library installed there has reals of so many bytes, by its auvid.pc.
 pkg_config() {
     PKG_CONFIG_PATH=$(echo "$PWD/$1"/lib*/pkgconfig "$PWD/$1"/lib/*/pkgconfig | tr ' ' :)
     export PKG_CONFIG_PATH
@@ -74,14 +74,14 @@ pkg_config() {
     "$CC" user.c $(pkg-config --cflags --libs auvid) -o user && ./user | grep -q "^0 $2\$"
 }
 
-# What a user gets who chooses nothing: default sizes, float, an optimized library.
+# The defaults: default sizes, float, an optimized library.
 installed_plain() {
     cmake -S "$ROOT/lib" -B plain -DCMAKE_INSTALL_PREFIX="$PWD/plain_usr" &&
         cmake --build plain --verbose >plain.log && cmake --install plain &&
         grep -q -- ' -O[23] .*auvid_identifier\.c' plain.log
 }
 
-# A user's own choice of build type stands, and a project that adds the library keeps its own.
+# A chosen build type is kept, and so is that of a project that adds the library.
 build_type() {
     cmake -S "$ROOT/lib" -B debug -DCMAKE_BUILD_TYPE=Debug &&
         grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Debug$' debug/CMakeCache.txt &&
@@ -99,5 +99,5 @@ check "CMake: install, find_package, double precision" installed
 check "pkg-config: the same" pkg_config usr 8
 check "CMake: install without a choice is optimized" installed_plain
 check "pkg-config: install without definitions" pkg_config plain_usr 4
-check "CMake: another build type, and that of a project around it, are left alone" build_type
+check "CMake: another build type, and that of an enclosing project, are kept" build_type
 exit "$failed"

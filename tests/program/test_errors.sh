@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What the program refuses: exit 2, one line on stderr that names the place, nothing on stdout.
+# Refused input: exit 2, one line on stderr that names the place, nothing on stdout.
 . "$(dirname "$0")/common.sh"
 
 # ---- usage ----
@@ -10,8 +10,8 @@ check "unknown option of fit" refuses 'fit: unknown option --runs' fit x.csv --r
 check "unexpected argument" refuses "demo: unexpected argument 'x'" demo x
 check "no training log" refuses 'fit: no TRAIN.csv' fit --json
 check "two training logs" refuses "unexpected argument 'b.csv'" fit a.csv b.csv
-check "a value that is missing" refuses -- '--seed needs a value' demo --seed
-check "a value that is empty" refuses -- '--csv needs a value' demo --csv=
+check "a missing value" refuses -- '--seed needs a value' demo --seed
+check "an empty value" refuses -- '--csv needs a value' demo --csv=
 check "a flag with a value" refuses -- '--json takes no value' demo --json=yes
 for bad in -1 1.5 x 99999999999999999999 0x10 ' 1' ''; do
     check "--seed '$bad'" refuses -- '--seed' demo "--seed=$bad"
@@ -28,11 +28,11 @@ check "--runs 0" refuses -- '--runs' demo --runs 0
 check "an unknown scenario" refuses "'storm' is not one of payload, yaw-idle" demo --scenario storm
 for other in "--runs 3" "--sets 4" "--csv x.csv" --literal --adaptive; do
     # shellcheck disable=SC2086
-    check "--scenario with $other" refuses -- "--scenario and ${other%% *} do not go together" \
+    check "--scenario with $other" refuses -- "--scenario and ${other%% *} cannot be combined" \
         demo --scenario payload $other
 done
 check "--adaptive with --literal" refuses -- '--adaptive and --literal' demo --adaptive --literal
-check "--adaptive for too long" refuses -- '--adaptive takes 120 sets' demo --adaptive --sets 121
+check "--adaptive for too long" refuses -- 'takes at most 120 sets' demo --adaptive --sets 121
 for bad in 1 1, ,1 1,2,3 a,b nan,1 -inf,inf -1e9,1 '1;2'; do
     check "--bounds=$bad" refuses 'is not LO,HI' fit x.csv "--bounds=$bad"
 done
@@ -40,19 +40,19 @@ check "--bounds reversed" refuses 'lower bound is not below' fit x.csv --bounds=
 check "--bounds of no width" refuses 'lower bound is not below' fit x.csv --bounds=1,1
 check "--input of another kind" refuses "'cubic' is not one of hold, linear" fit x.csv --input cubic
 check "an unknown vehicle" refuses "'rov' is not one of girona500, bluerov2" demo --vehicle rov
-check "--scenario with another vehicle" refuses -- '--scenario and --vehicle do not go together' \
+check "--scenario with another vehicle" refuses -- '--scenario and --vehicle cannot be combined' \
     demo --vehicle bluerov2 --scenario payload
 check "an unknown model" refuses "'x' is not one of girona500, fossen" fit x.csv --model x
-check "--coupling off of another model" refuses 'for the model girona500' \
+check "--coupling off of another model" refuses '--coupling off needs --model girona500' \
     fit x.csv --model fossen --coupling off
 check "--fix without a value" refuses "'K_p' is not NAME=VALUE" fit x.csv --fix K_p
 check "--free with a value" refuses "'K_p=1' is not NAME,NAME" fit x.csv --free K_p=1
 for bad in X_u= X_u=x X_u=nan X_u=1e9 X_u=1x; do
     check "--fix $bad" refuses 'is not a number within' fit x.csv "--fix=$bad"
 done
-check "--fix of what is not in the model" refuses "'K_p' is no parameter of the model Girona500" \
+check "--fix of an unknown parameter" refuses "'K_p' is not a parameter of the model Girona500" \
     fit x.csv --fix K_p=0
-check "--free of what is not in the model" refuses "'' is no parameter" fit x.csv --free X_0,,Y_0
+check "--free of an unknown parameter" refuses "'' is not a parameter" fit x.csv --free X_0,,Y_0
 check "--coupling of another kind" refuses "'no' is not one of auto, on, off" \
     fit x.csv --coupling no
 
@@ -66,9 +66,9 @@ check "empty file" refuses 'log.csv:1:1: the file is empty' fit log.csv
 printf '\n\n' >log.csv
 check "nothing but empty lines" refuses 'log.csv:1:1: the file is empty' fit log.csv
 log "$header"
-check "a header and no row" refuses 'log.csv:1:1: there is a header and no row' fit log.csv
+check "a header and no row" refuses 'log.csv:1:1: no row after the header' fit log.csv
 log "$header" 0,0,0
-check "one row" refuses 'log.csv:2:1: there is only one row' fit log.csv
+check "one row" refuses 'log.csv:2:1: only one row' fit log.csv
 log u_mps,X_N 0,0 1,1
 check "no column t_s" refuses 'log.csv:1:1: no column t_s .*its columns are: u_mps, X_N$' \
     fit log.csv
@@ -108,10 +108,10 @@ check "a command without its rate" refuses \
     'no column r_radps in the header, but cmd_yaw' fit log.csv
 log t_s,u_mps 0,0 1,1
 check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
-check "  it is told which there are for six degrees of freedom" \
+check "  the message names those of six degrees of freedom" \
     refuses ' Z_N K_Nm M_Nm N_Nm, .* cmd_roll cmd_pitch cmd_yaw' fit log.csv --model fossen
 log t_s,u_mps,X_N,u_mps 0,0,0,0 1,1,1,1
-check "a second column of the same name" refuses 'log.csv:1:15: .*second column u_mps' fit log.csv
+check "a second column of the same name" refuses 'log.csv:1:15: duplicate column u_mps' fit log.csv
 log "$header" 0,0,0 0.1,fast,0 0.2,0,0
 check "text in a number" refuses "log.csv:3:5: u_mps: 'fast' is not a number" fit log.csv
 log "$header" 0,0,0 0.1,0,1.2.3
@@ -127,7 +127,7 @@ done
 log "$header" 0,0,0 0.1,,0
 check "an empty field" refuses "log.csv:3:5: u_mps: '' is empty" fit log.csv
 log "$header" 0,0,0 0.1,2e6,0
-check "a value out of all proportion" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
+check "a value that is too large" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
 log "$header" 0,0,0 nan,0,0
 check "a time that is not finite" refuses 'log.csv:3:1: t_s: .*not a finite' fit log.csv
 log "$header" 0,0,0 0.2,0,0 0.1,0,0
@@ -164,7 +164,7 @@ exits 0 help
 check "help is the same" cmp out help
 for command in demo fit node vehicle replay; do
     check "help $command" exits 0 help "$command"
-    check "  says how it is used" grep -q "^usage: auvid $command " out
+    check "  shows its usage" grep -q "^usage: auvid $command " out
     check "  and its options only" test "$(grep -c "^options of .*$command" out)" = \
         "$(grep -c '^options of ' out)"
     cp out of_command
@@ -174,8 +174,8 @@ for command in demo fit node vehicle replay; do
     check "  part of the whole" test -z "$(sed 's/^usage: /       /' out | grep -vxF -f help |
         grep -v "^       auvid $command")"
 done
-check "help fit tells the columns" grep -q '^columns of a log' <("$AUVID" help fit)
-check "help of what is no command" refuses "help: unknown command 'fly': use .*demo" help fly
+check "help fit lists the columns" grep -q '^columns of a log' <("$AUVID" help fit)
+check "help of an unknown command" refuses "help: unknown command 'fly': use .*demo" help fly
 check "help of two commands" refuses "help: unexpected argument 'fit'" help demo fit
 check "--version" exits 0 --version
 version=$(sed -n 's/#define AUVID_VERSION_STRING "\(.*\)"/\1/p' "$ROOT/lib/include/auvid/config.h")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# auvid demo --field, --mismatch, --matched: statistics of what the identifier says of vehicles with
-# ordinary mismatches. Long form: the table of all worlds, 300 runs each, and what holds of it.
+# auvid demo --field, --mismatch, --matched: statistics of the results for vehicles with usual
+# mismatches. Long form: the table of all worlds, 300 runs each, and its properties.
 . "$(dirname "$0")/common.sh"
 
 cat >figures.py <<'END'
@@ -59,14 +59,14 @@ if __name__ == "__main__":
     exec(sys.argv[2])
 END
 
-# holds FILE CODE: Python that sees the JSON object in FILE as d.
+# holds FILE CODE: runs Python with the JSON object in FILE as d.
 holds() {
     python3 figures.py "$@"
 }
 
-# ---- what is refused ----
-check "a mismatch without a size" refuses "'cg_x' is not NAME=SIZE, or list" demo --mismatch cg_x
-check "a mismatch that is none" refuses "'storm' is none \(--mismatch list" demo --mismatch storm=1
+# ---- refused arguments ----
+check "a mismatch without a size" refuses 'neither NAME=SIZE nor list' demo --mismatch cg_x
+check "an unknown mismatch" refuses "'storm' is not a mismatch \(see" demo --mismatch storm=1
 for bad in '' x nan 9 0.1m; do
     check "--mismatch cg_x=$bad" refuses 'is not a number from -0.1 to 0.1' \
         demo "--mismatch=cg_x=$bad"
@@ -78,30 +78,30 @@ check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmo
     demo --field 1 --driver cat
 for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust; do
     # shellcheck disable=SC2086
-    check "$other without the field" refuses \
-        "demo: ${other%% *}.* is for --field, --mismatch or --matched" demo $other
+    check "$other without field statistics" refuses \
+        "demo: ${other%% *}.* needs --field, --mismatch or --matched" demo $other
 done
 for other in "--scenario payload" "--csv x.csv" --literal --adaptive "--disturbance 1" "--lag 1"; do
     # shellcheck disable=SC2086
-    check "--field with $other" refuses -- "--field and ${other%% *} do not go together" \
+    check "--field with $other" refuses -- "--field and ${other%% *} cannot be combined" \
         demo --field 1 $other
 done
-check "--field with a vehicle that it does not have" refuses 'there are girona500 and rov20' \
+check "--field with another vehicle" refuses 'the vehicles of --field are girona500 and rov20' \
     demo --field 1 --vehicle bluerov2
-check "--sets of a passive run" refuses -- '--sets is for --driver excited' \
+check "--sets of a passive run" refuses -- '--sets needs --driver excited' \
     demo --field 1 --driver joystick --sets 4
-check "--matched beside a mixture" refuses -- '--matched is a world of its own' \
+check "--matched beside a mixture" refuses -- '--matched and --field, .* cannot be combined' \
     demo --matched --field 1
 check "rov20 on a bus" refuses "'rov20' is not one of" vehicle --bus memory --vehicle rov20
 
-# ---- what is said ----
+# ---- the reports ----
 check "--mismatch list" exits 0 demo --mismatch list
 check "  names, units, sizes" grep -Eq '^thrust_lag +s +0\.05 \.\. 0\.25 +first-order lag' out
 check "tables" exits 0 demo --field 1 --runs 2
-check "  every part is there" python3 -c '
+check "  contain every part" python3 -c '
 text = open("out").read()
-for line in ("mismatches   mixture of strength 1", "uncertainty  of the thrust", "  masses   ",
-             "  quadratic drag", "by the told truth", "at 0.6", "half-width limit", "said of"):
+for line in ("mismatches   mixture of strength 1", "uncertainty  thrust scale", "  masses   ",
+             "  quadratic drag", "for reported thrust", "at 0.6", "half-width limit", "each note"):
     assert line in text, (line, text)'
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 for vehicle in girona500 rov20; do
@@ -116,10 +116,10 @@ cp out four
 exits 0 demo --field 1 --runs 4 --sets 4 --json
 check "the same seeds, the same figures" cmp out four
 exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
-check "seeds are counted on: runs may be shared out" holds out '
+check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
 
-# ---- what is right ----
+# ---- correctness ----
 perfect="demo --field 0 --perfect-inputs --json"
 for vehicle in girona500 rov20; do
     # shellcheck disable=SC2086
@@ -132,24 +132,24 @@ assert all(f["value"] == 0 for f in d["drag_force"]["off"].values())
 assert all(abs(g - 1) < 1e-9 for run in d["each"] for g in run["told_gain"])
 assert all(r < 0.1 for run in d["each"] for r in run["residual"])'
 done
-check "a fifth of the thrust is missing" exits 0 \
+check "thrust that is 20 % too weak" exits 0 \
     demo --mismatch thrust_common=-0.2 --perfect-inputs --runs 3 --json
-check "  masses are wrong in newtons, and right in newtons as told" holds out '
+check "  masses are wrong in newtons, and right in reported newtons" holds out '
 assert V("wrong", "masses") == 1 and V("told_wrong", "all_but_W-B") == 0
 assert all(abs(g - 0.8) < 0.01 for run in d["each"] for g in run["told_gain"])
 assert all(run["mismatch"] == {"thrust_common": -0.2} for run in d["each"])'
 check "perfect thrust" exits 0 demo --field 2 --perfect-thrust --runs 2 --sets 2 --json
-check "  is delivered as told" holds out '
+check "  is delivered as reported" holds out '
 assert all(abs(g - 1) < 1e-3 for run in d["each"] for g in run["told_gain"])
 assert all("cross" in run["mismatch"] for run in d["each"])'
-check "a mismatch beside a mixture takes its place" exits 0 \
+check "a mismatch overrides that of a mixture" exits 0 \
     demo --field 1 --mismatch thrust_sag=0 --mismatch ballast=2 --runs 2 --sets 2 --json
 check "  in every run" holds out '
 assert all(run["mismatch"]["ballast"] == 2 and "thrust_sag" not in run["mismatch"]
            and "thrust_lag" in run["mismatch"] for run in d["each"])'
 check "the matched world" exits 0 demo --matched --thrust-scale 0.05 --dvl-scale 0.01 --runs 12 \
     --sets 2 --json
-check "  has the scales that are told, and no other mismatch" holds out '
+check "  has the given scale errors and no other mismatch" holds out '
 assert all(set(run["mismatch"]) == {"thrust_common", "dvl_scale", "hull"} for run in d["each"])
 for name, sigma in (("thrust_common", 0.05), ("dvl_scale", 0.01)):
     z = [run["mismatch"][name] / sigma for run in d["each"]]

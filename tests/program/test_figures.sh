@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Figures in the documentation that come from campaigns. Long form: the command beside each is run,
-# and its output compared. Short form: the figures and commands are where this test looks for them.
+# Figures of campaigns in the documentation. Long form: runs the command of each figure and compares
+# its output. Short form: checks that the figures and commands are in the expected places.
 . "$(dirname "$0")/common.sh"
 
 cat >figures.py <<'END'
@@ -12,12 +12,12 @@ FIGURE = r"([\d.]+) % \[([\d.]+), ([\d.]+)\]"
 
 
 def document(name):
-    """Its text in one line, without the stars of a comment."""
+    """The text in one line, without the stars of a comment."""
     return re.sub(r"\s+", " ", re.sub(r"\n \* ", " ", open(os.path.join(root, name)).read()))
 
 
 def stated(text, pattern):
-    """The numbers that a pattern finds, which must stand there once."""
+    """The numbers that a pattern finds. It must occur once."""
     found = re.findall(pattern, text)
     assert len(found) == 1, (len(found), pattern)
     return [float(x) for x in (found[0] if isinstance(found[0], tuple) else found)]
@@ -31,7 +31,7 @@ def run(*command):
 
 
 def program(name, pattern, text):
-    """A test program's long form, named in the text -> what the pattern finds in its output."""
+    """Runs the long form of a test program named in the text; returns the matches in its output."""
     assert name in text
     if not LONG:
         return None
@@ -73,7 +73,7 @@ def accuracy():
 
 
 def field():
-    """README: flags in the field, each share of wrong ones within its interval."""
+    """README: flags in the field, each share of wrong flags within its interval."""
     text = document("README.md")
     pair = rf"{NUMBER} % \| {FIGURE}"
     for options in ("--field 0.5", "--field 1", "--field 1 --perfect-thrust",

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# auvid fit, from outside: logs made by the demo, and changed.
+# auvid fit from outside, with logs of the demo and modified copies.
 . "$(dirname "$0")/common.sh"
 
 "$AUVID" demo --json --seed 5 --disturbance 1 --csv train.csv >demo.json
 "$AUVID" demo --json --seed 6 --disturbance 1 --csv test.csv >/dev/null
 
-# change PYTHON <IN >OUT: run code on h (header) and r (rows of numbers).
+# change PYTHON <IN >OUT: runs code on h (header) and r (rows of numbers).
 change() {
     python3 -c '
 import csv, math, sys
@@ -22,7 +22,7 @@ out.writerows([["%.9g" % x for x in y] for y in r])' "$1"
 
 check "a log is identified" exits 0 fit train.csv --json --validate test.csv
 cp out fit.json
-check "its JSON has the keys it should have" is fit.json '
+check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "change_test", "evaluations", "budget"], list(d)
@@ -32,7 +32,7 @@ assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)'
 check "parameters within 10 %, masses within 2 %" is fit.json '
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in TRUTH), {n: error(n) for n in TRUTH}'
-check "every parameter is within four standard errors, W-B known with the thrust as told" is \
+check "every parameter is within four standard errors, W-B with exact thrust" is \
     fit.json '
 assert all(p["identifiable"] == (p["note"] == "") == (n != "W-B") for n, p in P.items())
 assert all(abs(p["estimate"] - TRUTH[n]) < 4 * p["sigma_told"] for n, p in P.items()), \
@@ -60,7 +60,7 @@ assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH)'
 check "without --validate there is no R2 of velocity" is out \
     'assert set(d["r2_validation"].values()) == {None} and "r2_interval" not in d'
 
-# same FILE: fit of this log gives what fit of train.csv gives.
+# same FILE: fit of this log gives the same as fit of train.csv.
 same() {
     exits 0 fit "$1" --json "${@:2}" && is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
@@ -70,7 +70,7 @@ assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
 change 'h = h[::-1]; r = [y[::-1] for y in r]' <train.csv >order.csv
 check "columns may stand in any order" same order.csv
 change 'h.append("note"); r = [y + [1e99] for y in r]' <train.csv >more.csv
-check "other columns are not looked at" same more.csv
+check "other columns are ignored" same more.csv
 check "  but listed" grep -qx 'auvid: more.csv: ignored columns: note' err
 check "  once" test "$(wc -l <err)" = 1
 change 'h = ["u_ms" if n == "u_mps" else n for n in h]; drop("X_N")' <train.csv >misspelt.csv
@@ -78,14 +78,14 @@ exits 0 fit misspelt.csv --json >misspelt.said
 check "a column that resembles a missing one is named" grep -qx \
     'auvid: misspelt.csv: ignored columns: u_ms (u_ms resembles u_mps)' err
 change 'h.append("cmd_surge"); r = [y + [0.5] for y in r]' <train.csv >two_kinds.csv
-check "commands beside forces are not used" same two_kinds.csv
+check "commands in addition to forces are ignored" same two_kinds.csv
 check "  and listed" grep -qx 'auvid: two_kinds.csv: ignored columns: cmd_surge' err
 sed '1s/^/\xef\xbb\xbf/; s/$/\r/; s/,/ , /' train.csv >windows.csv
 printf '\n\n' >>windows.csv
-check "a byte order mark, CRLF, blanks and empty lines do no harm" same windows.csv
+check "a byte order mark, CRLF, blanks and empty lines are accepted" same windows.csv
 change 'for y in r: y[C["psi_rad"]] = (y[C["psi_rad"]] + 3) % (2 * math.pi)' <train.csv >wrapped.csv
 check "yaw may be wrapped" same wrapped.csv
-# A vehicle that hangs upside down, its roll about 180 degrees.
+# A vehicle upside down, with a roll of about 180 degrees.
 upside='for y in r: y[C["phi_rad"]] += math.pi'
 change "$upside" <train.csv >upside.csv
 change "$upside; y[C['phi_rad']] -= 2 * math.pi * (y[C['phi_rad']] > math.pi)" <train.csv >rolls.csv
@@ -97,19 +97,19 @@ first = {p["name"]: p["estimate"] for p in json.load(open("upside.json"))["param
 assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
     {n: P[n]["estimate"] / first[n] for n in TRUTH}'
 change 'for y in r: y[C["psi_rad"]] += 300' <train.csv >turned.csv
-check "yaw may begin after many turns" same turned.csv
+check "yaw may begin after many revolutions" same turned.csv
 
-# ---- a log that was cut off in its last line ----
+# ---- a log with a truncated last line ----
 head -n -1 train.csv >whole.csv
 exits 0 fit whole.csv --json
 cp out whole.json
 last=$(tail -n 1 train.csv)
-for keep in 1 20 $((${#last} - 3)) "${#last}"; do # the last: whole, but who could know
+for keep in 1 20 $((${#last} - 3)) "${#last}"; do # the last one is complete, but has no line end
     { cat whole.csv && printf '%s' "${last:0:keep}"; } >cut.csv
     check "cut after $keep characters of its last line: used up to there" exits 0 fit cut.csv --json
     check "  like the log without that line" cmp out whole.json
     check "  with a warning" grep -Eqx \
-        'auvid: warning: cut.csv:[0-9]+: the last line .*cut off: .*left out' err
+        'auvid: warning: cut.csv:[0-9]+: the last line .*truncated: it is ignored' err
 done
 check "a test log may be cut, too" exits 0 fit train.csv --json --validate cut.csv
 check "  with a warning" grep -q 'auvid: warning: cut.csv:' err
@@ -122,7 +122,7 @@ def scale(k, *names):
 ANGLES, RATES = ("phi_rad", "theta_rad", "psi_rad"), ("p_radps", "q_radps", "r_radps")
 D = 180 / math.pi
 '
-# in_degrees NAME CODE PATTERN: a log changed by this code is refused with this message.
+# in_degrees NAME CODE PATTERN: fit refuses a log changed by this code, with this message.
 in_degrees() {
     change "$degrees$2" <train.csv >degrees.csv
     check "$1" refuses "$3" fit degrees.csv
@@ -155,20 +155,20 @@ change 'r = r[::20]' <train.csv >slow.csv
 check "rows may be 0.4 s apart" exits 0 fit slow.csv --json --input linear
 check "  masses within 5 %" is out 'assert all(error(n) < 0.05 for n in TRUTH if n[0] == "m")'
 change 'r = [y for y in r if not 60 < y[0] < 63 and not 100 < y[0] < 107]' <train.csv >gaps.csv
-check "gaps are left out" exits 0 fit gaps.csv --json
+check "gaps are skipped" exits 0 fit gaps.csv --json
 check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
 change 'r = [y for i, y in enumerate(r) if i * i % 7 not in (1, 4)]' <train.csv >irregular.csv
 check "times may be irregular" exits 0 fit irregular.csv --json
 check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
 
 change 'drop("N_Nm")' <train.csv >no_yaw.csv
-check "a DoF without input is left out" exits 0 fit no_yaw.csv --json --validate test.csv
-check "  its parameters are null, the others are there" is out '
+check "a DoF without input is ignored" exits 0 fit no_yaw.csv --json --validate test.csv
+check "  its parameters are null, the others are estimated" is out '
 for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_r", "N_r", "N_rr")), n
 assert d["status"] == "ok" and d["delay_s"]["N"] is None and d["r2_validation"]["r"] is None
 assert d["r2_validation"]["u"] > 0.98'
-check "  which are not known, and it is said why and what to do" is out '
+check "  and the report says why, and what to do" is out '
 for n in TRUTH:
     left_out = n in ("m_r", "N_r", "N_rr")
     assert (P[n]["sigma"] is None) == (P[n]["sigma_told"] is None) == left_out, n
@@ -176,7 +176,7 @@ for n in TRUTH:
     assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
 assert d["missing"][0].startswith("yaw: not excited; apply steps") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
-check "that it moves does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
+check "its motion does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
 for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")), n
@@ -184,28 +184,28 @@ for n in TRUTH:
 assert min(d["r2_validation"][k] for k in "uwr") > 0.98, d["r2_validation"]'
 change 'for y in r: y[C["u_mps"]] = y[C["v_mps"]] = y[C["w_mps"]] = 0' <train.csv >stuck.csv
 check "a velocity that stands at zero while thrust acts" exits 0 fit stuck.csv --json
-check "  makes nothing known but yaw and the buoyancy" is out '
+check "  identifies only yaw and the buoyancy" is out '
 for n in TRUTH:
     known = n in ("m_r", "N_r", "N_rr", "W-B")
     assert (P[n]["sigma"] is None) != known and (known or not P[n]["identifiable"]), n'
 change 'for y in r: y[C["Y_N"]] = 5' <train.csv >constant.csv
-check "nor is one identified whose input is constant" exits 0 fit constant.csv --json
-check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'
+check "a DoF with a constant input is not identified" exits 0 fit constant.csv --json
+check "  Y is ignored" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'
 change 'for i, y in enumerate(r): y[C["Y_N"]] = 1e-13 * (i % 3)' <train.csv >dust.csv
-check "nor one whose input is rounding dust" exits 0 fit dust.csv --json
-check "  Y is left out" is out 'assert P["m_v"]["estimate"] is None'
+check "nor is one whose input is rounding noise" exits 0 fit dust.csv --json
+check "  Y is ignored" is out 'assert P["m_v"]["estimate"] is None'
 change 'drop("X_N", "Y_N", "Z_N", "K_Nm", "M_Nm"); drop("u_mps", "v_mps", "w_mps", "phi_rad")' \
     <train.csv >yaw.csv
-check "yaw alone can be identified" exits 0 fit yaw.csv --json --coupling off
+check "yaw can be identified by itself" exits 0 fit yaw.csv --json --coupling off
 check "  and nothing else is" is out \
     'assert {n for n in TRUTH if P[n]["estimate"] is not None} == {"m_r", "N_r", "N_rr"}'
 change 'for y in r: y[C["X_N"]] = y[C["Y_N"]] = y[C["Z_N"]] = y[C["N_Nm"]] = 0' <train.csv >rest.csv
-check "nothing driven: exit 1" exits 1 fit rest.csv --json
-check "  and status not_driven" is out '
+check "nothing excited: exit 1" exits 1 fit rest.csv --json
+check "  and status not_excited" is out '
 assert d["status"] == "not_excited" and all(p["estimate"] is None for p in d["parameters"])'
 head -n 40 train.csv >short.csv
 check "a log too short for one row: exit 1" exits 1 fit short.csv --json
-check "  and status not_driven" is out 'assert d["status"] == "not_excited"'
+check "  and status not_excited" is out 'assert d["status"] == "not_excited"'
 change 'r = r[::30]' <train.csv >sparse.csv
 check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv
 
@@ -216,8 +216,8 @@ for y in r:
     for n in "XYZ": y[C[n + "_N"]] /= 200
     y[C["N_Nm"]] /= 200
 h = [names.get(n, n) for n in h]' <train.csv >commands.csv
-check "commands: parameters per newtons of a unit" exits 0 fit commands.csv --json
-check "  200 N a unit, and units say so" is out '
+check "commands: parameters in units of command" exits 0 fit commands.csv --json
+check "  200 N per unit, with these units in the report" is out '
 assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" else 0.1)
            for n in TRUTH)
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
@@ -234,28 +234,28 @@ check "  in X_0" is out 'assert abs(P["X_0"]["estimate"] - 12) < 1.5, P["X_0"]'
 check "--bounds hold" exits 0 fit train.csv --json --bounds=-500,500
 check "  m_w stops at its bound" is out 'assert abs(P["m_w"]["estimate"] - 500) < 1, P["m_w"]'
 check "  and says so" is out 'assert [n for n in P if "at_bound" in P[n]] == ["m_w"]'
-check "  with the bound, in words, and is not identifiable" is out '
+check "  names the bound and is not identifiable" is out '
 assert "heave: m_w is at its upper bound of 500 kg: widen it" in d["missing"], d["missing"]
 assert not P["m_w"]["identifiable"] and P["m_w"]["sigma"] is None'
-check "what a bound changes beside it" exits 0 fit train.csv --json --bounds=-400,700
-check "  is named, with the bound" is out '
+check "another parameter that depends on a bound" exits 0 fit train.csv --json --bounds=-400,700
+check "  is named with the bound" is out '
 assert "sway: Y_vv at its bound also changes Y_v" in d["missing"], d["missing"]
 assert P["Y_v"]["note"] == "depends on Y_vv, at its bound" and not P["Y_v"]["identifiable"]
 assert error("Y_v") > 0.15 and P["m_v"]["identifiable"] and error("m_v") < 0.02'
-check "in commands the bound is, too" exits 0 fit commands.csv --json --bounds=-500,3
-check "  in their unit" is out '
+check "with commands the message names the bound" exits 0 fit commands.csv --json --bounds=-500,3
+check "  in units of command" is out '
 assert "heave: m_w is at its upper bound of 3 cmd s2/m: widen it" in d["missing"], d["missing"]'
 check "--bounds may be two words" exits 0 fit train.csv --json --bounds -500,500
 check "--coupling off: the model says so" exits 0 fit train.csv --json --coupling off
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
-check "--coupling auto takes what predicts better" is fit.json \
+check "--coupling auto selects the better prediction" is fit.json \
     'assert d["model"] == "Girona500, Eq. 12-15"'
-check "--fix: a parameter that is known" exits 0 fit train.csv --json --fix W-B=-37.3058 \
+check "--fix: a known parameter" exits 0 fit train.csv --json --fix W-B=-37.3058 \
     --fix=X_u=-42
 check "  is not identified, the others are" is out '
 assert [n for n in TRUTH if n not in P] == ["W-B", "X_u"]
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in P)'
-check "--free: others are, too" exits 0 fit biased.csv --json --free X_0,Y_0
+check "--free: more parameters are identified" exits 0 fit biased.csv --json --free X_0,Y_0
 check "  a force of 12 N is found" is out '
 assert list(P) == list(TRUTH) + ["X_0", "Y_0"] and abs(P["X_0"]["estimate"] - 12) < 1.5'
 
@@ -273,14 +273,14 @@ assert all(off[n] < 0.03 * T[n] for n in list(T)[:6]), off'
 check "  another log is predicted" is out \
     'assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
 cp out bluerov2.json
-check "fossen is the same model without the quick vehicle's settings" exits 0 fit rov.csv --json \
+check "fossen is the same model without the settings of a fast vehicle" exits 0 fit rov.csv --json \
     --model fossen
 check "  masses within 4 %" is out "$ROV"'
 assert d["model"] == "Fossen, 6 DoF" and list(P) == list(T)
 assert all(off[n] < 0.04 * T[n] for n in list(T)[:6]), off'
 check "true zeros may be fixed" exits 0 fit rov.csv --json --model bluerov2 --fix K_p=0 \
     --fix N_r=0 --fix Y_v=0
-check "  which makes the drags beside them better known" is out '
+check "  which reduces the standard errors of the other drags" is out '
 before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
 assert len(P) == 17
 assert all(P[n]["sigma_told"] < 0.6 * before[n]["sigma_told"] for n in ("K_pp", "N_rr", "Y_vv"))'
@@ -301,34 +301,34 @@ assert d["missing"] == [
 check "  within narrower bounds it converges" exits 0 fit far.csv --json --model fossen \
     --bounds=-10,10
 change 'drop("K_Nm")' <rov.csv >no_roll.csv
-check "without its moment roll is left out" exits 0 fit no_roll.csv --json --model bluerov2
+check "without its moment roll is not identified" exits 0 fit no_roll.csv --json --model bluerov2
 check "  which is said" is out '
 assert P["K_pp"]["note"] == "no input column" and P["K_pp"]["estimate"] is None
 assert P["M_qq"]["estimate"] is not None and d["delay_s"]["K"] is None'
-check "--bias: constant forces and moments but in heave" exits 0 fit rov.csv --json \
+check "--bias: constant forces and moments except in heave" exits 0 fit rov.csv --json \
     --model bluerov2 --bias
 check "  near zero" is out '
 names = ["X_0", "Y_0", "K_0", "M_0", "N_0"]
 assert list(P)[20:] == names and all(abs(P[n]["estimate"]) < 0.3 for n in names)'
 
 check "--literal works" exits 0 fit train.csv --json --literal
-check "  and is worse" is out '
+check "  with larger errors" is out '
 rms = lambda e: sum((e[n] / TRUTH[n] - 1) ** 2 for n in TRUTH)
 mine = {n: P[n]["estimate"] for n in TRUTH}
 default = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
 assert rms(mine) > 2 * rms(default) and set(d["delay_s"].values()) == {0}'
 "$AUVID" demo --lag 0.15 --csv lag.csv >/dev/null 2>&1
-check "a delay that matters is used" exits 0 fit lag.csv --json
+check "a significant delay is used" exits 0 fit lag.csv --json
 check "  near 0.15 s" is out 'assert all(0.12 < x < 0.18 for x in d["delay_s"].values())'
 
 change 'r = [y for y in r if y[0] < 32]' <train.csv >one_set.csv
-check "from half a minute not everything can be known" exits 0 fit one_set.csv --json
-check "  which is said, and what is missing" is out '
+check "half a minute does not identify everything" exits 0 fit one_set.csv --json
+check "  which the report says, with what is missing" is out '
 unsure = [p for p in d["parameters"] if not p["identifiable"]]
 assert 0 < len(unsure) < 13 and all(p["note"] for p in unsure) and len(d["missing"]) >= 1
 assert all(error(p["name"]) < 0.2 for p in d["parameters"] if p["identifiable"])'
 check "tables" exits 0 fit commands.csv --validate commands.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
-check "  what a parameter is measured in is said" grep -q 'units of command' out
+check "  name the unit of the parameters" grep -q 'units of command' out
 check "  nothing on stderr" test ! -s err
 finish

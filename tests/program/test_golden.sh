@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Golden vectors of the program: a CSV log through fit, a log of the bus through replay. The logs
-# are those of simulated vehicles, the same in every run.
+# Golden vectors of the program: a CSV log through fit, and a log of the bus through replay. The
+# simulated vehicles write the same logs in every run.
 . "$(dirname "$0")/common.sh"
 
 golden() {

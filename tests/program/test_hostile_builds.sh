@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds that would give other results are refused: by the compiler or, where it cannot see it, by
-# init; with a message that says what to change. Those that only look dangerous give the same bits.
+# Builds that would change the results are refused by the compiler or, where it cannot detect them,
+# by init, with a message that says what to change. Harmless builds give the same bits.
 # (Other sizes in library and caller: test_sizes_link.sh. Machines: test_refused_arithmetic.c.)
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
@@ -17,7 +17,7 @@ report() {
     fi
 }
 
-# stops SENTENCE COMPILER FLAG...: the compiler refuses the headers and says so.
+# stops SENTENCE COMPILER FLAG...: the compiler refuses the headers with this message.
 stops() {
     local sentence=$1
     shift
@@ -25,7 +25,7 @@ stops() {
         >"$scratch/output" 2>&1 && grep -q "error: .*auvid: $sentence" "$scratch/output"
 }
 
-# Every size, one below and one above what its sentence allows.
+# Every size, one below and one above its allowed range.
 config=lib/include/auvid/config.h
 tested=0
 while read -r macro low high; do
@@ -51,7 +51,7 @@ for compiler in gcc clang; do
     done
 done
 
-# init COMPILER FLAG...: build library and a caller; print what its init says.
+# init COMPILER FLAG...: builds the library and a caller, and prints the result of init.
 init() {
     "$@" -std=c11 -Ilib/include -o "$scratch/caller" "$scratch/caller.c" lib/src/*/*.c \
         >"$scratch/output" 2>&1 && "$scratch/caller"
@@ -70,7 +70,7 @@ int main(void)
 END_C
 init gcc -O1 | grep -q '^done'
 report "gcc: init accepts"
-# What -ffast-math is made of, without the name.
+# The parts of -ffast-math, without the name.
 for flag in -funsafe-math-optimizations -freciprocal-math; do
     init gcc -O1 $flag | grep -q 'fast math'
     report "gcc $flag: init refuses, and says what to switch off"
@@ -80,8 +80,8 @@ if [ "$(uname -m)" = x86_64 ]; then
     report "the 387's precision: init refuses"
 fi
 
-# Contraction to fused multiply-add, on machines that have it. gcc is kept from it by
-# auvid_math_internal.h; clang does it in spite of the pragma.
+# Contraction to fused multiply-add, on machines that have it. auvid_math_internal.h prevents it
+# with gcc; clang contracts despite the pragma.
 if grep -qw fma /proc/cpuinfo 2>/dev/null; then
     init clang -O1 -mfma -ffp-contract=fast | grep -q 'contraction'
     report "clang -ffp-contract=fast: init refuses, and says what to switch off"

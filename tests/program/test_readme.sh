@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The code in README and in the library's guide compiles without a warning, runs, and identifies,
-# passively and exciting; the commands there print what they show. After a change of what they
-# print, README_BLOCKS=write tests/program/test_readme.sh puts it there.
+# The code in README and in the library's guide compiles without a warning, runs, and identifies a
+# vehicle, passively and with excitation. The commands there print the output shown. After a change
+# of the output, README_BLOCKS=write tests/program/test_readme.sh updates it.
 . "$(dirname "$0")/common.sh"
 
 blocks() {
@@ -11,7 +11,7 @@ blocks() {
 }
 blocks 0 >example.c
 cat >main.c <<'END'
-/* What the example leaves to the integrator: a simulated vehicle, driven by somebody else. */
+/* The part that the example leaves to the integrator: a simulated vehicle with a pilot. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static void fault(const char *what)
 
 static sim_output_t sensed;
 static auvid_estimate_t last;
-static auvid_real_t driven[AUVID_DOF_COUNT], added[AUVID_DOF_COUNT];
+static auvid_real_t pilot_wrench[AUVID_DOF_COUNT], added[AUVID_DOF_COUNT];
 
 static void read_sensors(auvid_input_t *in)
 {
@@ -49,7 +49,7 @@ static void read_sensors(auvid_input_t *in)
 
 static void thrust_now(auvid_real_t *wrench)
 {
-    memcpy(wrench, driven, sizeof driven);
+    memcpy(wrench, pilot_wrench, sizeof pilot_wrench);
 }
 
 static void add_to_controller(const auvid_real_t *wrench)
@@ -96,7 +96,7 @@ static bool holds_speed(void)
     return thrust > 0.95 * 37.02 && thrust < 1.05 * 37.02 && !(thrust_to_hold(5.0f) > 0);
 }
 
-static int judge(void)
+static int check_estimate(void)
 {
     bool good = holds_speed();
     for (int i = 0; i < 13; ++i) {
@@ -105,7 +105,7 @@ static int judge(void)
     return good ? 0 : 1;
 }
 
-static int judge_own(void)
+static int check_own_estimate(void)
 {
     static const int same[MINE] = {
         [M_U] = AUVID_G500_M_U, [M_V] = AUVID_G500_M_V, [M_R] = AUVID_G500_M_R,
@@ -125,7 +125,7 @@ static void tick(void)
 {
     double wrench[6];
     for (int j = 0; j < 6; ++j) {
-        wrench[j] = (double)driven[j];
+        wrench[j] = (double)pilot_wrench[j];
     }
     sim_step(&sim, NULL, wrench, &sensed);
 }
@@ -154,15 +154,15 @@ static bool pilot(const auvid_real_t *amplitude)
     auvid_excitation_config_t sequence;
     auvid_excitation_t stick;
     sim_init(&sim, &world);
-    memset(driven, 0, sizeof driven);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
     auvid_excitation_defaults(&sequence);
     auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
     auvid_excitation_init(&stick, &sequence);
     auvid_excitation_start(&stick, 0);
     for (int k = 0; k < 150 * 50; ++k) {
         tick();
-        auvid_excitation_step(&stick, sensed.t_us, driven);
-        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        auvid_excitation_step(&stick, sensed.t_us, pilot_wrench);
+        pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         control_tick(sensed.t_us);
         if (k == restart_at) {
             restart();
@@ -185,7 +185,7 @@ static int passive(void)
     if (!pilot(amplitude) || memcmp(first.pi, last.pi, sizeof first.pi) != 0) {
         fault("another estimate after a restart");
     }
-    return judge();
+    return check_estimate();
 }
 
 static int own_vehicle(void)
@@ -196,7 +196,7 @@ static int own_vehicle(void)
     if (auvid_identifier_init(&id, &cfg) < 0) {
         return 1;
     }
-    return pilot(amplitude) ? judge_own() : 1;
+    return pilot(amplitude) ? check_own_estimate() : 1;
 }
 
 static int own_thrusters(void)
@@ -212,19 +212,20 @@ static int exciting(bool adaptive)
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     plan(&cfg);
     sim_init(&sim, &world);
-    memset(driven, 0, sizeof driven);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
     if (auvid_identifier_init(&id, &cfg) < 0 || (adaptive && !plan_adaptive())) {
         return 1;
     }
     for (int k = 0; k < 300 * 50; ++k) {
         tick();
         control_tick(sensed.t_us);
-        memcpy(driven, added, sizeof driven);
-        driven[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        memcpy(pilot_wrench, added, sizeof pilot_wrench);
+        pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         begun = begun || begin();
     }
     printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
-    return last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE ? judge() : 1;
+    bool good = last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE;
+    return good ? check_estimate() : 1;
 }
 
 int main(int count, char **argument)
@@ -246,13 +247,13 @@ check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
     -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*/*.c "$ROOT"/tools/simulator/*.c -lm
-check "README's example identifies a vehicle that somebody else drives, with a restart" ./example
+check "README's example identifies a vehicle passively, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
 check "README's own thrusters are accepted" ./example own-thrusters
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 check "README's adaptive excitation identifies it, and the guard is done" ./example adaptive
 
-# The section on six degrees of freedom has sizes of its own.
+# The section on six degrees of freedom needs other sizes.
 cat >six.c <<'END'
 #include <string.h>
 
@@ -278,7 +279,7 @@ check "README's vehicle in six degrees of freedom compiles at the sizes it names
     -I. -o six six.c "$ROOT"/lib/src/*/*.c
 check "README's vehicle in six degrees of freedom is accepted" ./six
 
-# Every block below "<!-- output of: COMMAND -->" is what the command prints, but for wall times.
+# Every block below "<!-- output of: COMMAND -->" is the output of the command, except wall times.
 cat >blocks.py <<'END'
 import os, re, subprocess, sys
 root, name, auvid, mode = sys.argv[1:]
@@ -304,7 +305,7 @@ for name in README.md lib/README.md; do
         "${README_BLOCKS:-check}"
 done
 
-# Every link to a file or a heading of ours leads there.
+# Every link to a file or heading of the project has a target.
 cat >links.py <<'END'
 import pathlib, re, sys
 root = pathlib.Path(sys.argv[1])
@@ -325,5 +326,5 @@ for page in pages:
 print("\n".join(bad))
 assert links > 20 and not bad
 END
-check "links in the documentation lead somewhere" python3 links.py "$ROOT"
+check "links in the documentation have targets" python3 links.py "$ROOT"
 finish

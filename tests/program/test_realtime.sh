@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Node and simulated vehicle by the clock, 50 Hz, over the bus in memory: no tick is missed, but for
-# the time in which a hypervisor gave this machine's processors to another (steal in /proc/stat).
-# Long form: ten minutes. Short form: three seconds; what else runs may then make it miss a tick.
+# Node and simulated vehicle in real time, 50 Hz, over the bus in memory: no tick is missed, except
+# while a hypervisor gave the processors of this machine to another one (steal in /proc/stat).
+# Long form: ten minutes. Short form: three seconds, in which other programs may cause missed ticks.
 . "$(dirname "$0")/common.sh"
 
 if [ "$(uname -s)" != Linux ]; then
@@ -42,19 +42,19 @@ on_time() {
                              ticks <= 50 * ($2 - early) + 2 + missed) }'
 }
 
-# ticked LOW HIGH: so many ticks are told of, and how long their work took.
+# ticked LOW HIGH: so many ticks are reported, with the execution times.
 ticked() {
     sed -nE 's/.*p50 [0-9]+, p99 [0-9]+, max [0-9]+ us; of ([0-9]+) ticks in .* s, missed .*/\1/p' \
         out >ticks
     [ "$(cat ticks)" -ge "$1" ] && [ "$(cat ticks)" -le "$2" ]
 }
 
-# Time stolen since boot, all processors together [ms].
+# Time stolen since boot, sum over the processors [ms].
 stolen() {
     awk -v hz="$(getconf CLK_TCK)" '$1 == "cpu" { print int(1000 * $9 / hz) }' /proc/stat
 }
 
-# kept STOLEN: a tick is missed for each 20 ms stolen, at most.
+# kept STOLEN: at most one tick is missed per 20 ms stolen.
 kept() {
     [ $((20 * $(sed -n 's/.*, missed \([0-9]*\)$/\1/p' out))) -le "$1" ]
 }
@@ -70,7 +70,7 @@ else
         exits 0 node --bus memory --excite --sets 20 --realtime
     check "50 ticks a second" ticked 30000 31500
     stolen=$(($(stolen) - before))
-    check "none is missed but for the $stolen ms stolen" kept "$stolen"
+    check "none is missed except in the $stolen ms stolen" kept "$stolen"
     check "none takes half of its 20 ms" test "$(grep -o 'max [0-9]*' out | cut -c 5-)" -lt 10000
 fi
 cat err

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tests/run.sh: what counts as a failure.
+# tests/run.sh counts these cases as failures.
 . "$(dirname "$0")/common.sh"
 
 # counts SUMMARY STATUS PROGRAM...: run.sh of these programs ends with this line and exit status.
@@ -11,7 +11,7 @@ counts() {
     [ "$status" = "$wanted" ] && [ "$(tail -n 1 run.out)" = "$summary" ]
 }
 
-# program NAME: a script of what is on standard input.
+# program NAME: writes a script from standard input.
 program() {
     { echo '#!/bin/sh' && cat; } >"$1"
     chmod +x "$1"
@@ -24,12 +24,12 @@ program hang <<<'echo "ok - one"; sleep 1000'
 program deaf <<<'trap "" TERM; echo "ok - one"; while :; do sleep 0.2; done'
 program skipping <<<'echo "ok - one # SKIP none here"'
 
-check "what passes" counts '1 passed, 0 failed' 0 "$PWD/good"
-check "what fails" counts '1 passed, 1 failed' 1 "$PWD/good" "$PWD/bad"
-check "what reports nothing" counts '0 passed, 1 failed' 1 "$PWD/silent"
-check "what crashes after a test that passed" counts '1 passed, 1 failed' 1 "$PWD/crash"
-check "what was not built" counts '0 passed, 1 failed' 1 "$PWD/none"
-check "what hangs, deaf to signals or not, is stopped" \
+check "a program that passes" counts '1 passed, 0 failed' 0 "$PWD/good"
+check "a program that fails" counts '1 passed, 1 failed' 1 "$PWD/good" "$PWD/bad"
+check "a program without a report" counts '0 passed, 1 failed' 1 "$PWD/silent"
+check "a crash after a passed test" counts '1 passed, 1 failed' 1 "$PWD/crash"
+check "a program that was not built" counts '0 passed, 1 failed' 1 "$PWD/none"
+check "a program that hangs is stopped, even if it ignores signals" \
     counts '2 passed, 2 failed' 1 "$PWD/hang" "$PWD/deaf"
-check "what is skipped" counts '0 passed, 0 failed, 1 skipped' 1 "$PWD/skipping"
+check "a program that is skipped" counts '0 passed, 0 failed, 1 skipped' 1 "$PWD/skipping"
 finish

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# What was built with other sizes, or the other arithmetic, than the library must fail to link,
+# Code built with other sizes, or with the other arithmetic, than the library must fail to link,
 # whatever it uses of it. Needs the library's objects in build/release (`make test` builds them).
 set -uo pipefail
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 config=lib/include/auvid/config.h
 
-# What a translation unit may use of auvid, each in a file of its own.
+# Uses of auvid by a translation unit, each in a separate file.
 cat >"$scratch/main.c" <<'END_C'
 extern int use(void);
 int main(void)
@@ -87,12 +87,12 @@ int use(void)
 }
 END_C
 
-# report WHAT: "ok" or "not ok" by the last command's status.
+# report WHAT: prints "ok" or "not ok" by the status of the last command.
 report() {
     if [ $? = 0 ]; then echo "ok - $1"; else echo "not ok - $1"; fi
 }
 
-# compile FILE OUTPUT FLAGS...: a translation unit.
+# compile FILE OUTPUT FLAGS...: compiles a translation unit.
 compile() {
     local file=$1 output=$2 compiler=(gcc -std=c11)
     shift 2
@@ -100,11 +100,11 @@ compile() {
     "${compiler[@]}" -Wall -Wextra -Werror -Ilib/include "$@" -c -o "$output" "$file"
 }
 
-# Ways to build and link: the compiler's flags, the linker's, and the library.
+# Ways to build and link: compiler flags, linker flags, and the library.
 dead=(-Os -ffunction-sections -fdata-sections)
 ar rc "$scratch/objects.a" build/release/lib/src/*/*.o
 mkdir "$scratch/sections" "$scratch/lto"
-# build NAME FLAGS...: the library into $scratch/NAME.a
+# build NAME FLAGS...: builds the library as $scratch/NAME.a
 build() {
     printf '%s\0' lib/src/*/*.c | (cd "$scratch/$1" && shift &&
         xargs -0 -P "$(nproc)" -I {} gcc -std=c11 -I"$OLDPWD/lib/include" "$@" -c "$OLDPWD/{}")
@@ -142,8 +142,8 @@ for file in init.c step.c defaults.c model.c model.cpp step.cpp; do
     done
 done
 
-# The sizes the identifier depends on: those in the AUVID_SIZED macro, each one larger (more
-# commands would want more columns: one fewer).
+# The sizes that the identifier depends on: those in the AUVID_SIZED macro, each increased by one
+# (commands decreased, because more of them need more columns).
 sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' "$config" |
     grep -oE 'AUVID_(MAX_[A-Z_]*|REGRESSOR_ONLY)')
 for file in step.c model.c; do
@@ -159,7 +159,7 @@ for file in step.c model.c; do
     report "$file: double beside float: does not link"
 done
 
-# The whole library in the caller's own translation unit, beside a file with other sizes.
+# The whole library in the caller's translation unit, linked with a file with other sizes.
 {
     printf '#include "%s"\n' "$PWD"/lib/src/models/auvid_vehicle.c "$PWD"/lib/src/base/auvid_math.c
     cat "$scratch/main.c"

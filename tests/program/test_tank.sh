@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# auvid fit on two runs of a real BlueROV2 in a tank, each judged on the other. The data are not
-# part of the project: AUVID_TANK_DATA names their directory, and make leaves this test out where
-# there is none.
+# auvid fit on two runs of a real BlueROV2 in a tank, each validated on the other. The data are not
+# part of the project: AUVID_TANK_DATA names their directory. Without it, make skips this test.
 #
-# The yardstick is least squares of the same equations, decoupled with bias, on the same data:
+# The reference is least squares of the same equations, decoupled with bias, on the same data:
 # v(t + 1 s) - v(t) on the integrals of command, v, |v| v and 1, simulated open loop on the other.
 . "$(dirname "$0")/common.sh"
 data=$(cd "$ROOT" && realpath -m "${AUVID_TANK_DATA:-../shared/data/bluerov2_tank}")

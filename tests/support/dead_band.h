@@ -1,8 +1,8 @@
 /**
  * @file dead_band.h
- * What the tests of a user's own model share: surge with two thrusters that have a dead band and a
- * different gain in each direction, acting on the commands; its simulation, and an identifier that
- * excites it. One test program includes it once.
+ * Shared by the tests of a user's own model: surge with two thrusters that have a dead band and a
+ * different gain in each direction, with commands as inputs. Contains its simulation, and an
+ * identifier that excites it. One test program includes it once.
  */
 #ifndef DEAD_BAND_H
 #define DEAD_BAND_H
@@ -35,7 +35,7 @@ static inline auvid_real_t thrust(auvid_real_t command, const auvid_real_t *pi)
     return command > 0 ? force : -force;
 }
 
-/* Two stern thrusters; surge alone. */
+/* Two stern thrusters; only surge. */
 static inline void residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
                             auvid_real_t *e)
 {
@@ -61,7 +61,7 @@ static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
 {
     static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
     static const auvid_real_t high[PARAMETERS] = {300, 300, AUVID_C(0.5), 0, 0};
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; /* of the command */
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; /* in units of command */
     auvid_identifier_defaults(cfg, &vehicle);
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
@@ -70,16 +70,16 @@ static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     memcpy(cfg->search.lower, low, sizeof low);
     memcpy(cfg->search.upper, high, sizeof high);
     cfg->search.seed = seed;
-    /* there is no depth sensor */
+    /* no depth sensor */
     cfg->guard.off =
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
 }
 
-/** Looks at each step, before the work of its tick; may be null. */
+/** Called at each step, before the work of its tick; may be NULL. */
 static void (*each_step)(const auvid_identifier_t *id, const auvid_output_t *out);
 
-/** The excitation's surge "force" is the command of both thrusters; the vehicle makes its force.
+/** The surge "force" of the excitation is the command of both thrusters.
  * Runs until `sets` of the SETS are complete. */
 static inline void identify(uint64_t seed, uint32_t sets, uint32_t budget, double disturbance_N,
                             double delay_s)

@@ -1,7 +1,7 @@
 /**
  * @file field_hull.h
- * What the tests of the field simulator share: what Eq. 12-15, as the library has them and with the
- * parameters that the vehicle was built with, leave of the true force on the hull [N, Nm].
+ * Shared by the tests of the field simulator: the true force on the hull [N, Nm] minus Eq. 12-15,
+ * as in the library, with the true parameters of the vehicle.
  */
 #ifndef FIELD_HULL_H
 #define FIELD_HULL_H

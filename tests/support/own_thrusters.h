@@ -1,8 +1,8 @@
 /**
  * @file own_thrusters.h
- * What the tests of a whole Girona500 with thrusters of its own share: five with a dead band, a
- * gain in each direction and a lag, alike for all; the mass in surge is known. One test program
- * includes it once.
+ * Shared by the tests of a complete Girona500 with five custom thrusters, all with the same dead
+ * band, gain in each direction and lag. The mass in surge is known. One test program includes it
+ * once.
  */
 #ifndef OWN_THRUSTERS_H
 #define OWN_THRUSTERS_H
@@ -29,7 +29,7 @@ static auvid_allocation_t allocation;
 static auvid_identifier_t id;
 static sim_config_t world;
 
-/** Looks at each step, before the work of its tick; may be null. */
+/** Called at each step, before the work of its tick; may be NULL. */
 static void (*each_step)(const auvid_identifier_t *id, const auvid_output_t *out);
 
 /** For setUp. */
@@ -61,7 +61,8 @@ static inline void configure(uint64_t seed)
     config.slots = SLOTS;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
-    memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* this world is as told */
+    memset(&cfg.uncertainty, 0,
+           sizeof cfg.uncertainty); /* nothing is uncertain in this simulation */
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE | 15u << OWN, cfg.metric.free);
     cfg.metric.rows = store;
     cfg.metric.sets = SETS;
@@ -78,7 +79,7 @@ static inline void configure(uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &auvid_allocation_girona500));
 }
 
-/* Mean force of a thruster over a tick, its lag in steps of 2 ms. */
+/* Mean force of a thruster over a tick, with its lag in steps of 2 ms. */
 static inline double follow(double *x, double c)
 {
     double d = of_thrusters[AUVID_THRUSTERS_DEAD_BAND], mean = 0.0;
@@ -93,7 +94,7 @@ static inline double follow(double *x, double c)
     return mean;
 }
 
-/* A pilot who holds the depth adds to the excitation; commands are a 70th of the force wanted. */
+/* A pilot adds depth control to the excitation. Commands are the force divided by 70. */
 static inline void command(const sim_t *sim, const auvid_output_t *out, auvid_real_t *commanded,
                            auvid_real_t *nominal)
 {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Install what is missing on a Debian machine; do nothing, and ask no network, when all is there.
+# Installs missing packages on a Debian machine. Does nothing, without network access, if none is
+# missing.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [validate] [eigen]
 #        [mutate]
@@ -13,11 +14,11 @@
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
 #   firmware: compilers for ARM and RISC-V with their C libraries, QEMU for both, clang
 #   eigen: what `make bench-eigen` needs: Eigen, and a C++ library for ARM
-# The compiler and make are looked for always.
+# The compiler and make are always checked.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-# Unity 2.4.3 (MIT) as the Debian source package cjson carries it.
+# Unity 2.4.3 (MIT) from the Debian source package cjson.
 unity_sha256=5308fd4bd90cef7aa060558514de6a1a4a0819974a26e6ed13973c5f624c24b2
 unity_default=third_party/unity/src
 unity=${UNITY_DIR:-$unity_default}
@@ -36,7 +37,7 @@ as_root() {
     fi
 }
 
-# libFuzzer is a package apart from clang, of the same version.
+# libFuzzer is a separate package of the same version as clang.
 fuzzer_is_there() {
     command -v clang >/dev/null &&
         echo 'int LLVMFuzzerTestOneInput(void); int LLVMFuzzerTestOneInput(void) { return 0; }' |
@@ -49,7 +50,7 @@ fuzzer_package() {
     echo "libclang-rt-${version%%.*}-dev"
 }
 
-# What a virtual machine with CAN needs, where the kernel here has none (tests/vcan).
+# Requirements of a virtual machine with CAN, for a kernel without CAN (tests/vcan).
 look_for_machine() {
     command -v qemu-system-x86_64 >/dev/null || missing+=(qemu-system-x86)
     command -v cpio >/dev/null || missing+=(cpio)
@@ -123,14 +124,14 @@ install_missing() {
         install --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# The mirror this machine already uses, whichever way its apt is configured.
+# The mirror in the apt configuration of this machine.
 debian_mirror() {
     apt-get indextargets --no-release-info --format '$(REPO_URI) $(COMPONENT) $(RELEASE)' \
         'Created-By: Packages' |
         awk '$2 == "main" && $3 !~ /-/ { print $1; exit }'
 }
 
-# apt gets lists of its own in third_party/, so the machine's configuration stays as it is.
+# apt uses separate lists in third_party/, so the configuration of the machine does not change.
 fetch_unity() {
     echo "setup: fetching Unity (Debian source package cjson)"
     command -v apt-get >/dev/null || die "no apt-get here; set UNITY_DIR to a copy of Unity's src/"
@@ -143,7 +144,7 @@ fetch_unity() {
     local options=(-qq -o "Dir::Etc::sourcelist=$top/sources.list"
         -o Dir::Etc::sourceparts=/dev/null -o "Dir::State::lists=$top/lists"
         -o "Dir::Cache=$top/cache" -o "APT::Sandbox::User=$(id -un)")
-    # One chain of &&: the shell does not stop at errors left of an ||.
+    # One chain of &&: the shell does not stop at errors on the left of ||.
     (
         cd "$top" &&
             apt-get "${options[@]}" update &&
@@ -159,7 +160,7 @@ fetch_unity() {
 }
 
 # python_environment FOLDER REQUIREMENTS [ARGUMENTS of a second pip install]
-# The stamp holds what was installed: a changed list is installed anew.
+# The stamp holds the installed list: a changed list is installed again.
 python_environment() {
     local folder=$1 requirements=$2
     shift 2
@@ -193,6 +194,6 @@ if [[ " $* " == *" mutate "* ]]; then
     python_environment third_party/mutation tests/mutation/requirements.txt
 fi
 if [[ " $* " == *" vcan "* ]] && ! tests/vcan/run.sh --native; then
-    # Package lists may be older than the mirror's newest kernel.
+    # Package lists may be older than the newest kernel on the mirror.
     tests/vcan/kernel.sh || { as_root apt-get -qq update && tests/vcan/kernel.sh; }
 fi

@@ -45,12 +45,12 @@ static void test_literal_smoothing_has_rows_without_averaging(void)
 static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
 {
     vehicle_sim_config_t cfg;
-    vehicle_sim_t *craft = &world.craft;
-    double truth[CRAFT_PARAMETERS];
+    vehicle_sim_t *simulated = &world.vehicle_sim;
+    double truth[VEHICLE_SIM_PARAMETERS];
     TEST_ASSERT_EQUAL(SIM_FOSSEN_PARAMETERS, AUVID_FOSSEN_COUNT);
-    vehicle_craft(rov, &cfg);
-    TEST_ASSERT_TRUE(vehicle_sim_init(craft, &cfg));
-    vehicle_sim_truth(craft, truth);
+    vehicle_simulation(rov, &cfg);
+    TEST_ASSERT_TRUE(vehicle_sim_init(simulated, &cfg));
+    vehicle_sim_truth(simulated, truth);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double expected = (double)auvid_bluerov2_heavy_benzon[i];
         TEST_ASSERT_DOUBLE_WITHIN(2e-7 * fabs(expected), expected, truth[i]);
@@ -63,7 +63,7 @@ static void test_simulator_and_allocation_have_the_same_thrusters(void)
     for (int k = 0; k < 2; ++k) {
         const auvid_allocation_config_t *a = vehicles[k]->allocation;
         vehicle_sim_config_t cfg;
-        vehicle_craft(vehicles[k], &cfg);
+        vehicle_simulation(vehicles[k], &cfg);
         const sim_config_t *c = &cfg.sim;
         double back = c->thruster_back_N > 0 ? c->thruster_back_N : c->thruster_max_N;
         TEST_ASSERT_EQUAL(a->thrusters, c->thrusters);
@@ -83,12 +83,12 @@ static void test_the_bluerov2_hovers_upright(void)
 {
     const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 1, .no_arm = true};
     TEST_ASSERT_TRUE(world_begin(&world, &config));
-    world.craft.sim.truth.euler[0] = 0.5;
-    world.craft.sim.truth.euler[1] = -0.5;
+    world.vehicle_sim.sim.truth.euler[0] = 0.5;
+    world.vehicle_sim.sim.truth.euler[1] = -0.5;
     while (world_time_s(&world) < 30) {
         world_tick(&world);
     }
-    const sim_truth_t *t = &world.craft.sim.truth;
+    const sim_truth_t *t = &world.vehicle_sim.sim.truth;
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, t->euler[0]);
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, t->euler[1]);
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 50, t->position[2]);
@@ -101,24 +101,24 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
 {
     const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 8};
     const auvid_estimate_t *e = &world.node[0].id.estimate;
-    double truth[CRAFT_PARAMETERS], most_rad = 0;
+    double truth[VEHICLE_SIM_PARAMETERS], most_rad = 0;
     int sure = 0;
     TEST_ASSERT_TRUE(world_begin(&world, &config));
-    vehicle_sim_truth(&world.craft, truth);
+    vehicle_sim_truth(&world.vehicle_sim, truth);
     for (uint32_t linger = 0; linger < rov->linger_ticks;) {
         world_tick(&world);
         bool busy = world_work(&world, AUVID_DEFAULT_BUDGET);
         bool over = !busy && world.node[0].id.metric.sets_recorded >= config.sets;
         linger = over ? linger + 1 : 0;
         TEST_ASSERT_TRUE(world_time_s(&world) < 400);
-        most_rad = fmax(most_rad, fabs(world.craft.sim.truth.euler[0]));
-        most_rad = fmax(most_rad, fabs(world.craft.sim.truth.euler[1]));
+        most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[0]));
+        most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[1]));
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, world.node[0].id.guard.state);
     TEST_ASSERT_TRUE(most_rad > 0.3 && most_rad < (double)rov->tilt_max_rad);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double value = (double)e->pi[i];
-        TEST_ASSERT_EQUAL_FLOAT(value, world.craft.estimate[i]); /* as received in frames */
+        TEST_ASSERT_EQUAL_FLOAT(value, world.vehicle_sim.estimate[i]); /* as received in frames */
         if (e->confidence.identifiable >> i & 1u) {
             double max_error = i <= AUVID_FOSSEN_M_R ? 0.02 : 0.08;
             TEST_ASSERT_DOUBLE_WITHIN(max_error * fabs(truth[i]), truth[i], value);
@@ -126,7 +126,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
         }
     }
     TEST_ASSERT_EQUAL(17, sure);
-    double rms = vehicle_sim_rms_percent(&world.craft);
+    double rms = vehicle_sim_rms_percent(&world.vehicle_sim);
     TEST_ASSERT_TRUE(rms > 0 && rms < 3);
 }
 

@@ -50,7 +50,7 @@ int link_log(link_t *link, const char *path, const char *interface)
     return 0;
 }
 
-/* A log that failed is told of once, and not written any more. */
+/* Logs a frame. Returns -1 on the first failure; after it nothing more is logged. */
 static int log_frame(link_t *link, const bus_frame_t *frame)
 {
     if (!link->logging || link->log_failed || link->log.bus.send(&link->log.bus, frame) == BUS_OK) {
@@ -60,13 +60,13 @@ static int log_frame(link_t *link, const bus_frame_t *frame)
     return -1;
 }
 
-static int tell_log(const link_t *link)
+static int report_log_error(const link_t *link)
 {
     return report_error("%s: %s", link->command, link->log.bus.text);
 }
 
-/* What a failure of the bus means: a line when it goes down or comes up, the end when broken. */
-static int note(link_t *link, int status)
+/* Prints a line when the bus goes down or up. Returns EXIT_REFUSED if it is broken. */
+static int check_status(link_t *link, int status)
 {
     bool down = status == BUS_DOWN;
     if (down && !link->down) {
@@ -83,19 +83,19 @@ int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
     uint64_t now_us = link->bus->now_us(link->bus);
     bool broken = false, unlogged = false;
-    for (int i = 0; i < count; ++i) { /* all of them, whatever fails: a command has two halves */
+    for (int i = 0; i < count; ++i) { /* all of them despite failures: a command has two halves */
         bus_frame_t raw = frames_raw(&frame[i]);
         broken = link->bus->send(link->bus, &raw) == BUS_BROKEN || broken;
     }
-    for (int i = 0; i < count; ++i) { /* then the log, which may keep us waiting */
+    for (int i = 0; i < count; ++i) { /* then the log, which may block */
         bus_frame_t raw = frames_raw(&frame[i]);
         raw.t_us = now_us;
         unlogged = log_frame(link, &raw) != 0 || unlogged;
     }
     if (broken) {
-        return note(link, BUS_BROKEN);
+        return check_status(link, BUS_BROKEN);
     }
-    return unlogged ? tell_log(link) : 0;
+    return unlogged ? report_log_error(link) : 0;
 }
 
 int link_receive(link_t *link, auvid_can_frame_t *frame)
@@ -103,16 +103,16 @@ int link_receive(link_t *link, auvid_can_frame_t *frame)
     bus_frame_t raw;
     int count = 0;
     while ((count = link->bus->receive(link->bus, &raw, 1)) > 0) {
-        (void)note(link, BUS_OK);
+        (void)check_status(link, BUS_OK);
         if (log_frame(link, &raw) != 0) {
-            (void)tell_log(link);
+            (void)report_log_error(link);
             return -1;
         }
         if (frames_convert(&raw, frame)) {
             return 1;
         }
     }
-    return note(link, count) != 0 ? -1 : 0;
+    return check_status(link, count) != 0 ? -1 : 0;
 }
 
 int link_close(link_t *link)
@@ -120,10 +120,10 @@ int link_close(link_t *link)
     int status = 0;
     (void)link->bus->close(link->bus);
     if (link->logging && link->log.bus.close(&link->log.bus) != BUS_OK && !link->log_failed) {
-        status = tell_log(link);
+        status = report_log_error(link);
     }
     if (link->ticking) {
-        tick_close(&link->tick); /* last: it lets through the signals that have come since */
+        tick_close(&link->tick); /* last: it unblocks the pending signals */
     }
     return status;
 }

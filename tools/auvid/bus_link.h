@@ -1,7 +1,7 @@
 /**
  * @file bus_link.h
- * A bus with a log beside it, for the node and the vehicle: frames of the library to and from those
- * of the port.
+ * A bus with an optional log, for the node and the vehicle. Converts between frames of the library
+ * and frames of the port.
  */
 #ifndef PROGRAM_BUS_LINK_H
 #define PROGRAM_BUS_LINK_H
@@ -15,11 +15,11 @@
 /** Length of a tick [us]. */
 #define LINK_TICK_US 20000u
 
-/** Silence after which the other side counts as gone [us]. */
+/** Time without frames after which the other side counts as lost [us]. */
 #define LINK_SILENCE_US 2000000u
 
 typedef struct {
-    const char *command; /**< sub-command, for messages */
+    const char *command; /**< name of the sub-command, for messages */
     bus_t *bus;
     bus_socketcan_t socket;
     bus_candump_t log;
@@ -27,27 +27,27 @@ typedef struct {
     bool logging, log_failed, ticking, down;
 } link_t;
 
-/** Open a real interface and the tick. Returns 0, or EXIT_REFUSED after one line on stderr. */
+/** Opens a real interface and the tick. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int link_open(link_t *link, const char *command, const options_t *options);
 
-/** Tick; ask for real-time scheduling if told so. Returns as link_open. */
+/** Starts the tick, with real-time scheduling if the options ask for it. Returns as link_open. */
 int link_tick(link_t *link, const options_t *options);
 
-/** Take a bus that is there already; no tick. */
+/** Uses a bus that is already open, without a tick. */
 void link_take(link_t *link, const char *command, bus_t *bus);
 
-/** Create a log. Returns 0 or EXIT_REFUSED, as above. */
+/** Creates a log. Returns as link_open. */
 int link_log(link_t *link, const char *path, const char *interface);
 
-/** Send all frames, then log them, then tell what failed. A frame that is lost is counted by the
- * bus. Returns 0 or EXIT_REFUSED. */
+/** Sends all frames, then logs them, then reports failures. The bus counts a frame that is lost.
+ * Returns 0 or EXIT_REFUSED. */
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count);
 
-/** Next data frame with an 11-bit identifier, logged. Returns 1; 0: none now; -1 after one line on
- * stderr: the bus is broken. */
+/** Receives and logs the next data frame with an 11-bit identifier. Returns 1; 0 if there is none
+ * now; -1 after one line on stderr if the bus is broken. */
 int link_receive(link_t *link, auvid_can_frame_t *frame);
 
-/** Close all. Returns 0 or EXIT_REFUSED (the log could not be written). */
+/** Closes everything. Returns 0, or EXIT_REFUSED if the log could not be written. */
 int link_close(link_t *link);
 
 #endif

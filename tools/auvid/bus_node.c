@@ -13,22 +13,22 @@
 #include "prior_file.h"
 #include "world.h"
 
-/* Frames received in one turn of the loop: more than a full bus brings in a tick. */
-#define MOST_FRAMES 512
+/* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
+#define MAX_FRAMES 512
 
-/* Times that are told apart: ticks that took longer count as this long [us]. */
-#define MOST_US 40000
+/* Upper end of the histogram of tick times [us]: longer ticks count in the last bin. */
+#define MAX_US 40000
 
 typedef struct {
     const options_t *options;
     auvid_node_t node;
     link_t link;
-    vehicle_sim_t craft; /* --bus memory: the vehicle is in this process */
-    bus_memory_t hub; /* ends: node, vehicle */
+    vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
+    bus_memory_t hub;          /* its ends: node, vehicle */
     bool simulated, silent;
-    uint64_t heard_us;          /* last tick */
-    uint32_t linger;            /* ticks since everything was done */
-    uint32_t took[MOST_US + 1]; /* ticks by the time of step and work [us] */
+    uint64_t last_tick_us;          /* time of the last tick */
+    uint32_t linger;                /* ticks since all work was done */
+    uint32_t histogram[MAX_US + 1]; /* ticks by execution time of step and work [us] */
 } run_t;
 
 static int begin(run_t *run)
@@ -46,52 +46,51 @@ static int begin(run_t *run)
     if (status < 0) {
         return report_error("node: the identifier refused its configuration");
     }
-    if (o->warm != NULL) {
-        (void)prior_file_read(&run->node.id, o->warm);
+    if (o->prior != NULL) {
+        (void)prior_file_read(&run->node.id, o->prior);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);
     }
-    vehicle_sim_config_t craft;
-    vehicle_craft(o->vehicle, &craft);
-    craft.sim.seed = o->seed;
-    craft.no_arm = !o->excite;
+    vehicle_sim_config_t vehicle_sim;
+    vehicle_simulation(o->vehicle, &vehicle_sim);
+    vehicle_sim.sim.seed = o->seed;
+    vehicle_sim.no_arm = !o->excite;
     if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK ||
-        !vehicle_sim_init(&run->craft, &craft)) {
+        !vehicle_sim_init(&run->vehicle_sim, &vehicle_sim)) {
         return report_error("node: the simulator refused its configuration");
     }
     link_take(&run->link, "node", &run->hub.end[0].bus);
     return o->realtime ? link_tick(&run->link, o) : 0;
 }
 
-/* Everything of one tick. own_us: null, or the time of the node's own clock. */
-static int serve(run_t *run, const uint64_t *own_us)
+/* Does all work of one tick. clock_us: time of the node's own clock, or NULL. */
+static int serve(run_t *run, const uint64_t *clock_us)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
     auvid_node_t *node = &run->node;
     uint64_t began_us = tick_now_us();
     int count = 0;
-    (void)auvid_node_step(node, own_us, frame, &count);
+    (void)auvid_node_step(node, clock_us, frame, &count);
     int status = link_send(&run->link, frame, count);
     bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     uint64_t took_us = tick_now_us() - began_us;
-    ++run->took[took_us < MOST_US ? took_us : MOST_US];
+    ++run->histogram[took_us < MAX_US ? took_us : MAX_US];
     (void)auvid_node_report(node, (uint32_t)(100u * took_us / LINK_TICK_US), frame, &count);
     status = status == 0 ? link_send(&run->link, frame, count) : status;
     bool over = !busy && node->id.metric.sets_recorded >= run->options->sets;
     run->linger = over ? run->linger + 1 : 0;
-    run->heard_us = began_us;
+    run->last_tick_us = began_us;
     run->silent = false;
     return status;
 }
 
-/* The frames that are there, up to a tick: where they never end, signals are looked at in between.
- */
+/* Receives pending frames up to a tick. The limit lets signals through on a saturated bus. */
 static int receive(run_t *run)
 {
     auvid_can_frame_t frame;
     int got = 0;
-    for (int k = 0; k < MOST_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
+    for (int k = 0; k < MAX_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
         if (auvid_node_take(&run->node, &frame) == AUVID_TICK && !run->options->clock_own) {
             return serve(run, NULL);
         }
@@ -99,7 +98,7 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Wait for frames or the own tick. Returns TICK_... or a negative number after a complaint. */
+/* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
 static int wait(run_t *run)
 {
     int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;
@@ -108,11 +107,11 @@ static int wait(run_t *run)
     }
     if (run->simulated) {
         if (events > 0 && (events & TICK_DUE) != 0) {
-            frames_vehicle(&run->hub.end[1], &run->craft);
+            frames_vehicle(&run->hub.end[1], &run->vehicle_sim);
         }
         return events;
     }
-    if (!run->silent && tick_now_us() - run->heard_us > LINK_SILENCE_US) {
+    if (!run->silent && tick_now_us() - run->last_tick_us > LINK_SILENCE_US) {
         report_error_line("node: no tick frame on %s: waiting", run->options->bus);
         run->silent = true;
     }
@@ -122,13 +121,13 @@ static int wait(run_t *run)
 static int loop(run_t *run)
 {
     int status = 0, events = 0;
-    bool own = run->options->clock_own;
-    run->heard_us = tick_now_us();
+    bool own_clock = run->options->clock_own;
+    run->last_tick_us = tick_now_us();
     while (status == 0 && (events & TICK_STOP) == 0 &&
            run->linger < run->options->vehicle->linger_ticks) {
         events = wait(run);
         status = events < 0 ? EXIT_REFUSED : receive(run);
-        if (status == 0 && own && (events & TICK_DUE) != 0) {
+        if (status == 0 && own_clock && (events & TICK_DUE) != 0) {
             const tick_t *tick = &run->link.tick;
             uint64_t t_us = tick->start_us + tick->ticks * tick->period_us;
             run->node.counters.ticks_missed = (uint32_t)tick->missed;
@@ -153,12 +152,12 @@ static void print_counters(const run_t *run)
            (unsigned long long)s->clock_steps);
 }
 
-/* The time that this part of the ticks did not exceed [us]. */
+/* The execution time that a fraction `part` of the ticks did not exceed [us]. */
 static unsigned quantile(const run_t *run, double part)
 {
     double below = part * run->node.counters.ticks;
     unsigned us = 0;
-    for (double sum = run->took[0]; sum < below && us < MOST_US; sum += run->took[us]) {
+    for (double sum = run->histogram[0]; sum < below && us < MAX_US; sum += run->histogram[us]) {
         ++us;
     }
     return us;
@@ -182,7 +181,7 @@ static int finish(run_t *run)
     report_gather(&result, &run->node.id, run->options->seed);
     result.has_guard = run->options->excite;
     if (run->simulated) {
-        report_heard(&result, &run->craft);
+        report_add_truth(&result, &run->vehicle_sim);
     }
     if (run->options->json) {
         report_json(&result, NULL, NULL, NULL);

@@ -1,5 +1,5 @@
 /*
- * auvid replay: a log of the bus through a node, and its estimates beside those in the log.
+ * auvid replay: runs a log of the bus through a node and compares its estimates with those logged.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "prior_file.h"
 #include "world.h"
 
-/* Frames that the node has sent and the log has not shown yet. */
+/* Largest number of sent frames that have not yet been found in the log. */
 enum { WAITING = 256 };
 
 typedef struct {
@@ -22,10 +22,10 @@ typedef struct {
     auvid_node_t node;
     bus_candump_t log;
     csv_writer_t csv;
-    auvid_can_frame_t sent[WAITING]; /* a ring */
+    auvid_can_frame_t sent[WAITING]; /* a ring buffer */
     uint32_t first, count;
-    uint32_t ours, same, different; /* frames; estimates among them */
-    uint32_t refused[AUVID_CAN_FOREIGN + 1]; /* by the receiver's state; GOOD: late ticks */
+    uint32_t ours, same, different;          /* frames of auvid; estimates, equal and different */
+    uint32_t refused[AUVID_CAN_FOREIGN + 1]; /* by state of the receiver; GOOD: late ticks */
 } run_t;
 
 static bool is_estimate(const auvid_can_frame_t *frame)
@@ -34,7 +34,7 @@ static bool is_estimate(const auvid_can_frame_t *frame)
     return kind == AUVID_CAN_ESTIMATE || kind == AUVID_CAN_ESTIMATE_SIGMA;
 }
 
-/* An estimate in the log: is it what this node has sent? */
+/* Compares an estimate in the log with the one that this node has sent. */
 static void compare(run_t *run, const auvid_can_frame_t *frame)
 {
     if (run->count == 0) {
@@ -58,7 +58,7 @@ static void keep(run_t *run, const auvid_can_frame_t *frame, int count)
     }
 }
 
-/* Motion at the last tick, and the thrust that acted from then on. */
+/* Writes the motion at the last tick and the thrust that acts after it. */
 static void write_row(run_t *run)
 {
     auvid_nav_state_t state;
@@ -125,12 +125,12 @@ static int read_all(run_t *run)
         return report_error("replay: %s", bus->text);
     }
     if (run->ours == 0) {
-        return report_error("replay: %s: no frame of auvid in it; is it a log of its bus?",
+        return report_error("replay: %s: no frame of auvid: check that this is a log of its bus",
                             run->options->log);
     }
     return run->node.counters.ticks > 0
                ? 0
-               : report_error("replay: %s: no tick frame in it, so no time; record the whole bus",
+               : report_error("replay: %s: no tick frame, so no time: record the whole bus",
                               run->options->log);
 }
 
@@ -143,11 +143,11 @@ static int begin(run_t *run)
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
-    cfg.excite = true; /* obey what the log's operator ordered; nobody hears the commands */
+    cfg.excite = true; /* obey the logged orders; the commands go nowhere */
     if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
         return report_error("replay: the identifier refused its configuration");
     }
-    if (run->options->warm != NULL && !prior_file_read(&run->node.id, run->options->warm)) {
+    if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
         return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
@@ -156,8 +156,8 @@ static int begin(run_t *run)
     return 0;
 }
 
-/* Tell on stderr what was left out of the log. */
-static void tell_left_out(const run_t *run)
+/* Warns on stderr about frames of the log that were ignored. */
+static void warn_left_out(const run_t *run)
 {
     const uint32_t *refused = run->refused;
     if (run->log.bus.text[0] != '\0') {
@@ -212,7 +212,7 @@ int bus_replay(const options_t *options)
             csv_discard(&run->csv);
         }
         if (status == 0) {
-            tell_left_out(run);
+            warn_left_out(run);
             status = report(run);
         }
         (void)run->log.bus.close(&run->log.bus);

@@ -6,10 +6,10 @@
 
 #include "csv.h"
 
-enum { LETTERS = 16 }; /* of the longest name that is compared, and one more */
+enum { LETTERS = 16 }; /* longest compared name, plus one */
 
-/* The letters and digits of a name, and how many come before the first other character; a unit
- * behind it ("u [m/s]") does not count. False: too long to be like any column. */
+/* Extracts the letters and digits of a name, and how many precede the first other character. A unit
+ * after the name ("u [m/s]") is skipped. Returns false if the name is too long for any column. */
 static bool letters(const char *name, char out[LETTERS], size_t *stem)
 {
     size_t count = 0, i = 0, length = strcspn(name, " [(/");
@@ -23,7 +23,7 @@ static bool letters(const char *name, char out[LETTERS], size_t *stem)
     return i == length && count > 0;
 }
 
-/* Letters to insert, delete or replace to make one name of the other (Levenshtein). */
+/* Levenshtein distance of two names. */
 static int distance(const char *a, const char *b)
 {
     int row[LETTERS], columns = (int)strlen(b);
@@ -52,9 +52,9 @@ static bool same_without_case(const char *a, const char *b)
     return *a == *b;
 }
 
-/* How far a name is from a column's, as a part of its letters [%]; 100: not like it. One letter in
- * three may differ, but not the first. The word before the unit is enough, and a name without unit.
- */
+/* Distance of a name from a column name, relative to its letters [%]; 100: not similar. One letter
+ * in three may differ, but not the first. The word before the unit is enough, and so is a name
+ * without unit. */
 static int unlikeness(const char *name, const char *column)
 {
     char a[LETTERS], b[LETTERS];
@@ -62,22 +62,22 @@ static int unlikeness(const char *name, const char *column)
     if (!letters(name, a, &stem_a) || !letters(column, b, &stem_b)) {
         return 100;
     }
-    int length = (int)strlen(b), far = 100 * distance(a, b) / length;
+    int length = (int)strlen(b), unlike = 100 * distance(a, b) / length;
     bool same_stem = stem_a == stem_b && strncmp(name, column, stem_a) == 0 &&
                      (stem_a == strlen(a) || (stem_a > 1 && strncmp(name, "cmd", 3) != 0));
     if (same_without_case(a, b)) {
         return 0;
     }
-    return a[0] == b[0] && (far <= 34 || same_stem) ? far : 100;
+    return a[0] == b[0] && (unlike <= 34 || same_stem) ? unlike : 100;
 }
 
 int columns_like(const char *name)
 {
-    int found = -1, least = 100;
+    int found = -1, min_distance = 100;
     for (int c = 0; c < CSV_COLUMNS; ++c) {
-        int far = unlikeness(name, csv_name[c]);
-        if (far < least) {
-            least = far;
+        int unlike = unlikeness(name, csv_name[c]);
+        if (unlike < min_distance) {
+            min_distance = unlike;
             found = c;
         }
     }

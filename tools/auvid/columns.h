@@ -1,11 +1,11 @@
 /**
  * @file columns.h
- * Which known column of a log an unknown name may stand for.
+ * Finds the known column of a log that an unknown name may stand for.
  */
 #ifndef PROGRAM_COLUMNS_H
 #define PROGRAM_COLUMNS_H
 
-/** The known column (csv.h) that a name resembles most; -1: it resembles none. */
+/** Returns the known column (csv.h) most similar to a name, or -1 if none is similar. */
 int columns_like(const char *name);
 
 #endif

@@ -8,25 +8,25 @@
 #include "columns.h"
 #include "report_error.h"
 
-#define LARGEST 1e6      /* of a value: squares of it must fit a float */
-#define LARGEST_TIME 1e9 /* [s] from the first row */
+#define LARGEST 1e6      /* largest value: its square must fit a float */
+#define LARGEST_TIME 1e9 /* largest time since the first row [s] */
 
 const char *const csv_name[CSV_COLUMNS] = {
     "t_s",       "phi_rad",  "theta_rad", "psi_rad",  "u_mps",     "v_mps",  "w_mps", "p_radps",
     "q_radps",   "r_radps",  "X_N",       "Y_N",      "Z_N",       "K_Nm",   "M_Nm",  "N_Nm",
     "cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"};
 
-/* Where reading has come to. A field is the text between commas, blanks and quotes stripped. */
+/* State of the reader. A field is the text between commas, without blanks and quotes. */
 typedef struct {
     csv_log_t *log;
-    char *text, *at; /* the file, and the start of the next line */
-    size_t line;     /* number of the line at hand, from 1 */
-    char *start;     /* of that line */
-    size_t length;   /* of that line */
+    char *text, *at; /* the file; start of the next line */
+    size_t line;     /* number of the current line, from 1 */
+    char *start;     /* start of the current line */
+    size_t length;   /* its length */
     bool whole;      /* it has a line end */
-    int fields;      /* in the header */
-    int *column;     /* [fields] the log's column, or -1 */
-    size_t room;     /* rows there is memory for */
+    int fields;      /* number of fields in the header */
+    int *column;     /* [fields] column of the log, or -1 */
+    size_t room;     /* capacity in rows */
 } reader_t;
 
 static int out_of_memory(const char *path)
@@ -34,7 +34,7 @@ static int out_of_memory(const char *path)
     return report_error("%s: not enough memory", path);
 }
 
-/* The whole file, with a zero at its end. */
+/* Reads the whole file, with a terminating zero. */
 static int slurp(const char *path, char **out, size_t *size)
 {
     FILE *file = fopen(path, "rb");
@@ -73,7 +73,7 @@ static int slurp(const char *path, char **out, size_t *size)
     return 0;
 }
 
-/* Cut the next line out of the text; null at the end. Lines without a character are left out. */
+/* Takes the next line of the text; NULL at the end. Empty lines are skipped. */
 static char *next_line(reader_t *r)
 {
     while (*r->at != '\0') {
@@ -94,7 +94,7 @@ static char *next_line(reader_t *r)
     return NULL;
 }
 
-/* Cut the next field off *rest; null when there is none left. */
+/* Takes the next field from *rest; NULL after the last one. */
 static char *next_field(char **rest)
 {
     char *field = *rest;
@@ -163,7 +163,7 @@ void csv_notes(const csv_log_t *log)
         }
     }
     if (log->cut > 0) {
-        report_warning("%s:%zu: the last line has no line end and may be cut off: it is left out",
+        report_warning("%s:%zu: the last line has no line end and may be truncated: it is ignored",
                        log->path, log->cut);
     }
     if (log->ignored[0] != '\0') {
@@ -172,7 +172,7 @@ void csv_notes(const csv_log_t *log)
     }
 }
 
-/* What stands between the columns if it is not commas; else null. */
+/* Name of the separator of the columns if it is not the comma; else NULL. */
 static const char *other_separator(const char *line)
 {
     int commas = 0, semicolons = 0, tabs = 0;
@@ -198,7 +198,7 @@ static int read_name(reader_t *r, const char *field, int *column)
         return 0;
     }
     if (log->has[*column]) {
-        return report_error("%s:%zu:%zu: there is a second column %s", log->path, r->line,
+        return report_error("%s:%zu:%zu: duplicate column %s", log->path, r->line,
                             column_of(r, field), field);
     }
     log->has[*column] = true;
@@ -235,16 +235,17 @@ static int read_header(reader_t *r)
     }
     if (!log->has[CSV_T]) {
         char why[sizeof(csv_list_t) + 64];
-        (void)snprintf(why, sizeof why, separator != NULL ? ": its columns are separated by %s; "
-                                                            "separate them by commas"
-                                                          : "; its columns are: %s",
+        (void)snprintf(why, sizeof why,
+                       separator != NULL ? ": its columns are separated by %s; "
+                                           "separate them by commas"
+                                         : "; its columns are: %s",
                        separator != NULL ? separator : log->columns);
         return csv_missing(log, CSV_T, why);
     }
     return 0;
 }
 
-/* One field into the row. */
+/* Parses one field into the row. */
 static int read_value(const reader_t *r, const char *field, int column, double *value)
 {
     char *end = NULL;
@@ -327,8 +328,8 @@ static int read_rows(reader_t *r)
     }
     if (log->rows < 2) {
         return report_error("%s:%zu:1: %s", log->path, r->line,
-                            log->rows == 0 ? "there is a header and no row"
-                                           : "there is only one row");
+                            log->rows == 0 ? "no row after the header"
+                                           : "only one row: at least two are needed");
     }
     return 0;
 }

@@ -1,6 +1,6 @@
 /*
- * auvid demo: excite a simulated vehicle, identify it on line, and check the estimate on an
- * excitation that it has not seen.
+ * auvid demo: excites a simulated vehicle, identifies it on line, and validates the estimate on an
+ * excitation that was not used to identify it.
  */
 #include <math.h>
 #include <stdio.h>
@@ -15,9 +15,8 @@
 #include "statistics.h"
 #include "world.h"
 
-/* Searches may go on for so long after the last set: a time [s of simulated time], and units of
- * work, more than two of them take with a small budget: the one under way, and that of the sets
- * that were waiting. */
+/* Limits of the searches after the last set: a time [s of simulated time], and a number of work
+ * units. With a small budget the latter covers two searches: the current one and the next one. */
 #define PATIENCE_S 600.0
 #define PATIENCE_UNITS 150000.0
 
@@ -26,16 +25,16 @@
 
 #define TICK_S (1e-6 * SIM_TICK_US)
 
-/* Rows that wait for the DVL sample after them: half a second of ticks, and one. */
+/* Rows that wait for the next DVL sample: half a second of ticks, plus one. */
 enum { WAITING = 26 };
 
-/* The log under way. Velocity is taken at the DVL's own times and runs straight in between, as the
- * recorder takes it; so a row must wait for the next DVL sample. */
+/* The log that is being written. As in the recorder, velocity is interpolated linearly between DVL
+ * samples, so a row waits for the next DVL sample. */
 typedef struct {
-    csv_writer_t *writer; /* null: no log */
+    csv_writer_t *writer; /* NULL: no log */
     csv_row_t row[WAITING];
     int rows;
-    auvid_nav_velocity_sample_t knot; /* the last velocity */
+    auvid_nav_velocity_sample_t last_velocity; /* the last velocity */
 } logger_t;
 
 /* One run. */
@@ -48,41 +47,42 @@ typedef struct {
     double simulated_s;
 } run_t;
 
-/* A new velocity: rows since the last one can be written. After a gap they are dropped. */
-static void log_velocity(logger_t *logger, const auvid_nav_velocity_sample_t *knot)
+/* Writes the rows up to a new velocity. After a gap they are dropped. */
+static void log_velocity(logger_t *logger, const auvid_nav_velocity_sample_t *last_velocity)
 {
-    double t0 = 1e-6 * (double)logger->knot.t_us, t1 = 1e-6 * (double)knot->t_us;
-    for (int k = 0; k < logger->rows && logger->knot.sequence > 0 && t1 - t0 <= 0.5; ++k) {
+    double t0 = 1e-6 * (double)logger->last_velocity.t_us, t1 = 1e-6 * (double)last_velocity->t_us;
+    for (int k = 0; k < logger->rows && logger->last_velocity.sequence > 0 && t1 - t0 <= 0.5; ++k) {
         csv_row_t *row = &logger->row[k];
         double part = (row->value[CSV_T] - t0) / (t1 - t0);
         if (part < 0.0 || part >= 1.0) {
             continue;
         }
         for (int i = 0; i < 3; ++i) {
-            double from = (double)logger->knot.velocity[i], to = (double)knot->velocity[i];
+            double from = (double)logger->last_velocity.velocity[i],
+                   to = (double)last_velocity->velocity[i];
             row->value[CSV_NU + i] = from + part * (to - from);
         }
         csv_write_row(logger->writer, row);
     }
     logger->rows = 0;
-    logger->knot = *knot;
+    logger->last_velocity = *last_velocity;
 }
 
-/* A tick: the wrench since the row before, attitude and rates now. */
+/* Adds a row: the wrench since the previous row, attitude and rates now. */
 static void log_tick(logger_t *logger, const world_t *world)
 {
     auvid_nav_state_t state;
     const auvid_nav_t *nav = &world->node[0].id.nav;
-    const auvid_nav_velocity_sample_t *knot = &nav->ground;
+    const auvid_nav_velocity_sample_t *last_velocity = &nav->ground;
     if (logger->writer == NULL || auvid_nav_state(nav, &state) != AUVID_OK) {
         return;
     }
     if (logger->rows > 0) {
-        memcpy(&logger->row[logger->rows - 1].value[CSV_WRENCH], world->craft.seen.wrench,
-               sizeof world->craft.seen.wrench);
+        memcpy(&logger->row[logger->rows - 1].value[CSV_WRENCH], world->vehicle_sim.seen.wrench,
+               sizeof world->vehicle_sim.seen.wrench);
     }
-    if (knot->sequence != logger->knot.sequence) {
-        log_velocity(logger, knot);
+    if (last_velocity->sequence != logger->last_velocity.sequence) {
+        log_velocity(logger, last_velocity);
     }
     if (logger->rows == WAITING) {
         logger->rows = 0;
@@ -96,13 +96,13 @@ static void log_tick(logger_t *logger, const world_t *world)
     }
 }
 
-/* told: number of the estimate that was shown last. */
+/* shown: number of the estimate that was shown last. */
 static void show_progress(const run_t *run, const options_t *options, progress_t *progress,
-                          uint32_t *told)
+                          uint32_t *shown)
 {
     const auvid_estimate_t *e = &run->world.node[0].id.estimate;
-    double truth[CRAFT_PARAMETERS];
-    vehicle_sim_truth(&run->world.craft, truth);
+    double truth[VEHICLE_SIM_PARAMETERS];
+    vehicle_sim_truth(&run->world.vehicle_sim, truth);
     double rms = report_rms_percent(e, truth);
     double t = world_time_s(&run->world), total = (double)options->sets * WORLD_SET_S + 10.0;
     double part = t < total ? t / total : 1.0;
@@ -112,21 +112,21 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
     }
     progress_bar(progress, part, "%.0f s, %u set%s: rms error %.2f %%", t, (unsigned)e->sets,
                  e->sets == 1 ? "" : "s", rms);
-    if (e->number != *told) {
-        *told = e->number;
+    if (e->number != *shown) {
+        *shown = e->number;
         progress_line(progress, "%5.0f s, %2u set%s rms error %5.2f %%", t, (unsigned)e->sets,
                       e->sets == 1 ? ": " : "s:", rms);
     }
 }
 
-/* Is everything recorded that will be? */
+/* Is the recording complete? */
 static bool is_over(const auvid_identifier_t *id, const options_t *options)
 {
     return options->adaptive ? id->guard.state == AUVID_GUARD_DONE
                              : id->metric.sets_recorded >= options->sets;
 }
 
-/* Has a search ended since the last tick? */
+/* Lists the estimate of a search that ended in this tick. */
 static void list_estimate(run_t *run)
 {
     const auvid_node_t *node = &run->world.node[0];
@@ -137,7 +137,7 @@ static void list_estimate(run_t *run)
     }
 }
 
-/* Excite, record and identify. Progress may be null. */
+/* Excites, records and identifies. progress may be NULL. */
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
     world_t *world = &run->world;
@@ -160,7 +160,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
             return false;
         }
     }
-    uint32_t told = 0, linger = 0, exciting = 0;
+    uint32_t shown = 0, linger = 0, exciting = 0;
     double end_s = (double)options->sets * WORLD_SET_S + PATIENCE_S +
                    PATIENCE_UNITS * TICK_S / options->budget;
     while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
@@ -174,16 +174,16 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         }
         linger = busy ? 0 : linger + 1;
         if (progress != NULL) {
-            show_progress(run, options, progress, &told);
+            show_progress(run, options, progress, &shown);
         }
     }
     for (int i = 0; i < world->nodes; ++i) {
         report_gather(&run->result[i], &world->node[i].id, seed);
-        run->result[i].estimate.not_converged |= linger == 0; /* it ran out of time */
+        run->result[i].estimate.not_converged |= linger == 0; /* the time ran out */
         run->result[i].budget = options->budget;
     }
     run->result[0].estimates = &run->estimates;
-    report_heard(&run->result[0], &world->craft);
+    report_add_truth(&run->result[0], &world->vehicle_sim);
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
     run->simulated_s = world_time_s(world);
@@ -197,7 +197,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     return true;
 }
 
-/* Simulate with the estimate and with the truth what the vehicle does under another excitation. */
+/* Simulates another excitation with the estimate and with the true parameters. */
 static bool validate(run_t *run, const options_t *options, uint64_t seed)
 {
     world_t *world = &run->world;
@@ -243,7 +243,7 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
     return true;
 }
 
-/* One run, and a log of it unless path is null. Returns 0, or EXIT_REFUSED after a complaint. */
+/* Does one run, with a log unless path is NULL. Returns 0, or EXIT_REFUSED after a message. */
 static int run_once(run_t *run, const options_t *options, uint64_t seed, const char *path,
                     progress_t *progress)
 {
@@ -266,7 +266,7 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
     return path == NULL ? 0 : csv_commit(&writer);
 }
 
-/* "100 N on X, Y, Z, 40 Nm on N". */
+/* Prints "100 N on X, Y, Z, 40 Nm on N". */
 static void print_amplitudes(const vehicle_t *vehicle)
 {
     const char *separator = "";
@@ -294,26 +294,27 @@ static void print_heading(const options_t *options)
         printf(" .. %llu", (unsigned long long)(options->seed + options->runs - 1));
     }
     if (options->adaptive) {
-        printf("\n  excitation   adaptive, %u s at most: ", (unsigned)options->sets * WORLD_SET_S);
+        printf("\n  excitation   adaptive, at most %u s: ", (unsigned)options->sets * WORLD_SET_S);
     } else {
-        printf("\n  excitation   %u set%s of %d s, steps and sines in turn: ",
+        printf("\n  excitation   %u set%s of %d s, alternating steps and sines: ",
                (unsigned)options->sets, options->sets == 1 ? "" : "s", WORLD_SET_S);
     }
     print_amplitudes(options->vehicle);
     printf(
         "\n  sensors      IMU 50 Hz, DVL 5 Hz, depth 10 Hz; disturbance %g N, thruster lag %g s\n",
         options->disturbance_N, options->lag_s);
-    printf("  metric       %s\n", options->literal ? "our reading of the paper: smoothed states, "
-                                                     "raw wrench"
-                                                   : "rows and wrench smoothed alike");
+    printf("  metric       %s\n", options->literal
+                                      ? "literal smoothing of the paper: smoothed states, "
+                                        "raw wrench"
+                                      : "states and wrench smoothed with the same filter");
 }
 
-/* How long it took, and what is not known at its end. */
+/* Prints the duration of the excitation, and the parameters that are not identified. */
 static void print_adaptive(const result_t *result)
 {
     printf("  adaptive  %.0f s of excitation; ", result->excited_s);
     const uint32_t lists[] = {result->given_up, result->still_missing};
-    static const char *const words[] = {"given up:", "still missing:"};
+    static const char *const words[] = {"abandoned:", "still missing:"};
     for (int k = 0; k < 2; ++k) {
         for (int i = 0; lists[k] != 0 && i < result->vehicle->parameters; ++i) {
             bool first = lists[k] << (31 - i) << 1 == 0;
@@ -336,9 +337,9 @@ static int single_run(run_t *run, const options_t *options)
         return status;
     }
     const result_t *last = options->literal ? &run->result[1] : NULL;
-    const beside_t beside = {"last_set", last, NULL};
+    const second_result_t second = {"last_set", last, NULL};
     if (options->json) {
-        report_json(&run->result[0], NULL, last != NULL ? &beside : NULL, NULL);
+        report_json(&run->result[0], NULL, last != NULL ? &second : NULL, NULL);
     } else {
         print_heading(options);
         putchar('\n');
@@ -351,10 +352,10 @@ static int single_run(run_t *run, const options_t *options)
     return report_exit(&run->result[0]);
 }
 
-/* All runs into the tallies; the first one's results are kept. */
+/* Does all runs and adds them to the tallies. The results of the first run are kept. */
 static int run_all(run_t *run, const options_t *options, tally_t *tally, result_t *first)
 {
-    uint32_t told = 0;
+    uint32_t shown = 0;
     int status = 0;
     progress_t progress;
     progress_begin(&progress, !options->json);
@@ -369,8 +370,8 @@ static int run_all(run_t *run, const options_t *options, tally_t *tally, result_
         progress_bar(&progress, (double)(k + 1) / options->runs, "run %u of %u", (unsigned)(k + 1),
                      (unsigned)options->runs);
         uint32_t tenths = (uint32_t)(10.0 * (k + 1) / options->runs);
-        if (tenths != told) {
-            told = tenths;
+        if (tenths != shown) {
+            shown = tenths;
             progress_line(&progress, "%u of %u runs", (unsigned)(k + 1), (unsigned)options->runs);
         }
     }
@@ -401,9 +402,9 @@ static int many_runs(run_t *run, const options_t *options)
         for (int i = 0; i < lists; ++i) {
             tally_finish(&tally[i], &first[i], options->seed);
         }
-        const beside_t beside = {"last_set", &first[1], last};
+        const second_result_t second = {"last_set", &first[1], last};
         if (options->json) {
-            report_json(&first[0], all, last != NULL ? &beside : NULL, NULL);
+            report_json(&first[0], all, last != NULL ? &second : NULL, NULL);
         } else {
             report_campaign(&first[0], all, last);
         }

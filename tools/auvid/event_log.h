@@ -1,18 +1,18 @@
 /**
  * @file event_log.h
- * What happened in a scenario, and when (simulated time): lines on stdout, or kept for JSON.
+ * Events of a scenario with their simulated times: printed on stdout, or stored for JSON.
  */
 #ifndef PROGRAM_STORY_H
 #define PROGRAM_STORY_H
 
 #include <stdbool.h>
 
-/** Most lines, and the longest one. */
+/** Largest number of lines; longest line. */
 enum { EVENT_LOG_LINES = 120, EVENT_LOG_LENGTH = 120 };
 
 typedef struct {
     const char *name; /**< of the scenario */
-    bool silent;      /**< lines are kept only */
+    bool silent;      /**< lines are stored and not printed */
     int lines;
     struct {
         double t_s;
@@ -20,8 +20,8 @@ typedef struct {
     } line[EVENT_LOG_LINES];
 } event_log_t;
 
-/** Tell a line. The text must not hold quotes or backslashes. Lines beyond EVENT_LOG_LINES are not
- * kept. */
-void event_log_add(event_log_t *story, double t_s, const char *format, ...);
+/** Adds a line. The text must not contain quotes or backslashes. Lines after the first
+ * EVENT_LOG_LINES are not stored. */
+void event_log_add(event_log_t *events, double t_s, const char *format, ...);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * auvid demo in the field: --field, --mismatch, --matched.
+ * auvid demo with --field, --mismatch or --matched: statistics of vehicles with mismatches.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,12 +10,12 @@
 #include "field_report.h"
 #include "progress.h"
 
-/* Stream of random numbers of a matched world. */
+/* Random stream of --matched. */
 #define MATCHED_STREAM 1000
 
 static const char *const vehicle_names[FIELD_VEHICLES] = {"girona500", "rov20"};
 
-/* Everything of a campaign. */
+/* Memory of a campaign. */
 typedef struct {
     field_run_t run;
     field_run_config_t config;
@@ -25,14 +25,14 @@ typedef struct {
     char world[600];
 } campaign_memory_t;
 
-/* NAME=SIZE. Returns 0, or EXIT_REFUSED after a complaint. */
+/* Applies NAME=SIZE. Returns 0, or EXIT_REFUSED after an error message. */
 static int set_mismatch(const char *text, field_config_t *field)
 {
     char name[64], *end = NULL;
     const char *equals = strchr(text, '=');
     size_t length = equals == NULL ? 0 : (size_t)(equals - text);
     if (length == 0 || length >= sizeof name) {
-        return report_error("--mismatch: '%s' is not NAME=SIZE, or list", text);
+        return report_error("--mismatch: '%s' is neither NAME=SIZE nor list", text);
     }
     memcpy(name, text, length);
     name[length] = '\0';
@@ -46,10 +46,10 @@ static int set_mismatch(const char *text, field_config_t *field)
                                       kind[k].min_size, kind[k].max_size);
         }
     }
-    return report_error("--mismatch: '%s' is none (--mismatch list shows them)", name);
+    return report_error("--mismatch: '%s' is not a mismatch (see --mismatch list)", name);
 }
 
-/* Thrust that is delivered as told. */
+/* Removes all mismatches of the thrust. */
 static void perfect_thrust(field_config_t *field)
 {
     const field_mismatch_t *kind;
@@ -60,7 +60,7 @@ static void perfect_thrust(field_config_t *field)
     }
 }
 
-/* Nothing but the two scales, drawn from what the identifier is told of them. */
+/* Draws only the two scales, with the standard deviations that the identifier is given. */
 static void draw_matched(const auvid_uncertainty_t *u, field_config_t *field)
 {
     sim_rng_t rng;
@@ -70,7 +70,7 @@ static void draw_matched(const auvid_uncertainty_t *u, field_config_t *field)
     (void)field_set(field, "dvl_scale", (double)u->dvl_scale * sim_rng_gauss(&rng));
 }
 
-/* The world of the run with this seed. */
+/* Configures the run with this seed. */
 static int make_world(const options_t *options, const auvid_uncertainty_t *u, uint64_t seed,
                       field_run_config_t *config)
 {
@@ -95,7 +95,7 @@ static int make_world(const options_t *options, const auvid_uncertainty_t *u, ui
     return status;
 }
 
-/* For people. */
+/* Describes the mismatches in words. */
 static void describe(const options_field_t *f, char *text, size_t size)
 {
     char mixture[64] = "";

@@ -18,7 +18,7 @@ static const char *parameter_name(int i)
     return auvid_girona500.parameter[i].name;
 }
 
-/* How a mixture draws a kind. */
+/* Describes how a mixture draws a kind of mismatch. */
 static void describe_draw(const field_mismatch_t *kind, char *text, size_t size)
 {
     char chance[32] = "";
@@ -50,7 +50,7 @@ void field_report_mismatches(void)
 
 /* ---- tables ---- */
 
-/* "12.3 ( 8.1- 16.0)" in 19 columns; shares in per cent. */
+/* Prints "12.3 ( 8.1- 16.0)" in 19 columns; shares in per cent. */
 static void print_share(const field_figure_t *f)
 {
     if (isnan(f->value)) {
@@ -83,7 +83,7 @@ static void print_groups(const field_table_t *table)
         print_value(&f[FIELD_AT(FIELD_ERROR_FLAGGED, g)], 100.0);
         putchar('\n');
     }
-    printf("  %-20s%21s", "by the told truth", "");
+    printf("  %-20s%21s", "for reported thrust", "");
     print_share(&f[FIELD_AT(FIELD_TOLD_WRONG, FIELD_ALL)]);
     print_share(&f[FIELD_AT(FIELD_TOLD_BEYOND, FIELD_ALL)]);
     printf("\n  %-15s%5u", "runs with wrong", (unsigned)table->runs);
@@ -101,7 +101,8 @@ static void print_groups(const field_table_t *table)
 
 static void print_forces(const field_table_t *table)
 {
-    printf("\n  %-13s%13s%19s%21s%22s\n", "drag force", "> 20 % off", "flagged", "wrong", "beyond");
+    printf("\n  %-13s%13s%19s%21s%22s\n", "drag force", "error > 20 %", "flagged", "wrong",
+           "beyond");
     for (int k = 0; k < FIELD_PARTS; ++k) {
         printf("  at %.1f      ", field_part[k]);
         for (int q = 0; q <= FIELD_FORCE_BEYOND; ++q) {
@@ -137,7 +138,7 @@ static const char *note_name(int note)
 
 static void print_notes(const field_table_t *table)
 {
-    puts("\n  said of so many parameters [%]");
+    puts("\n  share of the parameters with each note [%]");
     for (int note = 0; note < FIELD_NOTES; ++note) {
         const field_figure_t *f = &table->figure[FIELD_AT_NOTE + note];
         if (f->value > 0.0) {
@@ -150,12 +151,12 @@ void field_report_tables(const field_campaign_t *campaign, const field_table_t *
                          const field_record_t *record)
 {
     const auvid_uncertainty_t *u = &campaign->uncertainty;
-    printf("auvid %s demo: %s in the field, %s, seeds %llu .. %llu\n", AUVID_VERSION_STRING,
+    printf("auvid %s demo: field statistics of %s, %s, seeds %llu .. %llu\n", AUVID_VERSION_STRING,
            campaign->vehicle, campaign->driver, (unsigned long long)campaign->seed,
            (unsigned long long)(campaign->seed + table->runs - 1));
     printf("  mismatches   %s\n", campaign->world);
-    printf("  uncertainty  of the thrust's scale %g, of the DVL's %g, of the delay %g s\n",
-           (double)u->thrust_scale, (double)u->dvl_scale, (double)u->delay_s);
+    printf("  uncertainty  thrust scale %g, DVL scale %g, delay %g s\n", (double)u->thrust_scale,
+           (double)u->dvl_scale, (double)u->delay_s);
     printf("  time         %u runs of %.0f s simulated in %.1f s\n\n", (unsigned)table->runs,
            record->simulated_s, campaign->wall_s);
     print_groups(table);
@@ -202,7 +203,7 @@ static void json_groups(const field_table_t *table)
         printf(",\n  \"%s\": {", question_names[q]);
         for (int g = 0; g < FIELD_GROUPS; ++g) {
             bool class = g < FIELD_CLASSES;
-            if (class || g != FIELD_CLASSES + SIM_WB) { /* W-B is its own class */
+            if (class || g != FIELD_CLASSES + SIM_WB) { /* W-B is a class of its own */
                 json_figure(g == 0 ? "\n    " : ",\n    ",
                             class ? group_keys[g] : parameter_name(g - FIELD_CLASSES),
                             &table->figure[FIELD_AT(q, g)]);
@@ -263,7 +264,7 @@ static void json_record(const field_record_t *record)
     json_list("flagged", flagged, SIM_PARAMETERS);
     json_list("note", note, SIM_PARAMETERS);
     json_list("truth", truth->si, SIM_PARAMETERS);
-    json_list("told_truth", truth->told, SIM_PARAMETERS);
+    json_list("told_truth", truth->reported, SIM_PARAMETERS);
     json_list("told_gain", truth->gain, FIELD_EQUATIONS);
     json_list("residual", truth->residual, FIELD_EQUATIONS);
     json_list("speed", truth->speed[0], FIELD_DIRECTIONS);

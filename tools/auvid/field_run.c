@@ -5,20 +5,20 @@
 
 #include "vehicles.h"
 
-/* Length of a set, and the time for which the last one may be late [s]. */
+/* Length of a set, and largest delay of the last one [s]. */
 #define SET_S 30.0
 #define LATE_S 60.0
 
-/* The excitation begins after this time [s]. */
+/* Start of the excitation [s]. */
 #define BEGIN_S 1.0
 
-/* From one sample of the DVL to the next. */
+/* Interval of the DVL samples. */
 #define DVL_US 200000u
 
-/* Ticks from one look at the truth to the next. */
+/* Interval in ticks at which the truth is sampled. */
 #define LOOK 4
 
-/* Units of work in a call, when nobody waits. */
+/* Work units per call where time does not matter. */
 #define AT_EASE 1000000u
 
 const double field_part[FIELD_PARTS] = {0.3, 0.6, 1.0};
@@ -32,18 +32,18 @@ void field_run_defaults(field_run_config_t *config)
     config->budget = AUVID_DEFAULT_BUDGET;
 }
 
-/* The thrusters as the operator knows them. */
+/* The thrusters as known to the operator. */
 static void allocate(field_vehicle_t vehicle, auvid_allocation_config_t *to)
 {
-    double matrix[6][SIM_THRUSTERS], most_N = 0.0;
+    double matrix[6][SIM_THRUSTERS], max_N = 0.0;
     auvid_allocation_defaults(to);
-    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &most_N);
+    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &max_N);
     for (int i = 0; i < to->thrusters; ++i) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             to->thruster[i].wrench[j] = (auvid_real_t)matrix[j][i];
         }
-        to->thruster[i].max_N = (auvid_real_t)most_N;
-        to->thruster[i].min_N = (auvid_real_t)-most_N;
+        to->thruster[i].max_N = (auvid_real_t)max_N;
+        to->thruster[i].min_N = (auvid_real_t)-max_N;
     }
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         to->dofs |= AUVID_DOF_BIT(field_dof(e));
@@ -113,7 +113,7 @@ static void sense(const field_output_t *seen, auvid_input_t *in)
     in->gps.y_m = (auvid_real_t)s[SIM_GPS].value[1];
 }
 
-/* Once the filter runs: arm, and excite. */
+/* Arms and starts the excitation once the filter runs. */
 static void begin(auvid_identifier_t *id)
 {
     if (id->guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(id) == AUVID_OK) {
@@ -121,7 +121,7 @@ static void begin(auvid_identifier_t *id)
     }
 }
 
-/* Record until all sets are complete, or the time of a passive run is over. */
+/* Records until all sets are complete, or until a passive run ends. */
 static void record_motion(field_run_t *run, const field_run_config_t *config)
 {
     bool excited = config->field.driver == FIELD_EXCITED;
@@ -134,10 +134,10 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
         auvid_input_t in;
         auvid_output_t out;
         field_step(&run->field, excited ? thruster_N : NULL, &seen);
-        if (seen.told) {
+        if (seen.reported) {
             auvid_real_t wrench[AUVID_DOF_COUNT];
             copy(wrench, seen.wrench, AUVID_DOF_COUNT);
-            (void)auvid_identifier_applied(id, seen.told_us, wrench, NULL);
+            (void)auvid_identifier_applied(id, seen.reported_us, wrench, NULL);
         }
         if (excited && k >= begin_at) {
             begin(id);
@@ -156,15 +156,14 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
     }
 }
 
-/* Drag force of DoF e's pair at this velocity, as the library tells it. */
+/* Drag force of DoF e at this velocity, as reported by the library. */
 static void estimate_force(const auvid_identifier_t *id, int e, double velocity, field_force_t *to)
 {
     auvid_drag_t drag;
     to->half = HUGE_VAL;
-    to->estimated = to->estimated &&
-                    auvid_estimate_drag(&id->estimate, id->metric.cfg.vehicle,
-                                        (auvid_dof_t)field_dof(e), (auvid_real_t)velocity,
-                                        &drag) == AUVID_OK;
+    to->estimated = to->estimated && auvid_estimate_drag(&id->estimate, id->metric.cfg.vehicle,
+                                                         (auvid_dof_t)field_dof(e),
+                                                         (auvid_real_t)velocity, &drag) == AUVID_OK;
     if (to->estimated) {
         to->value = (double)drag.force;
         to->half = drag.half_width < AUVID_LARGEST ? (double)drag.half_width : HUGE_VAL;

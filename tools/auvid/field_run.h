@@ -1,11 +1,10 @@
 /**
  * @file field_run.h
- * One run of a vehicle in the field (field.h) with an identifier aboard: what it said, and what
- * would have been right.
+ * One run of a field vehicle (field.h) with an identifier: its results, and the correct ones.
  *
- * The identifier is fed directly, without frames: its model is the Girona500's (Eq. 12-15) for
- * both vehicles, with averaged rows for the ROV of 20 kg. Excited runs play the demo's plan, with
- * the guard's limits off; the others record, while somebody else drives.
+ * The identifier is fed directly, without frames. Its model is the Girona500 (Eq. 12-15) for
+ * both vehicles, with averaged rows for the ROV of 20 kg. Excited runs play the plan of the demo,
+ * with the limits of the guard off. In the other runs the identifier only records.
  */
 #ifndef PROGRAM_FIELD_RUN_H
 #define PROGRAM_FIELD_RUN_H
@@ -17,41 +16,41 @@
 /** Length of a passive run [s]. */
 #define FIELD_PASSIVE_S 600.0
 
-/** Drag forces whose truth is known: parts of the largest speed in each direction. */
+/** Drag forces with known truth, at fractions of the largest speed in each direction. */
 enum { FIELD_PARTS = 3, FIELD_DIRECTIONS = 2 * FIELD_EQUATIONS };
 extern const double field_part[FIELD_PARTS];
 
 typedef struct {
     field_config_t field;
-    /** Of the identifier: auvid_uncertainty_t. Negative: the library's default. */
+    /** Uncertainties of the identifier (auvid_uncertainty_t). Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
-    uint32_t sets;   /**< excited: of 30 s */
-    uint32_t budget; /**< of work in a tick [units] */
+    uint32_t sets;   /**< excited: number of sets of 30 s */
+    uint32_t budget; /**< work units per tick */
 } field_run_config_t;
 
-/** A drag force: at field_part of the largest speed forward and backward of each equation. */
+/** A drag force at the fraction field_part of the largest speed of an equation and direction. */
 typedef struct {
     double value; /**< estimated [N, Nm] */
-    double half;  /**< its 95 % half-width; infinite: not known */
+    double half;  /**< its 95 % half-width; infinite: unknown */
     bool estimated, flagged;
 } field_force_t;
 
-/** What a run gave. */
+/** The results of a run. */
 typedef struct {
     uint64_t seed;
-    double size[FIELD_MISMATCHES]; /**< of the mismatches */
+    double size[FIELD_MISMATCHES]; /**< sizes of the mismatches */
     double tau_max[FIELD_EQUATIONS];
     bool not_converged; /**< the search has not converged */
-    uint32_t sets; /**< recorded */
+    uint32_t sets;      /**< recorded */
     double simulated_s;
-    bool estimated[SIM_PARAMETERS];  /**< free, and its DoF excited enough */
+    bool estimated[SIM_PARAMETERS];  /**< free, and its DoF sufficiently excited */
     bool flagged[SIM_PARAMETERS];    /**< identifiable */
-    bool impossible[SIM_PARAMETERS]; /**< its equation is discredited for it */
+    bool impossible[SIM_PARAMETERS]; /**< impossible value, which discredits its equation */
     uint8_t note[SIM_PARAMETERS];    /**< auvid_note_t */
     double pi[SIM_PARAMETERS];
-    double sigma[SIM_PARAMETERS]; /**< infinite: not known */
+    double sigma[SIM_PARAMETERS]; /**< infinite: unknown */
     double delay_s[FIELD_EQUATIONS];
-    field_force_t force[FIELD_PARTS][FIELD_DIRECTIONS]; /**< direction 2 e: forward */
+    field_force_t force[FIELD_PARTS][FIELD_DIRECTIONS]; /**< direction 2 e: forward of equation e */
     field_reference_t truth;
 } field_record_t;
 
@@ -63,15 +62,15 @@ typedef struct {
     field_projection_t projection;
 } field_run_t;
 
-/** The defaults: field as configured, 8 sets, the library's uncertainties and budget. */
+/** Writes the defaults: field as configured, 8 sets, uncertainties and budget of the library. */
 void field_run_defaults(field_run_config_t *config);
 
-/** What the identifier of a run is configured like.
+/** Writes the identifier configuration of a run.
  * @param averaged written for the ROV; must outlive the identifier */
 void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *averaged,
                           auvid_identifier_config_t *cfg);
 
-/** Do a run. False: the simulator or the library refuses the configuration. */
+/** Does a run. Returns false if the simulator or the library refuses the configuration. */
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record);
 
 #endif

@@ -9,7 +9,7 @@
 
 const double field_limit[FIELD_LIMITS] = {0.10, 0.15, 0.20, 0.25, 0.30, 0.40};
 
-/* The library's limit, among them. */
+/* The limits, including that of the library. */
 #define OWN_LIMIT 0.20
 
 /* Error probability of an interval. */
@@ -23,7 +23,7 @@ static int class_of(int i)
                                     : FIELD_QUADRATIC;
 }
 
-/* Force of an error of parameter i at the largest motion of the run. */
+/* Force error of parameter i at the largest motion of the run. */
 static double error_force(const field_record_t *record, int i, double error)
 {
     int e = field_equation(i);
@@ -57,7 +57,7 @@ static void add(field_ratio_t *to, double part, double whole)
     to->whole += whole;
 }
 
-/* An answer about parameter i, into the figures of each group that it belongs to. */
+/* Adds a result on parameter i to the figures of each of its groups. */
 static void answer(field_ratio_t *run, int question, int i, double part)
 {
     bool relative = question == FIELD_ERROR || question == FIELD_ERROR_FLAGGED;
@@ -74,7 +74,7 @@ static void answer(field_ratio_t *run, int question, int i, double part)
 static void take_parameter(field_ratio_t *run, const field_record_t *record, int i)
 {
     double error = record->pi[i] - record->truth.si[i], off = fabs(error);
-    double told = fabs(record->pi[i] - record->truth.told[i]);
+    double reported = fabs(record->pi[i] - record->truth.reported[i]);
     double scale = i == SIM_WB ? record->tau_max[field_equation(i)] : record->truth.si[i];
     double sigma = record->sigma[i], relative = error / scale;
     answer(run, FIELD_FLAGGED, i, record->flagged[i]);
@@ -91,12 +91,12 @@ static void take_parameter(field_ratio_t *run, const field_record_t *record, int
         answer(run, FIELD_BEYOND, i, !(off <= HALF_WIDTH * sigma));
         answer(run, FIELD_OVER_SIGMA, i, error * error / (sigma * sigma));
         answer(run, FIELD_ERROR_FLAGGED, i, relative * relative);
-        answer(run, FIELD_TOLD_WRONG, i, field_is_wrong(record, i, record->truth.told));
-        answer(run, FIELD_TOLD_BEYOND, i, !(told <= HALF_WIDTH * sigma));
+        answer(run, FIELD_TOLD_WRONG, i, field_is_wrong(record, i, record->truth.reported));
+        answer(run, FIELD_TOLD_BEYOND, i, !(reported <= HALF_WIDTH * sigma));
     }
 }
 
-/* Drag force k, d, at a speed that the vehicle has had. */
+/* Adds drag force k, d, at a speed that the vehicle has reached. */
 static void take_force(field_ratio_t *run, const field_record_t *record, int k, int d)
 {
     const field_force_t *force = &record->force[k][d];
@@ -123,7 +123,7 @@ static void take_force(field_ratio_t *run, const field_record_t *record, int k, 
     }
 }
 
-/* Is an estimate of parameter i's equation impossible? */
+/* Is an estimate in the equation of parameter i impossible? */
 static bool is_discredited(const field_record_t *record, int i)
 {
     bool found = false;
@@ -134,7 +134,7 @@ static bool is_discredited(const field_record_t *record, int i)
 }
 
 /* Would parameter i be flagged with another limit of the half-width? The flags of a narrower limit
- * are among those of a wider one. W-B has a limit of its own. */
+ * are a subset of those of a wider one. W-B has a limit of its own. */
 static bool is_flagged_at(const field_record_t *record, int i, double limit)
 {
     bool narrow = HALF_WIDTH * record->sigma[i] <= limit * fabs(record->pi[i]);
@@ -235,7 +235,7 @@ static double binomial(uint32_t k, uint32_t n, double p)
     return sum;
 }
 
-/* Where P(X <= k) falls to a level. */
+/* The probability p at which P(X <= k) falls to a level. */
 static double quantile(uint32_t k, uint32_t n, double level)
 {
     double low = 0.0, high = 1.0;
@@ -252,7 +252,7 @@ void field_clopper_pearson(uint32_t k, uint32_t n, double interval[2])
     interval[1] = k >= n ? 1.0 : quantile(k, n, ALPHA / 2.0);
 }
 
-/* Sums of all figures over runs drawn with replacement; rng null: each run once. */
+/* Sums all figures over runs drawn with replacement. rng NULL: each run once. */
 static void sum_runs(const field_table_t *table, sim_rng_t *rng, field_ratio_t *sum)
 {
     memset(sum, 0, FIELD_FIGURES * sizeof *sum);
@@ -265,7 +265,7 @@ static void sum_runs(const field_table_t *table, sim_rng_t *rng, field_ratio_t *
     }
 }
 
-/* The interval of figure f; value: of its resamples. */
+/* Interval of figure f from the values of its resamples. */
 static void find_interval(field_table_t *table, int f, field_ratio_t sum, double *value)
 {
     field_figure_t *to = &table->figure[f];

@@ -1,6 +1,6 @@
 /*
- * auvid fit: identify a vehicle from a recorded log, with the recorder, metric and optimizer that
- * work on board.
+ * auvid fit: identifies a vehicle from a recorded log, with the recorder, metric and optimizer that
+ * run on board.
  */
 #include <math.h>
 #include <stdio.h>
@@ -16,35 +16,35 @@
 #include "statistics.h"
 #include "units.h"
 
-/* Rows further apart end the record, and it begins anew. */
+/* Rows further apart are a gap, after which a new record starts. */
 #define GAP_US 500000u
 
-/* Shortest set [rows of half a second]: a set is what is left out in cross-validation. */
+/* Shortest set [rows of half a second]. Cross-validation leaves out one set at a time. */
 #define SHORTEST_SET 20
-/* Most rows that the ring may hold (metric.h). */
-#define MOST_ROWS 60000u
+/* Capacity of the ring in rows (metric.h). */
+#define MAX_ROWS 60000u
 
-/* An input whose largest value is below this part of the largest of all does not count as driven:
- * it is what rounding leaves of zero. */
+/* Relative to the largest of all inputs. An input that stays below this value is rounding noise of
+ * zero and does not count as excited. */
 #define NEGLIGIBLE 1e-3
 
-/* The log with its models. */
+/* A fit: logs, options and models. */
 typedef struct {
     const options_t *options;
     csv_log_t train, test;
-    size_t gaps; /* in the training log */
+    size_t gaps; /* number of gaps in the training log */
     replay_t replay;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t free;                            /* bit i: parameter i is identified */
-    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /* values of the others */
-    const char *why[AUVID_DOF_COUNT];         /* why a DoF cannot be identified; null: it may be */
-    auvid_identifier_t *coupled, *decoupled;  /* whichever are wanted */
-    double error[2];                          /* cross-validation of the two; < 0: none */
+    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /* values of the other parameters */
+    const char *why[AUVID_DOF_COUNT];         /* why a DoF cannot be identified, or NULL */
+    auvid_identifier_t *coupled, *decoupled;  /* NULL: not fitted */
+    double error[2];                          /* cross-validation errors of the two; < 0: none */
 } job_t;
 
-/* ---- what is to be identified ---- */
+/* ---- parameters to identify ---- */
 
-/* Parameter of a name that ends at `end`; -1 after a complaint. */
+/* Index of the parameter whose name ends at `end`, or -1 after a message. */
 static int parameter_named(const auvid_vehicle_t *model, const char *name, const char *end)
 {
     size_t length = (size_t)(end - name);
@@ -54,12 +54,12 @@ static int parameter_named(const auvid_vehicle_t *model, const char *name, const
             return i;
         }
     }
-    report_error_line("fit: '%.*s' is no parameter of the model %s", (int)length, name,
+    report_error_line("fit: '%.*s' is not a parameter of the model %s", (int)length, name,
                       model->name);
     return -1;
 }
 
-/* A constant force or moment in each DoF but heave, whose constant is W-B. */
+/* Mask of the constant force or moment in each DoF except heave, whose constant is W-B. */
 static uint32_t bias_of(const auvid_vehicle_t *model)
 {
     uint32_t mask = 0;
@@ -70,7 +70,7 @@ static uint32_t bias_of(const auvid_vehicle_t *model)
     return mask;
 }
 
-/* One --fix or --free. */
+/* Applies one --fix or --free. */
 static int take_choice(job_t *job, const char *text)
 {
     const char *value = strchr(text, '='), *end = NULL;
@@ -103,11 +103,12 @@ static int choose_free(job_t *job)
     for (int k = 0; k < options->choices && status == 0; ++k) {
         status = take_choice(job, options->choice[k]);
     }
-    return status == 0 && job->free == 0 ? report_error("fit: nothing is left to be identified")
-                                         : status;
+    return status == 0 && job->free == 0
+               ? report_error("fit: no parameter is left to identify: fix fewer of them")
+               : status;
 }
 
-/* ---- what the log holds ---- */
+/* ---- contents of the log ---- */
 
 static bool has_inputs(const csv_log_t *log, const auvid_vehicle_t *model, input_kind_t kind)
 {
@@ -118,7 +119,7 @@ static bool has_inputs(const csv_log_t *log, const auvid_vehicle_t *model, input
     return any;
 }
 
-/* A force needs its velocity in the log, and a moment its rate. */
+/* Checks that the log has the velocity of each force, and the rate of each moment. */
 static int check_columns(const csv_log_t *log, const job_t *job)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -134,8 +135,8 @@ static int check_columns(const csv_log_t *log, const job_t *job)
     return units_check(log);
 }
 
-/* Tell what of a log is not used. */
-static void tell_unused(csv_log_t *log, input_kind_t kind)
+/* Reports the unused columns of a log. */
+static void warn_unused(csv_log_t *log, input_kind_t kind)
 {
     int other = replay_inputs(kind == INPUT_WRENCH ? INPUT_COMMAND : INPUT_WRENCH);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -161,17 +162,17 @@ static int find_inputs(job_t *job)
     return check_columns(log, job);
 }
 
-/* Which DoF can be identified, and how large their inputs are. */
-static void find_driven(job_t *job)
+/* Finds the DoF that can be identified, and the largest values of their inputs. */
+static void find_excited(job_t *job)
 {
     const csv_log_t *log = &job->train;
-    double most = 0.0, largest[AUVID_DOF_COUNT] = {0};
+    double max_input = 0.0, largest[AUVID_DOF_COUNT] = {0};
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int input = replay_inputs(job->replay.kind) + j;
         for (size_t i = 0; i < log->rows; ++i) {
             largest[j] = fmax(largest[j], fabs(log->row[i].value[input]));
         }
-        most = fmax(most, largest[j]);
+        max_input = fmax(max_input, largest[j]);
     }
     for (size_t i = 1; i < log->rows; ++i) {
         job->gaps += replay_time_us(log, i) - replay_time_us(log, i - 1) > GAP_US;
@@ -182,7 +183,7 @@ static void find_driven(job_t *job)
         }
         if (!log->has[replay_inputs(job->replay.kind) + j]) {
             job->why[j] = "no input column";
-        } else if (!(largest[j] > NEGLIGIBLE * most)) {
+        } else if (!(largest[j] > NEGLIGIBLE * max_input)) {
             job->why[j] = "input is always zero";
         } else {
             job->replay.dofs = (uint8_t)(job->replay.dofs | 1u << j);
@@ -202,7 +203,7 @@ static int read_logs(job_t *job)
     if (status == 0 && options->validate != NULL) {
         status = csv_read(&job->test, options->validate);
         if (status == 0 && !has_inputs(&job->test, options->model, job->replay.kind)) {
-            status = report_error("%s:1:1: no input column of the kind that %s has (%s)",
+            status = report_error("%s:1:1: no input column of the same kind as in %s (%s)",
                                   options->validate, options->train,
                                   job->replay.kind == INPUT_WRENCH ? "X_N .." : "cmd_surge ..");
         }
@@ -213,7 +214,7 @@ static int read_logs(job_t *job)
 
 /* ---- identification ---- */
 
-/* Median time between rows [us]; 0: no memory. */
+/* Median time between rows [us], or 0 if there is no memory. */
 static double row_interval_us(const csv_log_t *log)
 {
     double *interval = malloc(log->rows * sizeof *interval);
@@ -228,8 +229,8 @@ static double row_interval_us(const csv_log_t *log)
     return median;
 }
 
-/* Velocity has the times of the rows: only where those are further apart than cells is it
- * interpolated. */
+/* Velocity is sampled at the times of the rows. Only if these are further apart than the cells is
+ * it interpolated. */
 static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
 {
     double interval = fmin(row_interval_us(&job->train), GAP_US);
@@ -244,7 +245,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     vehicle_use_averaged_model(cfg);
     cfg->search.seed = options->seed;
     if (job->replay.kind == INPUT_COMMAND) {
-        cfg->uncertainty.thrust_scale = 0; /* in units of the command it has none */
+        cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
     cfg->recorder.gap_us = GAP_US;
@@ -260,16 +261,16 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     if (options->literal) {
         auvid_identifier_literal(cfg);
     }
-    /* the whole log fits the ring */
+    /* make the whole log fit the ring */
     double row_s = 1e-6 * cfg->recorder.cell_us * cfg->metric.row_cells;
     double span_s = 1e-6 * (double)(replay_time_us(&job->train, job->train.rows - 1) -
                                     replay_time_us(&job->train, 0));
     double rows = ceil((span_s / row_s + 1.0) / cfg->metric.sets);
-    double most = floor((double)MOST_ROWS / cfg->metric.sets);
-    cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), most);
+    double max_rows = floor((double)MAX_ROWS / cfg->metric.sets);
+    cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), max_rows);
 }
 
-/* Replay the log with a model and search. Null after a complaint. */
+/* Replays the log with a model and searches. Returns NULL after a message. */
 static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
 {
     auvid_identifier_config_t cfg;
@@ -288,7 +289,7 @@ static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *veh
     return id;
 }
 
-/* Identify with the models wanted. Returns the one to report, or null after a complaint. */
+/* Identifies the selected models. Returns the one to report, or NULL after a message. */
 static auvid_identifier_t *choose(job_t *job)
 {
     coupling_t coupling = job->options->coupling;
@@ -322,24 +323,23 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
     printf("  log      %zu rows in %.0f s, %zu gap%s over 0.5 s\n", log->rows, span_s, job->gaps,
            job->gaps == 1 ? "" : "s");
     printf("  inputs   %s, %s\n", commands ? "commands (cmd_*)" : "forces and moments",
-           job->options->linear_input ? "straight from row to row" : "held until the next row");
+           job->options->linear_input ? "interpolated linearly between rows"
+                                      : "held until the next row");
     if (commands) {
-        printf(
-            "           Parameters are in units of command (cmd): times the newtons (yaw: newton\n"
-            "           metres) that one unit of command makes, they are in SI units.\n");
+        printf("           Parameters are in units of command (cmd). Multiply them by the newtons\n"
+               "           (yaw: newton metres) of one unit of command to get SI units.\n");
         if (job->options->coupling != COUPLING_OFF) {
-            printf(
-                "           Terms between degrees of freedom suppose the same for all of them.\n");
+            printf("           Coupling terms assume the same unit in all degrees of freedom.\n");
         }
     }
     printf("  metric   %s, %u set%s of at most %.0f s\n",
-           job->options->literal ? "our reading of the paper: smoothed states, raw wrench"
-                                 : "rows and wrench smoothed alike",
+           job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"
+                                 : "states and wrench smoothed with the same filter",
            (unsigned)id->metric.sets_recorded, id->metric.sets_recorded == 1 ? "" : "s", set_s);
     printf("  model    %s\n", id->metric.cfg.vehicle->name);
     if (job->error[0] >= 0.0 && job->error[1] >= 0.0) {
         printf("           chosen by cross-validation: rms residual %.4f coupled, %.4f decoupled,\n"
-               "           in parts of the largest input\n",
+               "           relative to the largest input\n",
                sqrt(job->error[0]), sqrt(job->error[1]));
     }
     putchar('\n');
@@ -350,11 +350,11 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     report_gather(result, id, job->options->seed);
     result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool driven = (id->estimate.excited >> j & 1u) != 0;
+        bool excited = (id->estimate.excited >> j & 1u) != 0;
         result->why[j] = job->why[j];
-        if (!driven && job->why[j] == NULL) {
+        if (!excited && job->why[j] == NULL) {
             result->why[j] = id->metric.sets_recorded > 0 ? "input hardly varies"
-                             : job->gaps > 0              ? "no unbroken stretch of 6 s in the log"
+                             : job->gaps > 0              ? "no 6 s without a gap in the log"
                                                           : "the log is too short";
         }
     }
@@ -369,11 +369,11 @@ static int run(job_t *job)
     if (status != 0) {
         return status;
     }
-    tell_unused(&job->train, job->replay.kind);
+    warn_unused(&job->train, job->replay.kind);
     if (options->validate != NULL) {
-        tell_unused(&job->test, job->replay.kind);
+        warn_unused(&job->test, job->replay.kind);
     }
-    find_driven(job);
+    find_excited(job);
     auvid_identifier_t *id = choose(job);
     if (id == NULL) {
         return EXIT_REFUSED;

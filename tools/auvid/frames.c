@@ -41,19 +41,19 @@ bool frames_receive(bus_memory_end_t *end, auvid_can_frame_t *frame)
     return false;
 }
 
-void frames_hear(bus_memory_end_t *end, vehicle_sim_t *craft)
+void frames_take(bus_memory_end_t *end, vehicle_sim_t *vehicle_sim)
 {
     auvid_can_frame_t frame;
     while (frames_receive(end, &frame)) {
-        vehicle_sim_take(craft, &frame);
+        vehicle_sim_take(vehicle_sim, &frame);
     }
 }
 
-void frames_vehicle(bus_memory_end_t *end, vehicle_sim_t *craft)
+void frames_vehicle(bus_memory_end_t *end, vehicle_sim_t *vehicle_sim)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
-    frames_hear(end, craft);
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
+    frames_take(end, vehicle_sim);
     bus_memory_advance(end->hub, SIM_TICK_US);
-    int count = vehicle_sim_tick(craft, frame);
+    int count = vehicle_sim_tick(vehicle_sim, frame);
     frames_send(end, frame, count);
 }

@@ -7,7 +7,7 @@
 #include "simulator.h"
 #include "statistics.h"
 
-/* Residuals of neighbouring cells are correlated: they are drawn in blocks of this length. */
+/* Length of the bootstrap blocks, because residuals of neighbouring cells are correlated. */
 #define BLOCK_S 10.0
 
 /* ---- cross-validation ---- */
@@ -19,7 +19,7 @@ static bool merge(auvid_metric_t *metric)
     return auvid_metric_merge(metric, &budget) == AUVID_OK;
 }
 
-/* Sum over the driven DoF of set `age` of squared residuals / tau_max^2; *rows counts them. */
+/* Sum of squared residuals / tau_max^2 over the excited DoF of set `age`; *rows counts them. */
 static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, uint32_t *rows)
 {
     auvid_metric_t train = *whole, test = *whole;
@@ -89,7 +89,7 @@ static void add(block_t *to, const block_t *from)
     to->ee += from->ee;
 }
 
-/* R2 over all blocks, and its 95 % interval: blocks are drawn again, with replacement. */
+/* R2 over all blocks, and its 95 % interval by bootstrap over the blocks. */
 static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result_t *result, int j)
 {
     double r2[RESAMPLES];
@@ -109,7 +109,7 @@ static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result
     result->r2_high[j] = statistics_quantile(r2, RESAMPLES, 0.975);
 }
 
-/* Simulate all cells; errors into blocks [blocks][AUVID_DOF_COUNT]. Returns blocks in use. */
+/* Simulates all cells, sums errors in block[][AUVID_DOF_COUNT], returns the number of blocks. */
 static size_t simulate(auvid_validation_t *validation, const cells_t *cells, block_t *block)
 {
     size_t used = 0;
@@ -147,9 +147,9 @@ bool heldout_r2(const csv_log_t *log, const replay_t *replay,
         return false;
     }
     result->has_validation = true;
-    size_t most = cells.cells + 1; /* every cell in a block of its own */
-    block_t *block = calloc(most * AUVID_DOF_COUNT, sizeof *block);
-    block_t *one = calloc(most, sizeof *one);
+    size_t max_blocks = cells.cells + 1; /* at most one block per cell */
+    block_t *block = calloc(max_blocks * AUVID_DOF_COUNT, sizeof *block);
+    block_t *one = calloc(max_blocks, sizeof *one);
     if (block == NULL || one == NULL) {
         free(block);
         free(one);

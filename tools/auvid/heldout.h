@@ -1,7 +1,7 @@
 /**
  * @file heldout.h
- * Judging models by data they have not seen: cross-validation on the training log, and R2 of
- * simulated velocity on another one.
+ * Validation on held-out data: cross-validation on the training log, and R2 of simulated velocity
+ * on another log.
  */
 #ifndef PROGRAM_HELDOUT_H
 #define PROGRAM_HELDOUT_H
@@ -9,11 +9,11 @@
 #include "replay.h"
 #include "report.h"
 
-/** Mean squared force residual, in parts of tau_max, of each set of the ring under the
- * least-squares parameters of all others. Negative when there are fewer than two sets. */
+/** Mean squared force residual, relative to tau_max, of each set of the ring under the
+ * least-squares parameters of all others. Negative if there are fewer than two sets. */
 double heldout_cross_validation(const auvid_metric_t *metric);
 
-/** Simulate the log with the estimate; fills the validation in *result. False: no memory. */
+/** Simulates the log with the estimate and fills the validation in *result. False: no memory. */
 bool heldout_r2(const csv_log_t *log, const replay_t *replay,
                 const auvid_recorder_config_t *recorder, uint64_t seed, result_t *result);
 

@@ -10,7 +10,7 @@
 /* Longest note and sentence. */
 enum { WORDS = 200 };
 
-/* Nine digits give a float back exactly. JSON knows no infinity. */
+/* Nine digits represent a float exactly. JSON has no infinity. */
 static void json_number(double x)
 {
     if (isfinite(x)) {
@@ -63,7 +63,7 @@ static void json_parameters(const result_t *result)
     printf("\n  ]");
 }
 
-/* An object with a value, or [low, high], for each modelled degree of freedom. */
+/* An object with a value, or [low, high], per modelled degree of freedom. */
 static void json_dofs(const result_t *result, const char *key, const char *const *names,
                       const double *low, const double *high, uint32_t mask)
 {
@@ -91,7 +91,7 @@ static void json_dofs(const result_t *result, const char *key, const char *const
 static const char *const force[AUVID_DOF_COUNT] = {"X", "Y", "Z", "K", "M", "N"};
 static const char *const velocity[AUVID_DOF_COUNT] = {"u", "v", "w", "p", "q", "r"};
 
-/* The same from the library's numbers. */
+/* The same from numbers of the library. */
 static void json_reals(const result_t *result, const char *key, const char *const *names,
                        const auvid_real_t *value, uint32_t mask)
 {
@@ -104,9 +104,9 @@ static void json_reals(const result_t *result, const char *key, const char *cons
 
 static void json_dof_values(const result_t *result)
 {
-    uint32_t driven = result->estimate.number > 0 ? result->estimate.excited : 0u;
-    json_reals(result, "delay_s", force, result->estimate.delay_s, driven);
-    json_reals(result, "r2_force", force, result->estimate.r2_force, driven);
+    uint32_t excited = result->estimate.number > 0 ? result->estimate.excited : 0u;
+    json_reals(result, "delay_s", force, result->estimate.delay_s, excited);
+    json_reals(result, "r2_force", force, result->estimate.r2_force, excited);
     json_dofs(result, "r2_validation", velocity, result->r2, NULL,
               result->has_validation ? result->validated : 0u);
     if (result->has_interval) {
@@ -132,7 +132,7 @@ static void json_drag_force(const result_t *result, auvid_dof_t j, const auvid_d
     printf("}");
 }
 
-/* For each modelled degree of freedom those that are known, forward, then backward. */
+/* The known drag forces of each modelled degree of freedom, forward, then backward. */
 static void json_drag(const result_t *result)
 {
     auvid_dof_t dof[AUVID_DOF_COUNT];
@@ -173,24 +173,23 @@ static void json_missing(const result_t *result)
     printf("]");
 }
 
-/* null: no set was foretold. */
+/* null: no set was predicted. */
 static void json_change_test(const result_t *result)
 {
-    const auvid_change_test_t *judged = &result->judgement;
+    const auvid_change_test_t *test = &result->change_test;
     const char *separator = "";
-    if (judged->set == 0) {
+    if (test->set == 0) {
         printf(",\n  \"change_test\": null");
         return;
     }
-    printf(",\n  \"change_test\": {\"set\": %u, \"estimate\": %u", (unsigned)judged->set,
-           (unsigned)judged->estimate);
-    json_reals(result, "variance_ratio", force, judged->variance_ratio, judged->excited);
-    json_reals(result, "change", force, judged->change, judged->excited);
-    json_reals(result, "r2_velocity", velocity, judged->r2_velocity,
-               judged->simulated & judged->excited);
+    printf(",\n  \"change_test\": {\"set\": %u, \"estimate\": %u", (unsigned)test->set,
+           (unsigned)test->estimate);
+    json_reals(result, "variance_ratio", force, test->variance_ratio, test->excited);
+    json_reals(result, "change", force, test->change, test->excited);
+    json_reals(result, "r2_velocity", velocity, test->r2_velocity, test->simulated & test->excited);
     printf(",\n  \"changed\": [");
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (judged->changed >> j & 1u) {
+        if (test->changed >> j & 1u) {
             printf("%s\"%s\"", separator, report_dof_name[j]);
             separator = ", ";
         }
@@ -242,12 +241,12 @@ static void json_guard(const result_t *result)
     printf("}");
 }
 
-static void json_event_log(const event_log_t *story)
+static void json_event_log(const event_log_t *events)
 {
-    printf(",\n  \"scenario\": \"%s\",\n  \"events\": [", story->name);
-    for (int k = 0; k < story->lines; ++k) {
-        printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", story->line[k].t_s,
-               story->line[k].text);
+    printf(",\n  \"scenario\": \"%s\",\n  \"events\": [", events->name);
+    for (int k = 0; k < events->lines; ++k) {
+        printf("%s\n    {\"t_s\": %.2f, \"text\": \"%s\"}", k == 0 ? "" : ",", events->line[k].t_s,
+               events->line[k].text);
     }
     printf("\n  ]");
 }
@@ -279,22 +278,22 @@ static void json_estimates(const estimates_t *estimates)
     printf("]");
 }
 
-static void json_beside(const beside_t *beside)
+static void json_second_result(const second_result_t *second)
 {
-    const result_t *result = beside->result;
+    const result_t *result = second->result;
     double rms = report_rms_percent(&result->estimate, result->truth);
-    printf(",\n  \"%s\": {\"rms_percent\": ", beside->key);
-    json_number(beside->campaign == NULL ? rms : beside->campaign->rms_percent);
+    printf(",\n  \"%s\": {\"rms_percent\": ", second->key);
+    json_number(second->campaign == NULL ? rms : second->campaign->rms_percent);
     printf(", \"parameters\": ");
     json_parameters(result);
     printf("}");
 }
 
-void report_json(const result_t *result, const campaign_t *campaign, const beside_t *beside,
-                 const event_log_t *story)
+void report_json(const result_t *result, const campaign_t *campaign, const second_result_t *second,
+                 const event_log_t *events)
 {
     const char *status = report_status(result);
-    uint32_t worst = campaign == NULL ? result->work_most : campaign->work_most;
+    uint32_t worst = campaign == NULL ? result->max_work : campaign->max_work;
     if (campaign != NULL && campaign->not_converged) {
         status = "not_converged";
     }
@@ -318,11 +317,11 @@ void report_json(const result_t *result, const campaign_t *campaign, const besid
     if (campaign != NULL) {
         json_campaign(campaign);
     }
-    if (beside != NULL) {
-        json_beside(beside);
+    if (second != NULL) {
+        json_second_result(second);
     }
-    if (story != NULL) {
-        json_event_log(story);
+    if (events != NULL) {
+        json_event_log(events);
     }
     printf("\n}\n");
 }

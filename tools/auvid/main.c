@@ -1,6 +1,6 @@
 /*
- * auvid: identify the dynamics of an underwater vehicle, simulated (demo), recorded (fit), or on
- * a CAN bus (node, vehicle, replay: where there is the Linux port).
+ * auvid: identifies the dynamics of an underwater vehicle that is simulated (demo), recorded (fit)
+ * or on a CAN bus (node, vehicle, replay: only with the Linux port).
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -18,77 +18,75 @@ static const char about[] =
 static const struct {
     const char *name, *usage;
 } command_help[] = {
-    {"demo", "[options]             identify a simulated vehicle, and check the result"},
+    {"demo", "[options]             identify a simulated vehicle and check the result"},
     {"fit", "TRAIN.csv [options]    identify a vehicle from a recorded log"},
 #ifdef __linux__
     {"node", "--bus IF [options]    identify a vehicle on a CAN bus"},
-    {"vehicle", "--bus IF [options] be a simulated vehicle on a CAN bus"},
+    {"vehicle", "--bus IF [options] simulate a vehicle on a CAN bus"},
     {"replay", "FILE.log [options]  identify from a log of the bus (candump -L)"},
 #endif
 };
 
 static const char demo_fit_help[] =
     "options of demo and fit\n"
-    "  --seed N           of all that is random; default 1\n"
-    "  --literal          our reading of the paper's metric: smoothed states, raw wrench\n"
+    "  --seed N           seed of all random numbers; default 1\n"
+    "  --literal          the literal smoothing of the paper: smoothed states, raw wrench\n"
     "  --json             print one JSON object instead of tables\n"
-    "  --thrust-scale S   standard deviation of the common scale of the thrust as told, relative;\n"
-    "                     default 0.05 (5 %), of a log of commands 0: no motion shows it\n"
-    "  --dvl-scale S      the same of the DVL's velocity; default 0.005\n"
-    "  --delay S          the same of the delay between thrust as told and motion [s], where the\n"
-    "                     data do not determine it; default 0.1\n"
+    "  --thrust-scale S   relative standard deviation of the common scale error of the supplied\n"
+    "                     thrust, which no motion reveals; default 0.05 (5 %), for commands 0\n"
+    "  --dvl-scale S      relative standard deviation of the scale error of the DVL's velocity;\n"
+    "                     default 0.005\n"
+    "  --delay S          standard deviation of the delay from supplied thrust to motion [s],\n"
+    "                     used where the data do not determine the delay; default 0.1\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"
     "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
-    "                     freedom, which holds roll and pitch\n"
-    "  --sets K           sets of 30 s of excitation; default 8\n"
-    "  --disturbance N    rms of an unknown force on X, Y, Z [N], 0.4 of it [Nm] on N\n"
-    "                     (bluerov2: K, M, N); default 0\n"
-    "  --lag S            first-order lag of the thrusters [s], which nobody tells the identifier\n"
-    "  --runs R           seeds N .. N+R-1: error statistics over the runs (JSON: the other "
-    "values\n"
-    "                     are those of the first run)\n"
-    "  --budget UNITS     of work in a tick of 20 ms; default 150\n"
-    "  --csv FILE         write the (first) run as a log that fit reads\n"
-    "  --adaptive         excite what is not known yet, and end when everything is, after K sets\n"
-    "                     (default 16) at the latest\n"
-    "  --scenario NAME    tell a story instead, with a disturbance of 1 N unless another is "
-    "given:\n"
-    "                     payload (the vehicle changes under way), yaw-idle (yaw is never "
-    "excited),\n"
-    "                     operator-abort, current (0.3 m/s, seen by bottom and by water lock),\n"
-    "                     dvl-lost (for good, under way)\n"
+    "                     freedom that stabilises roll and pitch\n"
+    "  --sets K           data sets of 30 s of excitation; default 8\n"
+    "  --disturbance N    rms of an unmodelled force on X, Y, Z [N], and 0.4 times this as a\n"
+    "                     moment [Nm] on N (bluerov2: on K, M, N); default 0\n"
+    "  --lag S            first-order lag of the thrusters [s], unknown to the identifier\n"
+    "  --runs R           error statistics over seeds N .. N+R-1 (all other JSON values are those\n"
+    "                     of the first run)\n"
+    "  --budget UNITS     work units per tick of 20 ms; default 150\n"
+    "  --csv FILE         write the (first) run as a log for fit\n"
+    "  --adaptive         excite until every parameter is identified, for at most K sets\n"
+    "                     (default 16)\n"
+    "  --scenario NAME    run a scenario and print its events, by default with a disturbance of\n"
+    "                     1 N: payload (the vehicle changes), yaw-idle (yaw is never excited),\n"
+    "                     operator-abort, current (0.3 m/s, with DVL bottom and water lock),\n"
+    "                     dvl-lost (no DVL samples from some time on)\n"
     "\n";
 static const char field_help[] =
-    "options of demo in the field: a vehicle with the small mismatches that are usual, drawn in\n"
-    "each run, and statistics of what was right; with --seed, --runs (default 20), --sets,\n"
-    "--budget and --json as above\n"
-    "  --field F          all mismatches of the mixture, F times as large as usual; 0: none\n"
-    "  --mismatch NAME=SIZE  this one, in its unit; as often as needed. Alone or beside --field\n"
-    "  --mismatch list    names, units and usual sizes\n"
-    "  --perfect-thrust   the thrust alone has no mismatch\n"
-    "  --matched          no mismatch but in the scales of thrust and DVL, drawn as the\n"
-    "                     identifier is told that they are uncertain\n"
-    "  --vehicle NAME     girona500 (default), or rov20: a ROV of 20 kg\n"
-    "  --driver NAME      excited (default); or, in 600 s without excitation, joystick, lawnmower\n"
+    "options of demo for field statistics: a vehicle with small mismatches of usual size, drawn\n"
+    "again in each run, and how often the results are right; also --seed, --runs (default 20),\n"
+    "--sets, --budget and --json as above\n"
+    "  --field F          draw all mismatches, F times as large as usual; 0: none\n"
+    "  --mismatch NAME=SIZE  set one mismatch, in its unit; repeatable, with or without --field\n"
+    "  --mismatch list    list names, units and usual sizes\n"
+    "  --perfect-thrust   no mismatch of the thrust\n"
+    "  --matched          only the scale errors of thrust and DVL, drawn with the standard\n"
+    "                     deviations that the identifier is given\n"
+    "  --vehicle NAME     girona500 (default), or rov20: an ROV of 20 kg\n"
+    "  --driver NAME      excited (default); or 600 s without excitation: joystick, lawnmower\n"
     "                     (PID), station\n"
-    "  --perfect-inputs   --thrust-scale, --dvl-scale and --delay are zero\n"
+    "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero\n"
     "\n";
 static const char fit_help[] =
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
-    "  --bounds=LO,HI        of every parameter; default -1000,1000\n"
+    "  --bounds=LO,HI        bounds of every parameter; default -1000,1000\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
-    "                        same, for a vehicle that is quicker than its DVL of 5 Hz)\n"
-    "  --fix NAME=VALUE      this parameter is known; as often as needed\n"
-    "  --free NAME,NAME,..   these are identified too\n"
-    "  --bias                also a constant force on X and Y and a moment on N (six degrees of\n"
-    "                        freedom: on K and M too)\n"
-    "  --input hold|linear   an input holds until the next row (default), or runs straight to it:\n"
-    "                        better where rows sample an input that changes between them\n"
-    "  --coupling auto|on|off  terms between degrees of freedom; auto: by cross-validation where\n"
-    "                        there is a model without them (girona500)\n"
+    "                        same, for a vehicle that is faster than its DVL of 5 Hz)\n"
+    "  --fix NAME=VALUE      fix this parameter; repeatable\n"
+    "  --free NAME,NAME,..   also identify these parameters\n"
+    "  --bias                also identify a constant force on X and Y and a moment on N (six\n"
+    "                        degrees of freedom: on K and M too)\n"
+    "  --input hold|linear   an input is held until the next row (default), or interpolated\n"
+    "                        linearly: better where rows sample an input that varies between them\n"
+    "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation\n"
+    "                        where a model without them exists (girona500)\n"
     "\n";
 
 #ifdef __linux__
@@ -97,27 +95,27 @@ static const char node_help[] =
     "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
     "  --excite           obey arm frames and command the thrusters; default: listen only\n"
     "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
-    "  --sets K           end when K sets are identified; default 8\n"
-    "  --log FILE         write every frame as candump -L does\n"
-    "  --save FILE        write what is known of the vehicle in the end, for --prior\n"
-    "  --prior FILE        begin with it; where it cannot be used, a line says so\n"
-    "  --lock-step        tell a simulated vehicle when each tick's work is done\n"
-    "  --realtime         ask for SCHED_FIFO and locked memory; memory: tick by the clock\n"
+    "  --sets K           end after K identified sets; default 8\n"
+    "  --log FILE         write every frame in the format of candump -L\n"
+    "  --save FILE        write a prior record of the final estimate, for --prior\n"
+    "  --prior FILE       start with this prior record; a message says if it cannot be used\n"
+    "  --lock-step        tell the simulated vehicle when the work of each tick is done\n"
+    "  --realtime         request SCHED_FIFO and locked memory; with memory: tick by the clock\n"
     "  --seed N, --vehicle NAME, --json, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 static const char vehicle_help[] =
     "options of vehicle\n"
     "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --realtime   as for node and demo\n"
-    "  --lock-step        go on when the node has done its tick, not after 20 ms\n"
-    "  --no-arm           nobody arms the node; default: a second after it navigates\n"
-    "  --arm-again        after an abort it is disarmed, and armed a second later\n"
-    "  --speed K          simulated time goes K times as fast as the clock; default 1\n"
-    "  It ends when the node has been silent for 2 s.\n"
+    "  --lock-step        wait for the node's tick instead of 20 ms\n"
+    "  --no-arm           never arm the node; default: one second after it navigates\n"
+    "  --arm-again        after an abort, disarm the node and arm it a second later\n"
+    "  --speed K          simulated time runs K times as fast as the clock; default 1\n"
+    "  It ends after 2 s without a frame of the node.\n"
     "\n";
 static const char replay_help[] =
     "options of replay\n"
-    "  --seed N, --sets K, --vehicle NAME, --prior FILE   those of the node that wrote the log\n"
-    "  --csv FILE         write its motion and thrust as a log that fit reads\n"
+    "  --seed N, --sets K, --vehicle NAME, --prior FILE   as for the node that wrote the log\n"
+    "  --csv FILE         write the motion and thrust of the log as a log for fit\n"
     "  --json, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 #endif
@@ -125,24 +123,20 @@ static const char columns_help[] =
     "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
     "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
-    "as zero. Angles are in radians. A degree of freedom without a varying input is left out.\n"
+    "as zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
     "\n";
 static const char exit_help[] =
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";
 
 static const struct {
-    const char *of, *text; /* the commands that it is about */
-} section[] = {{"demo fit", demo_fit_help},
-               {"demo", demo_help},
-               {"demo", field_help},
-               {"fit", fit_help},
+    const char *of, *text; /* of: the commands that it describes */
+} section[] = {{"demo fit", demo_fit_help}, {"demo", demo_help},
+               {"demo", field_help},        {"fit", fit_help},
 #ifdef __linux__
-               {"node", node_help},
-               {"vehicle", vehicle_help},
+               {"node", node_help},         {"vehicle", vehicle_help},
                {"replay", replay_help},
 #endif
-               {"fit", columns_help},
-               {"demo fit node vehicle replay", exit_help}};
+               {"fit", columns_help},       {"demo fit node vehicle replay", exit_help}};
 
 static bool is_command(const char *name)
 {
@@ -154,7 +148,7 @@ static bool is_command(const char *name)
     return false;
 }
 
-/* The help of a command; null: of all. */
+/* Prints the help of a command. NULL: of all commands. */
 static int print_help(const char *command)
 {
     const char *head = "usage:";
@@ -190,7 +184,7 @@ static int help(int count, char **argument)
     return print_help(count == 1 ? argument[0] : NULL);
 }
 
-/* The commands on a bus; -1: not one of them. */
+/* Runs a command on a bus. Returns its exit status, or -1 if it is not one of them. */
 static int on_bus(const char *command, int count, char **argument)
 {
 #ifdef __linux__

@@ -8,7 +8,7 @@
 #include "report_error.h"
 #include "options_reader.h"
 
-/* Take the next argument: an option, its value split off, or a plain word (name null). */
+/* Takes the next argument: an option with its value split off, or a plain word (name NULL). */
 static bool next(reader_t *r)
 {
     if (r->next >= r->count) {
@@ -80,7 +80,7 @@ static int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out)
     return status;
 }
 
-/* A plain decimal number at the start of text; *end is what follows. */
+/* Reads a plain decimal number at the start of text; *end is what follows it. */
 static bool number(const char *text, const char **end, double *out)
 {
     char *stop = NULL;
@@ -124,7 +124,7 @@ static int take_bounds(reader_t *r, options_t *options)
     return 0;
 }
 
-/* One of several words; *out is its index. */
+/* Takes one of several words; *out is its index. */
 static int take_word(reader_t *r, const char *const *words, int count, int *out)
 {
     const char *text = NULL;
@@ -141,7 +141,7 @@ static int take_word(reader_t *r, const char *const *words, int count, int *out)
                         count > 2 ? ", " : "", count > 2 ? words[2] : "");
 }
 
-/* Options that both sub-commands have; -1: not one of them. */
+/* Reads an option that all commands share. Returns -1 if it is another one. */
 static int common_option(reader_t *r, options_t *options)
 {
     if (is(r, "--seed")) {
@@ -165,7 +165,7 @@ static int common_option(reader_t *r, options_t *options)
     return -1;
 }
 
-/* in_field: the field's vehicles, too. */
+/* in_field: the vehicles of the field simulator are also accepted. */
 static int take_vehicle(reader_t *r, options_t *options, bool in_field)
 {
     const char *text = NULL;
@@ -183,11 +183,11 @@ static int take_vehicle(reader_t *r, options_t *options, bool in_field)
                : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_words);
 }
 
-/* --fix or --free: kept as given, as only the model knows its parameters' names. */
+/* --fix or --free: kept as given, because only the model knows its parameter names. */
 static int take_choice(reader_t *r, options_t *options)
 {
     if (options->choices == OPTIONS_CHOICES) {
-        return report_error("fit: more than %d of --fix and --free", OPTIONS_CHOICES);
+        return report_error("fit: more than %d options --fix and --free", OPTIONS_CHOICES);
     }
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
@@ -244,7 +244,7 @@ static int demo_option(reader_t *r, options_t *options)
     }
     int status = options_field_take(r, options);
     return status >= 0 ? status
-                       : report_error("demo: unknown option %s (auvid --help lists them)", r->name);
+                       : report_error("demo: unknown option %s (see auvid --help)", r->name);
 }
 
 static int fit_option(reader_t *r, options_t *options)
@@ -277,10 +277,10 @@ static int fit_option(reader_t *r, options_t *options)
     if (is(r, "--fix") || is(r, "--free")) {
         return take_choice(r, options);
     }
-    return report_error("fit: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("fit: unknown option %s (see auvid --help)", r->name);
 }
 
-/* Options that node and vehicle have in common; -1: not one of them. */
+/* Reads an option that node and vehicle share. Returns -1 if it is another one. */
 static int bus_option(reader_t *r, options_t *options)
 {
     if (is(r, "--bus")) {
@@ -317,7 +317,7 @@ static int node_option(reader_t *r, options_t *options)
         return take_value(r, &options->log);
     }
     if (is(r, "--prior")) {
-        return take_value(r, &options->warm);
+        return take_value(r, &options->prior);
     }
     if (is(r, "--save")) {
         return take_value(r, &options->save);
@@ -325,7 +325,7 @@ static int node_option(reader_t *r, options_t *options)
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
-    return report_error("node: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("node: unknown option %s (see auvid --help)", r->name);
 }
 
 static int vehicle_option(reader_t *r, options_t *options)
@@ -346,7 +346,7 @@ static int vehicle_option(reader_t *r, options_t *options)
     if (is(r, "--speed")) {
         return take_count32(r, 1, 20, &options->speed);
     }
-    return report_error("vehicle: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("vehicle: unknown option %s (see auvid --help)", r->name);
 }
 
 static int replay_option(reader_t *r, options_t *options)
@@ -355,7 +355,7 @@ static int replay_option(reader_t *r, options_t *options)
         return take_vehicle(r, options, false);
     }
     if (is(r, "--prior")) {
-        return take_value(r, &options->warm);
+        return take_value(r, &options->prior);
     }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
@@ -363,7 +363,7 @@ static int replay_option(reader_t *r, options_t *options)
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
-    return report_error("replay: unknown option %s (auvid --help lists them)", r->name);
+    return report_error("replay: unknown option %s (see auvid --help)", r->name);
 }
 
 static int read_all(options_t *options, int count, char **argument, const char *command,
@@ -399,7 +399,7 @@ static int read_all(options_t *options, int count, char **argument, const char *
     return 0;
 }
 
-/* A scenario has a plan of its own, and one run. */
+/* A scenario has a plan of its own and a single run. */
 static int check_scenario(const options_t *options)
 {
     const char *other = options->runs > 0                        ? "--runs"
@@ -411,10 +411,10 @@ static int check_scenario(const options_t *options)
                         : options->vehicle != &vehicle_girona500 ? "--vehicle"
                                                                  : NULL;
     if (options->scenario != NULL && other != NULL) {
-        return report_error("demo: --scenario and %s do not go together", other);
+        return report_error("demo: --scenario and %s cannot be combined", other);
     }
     if (options->adaptive && options->literal) {
-        return report_error("demo: --adaptive and --literal do not go together");
+        return report_error("demo: --adaptive and --literal cannot be combined");
     }
     return 0;
 }
@@ -430,7 +430,7 @@ int options_demo(options_t *options, int count, char **argument)
     options->sets = options->sets > 0 ? options->sets : options->adaptive ? 16 : 8;
     options->budget = options->budget > 0 ? options->budget : AUVID_DEFAULT_BUDGET;
     if (status == 0 && options->adaptive && options->sets > 120) {
-        return report_error("demo: --adaptive takes 120 sets at most");
+        return report_error("demo: --adaptive takes at most 120 sets");
     }
     return status;
 }
@@ -444,12 +444,12 @@ int options_fit(options_t *options, int count, char **argument)
         return report_error("fit: no TRAIN.csv given");
     }
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
-        return report_error("fit: --coupling off is for the model girona500");
+        return report_error("fit: --coupling off needs --model girona500");
     }
     return status;
 }
 
-/* What does not go together, or is missing. */
+/* Checks for combinations that are not allowed, and for missing options. */
 static int check_bus(options_t *options, const char *command)
 {
     options->sets = options->sets > 0 ? options->sets : 8;
@@ -458,10 +458,11 @@ static int check_bus(options_t *options, const char *command)
         return report_error("%s: unknown option --literal (auvid --help lists them)", command);
     }
     if (options->bus == NULL) {
-        return report_error("%s: no --bus given: can0, say, or vcan0", command);
+        return report_error("%s: no --bus given: use --bus can0 or --bus vcan0, for example",
+                            command);
     }
     if (options->clock_own && options->lock_step) {
-        return report_error("%s: --clock own and --lock-step do not go together", command);
+        return report_error("%s: --clock own and --lock-step cannot be combined", command);
     }
     return 0;
 }
@@ -471,7 +472,8 @@ int options_node(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "node", node_option, NULL);
     status = status != 0 ? status : check_bus(options, "node");
     if (status == 0 && options->clock_own && strcmp(options->bus, "memory") == 0) {
-        return report_error("node: on the bus in memory the vehicle has the clock");
+        return report_error(
+            "node: --bus memory does not allow --clock own: its vehicle sends the ticks");
     }
     return status;
 }
@@ -486,7 +488,7 @@ int options_vehicle(options_t *options, int count, char **argument)
                         : options->delay_s >= 0.0      ? "--delay"
                                                        : NULL;
     if (status == 0 && other != NULL) {
-        return report_error("vehicle: unknown option %s (auvid --help lists them)", other);
+        return report_error("vehicle: unknown option %s (see auvid --help)", other);
     }
     return status;
 }

@@ -1,6 +1,6 @@
 /**
  * @file options.h
- * The command line.
+ * The command line of the program.
  */
 #ifndef PROGRAM_OPTIONS_H
 #define PROGRAM_OPTIONS_H
@@ -11,36 +11,36 @@
 #include "field.h"
 #include "vehicles.h"
 
-/** Is the coupling between the degrees of freedom part of the model? */
+/** Are the terms between degrees of freedom part of the model? */
 typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
-/** Most --fix and --free together. */
+/** Largest number of --fix and --free options. */
 enum { OPTIONS_CHOICES = 64 };
 
-/** Words of field_driver_t. */
+/** Names of field_driver_t on the command line. */
 extern const char *const options_drivers[FIELD_DRIVERS];
 
-/** Runs in the field (field.h). */
+/** Options of field statistics (field.h). */
 typedef struct {
-    bool wanted;         /**< the run is one in the field */
-    bool mixture;        /**< mismatches are drawn, */
-    double strength;     /**< times this */
-    bool matched;        /**< nothing but the scales of thrust and DVL are drawn, as configured */
-    bool perfect_thrust; /**< of the mixture, what is wrong with the thrust is left out */
+    bool wanted;         /**< field statistics are run */
+    bool mixture;        /**< mismatches are drawn at random */
+    double strength;     /**< factor of their usual sizes */
+    bool matched;        /**< only the scales of thrust and DVL are drawn, as configured */
+    bool perfect_thrust; /**< no mismatch of the thrust is drawn */
     bool perfect_inputs; /**< every uncertainty is zero */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;
     field_driver_t driver;
-    const char *chosen; /**< an option that needs the field, or null */
+    const char *chosen; /**< an option that needs field statistics, or NULL */
 } options_field_t;
 
-/** Everything that can be chosen. */
+/** All options. */
 typedef struct {
     bool json;
     bool literal;
     uint64_t seed; /**< default 1 */
-    /** Uncertainties that the identifier is told; negative: the library's default. */
+    /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
     const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
 
@@ -50,14 +50,14 @@ typedef struct {
     uint32_t sets;        /**< of 30 s; default 8 */
     uint32_t runs;        /**< 0: one run, reported in full */
     uint32_t budget;      /**< of work in a tick [units]; default AUVID_DEFAULT_BUDGET */
-    bool adaptive;        /**< excite what is not known yet, for as long as `sets` at most */
-    const char *csv;      /**< file to write; null: none */
-    const char *scenario; /**< null: none */
+    bool adaptive;        /**< excite until all is identified, for at most `sets` sets */
+    const char *csv;      /**< file to write; NULL: none */
+    const char *scenario; /**< NULL: none */
     options_field_t field;
 
     /* fit */
     const char *train;
-    const char *validate; /**< null: none */
+    const char *validate; /**< NULL: none */
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
@@ -67,20 +67,20 @@ typedef struct {
     int choices;
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
-    const char *bus;  /**< interface */
-    const char *log;  /**< node: to be written, null: none; replay: to be read */
-    const char *warm; /**< node, replay: record to begin with; null: none */
-    const char *save; /**< node: record to be written; null: none */
-    bool clock_own;   /**< the node gives the tick */
+    const char *bus;   /**< interface */
+    const char *log;   /**< node: log to write, or NULL; replay: log to read */
+    const char *prior; /**< node, replay: prior record to start with, or NULL */
+    const char *save;  /**< node: prior record to write, or NULL */
+    bool clock_own;    /**< the node sends the tick frames */
     bool excite;
     bool lock_step;
     bool realtime;
     bool no_arm;
     bool arm_again;
-    uint32_t speed; /**< vehicle: its time goes so many times as fast; default 1 */
+    uint32_t speed; /**< vehicle: speed of simulated time; default 1 */
 } options_t;
 
-/** Read the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr.
+/** Reads the arguments after the sub-command. Returns 0, or EXIT_REFUSED after one line on stderr.
  */
 int options_demo(options_t *options, int count, char **argument);
 int options_fit(options_t *options, int count, char **argument);
@@ -88,7 +88,7 @@ int options_node(options_t *options, int count, char **argument);
 int options_vehicle(options_t *options, int count, char **argument);
 int options_replay(options_t *options, int count, char **argument);
 
-/** What was told of the uncertainty of thrust, DVL and delay, into *cfg. */
+/** Writes the uncertainties of thrust, DVL and delay that are given into *cfg. */
 static inline void options_uncertainty(const options_t *options, auvid_uncertainty_t *cfg)
 {
     if (options->thrust_scale >= 0.0) {

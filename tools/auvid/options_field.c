@@ -1,5 +1,5 @@
 /*
- * Options of demo in the field.
+ * Options of demo for field statistics.
  */
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawnmower", "station"};
 
-/* Runs, unless told. */
+/* Default number of runs. */
 #define RUNS 20
 
 static int take_driver(reader_t *r, options_field_t *f)
@@ -30,7 +30,7 @@ static int take_driver(reader_t *r, options_field_t *f)
 static int take_mismatch(reader_t *r, options_field_t *f)
 {
     if (f->mismatches == FIELD_MISMATCHES) {
-        return report_error("demo: more than %d of --mismatch", FIELD_MISMATCHES);
+        return report_error("demo: more than %d options --mismatch", FIELD_MISMATCHES);
     }
     return take_value(r, &f->mismatch[f->mismatches++]);
 }
@@ -75,21 +75,21 @@ int options_field_check(options_t *options)
     f->wanted = f->mixture || f->matched || f->mismatches > 0;
     if (!f->wanted) {
         return f->chosen != NULL
-                   ? report_error("demo: %s is for --field, --mismatch or --matched", f->chosen)
+                   ? report_error("demo: %s needs --field, --mismatch or --matched", f->chosen)
                    : 0;
     }
     if (matched) {
-        return report_error("demo: --matched is a world of its own: no --field, --mismatch or "
-                            "--perfect-thrust beside it");
+        return report_error("demo: --matched and --field, --mismatch or --perfect-thrust cannot be "
+                            "combined");
     }
     if (other != NULL) {
-        return report_error("demo: --field and %s do not go together", other);
+        return report_error("demo: --field and %s cannot be combined", other);
     }
     if (options->vehicle != &vehicle_girona500) {
-        return report_error("demo: in the field there are girona500 and rov20");
+        return report_error("demo: the vehicles of --field are girona500 and rov20");
     }
     if (options->sets > 0 && f->driver != FIELD_EXCITED) {
-        return report_error("demo: --sets is for --driver excited");
+        return report_error("demo: --sets needs --driver excited");
     }
     options->runs = options->runs > 0 ? options->runs : RUNS;
     return 0;

@@ -1,33 +1,33 @@
 /**
  * @file options_reader.h
- * Between options.c and those who read a part of the options.
+ * The interface between options.c and the files that read part of the options.
  */
 #ifndef PROGRAM_OPTIONS_READER_H
 #define PROGRAM_OPTIONS_READER_H
 
 #include "options.h"
 
-/** The arguments, and how far they have been read. */
+/** The arguments and the position in them. */
 typedef struct {
     int count, next;
     char **argument;
-    const char *name;   /* option at hand, "--seed" */
-    const char *value;  /* what follows "=" in it, or null */
-    char name_text[32]; /* room for its name */
+    const char *name;   /* current option, "--seed" */
+    const char *value;  /* text after its "=", or NULL */
+    char name_text[32]; /* storage of its name */
 } reader_t;
 
-/** The option's value: after "=", or the next argument. */
+/** Takes the option's value: after "=", or the next argument. */
 int take_value(reader_t *r, const char **value);
 
 int take_flag(const reader_t *r, bool *flag);
 
-/** A number from 0 to high. */
+/** Takes a number from 0 to high. */
 int take_number(reader_t *r, double high, double *out);
 
-/** The options of demo in the field; -1: not one of them. */
+/** Reads an option of field statistics. Returns -1 if it is another one. */
 int options_field_take(reader_t *r, options_t *options);
 
-/** What does not go together with them, or is missing. */
+/** Checks for combinations that are not allowed, and for missing options. */
 int options_field_check(options_t *options);
 
 #endif

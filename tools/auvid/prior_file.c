@@ -1,5 +1,5 @@
 /*
- * The warm record as a file.
+ * The prior record as a file.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -11,20 +11,20 @@
 
 bool prior_file_read(auvid_identifier_t *id, const char *path)
 {
-    uint8_t record[AUVID_PRIOR_BYTES + 1]; /* a byte more than there should be */
+    uint8_t record[AUVID_PRIOR_BYTES + 1]; /* one byte too many, to detect a longer file */
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
-        report_error_line("%s: %s: starts cold", path, strerror(errno));
+        report_error_line("%s: %s: starting without a prior", path, strerror(errno));
         return false;
     }
     size_t bytes = fread(record, 1, sizeof record, file);
     (void)fclose(file);
     auvid_status_t status = auvid_prior_load(id, record, (uint32_t)bytes);
     if (status < 0) {
-        const char *why = status == AUVID_ERR_MODEL  ? "the record of another model"
-                          : status == AUVID_ERR_SIZE ? "no warm record"
-                                                     : "a damaged record";
-        report_error_line("%s is %s: starts cold", path, why);
+        const char *why = status == AUVID_ERR_MODEL  ? "the prior record of another model"
+                          : status == AUVID_ERR_SIZE ? "not a prior record"
+                                                     : "a damaged prior record";
+        report_error_line("%s is %s: starting without a prior", path, why);
     }
     return status >= 0;
 }
@@ -34,7 +34,7 @@ bool prior_file_write(const auvid_identifier_t *id, const char *path)
     uint8_t record[AUVID_PRIOR_BYTES];
     char draft[4096];
     if (auvid_prior_save(id, record) < 0) {
-        report_error_line("%s is not written: nothing is identified", path);
+        report_error_line("%s is not written: no parameter is identified", path);
         return false;
     }
     (void)snprintf(draft, sizeof draft, "%s.new", path);

@@ -1,16 +1,16 @@
 /**
  * @file prior_file.h
- * The warm record (auvid/prior.h) as a file.
+ * The prior record (auvid/prior.h) as a file.
  */
 #ifndef PROGRAM_WARM_FILE_H
 #define PROGRAM_WARM_FILE_H
 
 #include "auvid/identifier.h"
 
-/** Start with the record in the file. False after one line on stderr: the identifier is cold. */
+/** Sets the prior from the file. Returns false, without a prior, after one line on stderr. */
 bool prior_file_read(auvid_identifier_t *id, const char *path);
 
-/** Write a record of the last estimate, at once or not at all. False after one line on stderr. */
+/** Writes the last estimate, completely or not at all. Returns false after one line on stderr. */
 bool prior_file_write(const auvid_identifier_t *id, const char *path);
 
 #endif

@@ -1,6 +1,6 @@
 /**
  * @file progress.h
- * How far a long run has come: a bar on a terminal, plain lines otherwise, both on stderr.
+ * Progress of a long run on stderr: a bar on a terminal, plain lines otherwise.
  */
 #ifndef PROGRAM_PROGRESS_H
 #define PROGRAM_PROGRESS_H
@@ -10,19 +10,19 @@
 typedef struct {
     bool quiet, terminal;
     double started_s; /* wall clock */
-    int shown;        /* hundredths shown last */
+    int shown;        /* percentage shown last */
 } progress_t;
 
-/** Begin. lines: may plain lines be written when stderr is no terminal? */
+/** Starts. lines: write plain lines if stderr is not a terminal. */
 void progress_begin(progress_t *progress, bool lines);
 
-/** On a terminal, redraw the bar: part 0..1 is done; note stands behind it. */
+/** On a terminal, draws the bar for the fraction `part` 0..1, followed by a note. */
 void progress_bar(progress_t *progress, double part, const char *format, ...);
 
-/** Where there is no bar, a line. */
+/** If there is no bar, prints a line. */
 void progress_line(const progress_t *progress, const char *format, ...);
 
-/** Remove the bar. Returns the wall time since begin [s]. */
+/** Removes the bar. Returns the wall-clock time since progress_begin [s]. */
 double progress_end(const progress_t *progress);
 
 #endif

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One row in the library's terms. */
+/* Converts one row to a sample of the library. */
 typedef struct {
     uint64_t t_us;
     auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
@@ -21,7 +21,7 @@ uint64_t replay_time_us(const csv_log_t *log, size_t row)
     return (uint64_t)(1e6 * since + 0.5) + 1000000u;
 }
 
-/* Row i. turns: whole turns by which each angle has jumped so far. */
+/* Converts row i. turns: whole revolutions that unwrap each angle so far. */
 static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i, double turns[3],
                          instant_t *out)
 {
@@ -53,7 +53,7 @@ void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identif
     (void)auvid_identifier_close(id);
 }
 
-/* Make room for one more cell. */
+/* Makes room for one more cell. */
 static bool grow(cells_t *cells, size_t *room)
 {
     if (cells->cells == *room) {

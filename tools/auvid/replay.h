@@ -1,6 +1,6 @@
 /**
  * @file replay.h
- * A recorded log through the library: what the identifier would have seen on board.
+ * Replays a recorded log through the library, as the identifier would have seen it on board.
  */
 #ifndef PROGRAM_REPLAY_H
 #define PROGRAM_REPLAY_H
@@ -8,37 +8,37 @@
 #include "auvid/identifier.h"
 #include "csv.h"
 
-/** What the inputs of a log are. */
+/** Kind of the inputs of a log. */
 typedef enum { INPUT_WRENCH, INPUT_COMMAND } input_kind_t;
 
-/** How a log is to be read. */
+/** How to read a log. */
 typedef struct {
     input_kind_t kind;
-    uint8_t dofs; /**< bit j: the input of DoF j is used (its velocity is there too) */
+    uint8_t dofs; /**< bit j: the input of DoF j is used (its velocity exists) */
 } replay_t;
 
 /** First column of the inputs of a kind. */
 int replay_inputs(input_kind_t kind);
 
-/** Time of a row since the first [us], beginning at one second. */
+/** Time of a row [us]; the first row is at one second. */
 uint64_t replay_time_us(const csv_log_t *log, size_t row);
 
-/** Feed all rows. */
+/** Feeds all rows to the identifier. */
 void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id);
 
-/** A cell of a record. */
+/** A cell of the record. */
 typedef struct {
     auvid_sample_t sample;
-    bool after_gap; /**< the record was broken before this cell */
+    bool after_gap; /**< a gap precedes this cell */
 } cell_t;
 
-/** The log as cells of a record. */
+/** All cells of a log. */
 typedef struct {
     cell_t *cell;
     size_t cells;
 } cells_t;
 
-/** Record all rows with a recorder of its own. False: no memory. */
+/** Records all rows with a separate recorder. Returns false if there is no memory. */
 bool replay_record(const csv_log_t *log, const replay_t *replay,
                    const auvid_recorder_config_t *recorder, cells_t *cells);
 void cells_free(cells_t *cells);

@@ -41,24 +41,24 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .free = id->metric.cfg.free,
                          .estimate = id->estimate,
                          .budget = AUVID_DEFAULT_BUDGET,
-                         .work_most = id->max_work,
-                         .judgement = id->change_test,
+                         .max_work = id->max_work,
+                         .change_test = id->change_test,
                          .has_guard = id->excitation.config.segments > 0,
                          .guard = id->guard.state,
                          .trip = id->guard.trip};
 }
 
-void report_heard(result_t *result, const vehicle_sim_t *craft)
+void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)
 {
-    double truth[CRAFT_PARAMETERS];
-    vehicle_sim_truth(craft, truth);
+    double truth[VEHICLE_SIM_PARAMETERS];
+    vehicle_sim_truth(vehicle_sim, truth);
     result->has_truth = true;
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         result->truth[i] = truth[i];
-        if (craft->estimated >> i & 1u) {
-            result->estimate.pi[i] = (auvid_real_t)craft->estimate[i];
+        if (vehicle_sim->estimated >> i & 1u) {
+            result->estimate.pi[i] = (auvid_real_t)vehicle_sim->estimate[i];
             result->estimate.confidence.sigma[i] =
-                (auvid_real_t)fmin(craft->sigma[i], (double)AUVID_LARGEST);
+                (auvid_real_t)fmin(vehicle_sim->sigma[i], (double)AUVID_LARGEST);
         }
     }
 }
@@ -86,7 +86,7 @@ int report_identifiable(const auvid_estimate_t *estimate)
     return count;
 }
 
-/* Where the inputs are commands, a force is measured in commands. */
+/* Units for inputs that are commands: a force is measured in commands. */
 static const char *unit_in_commands(const auvid_parameter_t *parameter)
 {
     bool moment = parameter->dof >= AUVID_ROLL;

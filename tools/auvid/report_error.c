@@ -9,7 +9,7 @@ static void print_line(const char *kind, const char *format, va_list arguments)
     (void)vsnprintf(line, sizeof line, format, arguments);
     for (char *c = line; *c != '\0'; ++c) {
         if ((unsigned char)*c < ' ' || *c == 127) {
-            *c = '?'; /* a line break in a file's name or in a field */
+            *c = '?'; /* a line break in a file name or in a field */
         }
     }
     (void)fflush(stdout);

@@ -1,6 +1,6 @@
 /*
- * auvid demo --scenario: what goes otherwise than planned, told with simulated times. The same seed
- * tells the same story.
+ * auvid demo --scenario: runs with a disruption, whose events are printed with simulated times. The
+ * same seed gives the same events.
  */
 #include <math.h>
 #include <stdio.h>
@@ -14,56 +14,56 @@
 #include "event_log.h"
 #include "world.h"
 
-/* A search may go on for so long after the last set [s of simulated time]. */
+/* Longest time that a search may take after the last set [s of simulated time]. */
 #define PATIENCE_S 600.0
 
-/* When something happens: in the middle of the fourth set, or (payload) of the ninth [s]. */
+/* Time of the disruption: in the middle of the fourth set, or (payload) of the ninth [s]. */
 #define EVENT_S 100.0
 #define PAYLOAD_S 250.0
 enum { PAYLOAD_SETS = 16 };
 
-/* What the payload does. */
+/* Effects of the payload. */
 #define MASS_FACTOR 1.1
 #define DRAG_FACTOR 1.3
 
 #define CURRENT_M_S 0.3
-enum { ROWS = 60 }; /* of a set */
+enum { ROWS = 60 }; /* rows of a set */
 
 typedef struct {
     const options_t *options;
-    event_log_t story;
+    event_log_t log;
     world_t world;
-    result_t result, other; /* other: of the first of two runs */
-    const char *other_key;  /* its name in JSON; null: there is none */
-    bool judgements;        /* tell of each set how it was foretold */
+    result_t result, other; /* other: result of the first of two runs */
+    const char *other_key;  /* name of `other` in JSON; NULL: none */
+    bool log_change_tests;  /* log how well each set was predicted */
 
-    /* of the run under way */
+    /* state of the current run */
     auvid_guard_state_t guard;
-    double before[AUVID_DOF_COUNT]; /* excitation of the tick before */
+    double before[AUVID_DOF_COUNT]; /* excitation of the previous tick */
     double after_abort;             /* largest excitation since the guard aborted */
-    double farthest_m;              /* in truth, from the start, horizontally */
-    bool changed;                   /* a change was found */
+    double farthest_m;              /* true horizontal distance from the start */
+    bool changed;                   /* a change was detected */
 
-    auvid_current_t current; /* of the second node, which searches the current as well */
+    auvid_current_t current; /* model of the second node, with the current as parameters */
     auvid_row_t rows[(AUVID_MAX_SETS + 1) * ROWS];
-} play_t;
+} scenario_run_t;
 
-/* ---- telling ---- */
+/* ---- events ---- */
 
-static void tell_excitation(play_t *play, const char *when, const double *wrench)
+static void log_excitation(scenario_run_t *run, const char *when, const double *wrench)
 {
-    event_log_add(&play->story, world_time_s(&play->world),
+    event_log_add(&run->log, world_time_s(&run->world),
                   "  excitation %s: X %.1f, Y %.1f, Z %.1f N, N %.1f Nm", when, wrench[AUVID_SURGE],
                   wrench[AUVID_SWAY], wrench[AUVID_HEAVE], wrench[AUVID_YAW]);
 }
 
-static void tell_guard(play_t *play)
+static void log_guard(scenario_run_t *run)
 {
-    const auvid_guard_t *guard = &play->world.node[0].id.guard;
+    const auvid_guard_t *guard = &run->world.node[0].id.guard;
     const auvid_guard_trip_t *trip = &guard->trip;
-    double t_s = world_time_s(&play->world);
+    double t_s = world_time_s(&run->world);
     if (guard->state == AUVID_GUARD_EXCITING) {
-        event_log_add(&play->story, t_s, "armed, and exciting");
+        event_log_add(&run->log, t_s, "armed, excitation started");
     } else if (guard->state == AUVID_GUARD_ABORTED) {
         const char *unit = report_cause_unit(trip->cause);
         char value[60] = "";
@@ -71,226 +71,223 @@ static void tell_guard(play_t *play)
             (void)snprintf(value, sizeof value, ", %.3g %s (limit %.3g)", (double)trip->value, unit,
                            (double)trip->limit);
         }
-        event_log_add(&play->story, t_s, "guard: ABORTED: %s%s", auvid_guard_cause_str(trip->cause),
+        event_log_add(&run->log, t_s, "guard: ABORTED: %s%s", auvid_guard_cause_str(trip->cause),
                       value);
-        tell_excitation(play, "in the tick before", play->before);
-        tell_excitation(play, "in this tick", play->world.excitation);
+        log_excitation(run, "in the previous tick", run->before);
+        log_excitation(run, "in this tick", run->world.excitation);
     } else {
-        event_log_add(&play->story, t_s, "guard: %s", auvid_guard_state_str(guard->state));
+        event_log_add(&run->log, t_s, "guard: %s", auvid_guard_state_str(guard->state));
     }
 }
 
-static void print_change_test(play_t *play)
+static void log_change_test(scenario_run_t *run)
 {
-    const auvid_change_test_t *judged = &play->world.node[0].id.change_test;
-    const auvid_real_t *ratio = judged->variance_ratio;
-    double most = 0.0;
+    const auvid_change_test_t *test = &run->world.node[0].id.change_test;
+    const auvid_real_t *ratio = test->variance_ratio;
+    double max_change = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        most = fmax(most, (double)judged->change[j]);
+        max_change = fmax(max_change, (double)test->change[j]);
     }
-    event_log_add(&play->story, world_time_s(&play->world),
-                  "set %u, foretold: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
-                  (unsigned)judged->set, (double)ratio[AUVID_SURGE], (double)ratio[AUVID_SWAY],
-                  (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], most);
+    event_log_add(&run->log, world_time_s(&run->world),
+                  "set %u, predicted: variance ratio X %.1f, Y %.1f, Z %.1f, N %.1f; change %.2f",
+                  (unsigned)test->set, (double)ratio[AUVID_SURGE], (double)ratio[AUVID_SWAY],
+                  (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], max_change);
 }
 
-static void tell_change(play_t *play)
+static void log_change(scenario_run_t *run)
 {
-    const auvid_change_test_t *judged = &play->world.node[0].id.change_test;
+    const auvid_change_test_t *test = &run->world.node[0].id.change_test;
     int j = 0;
-    while (j < AUVID_DOF_COUNT - 1 && !(judged->changed >> j & 1u)) {
+    while (j < AUVID_DOF_COUNT - 1 && !(test->changed >> j & 1u)) {
         ++j;
     }
-    event_log_add(&play->story, world_time_s(&play->world),
-                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, a new search",
+    event_log_add(&run->log, world_time_s(&run->world),
+                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, new search",
                   report_dof_name[j]);
 }
 
-static void tell_estimate(play_t *play)
+static void log_estimate(scenario_run_t *run)
 {
-    const auvid_estimate_t *e = &play->world.node[0].id.estimate;
-    double truth[CRAFT_PARAMETERS];
-    vehicle_sim_truth(&play->world.craft, truth);
-    event_log_add(&play->story, world_time_s(&play->world),
+    const auvid_estimate_t *e = &run->world.node[0].id.estimate;
+    double truth[VEHICLE_SIM_PARAMETERS];
+    vehicle_sim_truth(&run->world.vehicle_sim, truth);
+    event_log_add(&run->log, world_time_s(&run->world),
                   "estimate %u, %u set%s recorded: rms error %.2f %%, %d of %d identifiable",
                   (unsigned)e->number, (unsigned)e->sets, e->sets == 1 ? "" : "s",
                   report_rms_percent(e, truth), report_identifiable(e), SIM_PARAMETERS);
 }
 
-static void tell_events(play_t *play)
+static void log_events(scenario_run_t *run)
 {
-    const auvid_identifier_t *id = &play->world.node[0].id;
-    uint32_t events = play->world.node[0].events;
-    double t_s = world_time_s(&play->world);
+    const auvid_identifier_t *id = &run->world.node[0].id;
+    uint32_t events = run->world.node[0].events;
+    double t_s = world_time_s(&run->world);
     if (events & AUVID_EVENT_EXCITATION_DONE) {
-        event_log_add(&play->story, t_s, "excitation done");
+        event_log_add(&run->log, t_s, "excitation done");
     }
-    if (id->guard.state != play->guard) {
-        play->guard = id->guard.state;
-        tell_guard(play);
+    if (id->guard.state != run->guard) {
+        run->guard = id->guard.state;
+        log_guard(run);
     }
-    if ((events & AUVID_EVENT_VALIDATED) && play->judgements) {
-        print_change_test(play);
+    if ((events & AUVID_EVENT_VALIDATED) && run->log_change_tests) {
+        log_change_test(run);
     }
     if (events & AUVID_EVENT_CHANGED) {
-        play->changed = true;
-        tell_change(play);
+        run->changed = true;
+        log_change(run);
     }
     if (events & AUVID_EVENT_RESTORED) {
-        event_log_add(&play->story, t_s,
-                      "the estimate before foretold this set better: taken back");
+        event_log_add(&run->log, t_s, "the previous estimate predicted this set better: restored");
     }
     if (events & AUVID_EVENT_ESTIMATE) {
-        tell_estimate(play);
+        log_estimate(run);
     }
 }
 
-/* ---- running ---- */
+/* ---- the run ---- */
 
-static bool begin(play_t *play, world_config_t config)
+static bool begin(scenario_run_t *run, world_config_t config)
 {
-    config.options = play->options;
-    config.seed = play->options->seed;
-    config.disturbance_N = play->options->disturbance_N;
-    config.lag_s = play->options->lag_s;
-    config.sets = config.sets > 0 ? config.sets : play->options->sets;
-    play->guard = AUVID_GUARD_DISARMED;
-    play->farthest_m = 0.0;
-    return world_begin(&play->world, &config);
+    config.options = run->options;
+    config.seed = run->options->seed;
+    config.disturbance_N = run->options->disturbance_N;
+    config.lag_s = run->options->lag_s;
+    config.sets = config.sets > 0 ? config.sets : run->options->sets;
+    run->guard = AUVID_GUARD_DISARMED;
+    run->farthest_m = 0.0;
+    return world_begin(&run->world, &config);
 }
 
-/* A tick. @return is there work left? */
-static bool advance(play_t *play)
+/* Runs one tick. Returns true while work is left. */
+static bool advance(scenario_run_t *run)
 {
-    world_t *world = &play->world;
-    memcpy(play->before, world->excitation, sizeof play->before);
+    world_t *world = &run->world;
+    memcpy(run->before, world->excitation, sizeof run->before);
     world_tick(world);
-    const sim_t *sim = &world->craft.sim;
+    const sim_t *sim = &world->vehicle_sim.sim;
     const double *position = sim->truth.position, *start = sim->config.position;
-    play->farthest_m =
-        fmax(play->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
-    tell_events(play);
-    for (int j = 0; j < AUVID_DOF_COUNT && play->guard == AUVID_GUARD_ABORTED; ++j) {
-        play->after_abort = fmax(play->after_abort, fabs(world->excitation[j]));
+    run->farthest_m = fmax(run->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
+    log_events(run);
+    for (int j = 0; j < AUVID_DOF_COUNT && run->guard == AUVID_GUARD_ABORTED; ++j) {
+        run->after_abort = fmax(run->after_abort, fabs(world->excitation[j]));
     }
     return world_work(world, AUVID_DEFAULT_BUDGET);
 }
 
-static void run_until(play_t *play, double t_s)
+static void run_until(scenario_run_t *run, double t_s)
 {
-    while (world_time_s(&play->world) < t_s) {
-        (void)advance(play);
+    while (world_time_s(&run->world) < t_s) {
+        (void)advance(run);
     }
 }
 
-/* Until so many sets are recorded and searched; then the result. */
-static void run_to_end(play_t *play, uint32_t sets)
+/* Runs until `sets` sets are recorded and searched, then stores the result. */
+static void run_to_end(scenario_run_t *run, uint32_t sets)
 {
     double end_s = (double)sets * WORLD_SET_S + PATIENCE_S;
     bool busy = true;
-    while ((busy || play->world.node[0].id.metric.sets_recorded < sets) &&
-           world_time_s(&play->world) < end_s) {
-        busy = advance(play);
+    while ((busy || run->world.node[0].id.metric.sets_recorded < sets) &&
+           world_time_s(&run->world) < end_s) {
+        busy = advance(run);
     }
     for (uint32_t k = 0; k < vehicle_girona500.linger_ticks; ++k) {
-        (void)advance(play);
+        (void)advance(run);
     }
-    report_gather(&play->result, &play->world.node[0].id, play->options->seed);
-    report_heard(&play->result, &play->world.craft);
-    play->result.estimate.not_converged |= busy;
+    report_gather(&run->result, &run->world.node[0].id, run->options->seed);
+    report_add_truth(&run->result, &run->world.vehicle_sim);
+    run->result.estimate.not_converged |= busy;
 }
 
-/* After an abort: the latch holds, and the estimate stays. @return did both? */
-static bool aftermath(play_t *play, uint32_t number)
+/* Checks after an abort that the guard stays latched and that the estimate is kept. */
+static bool aftermath(scenario_run_t *run, uint32_t number)
 {
-    const auvid_identifier_t *id = &play->world.node[0].id;
-    double t_s = world_time_s(&play->world) + 5.0;
-    run_until(play, t_s);
-    play->world.craft.order_arm = true;
-    event_log_add(&play->story, t_s,
-                  "latched: the operator's order to arm is refused until disarm");
-    run_until(play, t_s + 15.0);
-    event_log_add(
-        &play->story, t_s + 15.0,
-        "largest excitation since the abort: %.1f; what was identified stays: estimate %u",
-        play->after_abort, (unsigned)id->estimate.number);
-    return !(play->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
+    const auvid_identifier_t *id = &run->world.node[0].id;
+    double t_s = world_time_s(&run->world) + 5.0;
+    run_until(run, t_s);
+    run->world.vehicle_sim.order_arm = true;
+    event_log_add(&run->log, t_s,
+                  "latched: the operator's order to arm is refused until the guard is disarmed");
+    run_until(run, t_s + 15.0);
+    event_log_add(&run->log, t_s + 15.0,
+                  "largest excitation since the abort: %.1f; estimate %u is kept", run->after_abort,
+                  (unsigned)id->estimate.number);
+    return !(run->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
            id->estimate.number >= number;
 }
 
-/* ---- the scenarios; each returns whether it went as its story has it ---- */
+/* ---- the scenarios; each returns whether the run went as expected ---- */
 
-static bool payload(play_t *play)
+static bool payload(scenario_run_t *run)
 {
     const world_config_t config = {.sets = PAYLOAD_SETS};
     static const uint8_t mass[] = {SIM_M_U, SIM_M_V, SIM_M_W, SIM_M_R};
-    play->judgements = true;
-    if (!begin(play, config)) {
+    run->log_change_tests = true;
+    if (!begin(run, config)) {
         return false;
     }
-    run_until(play, PAYLOAD_S);
+    run_until(run, PAYLOAD_S);
     for (int k = 0; k < (int)sizeof mass; ++k) {
-        play->world.craft.sim.config.parameter[mass[k]] *= MASS_FACTOR;
+        run->world.vehicle_sim.sim.config.parameter[mass[k]] *= MASS_FACTOR;
     }
     for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
-        play->world.craft.sim.config.parameter[i] *= DRAG_FACTOR;
+        run->world.vehicle_sim.sim.config.parameter[i] *= DRAG_FACTOR;
     }
-    event_log_add(&play->story, PAYLOAD_S,
-                  "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; from now on "
-                  "errors are against this truth");
-    bool early = play->changed;
-    run_to_end(play, PAYLOAD_SETS);
-    return !early && play->changed;
+    event_log_add(&run->log, PAYLOAD_S,
+                  "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; errors are relative to this "
+                  "truth from now on");
+    bool early = run->changed;
+    run_to_end(run, PAYLOAD_SETS);
+    return !early && run->changed;
 }
 
-static bool yaw_idle(play_t *play)
+static bool yaw_idle(scenario_run_t *run)
 {
     const world_config_t config = {.idle = 1u << AUVID_YAW};
     char text[EVENT_LOG_LENGTH];
-    if (!begin(play, config)) {
+    if (!begin(run, config)) {
         return false;
     }
-    run_to_end(play, play->options->sets);
-    for (unsigned k = 0; report_missing(&play->result, k, text, sizeof text); ++k) {
-        event_log_add(&play->story, world_time_s(&play->world), "missing: %s", text);
+    run_to_end(run, run->options->sets);
+    for (unsigned k = 0; report_missing(&run->result, k, text, sizeof text); ++k) {
+        event_log_add(&run->log, world_time_s(&run->world), "missing: %s", text);
     }
-    return (play->result.estimate.identified & 1u << AUVID_G500_M_R) == 0;
+    return (run->result.estimate.identified & 1u << AUVID_G500_M_R) == 0;
 }
 
-static bool operator_abort(play_t *play)
+static bool operator_abort(scenario_run_t *run)
 {
     const world_config_t config = {0};
-    if (!begin(play, config)) {
+    if (!begin(run, config)) {
         return false;
     }
-    run_until(play, EVENT_S);
-    event_log_add(&play->story, EVENT_S, "operator: abort, in the middle of set 4");
-    uint32_t number = play->world.node[0].id.estimate.number;
-    play->world.craft.order_abort = true;
-    bool held = aftermath(play, number);
-    run_to_end(play, 0);
-    return held && play->result.trip.cause == AUVID_GUARD_OPERATOR;
+    run_until(run, EVENT_S);
+    event_log_add(&run->log, EVENT_S, "operator: abort in the middle of set 4");
+    uint32_t number = run->world.node[0].id.estimate.number;
+    run->world.vehicle_sim.order_abort = true;
+    bool held = aftermath(run, number);
+    run_to_end(run, 0);
+    return held && run->result.trip.cause == AUVID_GUARD_OPERATOR;
 }
 
-static bool dvl_lost(play_t *play)
+static bool dvl_lost(scenario_run_t *run)
 {
     const world_config_t config = {0};
-    if (!begin(play, config)) {
+    if (!begin(run, config)) {
         return false;
     }
-    run_until(play, EVENT_S);
-    event_log_add(&play->story, EVENT_S, "the DVL falls silent, for good");
-    uint32_t number = play->world.node[0].id.estimate.number;
-    play->world.craft.sim.config.sensor[SIM_DVL].dropout = 1.0;
-    bool held = aftermath(play, number);
-    run_to_end(play, 0);
-    return held && play->result.trip.cause == AUVID_GUARD_VELOCITY_STALE;
+    run_until(run, EVENT_S);
+    event_log_add(&run->log, EVENT_S, "the DVL is lost: no more samples");
+    uint32_t number = run->world.node[0].id.estimate.number;
+    run->world.vehicle_sim.sim.config.sensor[SIM_DVL].dropout = 1.0;
+    bool held = aftermath(run, number);
+    run_to_end(run, 0);
+    return held && run->result.trip.cause == AUVID_GUARD_VELOCITY_STALE;
 }
 
-/* The parameter that its standard error explains least. */
-static void tell_worst(play_t *play)
+/* Logs the parameter whose error is the largest multiple of its standard error. */
+static void log_worst(scenario_run_t *run)
 {
-    const result_t *result = &play->result;
+    const result_t *result = &run->result;
     double worst = 0.0;
     int at = 0;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
@@ -301,117 +298,118 @@ static void tell_worst(play_t *play)
         }
     }
     event_log_add(
-        &play->story, world_time_s(&play->world),
-        "worst in standard errors: %s, %.1f off, %.1f of them; farthest from start %.1f m",
+        &run->log, world_time_s(&run->world),
+        "largest error by standard error: %s, %.1f, %.1f sigma; farthest from start %.1f m",
         result->vehicle->parameter[at].name, (double)result->estimate.pi[at] - result->truth[at],
-        worst, play->farthest_m);
+        worst, run->farthest_m);
 }
 
-/* A second node hears the same frames, and searches the current with the parameters. */
-static bool listen_for_current(play_t *play, world_config_t config)
+/* Adds a second node that receives the same frames and also identifies the current. */
+static bool listen_for_current(scenario_run_t *run, world_config_t config)
 {
     auvid_identifier_config_t cfg;
-    auvid_current_t *to = &play->current;
-    config.seed = play->options->seed;
+    auvid_current_t *to = &run->current;
+    config.seed = run->options->seed;
     world_identifier(&cfg, &config);
     if (auvid_current_init(to, &auvid_girona500, false) < 0) {
         return false;
     }
     cfg.vehicle = &to->vehicle;
     cfg.metric.free = to->vehicle.free;
-    cfg.metric.rows = play->rows;
+    cfg.metric.rows = run->rows;
     cfg.metric.set_rows = ROWS;
     return auvid_current_bounds(to, 1, cfg.search.lower, cfg.search.upper) == AUVID_OK &&
-           world_listen(&play->world, &cfg);
+           world_listen(&run->world, &cfg);
 }
 
-static void tell_current(play_t *play)
+static void log_current(scenario_run_t *run)
 {
-    const auvid_estimate_t *e = &play->world.node[1].id.estimate;
-    int north = play->current.hull->parameters;
-    double truth[CRAFT_PARAMETERS], half[2]; /* the current's stands elsewhere: 0 here */
-    vehicle_sim_truth(&play->world.craft, truth);
+    const auvid_estimate_t *e = &run->world.node[1].id.estimate;
+    int north = run->current.hull->parameters;
+    double truth[VEHICLE_SIM_PARAMETERS], half[2]; /* 0 for the parameters of the current */
+    vehicle_sim_truth(&run->world.vehicle_sim, truth);
     for (int i = 0; i < 2; ++i) {
         half[i] = HALF_WIDTH * (double)e->confidence.sigma[north + i];
     }
     event_log_add(
-        &play->story, world_time_s(&play->world),
-        "current searched too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
+        &run->log, world_time_s(&run->world),
+        "current identified too: rms error %.2f %%; north %.3f +- %.3f, east %.3f +- %.3f m/s",
         report_rms_percent(e, truth), (double)e->pi[north], half[0], (double)e->pi[north + 1],
         half[1]);
 }
 
-static bool current(play_t *play)
+static bool current(scenario_run_t *run)
 {
     world_config_t config = {.current = {CURRENT_M_S, 0.0, 0.0}};
-    if (!begin(play, config) || !listen_for_current(play, config)) {
+    if (!begin(run, config) || !listen_for_current(run, config)) {
         return false;
     }
-    event_log_add(&play->story, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is taken for motion");
-    run_to_end(play, play->options->sets);
-    tell_worst(play);
-    tell_current(play);
-    bool bottom = play->result.guard != AUVID_GUARD_ABORTED;
-    play->other = play->result;
-    play->other_key = "bottom_lock";
+    event_log_add(&run->log, 0.0, "DYNAMICS FROM BOTTOM LOCK: the current is mistaken for motion");
+    run_to_end(run, run->options->sets);
+    log_worst(run);
+    log_current(run);
+    bool bottom = run->result.guard != AUVID_GUARD_ABORTED;
+    run->other = run->result;
+    run->other_key = "bottom_lock";
     config.both_locks = true;
-    if (!begin(play, config)) {
+    if (!begin(run, config)) {
         return false;
     }
-    event_log_add(&play->story, 0.0,
-                  "DYNAMICS FROM WATER LOCK: the DVL pings bottom and water in turn");
-    run_to_end(play, play->options->sets);
-    tell_worst(play);
-    return bottom && play->result.guard != AUVID_GUARD_ABORTED;
+    event_log_add(&run->log, 0.0,
+                  "DYNAMICS FROM WATER LOCK: the DVL alternates between bottom and water");
+    run_to_end(run, run->options->sets);
+    log_worst(run);
+    return bottom && run->result.guard != AUVID_GUARD_ABORTED;
 }
 
 static const struct {
     const char *name, *about;
-    bool (*play)(play_t *);
-} scenarios[] = {
-    {"payload", "the vehicle changes in the middle of set 9 of 16", payload},
-    {"yaw-idle", "yaw is never excited", yaw_idle},
-    {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
-    {"current", "a current of 0.3 m/s to the north, seen with two locks of the DVL", current},
-    {"dvl-lost", "the DVL falls silent in the middle of a set", dvl_lost}};
+    bool (*run)(scenario_run_t *);
+} scenarios[] = {{"payload", "the vehicle changes in the middle of set 9 of 16", payload},
+                 {"yaw-idle", "yaw is never excited", yaw_idle},
+                 {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
+                 {"current",
+                  "a current of 0.3 m/s to the north, with DVL bottom lock, then with water lock",
+                  current},
+                 {"dvl-lost", "the DVL is lost in the middle of a set", dvl_lost}};
 
 enum { SCENARIOS = sizeof scenarios / sizeof scenarios[0] };
 
 /* ---- the command ---- */
 
-static void print_tables(const play_t *play)
+static void print_tables(const scenario_run_t *run)
 {
-    if (play->other_key != NULL) {
+    if (run->other_key != NULL) {
         printf("\n  from bottom lock\n");
-        report_result(&play->other, NULL);
+        report_result(&run->other, NULL);
         printf("\n  from water lock");
     }
     putchar('\n');
-    report_result(&play->result, NULL);
+    report_result(&run->result, NULL);
 }
 
-static int tell(play_t *play, int which)
+static int play(scenario_run_t *run, int which)
 {
-    const options_t *options = play->options;
-    play->story.name = scenarios[which].name;
-    play->story.silent = options->json;
+    const options_t *options = run->options;
+    run->log.name = scenarios[which].name;
+    run->log.silent = options->json;
     if (!options->json) {
-        printf("auvid %s demo: scenario %s, seed %llu\n  %s\n", AUVID_VERSION_STRING,
-               play->story.name, (unsigned long long)options->seed, scenarios[which].about);
-        printf("  disturbance %g N, thruster lag %g s; all else as in auvid demo\n\n",
+        printf("auvid %s demo: scenario %s, seed %llu\n  %s\n", AUVID_VERSION_STRING, run->log.name,
+               (unsigned long long)options->seed, scenarios[which].about);
+        printf("  disturbance %g N, thruster lag %g s; otherwise as auvid demo\n\n",
                options->disturbance_N, options->lag_s);
     }
-    bool as_told = scenarios[which].play(play);
-    if (play->result.vehicle == NULL) {
+    bool as_expected = scenarios[which].run(run);
+    if (run->result.vehicle == NULL) {
         return report_error("demo: the identifier refused its configuration");
     }
-    const beside_t beside = {play->other_key, &play->other, NULL};
+    const second_result_t second = {run->other_key, &run->other, NULL};
     if (options->json) {
-        report_json(&play->result, NULL, play->other_key != NULL ? &beside : NULL, &play->story);
+        report_json(&run->result, NULL, run->other_key != NULL ? &second : NULL, &run->log);
     } else {
-        print_tables(play);
+        print_tables(run);
     }
-    return as_told ? report_exit(&play->result) : 1;
+    return as_expected ? report_exit(&run->result) : 1;
 }
 
 int scenario(const options_t *options)
@@ -426,12 +424,12 @@ int scenario(const options_t *options)
             "current, dvl-lost",
             options->scenario);
     }
-    play_t *play = calloc(1, sizeof *play);
-    if (play == NULL) {
+    scenario_run_t *run = calloc(1, sizeof *run);
+    if (run == NULL) {
         return report_error("demo: not enough memory");
     }
-    play->options = options;
-    int status = tell(play, which);
-    free(play);
+    run->options = options;
+    int status = play(run, which);
+    free(run);
     return status;
 }

@@ -6,10 +6,10 @@
 
 #include "simulator.h"
 
-/* An identifiable parameter off by more than this misleads. */
+/* A larger relative error of an identifiable parameter is misleading. */
 #define MISLEADING 0.2
 
-/* A mass off by more than this fails the run. */
+/* A larger relative error of a mass fails the run. */
 #define MASS_TOLERANCE 0.1
 
 static int ascending(const void *a, const void *b)
@@ -47,7 +47,7 @@ bool tally_begin(tally_t *tally, uint32_t runs)
     return true;
 }
 
-/* Is the estimate as sure as it says? Thrust and DVL of this vehicle are as told. */
+/* Compares errors with standard errors. The scales of thrust and DVL are exact here. */
 static void count_coverage(campaign_t *c, const result_t *result)
 {
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
@@ -61,9 +61,9 @@ static void count_coverage(campaign_t *c, const result_t *result)
         c->covered[0] += isfinite(sigma) && off <= sigma;
         c->covered[1] += isfinite(sigma) && off <= 2.0 * sigma;
         c->identifiable += sure;
-        double most =
+        double tolerance =
             fabs(result->truth[i]) > 0.0 ? MISLEADING * fabs(result->truth[i]) : 4.0 * sigma;
-        c->wrong += sure && !(off <= most);
+        c->wrong += sure && !(off <= tolerance);
     }
 }
 
@@ -100,11 +100,11 @@ void tally_add(tally_t *tally, const result_t *result)
     }
     c->failed += failed;
     c->not_converged = c->not_converged || not_converged;
-    c->work_most = result->work_most > c->work_most ? result->work_most : c->work_most;
+    c->max_work = result->max_work > c->max_work ? result->max_work : c->max_work;
     ++c->runs;
 }
 
-/* 95 % interval of the rms error: runs are drawn again, with replacement. */
+/* 95 % interval of the rms error by bootstrap over the runs. */
 static void bootstrap(const tally_t *tally, uint64_t seed, double interval[2])
 {
     double rms[RESAMPLES];

@@ -1,5 +1,5 @@
 /*
- * Results as tables.
+ * Results as tables for people.
  */
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@ static double error_percent(const result_t *result, int i)
     return 100.0 * ((double)result->estimate.pi[i] / result->truth[i] - 1.0);
 }
 
-/* Columns that names take. */
+/* Width of the column of names. */
 static int name_width(const result_t *result)
 {
     size_t width = 9;
@@ -35,7 +35,7 @@ static void print_number(int width, int digits, double x)
     }
 }
 
-/* "?": not identifiable; "!": it is, but cannot be true. */
+/* "?": not identifiable. "!": identifiable, but physically impossible. */
 static char mark(const result_t *result, int i)
 {
     const auvid_confidence_t *c = &result->estimate.confidence;
@@ -45,7 +45,7 @@ static char mark(const result_t *result, int i)
     return (c->implausible >> i & 1u) ? '!' : ' ';
 }
 
-/* Relative error of an estimate that is known; of a truth of 0 there is none. */
+/* Prints the relative error of an estimate. A truth of 0 has none. */
 static void print_error(const result_t *result, int i, int width, bool known)
 {
     if (fabs(result->truth[i]) <= 0.0) {
@@ -74,7 +74,7 @@ static void parameter_row(const result_t *result, int i)
     }
 }
 
-/* Estimate and error, of all sets and of the last one. */
+/* Estimate and error, from all sets and from the last set only. */
 static void literal_row(const result_t *result, const result_t *last, int i)
 {
     printf("  %10.3f  %10.3f", (double)result->estimate.pi[i], result->truth[i]);
@@ -106,7 +106,7 @@ static void rms_row(const result_t *result, const result_t *last, int width)
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         zeros += (result->free >> i & 1u) && fabs(result->truth[i]) <= 0.0;
     }
-    const char *note = zeros > 0 ? "  but for those that are 0" : "";
+    const char *note = zeros > 0 ? "  of those whose truth is not 0" : "";
     if (last != NULL) {
         printf("  %-*s  %-*s  %10s  %10s  %8.2f %%    %10s  %8.2f %%%s\n", names, "rms", width, "",
                "", "", rms, "", report_rms_percent(&last->estimate, last->truth), note);
@@ -139,7 +139,7 @@ static void parameter_table(const result_t *result, const result_t *last)
     }
 }
 
-/* Forces of one direction, each with its half-width and "?" where it is not identifiable. */
+/* Forces in one direction, each with its half-width, and "?" if not identifiable. */
 static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
 {
     int digits = result->in_commands ? 4 : 2;
@@ -162,7 +162,7 @@ static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
 
 static void drag_table(const result_t *result)
 {
-    printf("\n  drag force [%s] at parts of the largest speed seen [m/s, rad/s]\n",
+    printf("\n  drag force [%s] at fractions of the largest speed seen [m/s, rad/s]\n",
            result->in_commands ? "cmd" : "N, Nm");
     printf("  %-15s  %7s", "", "largest");
     for (int part = 0; part < REPORT_DRAG_PARTS; ++part) {
@@ -176,7 +176,7 @@ static void drag_table(const result_t *result)
     }
 }
 
-/* What the estimate does not know, and what to do about it. */
+/* What is missing for a complete estimate, and what to do about it. */
 static void missing_list(const result_t *result)
 {
     char text[WORDS];
@@ -195,7 +195,7 @@ static void missing_list(const result_t *result)
     }
 }
 
-/* One line with a value for each modelled degree of freedom; "-" where mask has no bit. */
+/* One line with a value per modelled degree of freedom, "-" where the bit of mask is 0. */
 static void dof_line(const result_t *result, const char *title, int digits, const double *value,
                      uint32_t mask)
 {
@@ -212,7 +212,7 @@ static void dof_line(const result_t *result, const char *title, int digits, cons
     putchar('\n');
 }
 
-/* The words of the modelled degrees of freedom above such lines. */
+/* The headings of the modelled degrees of freedom above such lines. */
 static void dof_heading(const result_t *result, const char *const word[AUVID_DOF_COUNT])
 {
     auvid_dof_t dof[AUVID_DOF_COUNT];
@@ -235,22 +235,22 @@ static void dof_table(const result_t *result)
 {
     static const char *const words[] = {"X, u", "Y, v", "Z, w", "K, p", "M, q", "N, r"};
     double value[AUVID_DOF_COUNT];
-    uint32_t driven = result->estimate.excited;
+    uint32_t excited = result->estimate.excited;
     dof_heading(result, words);
     to_double(value, result->estimate.delay_s);
-    dof_line(result, "delay from input to response [s]", 3, value, driven);
-    if (result->estimate.first_order_lag & driven) {
-        printf("  %-34s", "  which is that of a");
+    dof_line(result, "delay from input to response [s]", 3, value, excited);
+    if (result->estimate.first_order_lag & excited) {
+        printf("  %-34s", "  modelled as");
         auvid_dof_t dof[AUVID_DOF_COUNT];
         int dofs = report_dofs(result->vehicle, dof);
         for (int k = 0; k < dofs; ++k) {
             bool lag = (result->estimate.first_order_lag >> dof[k] & 1u) != 0;
-            printf("  %8s", driven >> dof[k] & 1u ? (lag ? "lag" : "shift") : "-");
+            printf("  %8s", excited >> dof[k] & 1u ? (lag ? "lag" : "delay") : "-");
         }
         putchar('\n');
     }
     to_double(value, result->estimate.r2_force);
-    dof_line(result, "R2 of the force", 4, value, driven);
+    dof_line(result, "R2 of the force", 4, value, excited);
     if (result->has_validation) {
         dof_line(result, "R2 of held-out velocity", 4, result->r2, result->validated);
     }
@@ -263,22 +263,22 @@ static void dof_table(const result_t *result)
     }
 }
 
-/* How the newest set was foretold. */
+/* How well the newest set was predicted. */
 static void change_test_lines(const result_t *result)
 {
-    const auvid_change_test_t *judged = &result->judgement;
+    const auvid_change_test_t *test = &result->change_test;
     double value[AUVID_DOF_COUNT];
-    if (judged->set == 0) {
+    if (test->set == 0) {
         return;
     }
-    printf("  the newest set, foretold before it was used%s\n",
-           judged->changed ? ": THE VEHICLE HAS CHANGED" : "");
-    to_double(value, judged->variance_ratio);
-    dof_line(result, "  variance ratio of the force", 2, value, judged->excited);
-    to_double(value, judged->change);
-    dof_line(result, "  evidence of a change (yes: > 1)", 2, value, judged->excited);
-    to_double(value, judged->r2_velocity);
-    dof_line(result, "  R2 of its velocity", 4, value, judged->simulated & judged->excited);
+    printf("  newest data set, predicted before it was used%s\n",
+           test->changed ? ": THE VEHICLE HAS CHANGED" : "");
+    to_double(value, test->variance_ratio);
+    dof_line(result, "  variance ratio of the force", 2, value, test->excited);
+    to_double(value, test->change);
+    dof_line(result, "  change statistic (changed: > 1)", 2, value, test->excited);
+    to_double(value, test->r2_velocity);
+    dof_line(result, "  R2 of the velocity", 4, value, test->simulated & test->excited);
 }
 
 static void guard_line(const result_t *result)
@@ -313,7 +313,7 @@ void report_result(const result_t *result, const result_t *last)
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
            e->not_converged ? "; NOT CONVERGED" : "");
-    printf("  largest work in a tick  %u units of a budget of %u\n", (unsigned)result->work_most,
+    printf("  largest work per tick   %u units of a budget of %u\n", (unsigned)result->max_work,
            (unsigned)result->budget);
 }
 
@@ -328,20 +328,20 @@ static void campaign_summary(const campaign_t *c, const char *title, uint32_t bu
     printf("  rms error    %8.2f %%   95 %% interval %.2f .. %.2f %%\n", c->rms_percent,
            c->interval[0], c->interval[1]);
     printf("  worst        %8.2f %%\n", c->worst_percent);
-    printf("  failed       %8u     not converged, or a mass off by more than 10 %%\n",
+    printf("  failed       %8u     not converged, or an error of a mass above 10 %%\n",
            (unsigned)c->failed);
     printf("  coverage     %8.1f %%   within one standard error, %.1f %% within two\n",
            part(c->covered[0], c->known), part(c->covered[1], c->known));
-    printf("  identifiable %8.1f %%   of all parameters; %u of %u more than 20 %% off\n",
+    printf("  identifiable %8.1f %%   of all parameters; errors above 20 %%: %u of %u\n",
            part(c->identifiable, c->runs * (uint32_t)c->parameters), (unsigned)c->wrong,
            (unsigned)c->identifiable);
-    printf("  evaluations  %8.0f     median of the last search; 95 %% need at most %.0f\n",
+    printf("  evaluations  %8.0f     median of the last search, 95th percentile %.0f\n",
            c->evaluations_median, c->evaluations_p95);
-    printf("  work         %8u     largest in any tick, budget %u\n", (unsigned)c->work_most,
+    printf("  work         %8u     largest of any tick, budget %u\n", (unsigned)c->max_work,
            (unsigned)budget);
 }
 
-/* Of one parameter: relative, but absolute where the truth is 0. */
+/* Errors of one parameter: relative, or absolute where the truth is 0. */
 static void campaign_errors(const result_t *first, const campaign_t *campaign, int i)
 {
     if (fabs(first->truth[i]) > 0.0) {
@@ -381,7 +381,7 @@ void report_campaign(const result_t *first, const campaign_t *campaign, const ca
             snprintf(title, sizeof title, "  %d parameters, all runs", campaign->parameters);
         if (campaign->relative < campaign->parameters) {
             (void)snprintf(title + length, sizeof title - (size_t)length,
-                           "; errors of the %d that are not 0", campaign->relative);
+                           "; errors of the %d whose truth is not 0", campaign->relative);
         }
     }
     campaign_summary(campaign, title, first->budget);

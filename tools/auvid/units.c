@@ -6,15 +6,15 @@
 
 #define TURN 6.283185307179586
 #define DEGREES 57.29577951308232 /* in a radian */
-#define FEW 0.01                  /* of the rows: outliers */
+#define FEW 0.01                  /* share of rows that may be outliers */
 #define GAP_S 0.5
-#define WINDOW_S 1.0 /* so long are changes of attitude compared with rates */
-#define WINDOWS 10   /* fewer say nothing */
+#define WINDOW_S 1.0 /* window in which changes of attitude are compared with rates */
+#define WINDOWS 10   /* smallest number of windows for a decision */
 
 #define CONVERT_ANGLES "if the attitude is in degrees, convert it to radians (times pi/180)"
 #define CONVERT_RATES "if the rates are in deg/s, convert them to rad/s (times pi/180)"
 
-/* How an angle changes beside the integral of its rate. */
+/* Statistics of the change of an angle and the integral of its rate. */
 typedef struct {
     double angle2, rate2, both; /* sums of products of the changes in windows */
     int windows, fast;          /* fast: more than one and a half turns a second */
@@ -51,7 +51,7 @@ static change_t changes(const csv_log_t *log, int angle, int rate, double period
     return sum;
 }
 
-/* Does the angle follow its rate, times about this factor? */
+/* Does the angle change by about `factor` times the integral of its rate? */
 static bool follows(const change_t *c, double factor)
 {
     double slope = c->rate2 > 0.0 ? c->both / c->rate2 : 0.0;
@@ -69,15 +69,15 @@ static double share_beyond(const csv_log_t *log, int column, double limit)
     return (double)count / (double)log->rows;
 }
 
-/* An angle in radians jumps by a turn at most. */
+/* An angle in radians jumps by at most one revolution. */
 static int check_steps(const csv_log_t *log, int column)
 {
     for (size_t i = 1; i < log->rows; ++i) {
         double step = fabs(log->row[i].value[column] - log->row[i - 1].value[column]);
         if (step > 1.5 * TURN && interval_s(log, i) <= GAP_S) {
             return report_error(
-                "%s: %s jumps by %.4g at t_s %.9g, and no angle in radians jumps by "
-                "more than a turn of 6.28: " CONVERT_ANGLES,
+                "%s: %s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at "
+                "most 6.28, one revolution: " CONVERT_ANGLES,
                 log->path, csv_name[column], step, log->row[i].value[CSV_T]);
         }
     }
@@ -89,8 +89,8 @@ static int check_pitch(const csv_log_t *log)
     double share = share_beyond(log, CSV_ATTITUDE + 1, 0.25 * TURN + 0.01);
     return share <= FEW
                ? 0
-               : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, and no "
-                              "pitch in radians is: " CONVERT_ANGLES,
+               : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, which no "
+                              "pitch in radians can be: " CONVERT_ANGLES,
                               log->path, 100.0 * share);
 }
 
@@ -105,9 +105,10 @@ static int check_angle(const csv_log_t *log, int axis)
     }
     return c.windows < WINDOWS || c.fast <= FEW * c.windows
                ? 0
-               : report_error("%s: %s turns by more than 9.4 a second for %.0f %% of the log, too "
-                              "fast for radians: " CONVERT_ANGLES,
-                              log->path, csv_name[angle], 100.0 * c.fast / c.windows);
+               : report_error(
+                     "%s: %s changes by more than 9.4 per second in %.0f %% of the log, too "
+                     "fast for radians: " CONVERT_ANGLES,
+                     log->path, csv_name[angle], 100.0 * c.fast / c.windows);
 }
 
 static int check_rate(const csv_log_t *log, int axis)
@@ -115,17 +116,17 @@ static int check_rate(const csv_log_t *log, int axis)
     int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
     change_t c = changes(log, angle, rate, TURN);
     if (follows(&c, 1.0 / DEGREES)) {
-        return report_error(
-            "%s: %s is 57 times as large as the change of %s says, so the rates are "
-            "in deg/s: convert them to rad/s (times pi/180)",
-            log->path, csv_name[rate], csv_name[angle]);
+        return report_error("%s: %s is 57 times as large as the change of %s, so the rates are "
+                            "in deg/s: convert them to rad/s (times pi/180)",
+                            log->path, csv_name[rate], csv_name[angle]);
     }
     double share = share_beyond(log, rate, TURN);
     return share <= FEW
                ? 0
-               : report_error("%s: %s is beyond +-6.28, a turn a second, in %.0f %% of the "
-                              "rows: " CONVERT_RATES,
-                              log->path, csv_name[rate], 100.0 * share);
+               : report_error(
+                     "%s: %s is beyond +-6.28, one revolution per second, in %.0f %% of the "
+                     "rows: " CONVERT_RATES,
+                     log->path, csv_name[rate], 100.0 * share);
 }
 
 int units_check(const csv_log_t *log)

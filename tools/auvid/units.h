@@ -1,15 +1,15 @@
 /**
  * @file units.h
- * Are attitude and rates of a log in radians?
+ * Checks whether attitude and rates of a log are in radians.
  */
 #ifndef PROGRAM_UNITS_H
 #define PROGRAM_UNITS_H
 
 #include "csv.h"
 
-/** Look for what no angle in radians and no rate in rad/s of a vehicle does. Returns 0, or
- * EXIT_REFUSED after one line on stderr that names the column, what it does, and what to do. A slow
- * log in which both are in degrees, pitch is small and yaw does not wrap passes. */
+/** Looks for values that no angle in radians and no rate in rad/s of a vehicle takes. Returns 0, or
+ * EXIT_REFUSED after one line on stderr with the column, its value and the remedy. A slow log with
+ * both in degrees passes if pitch is small and yaw does not wrap. */
 int units_check(const csv_log_t *log);
 
 #endif

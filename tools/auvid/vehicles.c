@@ -9,7 +9,7 @@
 #define HAS_BLUEROV2
 #endif
 
-/* From one sample of the DVL to the next. */
+/* Interval of the DVL samples. */
 #define DVL_US 200000u
 
 const vehicle_t vehicle_girona500 = {.word = "girona500",
@@ -24,7 +24,7 @@ const vehicle_t vehicle_girona500 = {.word = "girona500",
 const char vehicle_words[] = "girona500, bluerov2";
 const char vehicle_model_words[] = "girona500, fossen, bluerov2";
 
-/* Roll and pitch are held against the excitation's moments, which would else turn it over. */
+/* Roll and pitch are stabilised, because the moments of the excitation would turn it over. */
 static const vehicle_t bluerov2 = {.word = "bluerov2",
                                    .title = "BlueROV2 Heavy",
                                    .model = &auvid_bluerov2_heavy,
@@ -61,7 +61,7 @@ const auvid_vehicle_t *vehicle_model(const char *word)
     return vehicle != NULL ? vehicle->model : NULL;
 }
 
-void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config)
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config)
 {
     vehicle_sim_defaults(config);
     vehicle->simulate(&config->sim);
@@ -71,7 +71,7 @@ void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config)
 void vehicle_use_averaged_model(auvid_identifier_config_t *cfg)
 {
 #ifdef HAS_BLUEROV2
-    static auvid_averaged_t averaged; /* the same whenever it is written */
+    static auvid_averaged_t averaged; /* always written with the same content */
     if (cfg->vehicle == bluerov2.model &&
         auvid_averaged_init(&averaged, bluerov2.model, cfg->recorder.cell_us, DVL_US) == AUVID_OK) {
         cfg->vehicle = cfg->metric.vehicle = &averaged.vehicle;

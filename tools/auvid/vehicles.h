@@ -1,9 +1,9 @@
 /**
  * @file vehicles.h
- * The vehicles that are ready: each one's model in the library, its thrusters, its simulator, and
- * the settings with which it is identified.
+ * The built-in vehicles: model in the library, thrusters, simulator, and settings of the
+ * identification.
  *
- * Which there are depends on the sizes the library is built with: BlueROV2 Heavy needs room for the
+ * The choice depends on the sizes that the library is built with: BlueROV2 Heavy needs room for the
  * parameters of the 6-DoF model.
  */
 #ifndef PROGRAM_VEHICLES_H
@@ -13,45 +13,45 @@
 #include "vehicle_sim.h"
 
 typedef struct {
-    const char *word;  /**< on the command line */
-    const char *title; /**< for people */
+    const char *word;  /**< name on the command line */
+    const char *title; /**< name in reports */
     const auvid_vehicle_t *model;
-    bool quick; /**< quicker than its DVL, and in roll, pitch and yaw above all */
+    bool quick; /**< faster than its DVL, mainly in roll, pitch and yaw */
     const auvid_allocation_config_t *allocation;
-    void (*simulate)(sim_config_t *config);  /**< the simulator's settings */
+    void (*simulate)(sim_config_t *config);  /**< sets the configuration of the simulator */
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
-    auvid_real_t tilt_max_rad, yaw_rate_max; /**< the guard's limits [rad, rad/s]; 0: default */
-    /** Ticks in which a node tells all that it knows twice: estimates take turns, one in five. */
+    auvid_real_t tilt_max_rad, yaw_rate_max; /**< limits of the guard [rad, rad/s]; 0: default */
+    /** Ticks in which a node reports every estimate twice: one estimate in five ticks. */
     uint32_t linger_ticks;
 } vehicle_t;
 
-/** The Girona500: what is meant where none is named. */
+/** The Girona500, which is the default. */
 extern const vehicle_t vehicle_girona500;
 
-/** The vehicle of this word; null: there is none. */
+/** The vehicle of this name, or NULL. */
 const vehicle_t *vehicle_named(const char *word);
 
-/** Words of all vehicles, "girona500, bluerov2". */
+/** Names of all vehicles, "girona500, bluerov2". */
 extern const char vehicle_words[];
 
-/** The model that `fit --model WORD` means; null: there is none. */
+/** The model of `fit --model WORD`, or NULL. */
 const auvid_vehicle_t *vehicle_model(const char *word);
 
-/** Words of all models. */
+/** Names of all models. */
 extern const char vehicle_model_words[];
 
-/** Where the model is that of a quick vehicle: identify with averaged rows, for a DVL at 5 Hz, and
- * with shorter filters of the moments. */
+/** For the model of a fast vehicle: selects averaged rows, for a DVL at 5 Hz, and
+ * shorter filters of the moments. */
 void vehicle_use_averaged_model(auvid_identifier_config_t *cfg);
 
-/** Steps and sines of the moments, for a vehicle that swings in seconds. */
+/** Selects faster steps and sines of the moments, for a vehicle that oscillates within seconds. */
 void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 
-/** Configure its simulation: vehicle_sim_defaults of this vehicle. */
-void vehicle_craft(const vehicle_t *vehicle, vehicle_sim_config_t *config);
+/** Writes the configuration of its simulation. */
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config);
 
-/** Configure its identification: auvid_identifier_defaults of this vehicle.
- * @param sets of excitation, of set_s seconds each
+/** Writes the configuration of its identification, based on auvid_identifier_defaults.
+ * @param sets number of sets of excitation, of set_s seconds each
  * @param idle bit j: DoF j is not excited */
 void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
                         uint8_t idle, auvid_identifier_config_t *cfg);

@@ -4,7 +4,7 @@
 
 #include "auvid/adaptive.h"
 
-/* Moment of the disturbance for its force [m]. */
+/* Moment of the disturbance relative to its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
 static const vehicle_t *vehicle_of(const world_config_t *config)
@@ -12,7 +12,7 @@ static const vehicle_t *vehicle_of(const world_config_t *config)
     return config->vehicle == NULL ? &vehicle_girona500 : config->vehicle;
 }
 
-/* Instead of the plan: its amplitudes and leash. */
+/* Replaces the plan by adaptive excitation, with the same amplitudes and excursion limits. */
 static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config)
 {
     auvid_adaptive_config_t cfg;
@@ -39,28 +39,28 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
         cfg->recorder.cell_us = SIM_TICK_US;
         auvid_identifier_literal(cfg);
-        /* a row every half second, as in the default reading */
+        /* a row every half second, as by default */
         cfg->metric.row_cells = (uint16_t)(500000 / SIM_TICK_US);
     }
 }
 
 bool world_begin(world_t *world, const world_config_t *config)
 {
-    vehicle_sim_config_t craft;
+    vehicle_sim_config_t vehicle_sim;
     auvid_node_config_t node;
     auvid_identifier_config_t cfg;
     memset(world, 0, sizeof *world);
-    vehicle_craft(vehicle_of(config), &craft);
-    craft.no_arm = config->no_arm;
-    craft.sim.seed = config->seed;
-    craft.sim.disturbance_N = config->disturbance_N;
-    craft.sim.disturbance_Nm = DISTURBANCE_ARM * config->disturbance_N;
-    craft.sim.lag_s = config->lag_s;
-    memcpy(craft.sim.current, config->current, sizeof craft.sim.current);
-    craft.sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
-    memcpy(craft.sim.dvl_arm_m, config->dvl_arm_m, sizeof craft.sim.dvl_arm_m);
+    vehicle_simulation(vehicle_of(config), &vehicle_sim);
+    vehicle_sim.no_arm = config->no_arm;
+    vehicle_sim.sim.seed = config->seed;
+    vehicle_sim.sim.disturbance_N = config->disturbance_N;
+    vehicle_sim.sim.disturbance_Nm = DISTURBANCE_ARM * config->disturbance_N;
+    vehicle_sim.sim.lag_s = config->lag_s;
+    memcpy(vehicle_sim.sim.current, config->current, sizeof vehicle_sim.sim.current);
+    vehicle_sim.sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
+    memcpy(vehicle_sim.sim.dvl_arm_m, config->dvl_arm_m, sizeof vehicle_sim.sim.dvl_arm_m);
     for (int i = 0; i < SIM_SENSORS; ++i) {
-        craft.sim.sensor[i].age_s = config->age_s[i];
+        vehicle_sim.sim.sensor[i].age_s = config->age_s[i];
     }
     auvid_node_defaults(&node);
     node.excite = !config->passive;
@@ -68,7 +68,7 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->both_locks = config->both_locks;
     world->nodes = 1;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
-           vehicle_sim_init(&world->craft, &craft) &&
+           vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) &&
            auvid_node_init(&world->node[0], &node, &cfg) >= 0 &&
            (!config->adaptive || adapt(&world->node[0].id, config) == AUVID_OK);
 }
@@ -81,7 +81,7 @@ bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
            auvid_node_init(&world->node[world->nodes++], &node, cfg) >= 0;
 }
 
-/* A node's frames, up to the tick frame, and its answer. */
+/* Passes frames to a node up to the tick frame, and sends its answer. */
 static void step(world_t *world, int i)
 {
     bus_memory_end_t *end = &world->hub.end[WORLD_NODE + i];
@@ -95,13 +95,13 @@ static void step(world_t *world, int i)
     }
 }
 
-/* The wrench of the thrust that the vehicle has been commanded. */
-static void note_excitation(world_t *world)
+/* Records the wrench of the thrust commanded to the vehicle. */
+static void record_excitation(world_t *world)
 {
-    vehicle_sim_t *craft = &world->craft;
-    const sim_config_t *c = &craft->sim.config;
+    vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
+    const sim_config_t *c = &vehicle_sim->sim.config;
     double force_N[SIM_THRUSTERS];
-    vehicle_sim_commanded(craft, force_N);
+    vehicle_sim_commanded(vehicle_sim, force_N);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         world->excitation[j] = 0.0;
         for (int i = 0; i < c->thrusters; ++i) {
@@ -112,17 +112,17 @@ static void note_excitation(world_t *world)
 
 void world_tick(world_t *world)
 {
-    vehicle_sim_t *craft = &world->craft;
-    if (world->both_locks && craft->seen.sensor[SIM_DVL].has) {
-        bool bottom = craft->seen.sensor[SIM_DVL].bottom;
-        craft->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
+    vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
+    if (world->both_locks && vehicle_sim->seen.sensor[SIM_DVL].has) {
+        bool bottom = vehicle_sim->seen.sensor[SIM_DVL].bottom;
+        vehicle_sim->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
     }
-    frames_vehicle(&world->hub.end[WORLD_VEHICLE], craft);
+    frames_vehicle(&world->hub.end[WORLD_VEHICLE], vehicle_sim);
     for (int i = 0; i < world->nodes; ++i) {
         step(world, i);
     }
-    frames_hear(&world->hub.end[WORLD_VEHICLE], craft);
-    note_excitation(world);
+    frames_take(&world->hub.end[WORLD_VEHICLE], vehicle_sim);
+    record_excitation(world);
 }
 
 bool world_work(world_t *world, uint32_t budget)
@@ -140,5 +140,5 @@ bool world_work(world_t *world, uint32_t budget)
 
 double world_time_s(const world_t *world)
 {
-    return 1e-6 * (double)world->craft.seen.t_us;
+    return 1e-6 * (double)world->vehicle_sim.seen.t_us;
 }

@@ -1,12 +1,12 @@
 /**
  * @file world.h
- * A simulated vehicle and the node aboard it, over the bus in memory, one control tick at a time.
+ * A simulated vehicle and the node aboard it, connected by the bus in memory, one control tick at a
+ * time.
  *
- * The vehicle is the simulator's (vehicle_sim.h), by default the Girona500. All that passes
- * between it
- * and the node are frames: sensors, feedback of the thrusters, the operator's orders and the tick
- * one way, thruster commands and estimates the other. In lock step: the node does a tick, then
- * comes the next.
+ * The vehicle is that of the simulator (vehicle_sim.h), by default the Girona500. Only frames pass
+ * between it and the node. The vehicle sends sensors, thruster feedback, orders of the operator and
+ * the tick; the node sends thruster commands and estimates. They run in lock step: the next tick
+ * follows when the node has done the current one.
  */
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H
@@ -20,58 +20,58 @@
 #define WORLD_SET_S 30
 
 typedef struct {
-    const vehicle_t *vehicle; /**< null: Girona500 */
-    const options_t *options; /**< its uncertainties are read; null: not given */
-    uint64_t seed;        /**< of sensors, disturbance, excitation and search */
-    double disturbance_N; /**< rms on X, Y, Z; 0.4 of it in Nm on N (six DoF: on K, M, N) */
-    double lag_s;         /**< of the thrusters */
-    uint32_t sets;        /**< sets of excitation */
-    bool literal;         /**< our reading of the paper's metric */
-    bool adaptive;        /**< excites what is missing (adaptive.h), as long as `sets` at most */
-    bool passive;         /**< the node obeys no arm frame */
-    bool no_arm;          /**< nobody sends one by himself */
-    uint8_t idle;         /**< bit j: DoF j is not excited */
-    double current[3];    /**< of the water, NED [m/s] */
-    /** The DVL pings bottom and water in turn, each at 5 Hz; dynamics are taken from the water's,
-     * the guard looks at the bottom's. Default: bottom only. */
+    const vehicle_t *vehicle; /**< NULL: Girona500 */
+    const options_t *options; /**< source of the uncertainties, or NULL */
+    uint64_t seed;            /**< seed of sensors, disturbance, excitation and search */
+    double disturbance_N;     /**< rms on X, Y, Z; 0.4 times this in Nm on N (six DoF: K, M, N) */
+    double lag_s;             /**< of the thrusters */
+    uint32_t sets;            /**< sets of excitation */
+    bool literal;             /**< literal smoothing of the paper */
+    bool adaptive;            /**< adaptive excitation (adaptive.h) for at most `sets` sets */
+    bool passive;             /**< the node ignores arm frames */
+    bool no_arm;              /**< the vehicle sends no arm frame by itself */
+    uint8_t idle;             /**< bit j: DoF j is not excited */
+    double current[3];        /**< of the water, NED [m/s] */
+    /** The DVL alternates between bottom and water, each at 5 Hz. Dynamics use the water velocity,
+     * the guard the bottom velocity. Default: bottom only. */
     bool both_locks;
-    double dvl_arm_m[3];       /**< of the DVL from the body's origin; the node is told of it [m] */
-    double age_s[SIM_SENSORS]; /**< from sample to arrival, by sim_sensor_id_t [s] */
+    double dvl_arm_m[3];       /**< of the DVL from the origin of the body, known to the node [m] */
+    double age_s[SIM_SENSORS]; /**< time from sample to arrival, by sim_sensor_id_t [s] */
 } world_config_t;
 
-/** Nodes aboard: [0] excites the vehicle; a second one may listen, and sends nothing. */
+/** Nodes aboard: [0] excites the vehicle; an optional second one only listens. */
 enum { WORLD_NODES = 2 };
 
-/** Ends of the bus; the last one is that of the second node, or of whoever watches. */
+/** Ends of the bus; the last one is for the second node, or for an observer. */
 enum { WORLD_VEHICLE, WORLD_NODE, WORLD_LISTENER, WORLD_ENDS };
 
 typedef struct {
     bus_memory_t hub;
-    vehicle_sim_t craft;
+    vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
     int nodes;
     bool both_locks;                    /**< see world_config_t */
-    double excitation[AUVID_DOF_COUNT]; /**< that the vehicle was last commanded [N, Nm] */
+    double excitation[AUVID_DOF_COUNT]; /**< last commanded wrench [N, Nm] */
 } world_t;
 
-/** What an identifier in this world is configured like; change it and give it to world_listen. */
+/** Writes the identifier configuration of this world, which may be changed for world_listen. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Start; the operator arms the node a second after it navigates.
- * False when the library or the simulator refuses (it does not). */
+/** Starts. The operator arms the node one second after it navigates.
+ * Returns false if the library or the simulator refuses the configuration. */
 bool world_begin(world_t *world, const world_config_t *config);
 
-/** Take a second node aboard. */
+/** Adds a second node that listens. Returns false if there is no room or cfg is refused. */
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg);
 
-/** One tick of 20 ms up to the command: simulate, then step every node. */
+/** Runs one tick of 20 ms up to the command: simulates, then steps every node. */
 void world_tick(world_t *world);
 
-/** The rest of it: optimize with a budget (0: not at all) and report. @return is there work left?
+/** Completes the tick: optimizes with a budget (0: none) and reports. Returns true if work is left.
  */
 bool world_work(world_t *world, uint32_t budget);
 
-/** Time simulated [s]. */
+/** Simulated time [s]. */
 double world_time_s(const world_t *world);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * A tick: who drives, thrusters, body by RK4 in four substeps of 5 ms, sensors. Forces of
- * thrusters, waves and noise are constant within a substep, those of its middle.
+ * A tick: driver, thrusters, body by RK4 in four substeps of 5 ms, sensors. Forces of thrusters,
+ * waves and noise are constant within a substep, with their values at its middle.
  */
 #include "field_parts.h"
 
@@ -10,8 +10,8 @@
 #define SUBSTEP_US (SIM_TICK_US / SIM_SUBSTEPS)
 #define SUBSTEP_S (SIM_TICK_US * 1e-6 / SIM_SUBSTEPS)
 #define COLOUR_S 2.0     /* correlation time of the noise */
-#define MOMENT_SHARE 0.4 /* of the noise in N, for its moments in Nm */
-#define SWELL 0.7        /* vertical by horizontal amplitude of the waves */
+#define MOMENT_SHARE 0.4 /* moments of the noise in Nm relative to its forces in N */
+#define SWELL 0.7        /* ratio of vertical to horizontal amplitude of the waves */
 
 static double noise_rms(const field_t *field, int dof)
 {
@@ -35,7 +35,7 @@ static void init_disturbance(field_t *field)
     }
 }
 
-/* Waves and noise at a time: the water's orbits, horizontal and vertical a quarter apart. */
+/* Waves and noise: orbits of the water, with horizontal and vertical a quarter period apart. */
 static void disturb(const field_t *field, const double euler[3], double t_s, double force[6])
 {
     double r[3][3], body[3] = {0};
@@ -77,13 +77,13 @@ static void load(const field_truth_t *t, double state[12])
     memcpy(state + 6, t->nu, sizeof t->nu);
 }
 
-/* Forces and accelerations at the end of a tick. */
+/* Computes forces and accelerations at the end of a tick. */
 static void complete_truth(field_t *field)
 {
     field_truth_t *t = &field->truth;
     double state[12], derivative[12];
     t->t_s = 1e-6 * (double)field->t_us;
-    field_thrust_truth(field, t->delivered, t->told);
+    field_thrust_truth(field, t->delivered, t->reported);
     disturb(field, t->euler, t->t_s, t->disturbance);
     for (int i = 0; i < 6; ++i) {
         t->hull[i] = t->delivered[i] + t->disturbance[i];
@@ -110,7 +110,7 @@ bool field_init(field_t *field, const field_config_t *config)
     return true;
 }
 
-/* One substep. */
+/* Advances by one substep. */
 static void advance(field_t *field)
 {
     const double h = SUBSTEP_S;
@@ -152,9 +152,9 @@ void field_step(field_t *field, const double *thruster_N, field_output_t *out)
     }
     out->t_us = field->t_us;
     complete_truth(field);
-    field_thrust_tell(field, out);
+    field_thrust_report(field, out);
     field_sensors_deliver(field, out);
-    field_pilot_hear(field, out);
+    field_pilot_observe(field, out);
 }
 
 const field_truth_t *field_truth(const field_t *field)

@@ -1,10 +1,10 @@
 /*
- * Who drives. All but the excitation see what the sensors tell, no more: depth, attitude and rates
- * as measured, velocity of the last DVL sample, position by dead reckoning. What they want is a
- * wrench in surge, sway, heave and yaw, on top of hover thrust; the thrusters share it by the
- * pseudo-inverse, and each stops at its limit.
+ * The drivers. All except the excitation use only what the sensors measure: depth, attitude and
+ * rates, velocity of the last DVL sample, dead-reckoned position. They command a wrench in surge,
+ * sway, heave and yaw, added to hover thrust. The pseudo-inverse distributes it to the thrusters,
+ * each of which saturates.
  *
- * Hover thrust is for the weight in water that the vehicle has at the start, as told thrust.
+ * Hover thrust balances the initial weight in water, in reported thrust.
  */
 #include "field_parts.h"
 
@@ -14,13 +14,13 @@
 enum { X, Y, Z, N, WANTED };
 
 #define TICK_S (SIM_TICK_US * 1e-6)
-/* Excited: beyond so many metres from the start's depth thrust leads back, by so much of the
- * amplitude a metre. Over a near bottom with more care, and damped. */
+/* Excited: distance from the initial depth [m] beyond which thrust acts back, and its gain as a
+ * fraction of the amplitude per metre. Stronger near the bottom, and damped. */
 #define EXCITED_DEPTH_M 3.0
 #define EXCITED_LEAD 0.05
 #define NEAR_DEPTH_M 0.1
 #define NEAR_LEAD 2.0
-/* The pilot corrects the depth from so many metres off until so many; over a near bottom sooner. */
+/* Depth errors [m] at which the pilot starts and ends a correction; smaller near the bottom. */
 #define PILOT_FAR_M 2.0
 #define PILOT_NEAR_M 0.5
 #define PILOT_NEAR_BOTTOM 0.15
@@ -28,7 +28,7 @@ enum { X, Y, Z, N, WANTED };
 #define LEG_M 18.0
 #define LANE_M 3.0
 #define LANES 6
-/* A new DVL sample this far from the one before is left out. */
+/* Change between DVL samples above which the new one is rejected. */
 #define VELOCITY_JUMP_M_S 0.6
 
 void field_pilot_init(field_t *field)
@@ -52,7 +52,7 @@ void field_pilot_init(field_t *field)
             }
         }
         x[i] = 1.0;
-        (void)sim_solve(square, x); /* of full rank: both vehicles move in all four */
+        (void)sim_solve(square, x); /* full rank: both vehicles actuate all four */
         for (int j = 0; j < sheet->thrusters; ++j) {
             for (int k = 0; k < WANTED; ++k) {
                 p->mix[j][i] += sheet->matrix[axis[k]][j] * x[k];
@@ -64,7 +64,7 @@ void field_pilot_init(field_t *field)
     }
 }
 
-void field_pilot_hear(field_t *field, const field_output_t *out)
+void field_pilot_observe(field_t *field, const field_output_t *out)
 {
     field_pilot_t *p = &field->pilot;
     const sim_measurement_t *imu = &out->sensor[SIM_IMU], *dvl = &out->sensor[SIM_DVL];
@@ -81,7 +81,7 @@ void field_pilot_hear(field_t *field, const field_output_t *out)
         if (!p->has_velocity || jump < VELOCITY_JUMP_M_S) {
             memcpy(p->velocity, dvl->value, sizeof p->velocity);
         }
-        p->has_velocity = jump < VELOCITY_JUMP_M_S; /* after two of them it is believed */
+        p->has_velocity = jump < VELOCITY_JUMP_M_S; /* the second such sample is accepted */
     }
     sim_rotation(p->euler, r);
     field_rotate(r, p->velocity, over);
@@ -106,7 +106,7 @@ static void excited(field_t *field, double want[WANTED])
     }
 }
 
-/* Each stick goes to a new place now and then, more often than not away from the middle. */
+/* Each stick moves to a new position at random times, usually away from the centre. */
 static void joystick(field_t *field, double want[WANTED])
 {
     static const int axis[WANTED] = {0, 1, 2, 5};
@@ -133,30 +133,30 @@ static void joystick(field_t *field, double want[WANTED])
 
 /* PID of a body with mass m: poles at `bandwidth`, the integral slower. */
 static double pid(double *sum, double error, double error_rate, double m, double bandwidth,
-                  double most)
+                  double limit)
 {
     double gain = m * bandwidth * bandwidth, damping = 2.0 * m * bandwidth;
     *sum += gain * bandwidth / 6.0 * error * TICK_S;
-    *sum = fmax(-most, fmin(most, *sum));
-    return fmax(-most, fmin(most, gain * error + damping * error_rate + *sum));
+    *sum = fmax(-limit, fmin(limit, *sum));
+    return fmax(-limit, fmin(limit, gain * error + damping * error_rate + *sum));
 }
 
-/* Hold the reference: place, depth, heading. */
+/* Holds the reference position, depth and heading. */
 static void hold(field_t *field, const double rate[2], double want[WANTED])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *mass = sheet->parameter + SIM_M_U, *most = sheet->amplitude;
+    const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
     field_pilot_t *p = &field->pilot;
     double c = cos(p->euler[2]), s = sin(p->euler[2]), b = sheet->bandwidth;
     double north = p->reference[0] - p->position[0], east = p->reference[1] - p->position[1];
     double turn = remainder(p->reference_heading - p->euler[2], 2.0 * FIELD_PI);
     double down = FIELD_START_M - p->position[2];
     want[X] = pid(&p->sum[X], c * north + s * east, c * rate[0] + s * rate[1] - p->velocity[0],
-                  mass[0], b, most[0]);
+                  mass[0], b, limit[0]);
     want[Y] = pid(&p->sum[Y], c * east - s * north, c * rate[1] - s * rate[0] - p->velocity[1],
-                  mass[1], b, most[1]);
-    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, most[2]);
-    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, most[5]);
+                  mass[1], b, limit[1]);
+    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, limit[2]);
+    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, limit[5]);
 }
 
 static void station(field_t *field, double want[WANTED])
@@ -165,7 +165,7 @@ static void station(field_t *field, double want[WANTED])
     hold(field, still, want);
 }
 
-/* The reference runs along the leg, then across to the next one while the heading turns. */
+/* The reference moves along the leg, then to the next leg while the heading turns. */
 static void lawnmower(field_t *field, double want[WANTED])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);

@@ -3,11 +3,11 @@
  *   M nu' = external - C(nu) nu - drag(nu) + restoring(attitude) + cable(position, attitude),
  *   M = [ m E, -m S(r_g); m S(r_g), I - m S(r_g)^2 ] + A,
  *   C(nu) nu = [ w x a; w x b + v x a ], [a; b] = M nu         (Kirchhoff; Lamb 1932, 124),
- * v and w the linear and angular parts of nu. The body's origin is the centre of gravity as on the
- * data sheet, so that M is diagonal there and surge, sway, heave and yaw are Eq. 12-15.
+ * v and w the linear and angular parts of nu. The body's origin is the centre of gravity of the
+ * data sheet, so that there M is diagonal, and surge, sway, heave and yaw follow Eq. 12-15.
  *
  * Near the bottom added mass depends on its distance h, A (1 + k(h)): with the kinetic energy
- * T = nu' M nu / 2 that gives the force -dM/dh nu h' and, along the gradient of h, dT/dh.
+ * T = nu' M nu / 2 this gives the force -dM/dh nu h' and, along the gradient of h, dT/dh.
  */
 #include "field_parts.h"
 
@@ -40,7 +40,7 @@ static const field_sheet_t sheets[FIELD_VEHICLES] = {
                                     [P] = {[4] = 0.05},
                                     [Q] = {0.08, 0.08, -0.35, 0.35},
                                     [R] = {-0.4, 0.4}}},
-    /* Between BlueROV2 (Wu 2018) and BlueROV2 Heavy (von Benzon et al. 2022), grown to 20 kg; no
+    /* Between BlueROV2 (Wu 2018) and BlueROV2 Heavy (von Benzon et al. 2022), scaled to 20 kg; no
      * drag is zero. Four thrusters at (+-0.2, +-0.15, 0.02) m and 45 degrees, two vertical ones. */
     [FIELD_ROV20] = {.parameter = {25.5, 32.0, 35.0, 0.5, -2.0, -5.0, -25.0, -8.0, -40.0, -10.0,
                                    -50.0, -0.5, -1.5},
@@ -75,10 +75,10 @@ void field_amplitude(field_vehicle_t vehicle, double amplitude[6])
     memcpy(amplitude, sheets[vehicle].amplitude, sizeof sheets[vehicle].amplitude);
 }
 
-int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *most_N)
+int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N)
 {
     memcpy(matrix, sheets[vehicle].matrix, sizeof sheets[vehicle].matrix);
-    *most_N = sheets[vehicle].thruster_max_N;
+    *max_N = sheets[vehicle].thruster_max_N;
     return sheets[vehicle].thrusters;
 }
 
@@ -103,9 +103,9 @@ void field_rotate_back(double r[3][3], const double v[3], double x[3])
     }
 }
 
-/* ---- what the vehicle is built of ---- */
+/* ---- construction of the vehicle ---- */
 
-/* mass and inverse from the parts. */
+/* Computes mass and its inverse from the parts. */
 static void assemble(field_hull_t *h)
 {
     const double *g = h->r_g, m = h->dry_kg;
@@ -126,14 +126,14 @@ static void assemble(field_hull_t *h)
         double left[6][6], column[6] = {0};
         memcpy(left, h->mass, sizeof left);
         column[j] = 1.0;
-        (void)sim_solve(left, column); /* positive definite: the rigid body alone is */
+        (void)sim_solve(left, column); /* positive definite, as is the rigid body by itself */
         for (int i = 0; i < 6; ++i) {
             h->inverse[i][j] = column[i];
         }
     }
 }
 
-/* Masses and drag of the sheet, each off by up to the hull's variety. */
+/* Masses and drag of the data sheet, each varied by up to the size of "hull". */
 static void build(field_hull_t *h, const field_sheet_t *sheet, double variety, uint64_t seed)
 {
     static const int axis[4] = {U, V, W, R};
@@ -161,7 +161,7 @@ static void build(field_hull_t *h, const field_sheet_t *sheet, double variety, u
     h->quadratic[P] = h->quadratic[Q] = sheet->tilt_quadratic;
 }
 
-/* What the model has no words for: sizes per unit of drag and length. */
+/* Effects outside the model, scaled by drag and length. */
 static void shape(field_hull_t *h, const field_sheet_t *sheet, const field_config_t *c)
 {
     double cross = c->size[FIELD_CROSS], asymmetry = c->size[FIELD_DRAG_ASYMMETRY];
@@ -178,7 +178,7 @@ static void shape(field_hull_t *h, const field_sheet_t *sheet, const field_confi
     h->lift_heave = cross / 2.0 * sim_rng_gauss(&rng) * h->quadratic[U];
 }
 
-/* A cable at the stern: half of the seeds pull to a point, a winch. */
+/* A cable at the stern. For half of the seeds it pulls towards a point, a winch. */
 static void fasten(field_hull_t *h, const field_sheet_t *sheet, const field_config_t *c)
 {
     sim_rng_t rng;
@@ -218,7 +218,7 @@ void field_hull_init(field_t *field)
     assemble(h);
 }
 
-/* Lead, which displaces water, too. At the origin neither has a moment: both centres move there. */
+/* Adds lead, which also displaces water. At the origin it has no moment: both centres shift. */
 void field_hull_ballast(field_hull_t *h, double kg)
 {
     const double weight_N = kg * FIELD_GRAVITY, buoyancy_N = weight_N / 11.34;
@@ -247,7 +247,7 @@ void field_built(const field_t *field, field_built_t *built)
 
 /* ---- forces ---- */
 
-/* p = m x, m by rows. */
+/* p = m x, with m stored by rows. */
 static void multiply(const double *m, const double x[6], double p[6])
 {
     for (int i = 0; i < 6; ++i) {
@@ -258,7 +258,7 @@ static void multiply(const double *m, const double x[6], double p[6])
     }
 }
 
-/* Drag and what comes with it: lift, and side drag that acts off the origin. */
+/* Drag, lift, and side drag that does not act at the origin. */
 static void add_drag(const field_hull_t *h, const double nu[6], double more, double force[6])
 {
     for (int i = 0; i < 6; ++i) {
@@ -277,7 +277,7 @@ static void add_drag(const field_hull_t *h, const double nu[6], double more, dou
     force[W] += more * h->lift_heave * nu[U] * nu[U];
 }
 
-/* A force in the world, acting at a point of the body. */
+/* Adds a force given in world axes that acts at a point of the body. */
 static void add_pull(double r[3][3], const double arm[3], const double world[3], double force[6])
 {
     double body[3], moment[3];
@@ -305,8 +305,8 @@ static void add_cable(const field_hull_t *h, const double position[3], double r[
     add_pull(r, h->cable_arm, pull, force);
 }
 
-/* Share k of added mass and drag that the bottom at distance h adds, and dk/dh. It grows no more
- * nearer than FIELD_NEAR_M; there is no contact. */
+/* Relative rise k of added mass and drag at distance h from the bottom, and dk/dh. It is constant
+ * below FIELD_NEAR_M; there is no contact. */
 static double near_wall(const field_hull_t *hull, double h, double *slope)
 {
     double at = h > FIELD_NEAR_M ? h : FIELD_NEAR_M;
@@ -315,12 +315,12 @@ static double near_wall(const field_hull_t *hull, double h, double *slope)
     return k;
 }
 
-/* The forces of a mass that depends on the distance to the bottom. */
+/* Adds the forces of a mass that depends on the distance to the bottom. */
 static void add_wall(const field_hull_t *h, const double nu[6], double r[3][3], double slope,
                      double force[6])
 {
     double added[6], energy = 0.0;
-    double rate = -(r[2][0] * nu[U] + r[2][1] * nu[V] + r[2][2] * nu[W]); /* of the distance */
+    double rate = -(r[2][0] * nu[U] + r[2][1] * nu[V] + r[2][2] * nu[W]); /* rate of the distance */
     multiply(&h->added[0][0], nu, added);
     for (int i = 0; i < 6; ++i) {
         energy += 0.5 * nu[i] * added[i];

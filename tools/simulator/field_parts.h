@@ -1,8 +1,8 @@
 /**
  * @file field_parts.h
- * Between the files of the field simulator: field.c runs a tick, field_hull.c has the body in the
- * water, field_thrust.c the thrusters, field_sensors.c the sensors and clocks, field_driver.c who
- * drives, field_mismatch.c the table of mismatches.
+ * The interface between the files of the field simulator. field.c runs a tick, field_hull.c has the
+ * body in the water, field_thrust.c the thrusters, field_sensors.c the sensors and clocks,
+ * field_driver.c the drivers, field_mismatch.c the table of mismatches.
  */
 #ifndef FIELD_PARTS_H
 #define FIELD_PARTS_H
@@ -15,7 +15,7 @@
 /** Depth of the start and of the bottom [m]; with a wall, the bottom is 1 m below the start. */
 #define FIELD_START_M 20.0
 #define FIELD_SEABED_M 50.0
-/** Distance for which a wall's size is told. */
+/** Distance from the bottom at which "wall" has its size. */
 #define FIELD_NEAR_M 0.5
 
 /** The kinds of mismatch, in the order of the table. */
@@ -70,9 +70,9 @@ enum {
     FIELD_KINDS
 };
 
-/** Random streams of the seed: one each, so that one mismatch does not shift another's numbers. */
+/** Separate random streams, so that no mismatch changes the numbers of another. */
 enum {
-    FIELD_STREAM_SENSORS = 100, /* two a sensor */
+    FIELD_STREAM_SENSORS = 100, /* two per sensor */
     FIELD_STREAM_GYRO = 110,
     FIELD_STREAM_CLOCK,
     FIELD_STREAM_FILTER,
@@ -85,18 +85,18 @@ enum {
     FIELD_STREAM_WAVES,
     FIELD_STREAM_DISTURBANCE,
     FIELD_STREAM_PILOT,
-    FIELD_STREAM_DRAW = 1000 /* and the number of the kind */
+    FIELD_STREAM_DRAW = 1000 /* plus the index of the kind */
 };
 
 /** A vehicle's data sheet. */
 typedef struct {
     double parameter[SIM_PARAMETERS]; /* Eq. 12-15 */
     double dry_kg;
-    double tilt_inertia;                /* of roll and of pitch, added mass included: both the same,
+    double tilt_inertia;                /* of roll and of pitch, with added mass; equal,
                                            so that yaw has no term p q */
-    double rigid_share;                 /* of the moments of inertia that is not added mass */
+    double rigid_share;                 /* share of the moments of inertia that is not added mass */
     double tilt_linear, tilt_quadratic; /* drag of roll and of pitch, positive */
-    double cb_above_m;                  /* centre of buoyancy above that of gravity */
+    double cb_above_m;                  /* centre of buoyancy above the centre of gravity */
     double length_m;
     double amplitude[6];
     double speed_m_s; /* of the lawnmower */
@@ -108,7 +108,7 @@ typedef struct {
 
 const field_sheet_t *field_sheet(field_vehicle_t vehicle);
 
-/** Is everything in its range? */
+/** Checks that all values are in range. */
 bool field_config_is_good(const field_config_t *config);
 
 /** x = r v, and r' v. */
@@ -117,32 +117,32 @@ void field_rotate_back(double r[3][3], const double v[3], double x[3]);
 void field_cross(const double a[3], const double b[3], double out[3]);
 
 void field_hull_init(field_t *field);
-/** Add ballast of so many kilograms at the origin. */
+/** Adds ballast [kg] at the origin. */
 void field_hull_ballast(field_hull_t *hull, double kg);
-/** Derivatives of [position, euler, nu] under an external wrench. */
+/** Computes the derivatives of [position, euler, nu] under an external wrench. */
 void field_hull_derivative(const field_hull_t *hull, const double state[12],
                            const double external[6], double derivative[12]);
 
 void field_thrust_init(field_t *field);
-/** Take the command of the tick that begins. It is clipped to what the thrusters can do. */
+/** Sets the command of the new tick, clipped to the limits of the thrusters. */
 void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS]);
-/** Move the thrusters by a substep of h seconds; write the wrench that is its mean. */
+/** Advances the thrusters by a substep of h seconds and writes the mean wrench. */
 void field_thrust_advance(field_t *field, double h, double wrench[6]);
-/** What acts at the end of a substep; and what was told to. */
-void field_thrust_truth(const field_t *field, double delivered[6], double told[6]);
-/** Tell the operator's side what is due. */
-void field_thrust_tell(field_t *field, field_output_t *out);
+/** Writes the true and the reported wrench at the end of a substep. */
+void field_thrust_truth(const field_t *field, double delivered[6], double reported[6]);
+/** Writes the reports to the operator that are due. */
+void field_thrust_report(field_t *field, field_output_t *out);
 
 void field_sensors_init(field_t *field);
-/** Take the samples due in (before, now], which lasts h seconds and ends at field->t_us. */
+/** Takes the samples due in (before, now], which lasts h seconds and ends at field->t_us. */
 void field_sensors_sample(field_t *field, const field_truth_t *before, const field_truth_t *now,
                           double h);
 void field_sensors_deliver(field_t *field, field_output_t *out);
 
 void field_pilot_init(field_t *field);
-/** The command of the tick that begins. */
+/** Computes the command of the new tick. */
 void field_pilot_drive(field_t *field, const double *thruster_N, double command_N[SIM_THRUSTERS]);
-/** What the pilot learns of a tick. */
-void field_pilot_hear(field_t *field, const field_output_t *out);
+/** Passes the measurements of a tick to the pilot. */
+void field_pilot_observe(field_t *field, const field_output_t *out);
 
 #endif

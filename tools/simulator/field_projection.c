@@ -1,5 +1,5 @@
 /*
- * Truth of a run in the field: least squares of the true hull force on the two drag columns.
+ * Truth of a field run: least squares of the true hull force on the two drag columns.
  */
 #include "field_projection.h"
 
@@ -8,12 +8,12 @@
 
 enum { LINEAR, QUADRATIC, DRAG, TOLD, DELIVERED };
 
-/* The two drag columns determine a pair when they are less alike than this (1 - cosine squared). */
+/* Smallest 1 - cosine squared of the two drag columns at which they determine a pair. */
 #define ALIKE 1e-6
 
 static const int dof_of[FIELD_EQUATIONS] = {0, 1, 2, 5};
 
-/* Linear drag of each equation; the quadratic one follows. */
+/* Index of the linear drag of each equation; the quadratic drag follows. */
 static const int drag_of[FIELD_EQUATIONS] = {SIM_X_U, SIM_Y_V, SIM_Z_W, SIM_N_R};
 
 int field_equation(int i)
@@ -30,7 +30,7 @@ int field_dof(int equation)
     return dof_of[equation];
 }
 
-/* What masses, Coriolis and W-B of Eq. 12-15, with m_w w p in Eq. 13, leave of the hull's force. */
+/* Hull force minus masses, Coriolis and W-B of Eq. 12-15, with m_w w p in Eq. 13. */
 static void find_drag(const field_truth_t *t, const double *m, double drag[FIELD_EQUATIONS])
 {
     const double u = t->nu[0], v = t->nu[1], w = t->nu[2];
@@ -53,7 +53,7 @@ void field_projection_add(field_projection_t *projection, const field_truth_t *t
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         int j = dof_of[e];
         double nu = truth->nu[j], *speed = projection->speed[e];
-        const double c[FIELD_COLUMNS] = {-nu, -fabs(nu) * nu, drag[e], truth->told[j],
+        const double c[FIELD_COLUMNS] = {-nu, -fabs(nu) * nu, drag[e], truth->reported[j],
                                          truth->delivered[j]};
         for (int a = 0; a < FIELD_COLUMNS; ++a) {
             for (int b = 0; b < FIELD_COLUMNS; ++b) {
@@ -80,7 +80,7 @@ static void project(const double (*s)[FIELD_COLUMNS], double drag[2])
     }
 }
 
-/* Sum of the squares that they leave. */
+/* Sum of the squared residuals. */
 static double squares_left(const double (*s)[FIELD_COLUMNS], const double drag[2])
 {
     double sum = s[DRAG][DRAG];
@@ -108,7 +108,7 @@ void field_projection_solve(const field_projection_t *projection, const field_bu
         to->residual[e] = sqrt(squares_left(s, to->si + drag_of[e]) / n);
     }
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        to->told[i] = to->si[i] / to->gain[field_equation(i)];
+        to->reported[i] = to->si[i] / to->gain[field_equation(i)];
     }
 }
 

@@ -1,8 +1,8 @@
 /*
- * Sensors and clocks. A sample is measured at its moment, between two substeps of the truth; its
- * stamp is later by what nobody is told, and off by what the instruments' clock is off. It arrives
- * in the tick in which that clock's stamp, and the sample itself, have come. Noise is drawn for
- * every sample, also for those that are lost: one mismatch does not shift the numbers of another.
+ * Sensors and clocks. A sample is measured at its time, between two substeps of the truth. Its
+ * timestamp is late by the unreported delay, plus the error of the clock of the instruments. It
+ * arrives in the tick in which this timestamp and the sample itself are in the past. Noise is drawn
+ * for every sample, including lost ones, so that no mismatch changes the numbers of another.
  */
 #include "field_parts.h"
 
@@ -16,7 +16,7 @@
 #define OUTLIER_M_S 0.5
 #define JUMP_M_S 0.1
 #define CLOCK_JUMP_US 50000
-/* With which a jump of the autopilot's velocity goes away when the filter itself does not lag. */
+/* Time constant with which a jump of the autopilot's velocity decays if the filter has no lag. */
 #define JUMP_S 0.2
 
 static void mount(double roll_deg, double pitch_deg, double yaw_deg, double r[3][3])
@@ -50,13 +50,13 @@ void field_sensors_init(field_t *field)
         sensor->next_us = sensor->period_us;
     }
     s->sensor[SIM_DVL].late_us = (uint64_t)(1e6 * size[FIELD_DVL_LATENCY] + 0.5);
-    /* The IMU's stamps stay those of the ticks. */
+    /* The timestamps of the IMU remain those of the ticks. */
     field_sensor_t *imu = &s->sensor[SIM_IMU];
     imu->late_us = (uint64_t)(1e6 * size[FIELD_ATTITUDE_DELAY] + 0.5);
     imu->next_us -= imu->late_us % imu->period_us;
 }
 
-/* ---- what they measure ---- */
+/* ---- measurements ---- */
 
 typedef struct {
     double position[3], euler[3], nu[6], ground[3], r[3][3];
@@ -138,15 +138,14 @@ static void measure_depth(const field_t *field, moment_t *at, sim_rng_t *noise,
     m->value[0] = at->position[2] + DEPTH_M * sim_rng_gauss(noise);
 }
 
-/* Outliers, lost axes. False: lost altogether. */
+/* Applies outliers and lost axes. Returns false if the sample is lost. */
 static bool dvl_arrives(const field_t *field, sim_rng_t *loss, sim_measurement_t *m)
 {
     const double *size = field->config.size;
     bool lost = sim_rng_uniform(loss) < size[FIELD_DVL_LOST];
     bool outlier = sim_rng_uniform(loss) < size[FIELD_DVL_OUTLIERS];
     bool partial = sim_rng_uniform(loss) < size[FIELD_DVL_PARTIAL];
-    int which =
-        1 + (int)(6.0 * sim_rng_uniform(loss)); /* of the three axes, neither none nor all */
+    int which = 1 + (int)(6.0 * sim_rng_uniform(loss)); /* one or two of the three axes */
     m->axes = (uint8_t)(partial ? which : 7);
     for (int i = 0; i < 3; ++i) {
         double off = OUTLIER_M_S * sim_rng_gauss(loss);
@@ -156,9 +155,9 @@ static bool dvl_arrives(const field_t *field, sim_rng_t *loss, sim_measurement_t
     return !lost;
 }
 
-/* ---- clocks, and the autopilot's filter ---- */
+/* ---- clocks, and the filter of the autopilot ---- */
 
-/* How far the instruments' clock is behind at a time. */
+/* Lag of the clock of the instruments at a time. */
 static int64_t behind_us(const field_t *field, uint64_t t_us)
 {
     double drift = 1e-6 * field->config.size[FIELD_CLOCK_DRIFT] * (double)t_us;
@@ -198,7 +197,7 @@ void field_sensors_sample(field_t *field, const field_truth_t *before, const fie
         [SIM_IMU] = measure_imu, [SIM_DVL] = measure_dvl, [SIM_DEPTH] = measure_depth};
     uint64_t h_us = (uint64_t)(1e6 * h + 0.5);
     move_filter(field, now, h);
-    for (int i = 0; i < SIM_GPS; ++i) { /* there is none under water */
+    for (int i = 0; i < SIM_GPS; ++i) { /* no GPS under water */
         field_sensor_t *s = &field->sensing.sensor[i];
         while (s->next_us <= field->t_us) {
             sim_measurement_t m = {.has = true};

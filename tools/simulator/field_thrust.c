@@ -1,22 +1,22 @@
 /*
- * From the command of a tick to what acts. For each thruster, forces as parts of f_max:
- *   command c, acting when its time has come
+ * From the command of a tick to the force. For each thruster, forces relative to f_max:
+ *   command c, in effect after its delay
  *   ESC        PWM pulse of 1 us steps, dead zone d: |c| = s^2, s -> (400 s - d) / (400 - d)
- *   propeller  |f|^(1 + e), weaker backwards, less the dead band, times gain, sag and battery
- *   speed      n = sign(f) sqrt|f|: limited in its slope, then lagging; force n |n|
- *   inflow     times 1 - a v, v the water's speed along the force
- * The operator is told c, or what the pulse alone says, or that times the voltage squared.
+ *   propeller  |f|^(1 + e), weaker backward, minus the dead band, times gain, sag and battery
+ *   speed      n = sign(f) sqrt|f|: with limited slope, then first-order lag; force n |n|
+ *   inflow     times 1 - a v, with v the speed of the water along the force
+ * The reported thrust is c, or the value of the pulse, or this times the voltage squared.
  */
 #include "field_parts.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Of the width of a pulse from standstill to full speed. */
+/* Change of the pulse width from standstill to full speed. */
 #define PULSE_US 400.0
-/* Thrust by voltage at a given pulse, of thrusters of the T200's kind between 12 and 20 V. */
+/* Exponent of thrust over voltage at a given pulse, for T200 thrusters between 12 and 20 V. */
 #define VOLTAGE_EXPONENT 1.2
-/* Of the voltage lost over the run, what full load takes at once. */
+/* Share of the voltage loss of a run that full load causes immediately. */
 #define LOAD_SHARE 0.5
 
 void field_thrust_init(field_t *field)
@@ -32,13 +32,13 @@ void field_thrust_init(field_t *field)
     }
 }
 
-/* Part of the run that has gone by. */
+/* Elapsed fraction of the run. */
 static double part_of_run(const field_t *field)
 {
     return fmin(1e-6 * (double)field->t_us / field->config.length_s, 1.0);
 }
 
-/* Voltage by that of the full battery, at a mean load 0..1. */
+/* Voltage relative to the full battery, at a mean load 0..1. */
 static double voltage(const field_t *field, double load)
 {
     const double *size = field->config.size;
@@ -55,7 +55,7 @@ static double mean_load(const field_sheet_t *sheet, const double command_N[SIM_T
     return sum / sheet->thrusters;
 }
 
-/* Width of the pulse off standstill for a part of the largest force. */
+/* Pulse width relative to standstill for a fraction of the largest force. */
 static double pulse_us(double part)
 {
     return copysign(floor(PULSE_US * sqrt(fabs(part)) + 0.5), part);
@@ -72,21 +72,21 @@ void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
     c->t_us = field->t_us;
     for (int j = 0; j < sheet->thrusters; ++j) {
         command_N[j] = fmax(-f_max, fmin(f_max, command_N[j]));
-        c->command_N[j] = c->told_N[j] = command_N[j];
+        c->command_N[j] = c->reported_N[j] = command_N[j];
         if (size[FIELD_COMMAND_PWM] > 0.0) {
             double s = pulse_us(command_N[j] / f_max) / PULSE_US;
-            c->told_N[j] = f_max * s * fabs(s);
+            c->reported_N[j] = f_max * s * fabs(s);
         }
     }
     if (size[FIELD_BATTERY_CORRECTED] > 0.0) {
         double v = voltage(field, mean_load(sheet, command_N));
         for (int j = 0; j < sheet->thrusters; ++j) {
-            c->told_N[j] *= v * v;
+            c->reported_N[j] *= v * v;
         }
     }
 }
 
-/* The force that thruster j has in the long run under a command, in still water [N]. */
+/* Steady force of thruster j under a command, in still water [N]. */
 static double steady(const field_t *field, int j, double command_N, double by_voltage)
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
@@ -109,7 +109,7 @@ static double lagged(double x, double to, double lag_s, double h)
     return lag_s > 0.0 ? x - expm1(-h / lag_s) * (to - x) : to;
 }
 
-/* The newest command whose time has come, to the nearest substep. */
+/* Finds the newest command in effect, to the nearest substep. */
 static const field_command_t *find_acting(field_t *field, double h)
 {
     field_thrust_t *t = &field->thrust;
@@ -122,7 +122,7 @@ static const field_command_t *find_acting(field_t *field, double h)
     return t->acting > 0 ? &t->ring[(t->acting - 1) % FIELD_RING] : NULL;
 }
 
-/* What the water's speed along the force takes or gives. */
+/* Factor of the force by the speed of the water along it. */
 static double inflow(const field_t *field, int j, double force)
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
@@ -134,16 +134,16 @@ static double inflow(const field_t *field, int j, double force)
     return force * fmax(0.0, fmin(2.0, 1.0 - loss));
 }
 
-/* Move a thruster by h seconds towards a steady force. */
+/* Advances a thruster by h seconds towards a steady force. */
 static void follow(field_t *field, int j, double force, double h)
 {
     const double *size = field->config.size;
     field_thrust_t *t = &field->thrust;
     if (size[FIELD_THRUST_LAG] > 0.0 || size[FIELD_SLEW] > 0.0) {
         double to = copysign(sqrt(fabs(force)), force);
-        double most = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
-                      fmax(size[FIELD_SLEW], 1e-9);
-        t->slewed[j] += fmax(-most, fmin(most, to - t->slewed[j]));
+        double limit = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
+                       fmax(size[FIELD_SLEW], 1e-9);
+        t->slewed[j] += fmax(-limit, fmin(limit, to - t->slewed[j]));
         t->speed[j] = lagged(t->speed[j], t->slewed[j], size[FIELD_THRUST_LAG], h);
         force = t->speed[j] * fabs(t->speed[j]);
     }
@@ -172,40 +172,41 @@ void field_thrust_advance(field_t *field, double h, double wrench[6])
     }
 }
 
-void field_thrust_truth(const field_t *field, double delivered[6], double told[6])
+void field_thrust_truth(const field_t *field, double delivered[6], double reported[6])
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
     const field_thrust_t *t = &field->thrust;
     memset(delivered, 0, 6 * sizeof delivered[0]);
-    memset(told, 0, 6 * sizeof told[0]);
+    memset(reported, 0, 6 * sizeof reported[0]);
     for (int j = 0; j < sheet->thrusters; ++j) {
         double acts = inflow(field, j, t->force[j]);
-        double said = t->acting > 0 ? t->ring[(t->acting - 1) % FIELD_RING].told_N[j] : 0.0;
+        double said = t->acting > 0 ? t->ring[(t->acting - 1) % FIELD_RING].reported_N[j] : 0.0;
         for (int i = 0; i < 6; ++i) {
             delivered[i] += sheet->matrix[i][j] * acts;
-            told[i] += sheet->matrix[i][j] * said;
+            reported[i] += sheet->matrix[i][j] * said;
         }
     }
 }
 
-void field_thrust_tell(field_t *field, field_output_t *out)
+void field_thrust_report(field_t *field, field_output_t *out)
 {
     const field_sheet_t *sheet = field_sheet(field->config.vehicle);
     const double *size = field->config.size;
     field_thrust_t *t = &field->thrust;
     uint64_t late_us = (uint64_t)(1e6 * fmax(size[FIELD_THRUST_LATE], 0.0) + 0.5);
-    if (t->told == t->written || t->ring[t->told % FIELD_RING].t_us + late_us >= out->t_us) {
+    if (t->reported == t->written ||
+        t->ring[t->reported % FIELD_RING].t_us + late_us >= out->t_us) {
         return;
     }
-    const field_command_t *c = &t->ring[t->told % FIELD_RING];
-    out->told = fabs(size[FIELD_COMMAND_10HZ]) <= 0.0 || t->told % 5 == 0;
-    ++t->told;
-    if (out->told) {
-        out->told_us = c->t_us + late_us;
-        memcpy(out->thruster_N, c->told_N, sizeof out->thruster_N);
+    const field_command_t *c = &t->ring[t->reported % FIELD_RING];
+    out->reported = fabs(size[FIELD_COMMAND_10HZ]) <= 0.0 || t->reported % 5 == 0;
+    ++t->reported;
+    if (out->reported) {
+        out->reported_us = c->t_us + late_us;
+        memcpy(out->thruster_N, c->reported_N, sizeof out->thruster_N);
         for (int j = 0; j < sheet->thrusters; ++j) {
             for (int i = 0; i < 6; ++i) {
-                out->wrench[i] += sheet->matrix[i][j] * c->told_N[j];
+                out->wrench[i] += sheet->matrix[i][j] * c->reported_N[j];
             }
         }
     }

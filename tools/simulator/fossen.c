@@ -34,7 +34,7 @@ void sim_fossen_matrix(const sim_fossen_t *v, double m[6][6])
     }
 }
 
-/* Elimination without pivoting: of a symmetric matrix all pivots are positive if and only if it is
+/* Elimination without pivoting: all pivots of a symmetric matrix are positive if and only if it is
  * positive definite. */
 bool sim_solve(double a[6][6], double x[6])
 {
@@ -111,9 +111,9 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
     memcpy(p, all, sizeof all);
 }
 
-/* Eight T200s at 16 V: where, and which way they push forwards. The first four lie in a plane below
- * the origin and push inwards, the front ones ahead and the rear ones astern; the others push up
- * and down in turn. In both groups: front starboard, front port, rear starboard, rear port. */
+/* Eight T200s at 16 V: positions and forward directions. The first four lie in a plane below the
+ * origin and push inwards, the front ones ahead and the rear ones astern. The others push up and
+ * down alternately. In both groups: front starboard, front port, rear starboard, rear port. */
 static void bluerov2_thrusters(sim_config_t *config)
 {
     static const double at[8][3] = {{0.156, 0.111, 0.085},  {0.156, -0.111, 0.085},

@@ -1,7 +1,7 @@
 /*
  * The sensors. Each sample is taken at its own time, between two steps of the truth, and waits in a
- * queue until it is old enough to arrive. Noise is drawn for every sample, also for those that are
- * lost or blind, so that one setting does not shift the numbers of another.
+ * queue until its arrival. Noise is drawn for every sample, even if lost or blind, so that no
+ * setting changes the numbers of another.
  */
 #include <math.h>
 #include <string.h>
@@ -36,7 +36,7 @@ bool sim_sensors_init(sim_t *sim)
     return true;
 }
 
-/* What a sensor needs of the truth, at a time between two steps. */
+/* The truth for a sensor, at a time between two steps. */
 typedef struct {
     double position[3], euler[3], nu[6], ground[3];
 } moment_t;
@@ -78,8 +78,8 @@ static void dvl(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim
     }
 }
 
-/* A run of partial samples begins after a whole one with the probability that makes the share
- * right, and ends after each of its samples with one over its mean length. */
+/* A run of partial samples starts after a complete sample, with the probability of the right
+ * share. It ends after each of its samples with probability one over its mean length. */
 static void lose_axes(const sim_config_t *c, sim_sensor_t *s, sim_measurement_t *m)
 {
     double begins = c->dvl_partial / (1.0 - c->dvl_partial) / c->dvl_partial_run;
@@ -140,7 +140,7 @@ void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t
     }
 }
 
-/* At most one of each sensor falls due in a tick: none samples faster than the tick. */
+/* At most one sample per sensor is due in a tick: no sensor is faster than the tick. */
 void sim_sensors_deliver(sim_t *sim, sim_output_t *out)
 {
     for (int i = 0; i < SIM_SENSORS; ++i) {

@@ -4,7 +4,7 @@
  *   m_v v' = Y + m_w w p - m_u u r + (W-B) cos theta sin phi  + Y_v v + Y_vv |v| v
  *   m_w w' = Z + m_u u q - m_v v p + (W-B) cos theta cos phi  + Z_w w + Z_ww |w| w
  *   m_r r' = N + (m_u - m_v) u v                              + N_r r + N_rr |r| r
- * with roll and pitch as righted, damped pendulums, and Fossen's kinematics. Or the six degrees of
+ * with roll and pitch as stable, damped pendulums, and Fossen's kinematics. Or the six degrees of
  * freedom of fossen.c.
  */
 #include "simulator.h"
@@ -173,8 +173,8 @@ static bool vehicle_is_good(const sim_config_t *c)
            all_finite(&m[0][0], 36) && symmetric && sim_solve(m, x);
 }
 
-/* The thrust of least effort that makes a wrench, f = T' (T T')^-1 tau, added to what is there.
- * False: some wrench is out of reach. */
+/* Adds the minimum-norm thrust of a wrench, f = T' (T T')^-1 tau.
+ * Returns false if the thrusters cannot produce every wrench. */
 static bool add_thrust(const sim_config_t *c, const double wrench[6], double force[SIM_THRUSTERS])
 {
     const double(*t)[SIM_THRUSTERS] = c->thruster_matrix;
@@ -276,8 +276,8 @@ bool sim_init(sim_t *sim, const sim_config_t *config)
     return true;
 }
 
-/* A first-order lag under a constant command, solved exactly over h: *x moves to its end value;
- * returns the mean over h, the constant force of equal impulse. */
+/* Exact solution of a first-order lag under a constant command over h: *x becomes its end value;
+ * returns the mean over h, which is the constant force of the same impulse. */
 static double lagged(double *x, double command, double lag_s, double h)
 {
     if (lag_s <= 0.0) {
@@ -324,7 +324,7 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
     complete_truth(sim);
 }
 
-/* What the thrusters are told: asked for, and what holds roll and pitch, within their limits. */
+/* Thruster commands: the given thrust and the stabilisation of roll and pitch, saturated. */
 static void command(const sim_t *sim, const double *thruster_N, double commanded[SIM_THRUSTERS])
 {
     const sim_config_t *c = &sim->config;

@@ -6,22 +6,22 @@
  * Vehicle: the paper's Girona500 (Eq. 12-15, its 13 identified values as defaults), with roll and
  * pitch added as statically stable degrees of freedom, full kinematics (ZYX Euler angles), five
  * thrusters that saturate and may lag, a coloured force disturbance and a constant current.
- * Integrated by RK4 at 5 ms, four steps a tick of 20 ms; forces are constant within a step.
+ * Integrated by RK4 at 5 ms, four steps per tick of 20 ms; forces are constant within a step.
  *
  * Another vehicle: `model` SIM_FOSSEN, six degrees of freedom with the textbook's matrices
- * (fossen.c); sim_bluerov2() makes it a BlueROV2 Heavy. It may hold roll and pitch by its own
- * thrusters as ArduSub does: what they do for it is in the feedback. Euler angles end at a pitch of
- * 90 degrees, and so does what is simulated.
+ * (fossen.c); sim_bluerov2() makes it a BlueROV2 Heavy. It may stabilise roll and pitch with its
+ * thrusters as ArduSub does; the feedback includes this thrust. Euler angles are singular at pitch
+ * angles of 90 degrees, where the simulation ends.
  *
- * Current: the state is the velocity through the water, which is what the forces depend on. For a
- * constant irrotational current Eq. 12-15 hold in it unchanged (Fossen 2011, property 8.1);
+ * Current: the state is the velocity through the water, on which the forces depend. For a
+ * constant irrotational current Eq. 12-15 hold unchanged (Fossen 2011, property 8.1);
  * positions move with the velocity over ground, R nu + current.
  *
  * Eq. 13 is printed with m_w w q; energy and Fossen have m_w w p, the default here.
  *
  * Sensors: IMU, DVL, depth, GPS; each with rate, phase, noise, age on arrival and drop-outs, each
- * from random streams of its own: switching one off leaves the noise of the others as it was. Same
- * seed, same numbers (to the last digits of the C library's sin and log).
+ * with separate random streams: switching one off does not change the noise of the others. The same
+ * seed gives the same numbers (to the last digits of the C library's sin and log).
  *
  * No globals, no heap: sim_t is a plain struct and may be copied to branch a run.
  */
@@ -37,11 +37,11 @@ extern "C" {
 
 #define SIM_TICK_US 20000u
 #define SIM_SUBSTEPS 4
-#define SIM_THRUSTERS 8 /* at most */
-/** Room for samples under way from one sensor: age_s * rate_hz must stay below this less one. */
+#define SIM_THRUSTERS 8 /* largest number of thrusters */
+/** Capacity for delayed samples of a sensor: age_s * rate_hz must stay below this minus one. */
 #define SIM_QUEUE 32
 
-/** The 13 parameters, in the order of the paper. */
+/** The 13 parameters in the order of the paper. */
 enum {
     SIM_M_U,
     SIM_M_V,
@@ -59,7 +59,7 @@ enum {
     SIM_PARAMETERS
 };
 
-/** The library's parameters of the 6-DoF model, in its order (fossen.h). */
+/** The parameters of the 6-DoF model of the library, in its order (fossen.h). */
 #define SIM_FOSSEN_PARAMETERS 32
 
 typedef enum { SIM_GIRONA500, SIM_FOSSEN } sim_model_t;
@@ -76,14 +76,14 @@ typedef struct {
 
 typedef enum { SIM_IMU, SIM_DVL, SIM_DEPTH, SIM_GPS, SIM_SENSORS } sim_sensor_id_t;
 
-/** What the DVL locks on. */
+/** Target of the DVL lock. */
 typedef enum {
     SIM_LOCK_BOTTOM,  /**< always the bottom */
     SIM_LOCK_WATER,   /**< always the water around the vehicle */
-    SIM_LOCK_ALTITUDE /**< the bottom up to dvl_range_m above it, else the water */
+    SIM_LOCK_ALTITUDE /**< the bottom within dvl_range_m, else the water */
 } sim_lock_t;
 
-/** How a sensor samples. Samples are taken at phase_s + k / rate_hz, after time 0. */
+/** Sampling of a sensor. Samples are taken at phase_s + k / rate_hz, after time 0. */
 typedef struct {
     double rate_hz; /**< 0..50; 0: switched off */
     double phase_s; /**< 0.. ; time of the first sample; 0: the first after one period */
@@ -102,8 +102,8 @@ typedef struct {
     double tilt_inertia, tilt_linear, tilt_quadratic, tilt_righting;
     double roll_arm_m;  /**< roll moment per newton of Y [m]; default 0.05 */
     double pitch_arm_m; /**< pitch moment per newton of X [m]; default -0.08 */
-    /** 1: roll and pitch get the moments (m_v - m_w) v w and (m_w - m_u) u w with which Coriolis
-     * forces do no work; 0 (default): not, as the paper takes both angles for small. */
+    /** 1: roll and pitch get the moments (m_v - m_w) v w and (m_w - m_u) u w, so that Coriolis
+     * forces do no work; 0 (default): not, because the paper assumes small angles. */
     double munk;
     double position[3]; /**< at time 0: north, east, down [m]; default 0, 0, 50 */
     double euler[3];    /**< at time 0: phi theta psi [rad]; default 0 */
@@ -112,15 +112,15 @@ typedef struct {
     /** Body wrench per newton of each thruster; default Girona500's: X = -(t0 + t1), Y = t4,
      * Z = -(t2 + t3), M = 0.35 (t3 - t2), N = 0.4 (t1 - t0). */
     double thruster_matrix[6][SIM_THRUSTERS];
-    int thrusters;          /**< how many there are, 0..SIM_THRUSTERS; default 5 */
-    double thruster_max_N;  /**< forwards; default 153.8 */
-    double thruster_back_N; /**< backwards; 0 (default): as forwards */
-    /** Thrusters turn roll and pitch back, with so many newton-metres per radian and per radian a
-     * second of what the IMU told last; default 0: they do not. All six degrees of freedom must be
-     * within the thrusters' reach then. */
+    int thrusters;          /**< number of thrusters, 0..SIM_THRUSTERS; default 5 */
+    double thruster_max_N;  /**< largest forward thrust; default 153.8 */
+    double thruster_back_N; /**< largest backward thrust; 0 (default): as forward */
+    /** Stabilisation of roll and pitch: gains in newton metres per radian and per radian per second
+     * of the last IMU sample; default 0: none. With stabilisation the thrusters must be able to
+     * actuate all six degrees of freedom. */
     double hold_Nm_rad, hold_Nms_rad;
     double lag_s;          /**< first-order lag of thrusters and wrench [s]; default 0: none */
-    bool feedback_true;    /**< out.thruster_N: what acts; default false: what was commanded */
+    bool feedback_true;    /**< out.thruster_N: acting thrust; default false: commanded thrust */
     double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
     double disturbance_Nm; /**< rms in N; with SIM_FOSSEN in K and M too; default 0 */
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
@@ -128,20 +128,20 @@ typedef struct {
 
     sim_sensor_config_t sensor[SIM_SENSORS]; /**< defaults 50, 5, 10, 1 Hz; no age, no drop-outs */
     double imu_angle_rad;                    /**< rms noise of each angle; default 0.2 degrees */
-    double imu_rate_rad_s; /**< rms noise of each rate; default 0.1 degrees per second */
-    double dvl_m_s;        /**< rms noise of each component; default 0.007 */
-    double dvl_arm_m[3];   /**< of the DVL from the body's origin [m]; default 0 */
-    double dvl_yaw_rad;    /**< of the DVL's x axis from the body's x; default 0 */
-    double dvl_partial;    /**< share of samples that measure one or two of the DVL's axes only,
-                                each of these six cases as likely; 0..0.9, default 0 */
-    double dvl_partial_run; /**< how many such samples follow each other, on average, with the same
+    double imu_rate_rad_s;  /**< rms noise of each rate; default 0.1 degrees per second */
+    double dvl_m_s;         /**< rms noise of each component; default 0.007 */
+    double dvl_arm_m[3];    /**< of the DVL from the body's origin [m]; default 0 */
+    double dvl_yaw_rad;     /**< of the DVL's x axis from the body's x; default 0 */
+    double dvl_partial;     /**< share of samples with only one or two of the DVL's axes,
+                                each of these six cases equally likely; 0..0.9, default 0 */
+    double dvl_partial_run; /**< mean number of consecutive such samples with the same
                                  axes; >= 1, default 1 */
-    sim_lock_t dvl_lock;   /**< default SIM_LOCK_BOTTOM */
-    double dvl_range_m;    /**< for SIM_LOCK_ALTITUDE; default 40 */
-    double depth_m;        /**< rms noise; default 0.015 */
-    double depth_arm_m[3]; /**< of the pressure sensor; default 0 */
-    double gps_m;          /**< rms noise of north and of east; default 1.5 */
-    double gps_depth_m;    /**< no fix below this depth; default 0.5 */
+    sim_lock_t dvl_lock;    /**< default SIM_LOCK_BOTTOM */
+    double dvl_range_m;     /**< for SIM_LOCK_ALTITUDE; default 40 */
+    double depth_m;         /**< rms noise; default 0.015 */
+    double depth_arm_m[3];  /**< of the pressure sensor; default 0 */
+    double gps_m;           /**< rms noise of north and of east; default 1.5 */
+    double gps_depth_m;     /**< no fix below this depth; default 0.5 */
 } sim_config_t;
 
 /** xoshiro256** and the second of a pair of Gaussians. */
@@ -153,21 +153,21 @@ typedef struct {
 
 /** One measurement. */
 typedef struct {
-    bool has;      /**< one arrived in this tick; else the rest is zero */
-    uint64_t t_us; /**< when it was sampled (not when it arrived) */
+    bool has;      /**< a sample arrived in this tick; else the rest is zero */
+    uint64_t t_us; /**< time of sampling (not of arrival) */
     /** IMU: phi theta psi [rad, psi in -pi..pi], p q r [rad/s]. DVL: velocity of the instrument in
      * its own axes [m/s], then its altitude [m] (with bottom lock; else 0). Depth: down [m].
      * GPS: north, east [m]. */
     double value[6];
-    bool bottom; /**< DVL: over ground (else through the water) */
+    bool bottom;  /**< DVL: over ground (else through the water) */
     uint8_t axes; /**< DVL: bit i: axis i was measured, else value[i] is zero */
 } sim_measurement_t;
 
-/** What a tick gives. */
+/** Output of a tick. */
 typedef struct {
     uint64_t t_us;                         /**< end of the tick */
     sim_measurement_t sensor[SIM_SENSORS]; /**< by sim_sensor_id_t */
-    double thruster_N[SIM_THRUSTERS];      /**< feedback, see feedback_true; hold included */
+    double thruster_N[SIM_THRUSTERS];      /**< feedback, see feedback_true; with stabilisation */
     double wrench[6]; /**< wrench of the feedback thrust and of the wrench commanded [N, Nm] */
 } sim_output_t;
 
@@ -202,27 +202,27 @@ typedef struct {
     sim_measurement_t imu; /* the last one */
 } sim_t;
 
-/** The defaults named above. */
+/** Writes the defaults named above. */
 void sim_defaults(sim_config_t *config);
 
-/** Those of a BlueROV2 Heavy: coefficients and thrusters' places of von Benzon et al. 2022 in fresh
- * water, T200s at 16 V, roll and pitch held; sensors as above. */
+/** Writes those of a BlueROV2 Heavy: coefficients and thruster positions of von Benzon et al. 2022
+ * in fresh water, T200s at 16 V, roll and pitch stabilised; sensors as above. */
 void sim_bluerov2(sim_config_t *config);
 
-/** Start at time 0. False, and nothing done, when a field is outside its range or not finite. */
+/** Starts at time 0. Returns false and does nothing if a value is out of range or not finite. */
 bool sim_init(sim_t *sim, const sim_config_t *config);
 
 /**
- * Advance by one tick.
- * @param thruster_N [thrusters] force commanded, clipped to what it can do (not finite: 0); null:
+ * Advances by one tick.
+ * @param thruster_N [thrusters] force commanded, clipped to its limits (not finite: 0); NULL:
  *                   none.
- * @param wrench     body wrench commanded directly [N, Nm], without limits; null: none. Neutral
- *                   trim takes Z = -(W-B).
+ * @param wrench     body wrench commanded directly [N, Nm], without limits; NULL: none. Neutral
+ *                   trim needs Z = -(W-B).
  * @param out        written.
  */
 void sim_step(sim_t *sim, const double *thruster_N, const double wrench[6], sim_output_t *out);
 
-/* The parts, for tests and for other worlds. */
+/* The parts, for tests and other simulations. */
 
 /** Derivatives of [position, euler, nu] under a body wrench (the model's, and kinematics). */
 void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
@@ -234,14 +234,14 @@ void sim_fossen_matrix(const sim_fossen_t *vehicle, double m[6][6]);
 /** nu' under a body wrench. */
 void sim_fossen_acceleration(const sim_fossen_t *vehicle, const double euler[3], const double nu[6],
                              const double wrench[6], double nu_dot[6]);
-/** What the library's model calls its parameters. */
+/** Writes the parameters of the library's model. */
 void sim_fossen_parameters(const sim_fossen_t *vehicle, double p[SIM_FOSSEN_PARAMETERS]);
-/** Solve a x = b; a is overwritten, x is b before. False: the symmetric a is not positive definite.
+/** Solves a x = b. a is overwritten; x is b on entry. Returns false if a is not positive definite.
  */
 bool sim_solve(double a[6][6], double x[6]);
-/** Body to world. */
+/** Rotation matrix from body to world. */
 void sim_rotation(const double euler[3], double r[3][3]);
-/** Stream `stream` of a seed; different streams are independent. */
+/** Seeds stream `stream`; different streams are independent. */
 void sim_rng_seed(sim_rng_t *rng, uint64_t seed, uint64_t stream);
 /** Uniform in [0, 1). */
 double sim_rng_uniform(sim_rng_t *rng);
@@ -250,9 +250,9 @@ double sim_rng_gauss(sim_rng_t *rng);
 
 /* Between simulator.c and sensors.c. */
 bool sim_sensors_init(sim_t *sim);
-/** Take the samples due in (before, now] by interpolating the truth, at times in microseconds. */
+/** Takes the samples due in (before, now] by interpolation of the truth, at whole microseconds. */
 void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t *now);
-/** Hand over what has arrived by out->t_us. */
+/** Writes the samples that have arrived by out->t_us. */
 void sim_sensors_deliver(sim_t *sim, sim_output_t *out);
 
 #ifdef __cplusplus

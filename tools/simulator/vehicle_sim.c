@@ -8,9 +8,9 @@
 /* Ticks in a second. */
 #define SECOND (1000000u / SIM_TICK_US)
 
-/* Frames of one tick under way. */
+/* Frames of one tick that are being collected. */
 typedef struct {
-    vehicle_sim_t *craft;
+    vehicle_sim_t *vehicle;
     auvid_can_frame_t *frame;
     int count;
 } sending_t;
@@ -22,10 +22,10 @@ void vehicle_sim_defaults(vehicle_sim_config_t *config)
     config->allocation = &auvid_allocation_girona500;
 }
 
-void vehicle_sim_truth(const vehicle_sim_t *craft, double truth[CRAFT_PARAMETERS])
+void vehicle_sim_truth(const vehicle_sim_t *vehicle, double truth[VEHICLE_SIM_PARAMETERS])
 {
-    const sim_config_t *c = &craft->sim.config;
-    memset(truth, 0, CRAFT_PARAMETERS * sizeof truth[0]);
+    const sim_config_t *c = &vehicle->sim.config;
+    memset(truth, 0, VEHICLE_SIM_PARAMETERS * sizeof truth[0]);
     if (c->model == SIM_FOSSEN) {
         sim_fossen_parameters(&c->fossen, truth);
     } else {
@@ -33,9 +33,9 @@ void vehicle_sim_truth(const vehicle_sim_t *craft, double truth[CRAFT_PARAMETERS
     }
 }
 
-static bool init_hover(vehicle_sim_t *craft, const auvid_allocation_config_t *config)
+static bool init_hover(vehicle_sim_t *vehicle, const auvid_allocation_config_t *config)
 {
-    const sim_config_t *c = &craft->sim.config;
+    const sim_config_t *c = &vehicle->sim.config;
     auvid_allocation_t allocation;
     auvid_allocation_result_t result;
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
@@ -47,88 +47,88 @@ static bool init_hover(vehicle_sim_t *craft, const auvid_allocation_config_t *co
         return false;
     }
     for (int i = 0; i < c->thrusters; ++i) {
-        craft->hover_N[i] = (double)result.force_N[i];
+        vehicle->hover_N[i] = (double)result.force_N[i];
     }
     return true;
 }
 
-bool vehicle_sim_init(vehicle_sim_t *craft, const vehicle_sim_config_t *config)
+bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *config)
 {
-    memset(craft, 0, sizeof *craft);
-    craft->no_arm = config->no_arm;
-    craft->arm_again = config->arm_again;
-    return sim_init(&craft->sim, &config->sim) && init_hover(craft, config->allocation) &&
-           auvid_can_sender_init(&craft->sender, NULL) >= 0 &&
-           auvid_can_command_init(&craft->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
+    memset(vehicle, 0, sizeof *vehicle);
+    vehicle->no_arm = config->no_arm;
+    vehicle->arm_again = config->arm_again;
+    return sim_init(&vehicle->sim, &config->sim) && init_hover(vehicle, config->allocation) &&
+           auvid_can_sender_init(&vehicle->sender, NULL) >= 0 &&
+           auvid_can_command_init(&vehicle->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
 }
 
-static void hear(vehicle_sim_t *craft, const auvid_can_message_t *m)
+static void take_message(vehicle_sim_t *vehicle, const auvid_can_message_t *m)
 {
     if (m->kind == AUVID_CAN_TICK_DONE) {
-        craft->done = m->as.tick_done.sequence;
+        vehicle->done = m->as.tick_done.sequence;
     } else if (m->kind == AUVID_CAN_NAV_POSITION) {
-        craft->navigates = true;
+        vehicle->navigates = true;
     } else if (m->kind == AUVID_CAN_ESTIMATE && m->absent == 0 &&
-               m->as.estimate.index < CRAFT_PARAMETERS) {
-        craft->estimate[m->as.estimate.index] = (double)m->as.estimate.value;
-        craft->estimated |= 1u << m->as.estimate.index;
+               m->as.estimate.index < VEHICLE_SIM_PARAMETERS) {
+        vehicle->estimate[m->as.estimate.index] = (double)m->as.estimate.value;
+        vehicle->estimated |= 1u << m->as.estimate.index;
     } else if (m->kind == AUVID_CAN_ESTIMATE_SIGMA &&
-               m->as.estimate_sigma.index < CRAFT_PARAMETERS) {
-        craft->sigma[m->as.estimate_sigma.index] =
+               m->as.estimate_sigma.index < VEHICLE_SIM_PARAMETERS) {
+        vehicle->sigma[m->as.estimate_sigma.index] =
             m->absent == 0 ? (double)m->as.estimate_sigma.sigma : HUGE_VAL;
     } else if (m->kind == AUVID_CAN_PROGRESS) {
-        craft->guard = (uint8_t)m->as.progress.guard;
-        craft->work = (uint8_t)m->as.progress.work;
-        craft->sets = m->as.progress.sets;
-        craft->searches = m->as.progress.searches;
-        craft->armed = craft->armed || craft->guard != AUVID_GUARD_DISARMED;
+        vehicle->guard = (uint8_t)m->as.progress.guard;
+        vehicle->work = (uint8_t)m->as.progress.work;
+        vehicle->sets = m->as.progress.sets;
+        vehicle->searches = m->as.progress.searches;
+        vehicle->armed = vehicle->armed || vehicle->guard != AUVID_GUARD_DISARMED;
     }
 }
 
-void vehicle_sim_take(vehicle_sim_t *craft, const auvid_can_frame_t *frame)
+void vehicle_sim_take(vehicle_sim_t *vehicle, const auvid_can_frame_t *frame)
 {
     auvid_can_frame_t now = *frame;
     auvid_can_message_t message;
-    now.t_us = craft->seen.t_us;
-    if (auvid_can_command_take(&craft->command, &now) != AUVID_CAN_FOREIGN) {
-        ++craft->frames;
+    now.t_us = vehicle->seen.t_us;
+    if (auvid_can_command_take(&vehicle->command, &now) != AUVID_CAN_FOREIGN) {
+        ++vehicle->frames;
     } else if (auvid_can_unpack(NULL, &now, &message) == AUVID_OK) {
-        ++craft->frames;
-        hear(craft, &message);
+        ++vehicle->frames;
+        take_message(vehicle, &message);
     }
 }
 
-double vehicle_sim_rms_percent(const vehicle_sim_t *craft)
+double vehicle_sim_rms_percent(const vehicle_sim_t *vehicle)
 {
-    double truth[CRAFT_PARAMETERS], sum = 0.0;
+    double truth[VEHICLE_SIM_PARAMETERS], sum = 0.0;
     int count = 0;
-    vehicle_sim_truth(craft, truth);
-    for (int i = 0; i < CRAFT_PARAMETERS; ++i) {
+    vehicle_sim_truth(vehicle, truth);
+    for (int i = 0; i < VEHICLE_SIM_PARAMETERS; ++i) {
         if (fabs(truth[i]) <= 0.0) {
             continue;
         }
-        if (!(craft->estimated >> i & 1u)) {
+        if (!(vehicle->estimated >> i & 1u)) {
             return -1.0;
         }
-        double e = craft->estimate[i] / truth[i] - 1.0;
+        double e = vehicle->estimate[i] / truth[i] - 1.0;
         sum += e * e;
         ++count;
     }
     return 100.0 * sqrt(sum / count);
 }
 
-/* What a thruster does at most in a force's direction. */
-static double most_N(const vehicle_sim_t *craft, double force)
+/* Largest force of a thruster in the direction of a force. */
+static double max_force_N(const vehicle_sim_t *vehicle, double force)
 {
-    const sim_config_t *c = &craft->sim.config;
+    const sim_config_t *c = &vehicle->sim.config;
     return force < 0.0 && c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
 }
 
 static void send(sending_t *s, const auvid_can_message_t *message)
 {
-    if (s->count < CRAFT_FRAMES &&
-        auvid_can_pack(&s->craft->sender, message, &s->frame[s->count]) >= 0) {
-        s->frame[s->count++].t_us = s->craft->seen.t_us;
+    if (s->count < VEHICLE_SIM_FRAMES &&
+        auvid_can_pack(&s->vehicle->sender, message, &s->frame[s->count]) >= 0) {
+        s->frame[s->count++].t_us = s->vehicle->seen.t_us;
     }
 }
 
@@ -139,9 +139,9 @@ static void copy(auvid_real_t *to, const double *from, int n)
     }
 }
 
-static uint32_t age_ms(const vehicle_sim_t *craft, const sim_measurement_t *sample)
+static uint32_t age_ms(const vehicle_sim_t *vehicle, const sim_measurement_t *sample)
 {
-    uint64_t age = (craft->seen.t_us - sample->t_us + 500u) / 1000u;
+    uint64_t age = (vehicle->seen.t_us - sample->t_us + 500u) / 1000u;
     return age < AUVID_CAN_AGE_UNKNOWN ? (uint32_t)age : AUVID_CAN_AGE_UNKNOWN;
 }
 
@@ -157,7 +157,7 @@ static void send_imu(sending_t *s, const sim_measurement_t *imu)
     r->p = (auvid_real_t)imu->value[3];
     r->q = (auvid_real_t)imu->value[4];
     r->r = (auvid_real_t)imu->value[5];
-    a->age = r->age = age_ms(s->craft, imu);
+    a->age = r->age = age_ms(s->vehicle, imu);
     send(s, &attitude);
     send(s, &rates);
 }
@@ -168,14 +168,14 @@ static void send_dvl(sending_t *s, const sim_measurement_t *dvl)
     auvid_real_t v[3];
     copy(v, dvl->value, 3);
     if (dvl->bottom) {
-        auvid_can_dvl_bottom_t bottom = {v[0], v[1], v[2], age_ms(s->craft, dvl)};
+        auvid_can_dvl_bottom_t bottom = {v[0], v[1], v[2], age_ms(s->vehicle, dvl)};
         auvid_can_message_t height = {.kind = AUVID_CAN_DVL_ALTITUDE};
         m.as.dvl_bottom = bottom;
         height.as.dvl_altitude.altitude = (auvid_real_t)dvl->value[3];
         height.as.dvl_altitude.age = bottom.age;
         send(s, &height);
     } else {
-        auvid_can_dvl_water_t water = {v[0], v[1], v[2], age_ms(s->craft, dvl)};
+        auvid_can_dvl_water_t water = {v[0], v[1], v[2], age_ms(s->vehicle, dvl)};
         m.as.dvl_water = water;
     }
     send(s, &m);
@@ -183,7 +183,7 @@ static void send_dvl(sending_t *s, const sim_measurement_t *dvl)
 
 static void send_sensors(sending_t *s)
 {
-    const sim_measurement_t *sensor = s->craft->seen.sensor;
+    const sim_measurement_t *sensor = s->vehicle->seen.sensor;
     auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
     if (sensor[SIM_IMU].has) {
         send_imu(s, &sensor[SIM_IMU]);
@@ -193,14 +193,14 @@ static void send_sensors(sending_t *s)
     }
     if (sensor[SIM_DEPTH].has) {
         m.as.depth.depth = (auvid_real_t)sensor[SIM_DEPTH].value[0];
-        m.as.depth.age = age_ms(s->craft, &sensor[SIM_DEPTH]);
+        m.as.depth.age = age_ms(s->vehicle, &sensor[SIM_DEPTH]);
         send(s, &m);
     }
     if (sensor[SIM_GPS].has) {
         m.kind = AUVID_CAN_GPS;
         m.as.gps.x = (auvid_real_t)sensor[SIM_GPS].value[0];
         m.as.gps.y = (auvid_real_t)sensor[SIM_GPS].value[1];
-        m.as.gps.age = age_ms(s->craft, &sensor[SIM_GPS]);
+        m.as.gps.age = age_ms(s->vehicle, &sensor[SIM_GPS]);
         send(s, &m);
     }
 }
@@ -210,9 +210,9 @@ static void send_feedback(sending_t *s)
     auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
     auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_B};
     double part[AUVID_CAN_THRUSTERS] = {0};
-    for (int i = 0; i < s->craft->sim.config.thrusters; ++i) {
-        double force = s->craft->seen.thruster_N[i];
-        part[i] = force / most_N(s->craft, force);
+    for (int i = 0; i < s->vehicle->sim.config.thrusters; ++i) {
+        double force = s->vehicle->seen.thruster_N[i];
+        part[i] = force / max_force_N(s->vehicle, force);
     }
     copy(a.as.thruster_feedback_a.thrust, part, 4);
     copy(b.as.thruster_feedback_b.thrust, part + 4, 4);
@@ -222,62 +222,63 @@ static void send_feedback(sending_t *s)
 
 static void send_orders(sending_t *s)
 {
-    vehicle_sim_t *craft = s->craft;
-    craft->ticks_navigated += craft->navigates;
-    bool due = craft->ticks_navigated > 0 && craft->ticks_navigated % SECOND == 0;
-    bool aborted = craft->arm_again && craft->guard == AUVID_GUARD_ABORTED;
-    craft->armed = craft->armed && !(craft->arm_again && craft->guard == AUVID_GUARD_DISARMED);
-    if (craft->order_arm || (due && !craft->no_arm && (!craft->armed || aborted))) {
+    vehicle_sim_t *vehicle = s->vehicle;
+    vehicle->ticks_navigated += vehicle->navigates;
+    bool due = vehicle->ticks_navigated > 0 && vehicle->ticks_navigated % SECOND == 0;
+    bool aborted = vehicle->arm_again && vehicle->guard == AUVID_GUARD_ABORTED;
+    vehicle->armed =
+        vehicle->armed && !(vehicle->arm_again && vehicle->guard == AUVID_GUARD_DISARMED);
+    if (vehicle->order_arm || (due && !vehicle->no_arm && (!vehicle->armed || aborted))) {
         auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
         m.as.arm.action = aborted ? AUVID_CAN_ACTION_DISARM : AUVID_CAN_ACTION_ARM;
         m.as.arm.key = AUVID_CAN_ARM_KEY;
         send(s, &m);
     }
-    if (craft->order_abort) {
+    if (vehicle->order_abort) {
         auvid_can_message_t m = {.kind = AUVID_CAN_ABORT};
         m.as.abort.cause = AUVID_CAN_CAUSE_OPERATOR;
         send(s, &m);
     }
-    craft->order_arm = craft->order_abort = false;
+    vehicle->order_arm = vehicle->order_abort = false;
 }
 
-bool vehicle_sim_commanded(vehicle_sim_t *craft, double force_N[SIM_THRUSTERS])
+bool vehicle_sim_commanded(vehicle_sim_t *vehicle, double force_N[SIM_THRUSTERS])
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
-    auvid_status_t status = auvid_can_command_thrust(&craft->command, craft->seen.t_us, thrust);
-    for (int i = 0; i < craft->sim.config.thrusters; ++i) {
+    auvid_status_t status = auvid_can_command_thrust(&vehicle->command, vehicle->seen.t_us, thrust);
+    for (int i = 0; i < vehicle->sim.config.thrusters; ++i) {
         double part = (double)thrust[i];
-        force_N[i] = part * most_N(craft, part);
+        force_N[i] = part * max_force_N(vehicle, part);
     }
     return status == AUVID_OK;
 }
 
-static void drive(vehicle_sim_t *craft)
+static void drive(vehicle_sim_t *vehicle)
 {
     double asked[SIM_THRUSTERS];
-    bool before = craft->commanded;
-    craft->commanded = vehicle_sim_commanded(craft, asked);
-    if (before && !craft->commanded) {
-        ++craft->cuts;
-        craft->cut_us = craft->seen.t_us - craft->command.half[0].good_us;
+    bool before = vehicle->commanded;
+    vehicle->commanded = vehicle_sim_commanded(vehicle, asked);
+    if (before && !vehicle->commanded) {
+        ++vehicle->cuts;
+        vehicle->cut_us = vehicle->seen.t_us - vehicle->command.half[0].good_us;
     }
-    for (int i = 0; i < craft->sim.config.thrusters; ++i) {
-        craft->force_N[i] = craft->hover_N[i] + asked[i];
+    for (int i = 0; i < vehicle->sim.config.thrusters; ++i) {
+        vehicle->force_N[i] = vehicle->hover_N[i] + asked[i];
     }
 }
 
-int vehicle_sim_tick(vehicle_sim_t *craft, auvid_can_frame_t *frame)
+int vehicle_sim_tick(vehicle_sim_t *vehicle, auvid_can_frame_t *frame)
 {
-    sending_t s = {craft, frame, 0};
+    sending_t s = {vehicle, frame, 0};
     auvid_can_message_t tick = {.kind = AUVID_CAN_TICK};
-    drive(craft);
-    sim_step(&craft->sim, craft->force_N, NULL, &craft->seen);
+    drive(vehicle);
+    sim_step(&vehicle->sim, vehicle->force_N, NULL, &vehicle->seen);
     send_sensors(&s);
     send_feedback(&s);
     send_orders(&s);
-    craft->sequence = (craft->sequence + 1u) & 0xFFFFFu;
-    tick.as.tick.sequence = craft->sequence;
-    tick.as.tick.time = (uint32_t)craft->seen.t_us;
+    vehicle->sequence = (vehicle->sequence + 1u) & 0xFFFFFu;
+    tick.as.tick.sequence = vehicle->sequence;
+    tick.as.tick.time = (uint32_t)vehicle->seen.t_us;
     send(&s, &tick);
     return s.count;
 }

@@ -76,9 +76,9 @@ static bool run(uint32_t abort, uint32_t arm_from)
     for (uint32_t tick = 1; tick <= TICKS; ++tick) {
         if (tick == abort) {
             commanding = world.node[0].commanding;
-            world.craft.order_abort = true;
+            world.vehicle_sim.order_abort = true;
         }
-        world.craft.order_arm = tick >= arm_from && tick % 50 == 0;
+        world.vehicle_sim.order_arm = tick >= arm_from && tick % 50 == 0;
         world_tick(&world);
         (void)world_work(&world, AUVID_DEFAULT_BUDGET);
         watch(tick);

@@ -30,7 +30,7 @@ typedef struct {
 static channel_t to_node, to_vehicle;
 static sim_rng_t chance;
 static auvid_node_t node;
-static vehicle_sim_t craft;
+static vehicle_sim_t vehicle_sim;
 static uint32_t aborts;
 
 void setUp(void)
@@ -86,7 +86,7 @@ static void begin(uint32_t seed, uint32_t sets)
     vehicle_sim_defaults(&vehicle);
     vehicle.sim.seed = seed;
     vehicle.arm_again = true;
-    TEST_ASSERT_TRUE(vehicle_sim_init(&craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     sim_rng_seed(&chance, seed, 1000);
     to_node.count = to_vehicle.count = 0;
 }
@@ -109,15 +109,15 @@ static bool serve(uint64_t t_us)
 /* @return rms error [%] after this number of sets and the last search */
 static double run(uint32_t seed, uint32_t sets)
 {
-    auvid_can_frame_t frame, sent[CRAFT_FRAMES];
+    auvid_can_frame_t frame, sent[VEHICLE_SIM_FRAMES];
     uint32_t over = 0;
     begin(seed, sets);
     for (uint64_t t_us = TICK_US; over < LAST_SEARCH; t_us += TICK_US) {
         TEST_ASSERT_TRUE_MESSAGE(t_us < 100000000ull * sets, "a run does not end");
         while (take(&to_vehicle, t_us, &frame)) {
-            vehicle_sim_take(&craft, &frame);
+            vehicle_sim_take(&vehicle_sim, &frame);
         }
-        put(&to_node, t_us, sent, vehicle_sim_tick(&craft, sent));
+        put(&to_node, t_us, sent, vehicle_sim_tick(&vehicle_sim, sent));
         for (uint64_t now_us = t_us; now_us < t_us + TICK_US; now_us += SLICE_US) {
             while (take(&to_node, now_us, &frame)) {
                 if (auvid_node_take(&node, &frame) == AUVID_TICK) {
@@ -127,7 +127,7 @@ static double run(uint32_t seed, uint32_t sets)
             }
         }
     }
-    return vehicle_sim_rms_percent(&craft);
+    return vehicle_sim_rms_percent(&vehicle_sim);
 }
 
 static void check(uint32_t sets, uint32_t runs, double max_rms)

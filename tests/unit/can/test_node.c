@@ -14,7 +14,7 @@
 enum { SETS = 2, LOG = 60000, SET_TICKS = 1500 };
 
 static auvid_node_t node, other;
-static vehicle_sim_t craft;
+static vehicle_sim_t vehicle_sim;
 static chain_t chain;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
@@ -44,7 +44,7 @@ static void prepare(uint64_t seed)
     taken_count = 0;
     vehicle_sim_defaults(&vehicle);
     vehicle.sim.seed = seed;
-    TEST_ASSERT_TRUE(vehicle_sim_init(&craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, SETS, seed);
@@ -92,7 +92,7 @@ static void deliver(const auvid_can_frame_t *frame, int count)
         if (m.kind == AUVID_CAN_THRUSTER_COMMAND_B) {
             run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_b.thrust[0]));
         }
-        vehicle_sim_take(&craft, &frame[i]);
+        vehicle_sim_take(&vehicle_sim, &frame[i]);
     }
 }
 
@@ -136,8 +136,8 @@ static void set_clock(auvid_can_frame_t *frame)
 
 static void tick(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = vehicle_sim_tick(&craft, frame);
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
+    int count = vehicle_sim_tick(&vehicle_sim, frame);
     ++run.ticks;
     for (int i = 0; i < count; ++i) {
         set_clock(&frame[i]);
@@ -158,9 +158,9 @@ static void send(const auvid_can_message_t *m)
     auvid_can_frame_t frame;
     static auvid_can_sender_t operator;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&operator, NULL));
-    operator.counter[m->kind] =(uint8_t)(craft.sender.counter[m->kind]);
+    operator.counter[m->kind] =(uint8_t)(vehicle_sim.sender.counter[m->kind]);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, m, &frame));
-    craft.sender.counter[m->kind] = operator.counter[m->kind];
+    vehicle_sim.sender.counter[m->kind] = operator.counter[m->kind];
     (void)give(&frame);
 }
 
@@ -194,7 +194,7 @@ static double rms(const auvid_node_t *n)
 {
     double sum = 0.0;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double truth = craft.sim.config.parameter[i];
+        double truth = vehicle_sim.sim.config.parameter[i];
         double e = (double)n->id.estimate.pi[i] / truth - 1.0;
         sum += e * e;
     }
@@ -242,7 +242,7 @@ static void test_the_same_frames_give_the_same_bits(void)
     TEST_ASSERT_EQUAL_UINT32(run.ticks, node.counters.ticks);
     TEST_ASSERT_EQUAL_UINT32(0, node.sender.saturated);
     TEST_ASSERT_EQUAL_UINT32(0, node.sender.refused);
-    TEST_ASSERT_EQUAL(0, craft.command.half[0].lost + craft.command.half[1].lost);
+    TEST_ASSERT_EQUAL(0, vehicle_sim.command.half[0].lost + vehicle_sim.command.half[1].lost);
 
     /* replay the same frames */
     uint32_t ticks = node.counters.ticks;
@@ -280,13 +280,13 @@ static void test_a_passive_node_never_commands(void)
     go(200);
     order(AUVID_CAN_ACTION_ARM);
     go(500);
-    TEST_ASSERT_TRUE(craft.navigates);
+    TEST_ASSERT_TRUE(vehicle_sim.navigates);
     TEST_ASSERT_EQUAL_UINT32(0, run.commands);
 }
 
 static void test_there_is_no_command_before_the_arm_frame(void)
 {
-    craft.no_arm = true;
+    vehicle_sim.no_arm = true;
     begin(true);
     go(300);
     TEST_ASSERT_EQUAL_UINT32(0, run.commands);
@@ -297,7 +297,7 @@ static void test_there_is_no_command_before_the_arm_frame(void)
 
 static void test_an_arm_frame_without_sensors_is_refused_and_discarded(void)
 {
-    craft.no_arm = true;
+    vehicle_sim.no_arm = true;
     begin(true);
     order(AUVID_CAN_ACTION_ARM);
     go(200);
@@ -332,7 +332,8 @@ static void test_an_abort_with_a_repeated_counter_is_obeyed(void)
     order(AUVID_CAN_ACTION_ARM);
     go(10);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
-    craft.sender.counter[AUVID_CAN_ABORT] = (craft.sender.counter[AUVID_CAN_ABORT] + 15u) & 15u;
+    vehicle_sim.sender.counter[AUVID_CAN_ABORT] =
+        (vehicle_sim.sender.counter[AUVID_CAN_ABORT] + 15u) & 15u;
     abort_run();
     tick();
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
@@ -357,13 +358,13 @@ static void test_a_trip_of_the_guard_commands_zero(void)
 {
     begin(true);
     go(500);
-    craft.sim.sensor[SIM_DVL].period_us = 1000000000u;
-    craft.sim.sensor[SIM_DVL].next_us = UINT64_MAX / 2;
+    vehicle_sim.sim.sensor[SIM_DVL].period_us = 1000000000u;
+    vehicle_sim.sim.sensor[SIM_DVL].next_us = UINT64_MAX / 2;
     go(500);
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
     TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, node.id.guard.trip.cause);
     TEST_ASSERT_TRUE(run.largest == 0.0);
-    TEST_ASSERT_FALSE(craft.commanded);
+    TEST_ASSERT_FALSE(vehicle_sim.commanded);
 }
 
 static void test_halt_commands_zero_once_and_only_after_a_command(void)
@@ -474,10 +475,10 @@ static void test_a_wrap_of_the_clock_has_no_effect(void)
 
 static void test_a_lost_tick_is_counted(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     begin(false);
     go(100);
-    (void)vehicle_sim_tick(&craft, frame);
+    (void)vehicle_sim_tick(&vehicle_sim, frame);
     go(10);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.ticks_missed);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
@@ -513,11 +514,11 @@ static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
 
 static void test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks(void)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES], late;
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES], late;
     bool has = false;
     begin(false);
     for (int k = 0; k < 100; ++k) {
-        int count = vehicle_sim_tick(&craft, frame);
+        int count = vehicle_sim_tick(&vehicle_sim, frame);
         for (int i = 0; i < count; ++i) {
             auvid_can_message_t m;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));

@@ -11,7 +11,7 @@
 enum { NAVIGATED = 100 };
 
 static auvid_node_t node, copy;
-static vehicle_sim_t craft;
+static vehicle_sim_t vehicle_sim;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t config;
 static auvid_can_sender_t sender;
@@ -24,7 +24,7 @@ void setUp(void)
     vehicle_sim_config_t vehicle;
     vehicle_sim_defaults(&vehicle);
     vehicle.no_arm = true;
-    TEST_ASSERT_TRUE(vehicle_sim_init(&craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
@@ -72,14 +72,14 @@ static void step_at(uint32_t sequence)
 /* A tick of the vehicle without the messages of this bit mask. */
 static void tick_without(uint32_t kinds)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
-    int frames = vehicle_sim_tick(&craft, frame);
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
+    int frames = vehicle_sim_tick(&vehicle_sim, frame);
     for (int i = 0; i < frames; ++i) {
         if ((kinds >> auvid_can_kind(NULL, frame[i].id) & 1u) == 0 &&
             auvid_node_take(&node, &frame[i]) == AUVID_TICK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
             for (int k = 0; k < count; ++k) {
-                vehicle_sim_take(&craft, &sent[k]);
+                vehicle_sim_take(&vehicle_sim, &sent[k]);
             }
         }
     }
@@ -715,7 +715,7 @@ static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
         auvid_can_frame_t frame;
         m.as.tick.sequence = node.sequence + 1;
         m.as.tick.time = (uint32_t)in.t_us;
-        sender.counter[AUVID_CAN_TICK] = craft.sender.counter[AUVID_CAN_TICK];
+        sender.counter[AUVID_CAN_TICK] = vehicle_sim.sender.counter[AUVID_CAN_TICK];
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &frame));
         TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&copy, &frame));
         static auvid_identifier_t same;

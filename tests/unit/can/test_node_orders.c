@@ -15,7 +15,7 @@ enum { NAVIGATED = 100, EXCITED = 150 };
 /* A node with its vehicle, and its commands of the last tick. */
 typedef struct {
     auvid_node_t node;
-    vehicle_sim_t craft;
+    vehicle_sim_t vehicle_sim;
     auvid_can_frame_t sent[AUVID_NODE_COMMANDS];
     int count;
     double largest; /* thrust */
@@ -34,7 +34,7 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
     memset(p, 0, sizeof *p);
     vehicle_sim_defaults(&vehicle);
     vehicle.no_arm = true;
-    TEST_ASSERT_TRUE(vehicle_sim_init(&p->craft, &vehicle));
+    TEST_ASSERT_TRUE(vehicle_sim_init(&p->vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, seed);
@@ -53,14 +53,14 @@ static void deliver(pair_t *p)
         for (int k = 0; k < 4; ++k) { /* b has the same layout */
             p->largest = fmax(p->largest, fabs((double)m.as.thruster_command_a.thrust[k]));
         }
-        vehicle_sim_take(&p->craft, &p->sent[i]);
+        vehicle_sim_take(&p->vehicle_sim, &p->sent[i]);
     }
 }
 
 static void tick(pair_t *p)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = vehicle_sim_tick(&p->craft, frame);
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
+    int count = vehicle_sim_tick(&p->vehicle_sim, frame);
     for (int i = 0; i < count; ++i) {
         if (auvid_node_take(&p->node, &frame[i]) == AUVID_TICK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&p->node, NULL, p->sent, &p->count));
@@ -518,8 +518,8 @@ static void test_a_node_that_is_not_armed_only_counts_foreign_commands(void)
 /* A tick of the node's clock: all frames of the vehicle except its tick. */
 static auvid_status_t own_tick(pair_t *p, uint64_t t_us)
 {
-    auvid_can_frame_t frame[CRAFT_FRAMES];
-    int count = vehicle_sim_tick(&p->craft, frame);
+    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
+    int count = vehicle_sim_tick(&p->vehicle_sim, frame);
     for (int i = 0; i < count - 1; ++i) {
         (void)auvid_node_take(&p->node, &frame[i]);
     }
@@ -536,7 +536,7 @@ static void excite_by_own_clock(uint64_t *t_us)
         }
         TEST_ASSERT_EQUAL(AUVID_OK, own_tick(&now, *t_us));
         for (int i = 1; i < now.count; ++i) {
-            vehicle_sim_take(&now.craft, &now.sent[i]);
+            vehicle_sim_take(&now.vehicle_sim, &now.sent[i]);
         }
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));

@@ -1,4 +1,4 @@
-/* The field simulator's physics, its table and its drivers. What each mismatch does is in
+/* The physics of the field simulator, its table and its drivers. The effect of each mismatch is in
  * test_field_mismatch.c. */
 #include "field.h"
 
@@ -34,14 +34,14 @@ static void begin(void)
     TEST_ASSERT_TRUE(field_init(&field, &cfg));
 }
 
-/* Forces that jump every 1.5 s, in all thrusters. */
+/* Random steps of force every 1.5 s in all thrusters. */
 static void excite(double seconds, void (*each)(void))
 {
-    double matrix[6][SIM_THRUSTERS], most, force[SIM_THRUSTERS] = {0};
-    int n = field_thrusters(cfg.vehicle, matrix, &most);
+    double matrix[6][SIM_THRUSTERS], max, force[SIM_THRUSTERS] = {0};
+    int n = field_thrusters(cfg.vehicle, matrix, &max);
     for (long tick = 0; tick < lround(seconds * 50); ++tick) {
         for (int j = 0; j < n && tick % 75 == 0; ++j) {
-            force[j] = most * 0.4 * floor(3 * sim_rng_uniform(&dice) - 1);
+            force[j] = max * 0.4 * floor(3 * sim_rng_uniform(&dice) - 1);
         }
         field_step(&field, force, &out);
         if (each != NULL) {
@@ -74,7 +74,7 @@ static double energy(void)
             sum += 0.5 * t->nu[i] * (h->mass[i][j] + wall * h->added[i][j]) * t->nu[j];
         }
     }
-    for (int i = 0; i < 3; ++i) { /* down is low */
+    for (int i = 0; i < 3; ++i) { /* potential energy falls with depth */
         sum -= r[2][i] * (h->weight_N * h->r_g[i] - h->buoyancy_N * h->r_b[i]);
     }
     return sum - (h->weight_N - h->buoyancy_N) * t->position[2];
@@ -108,7 +108,7 @@ static void test_energy_is_conserved_without_drag_and_thrust(void)
 
 static double worst;
 
-static void see_residual(void)
+static void record_residual(void)
 {
     double left[6];
     field_hull_residual(&field, left);
@@ -116,19 +116,19 @@ static void see_residual(void)
         fmax(worst, fmax(fmax(fabs(left[X]), fabs(left[Y])), fmax(fabs(left[Z]), fabs(left[N]))));
 }
 
-static void test_without_mismatch_the_vehicles_are_those_of_eq_12_to_15(void)
+static void test_without_mismatch_the_vehicles_follow_eq_12_to_15(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
         field_defaults(&cfg, (field_vehicle_t)v, FIELD_EXCITED, 3);
         TEST_ASSERT_TRUE(field_set(&cfg, "hull", 0.15));
         begin();
         worst = 0;
-        excite(20, see_residual);
+        excite(20, record_residual);
         BELOW(sizeof(auvid_real_t) == 4 ? 1e-3 : 1e-9, worst);
     }
 }
 
-static void test_truth_says_how_velocity_changes(void)
+static void test_the_true_acceleration_is_the_derivative_of_velocity(void)
 {
     double before[6], sum = 0;
     field_draw(&cfg, 1);
@@ -147,7 +147,7 @@ static void test_truth_says_how_velocity_changes(void)
     BELOW(2e-3, sum / (19 * 6));
 }
 
-static void see_sum(void)
+static void record_sum(void)
 {
     for (int i = 0; i < 6; ++i) {
         TEST_ASSERT_EQUAL_DOUBLE(field.truth.delivered[i] + field.truth.disturbance[i],
@@ -155,14 +155,14 @@ static void see_sum(void)
     }
 }
 
-static void test_the_hull_answers_thrust_and_disturbance(void)
+static void test_the_hull_force_is_thrust_plus_disturbance(void)
 {
     field_draw(&cfg, 1);
     begin();
-    excite(2, see_sum);
+    excite(2, record_sum);
 }
 
-static void test_hover_thrust_keeps_a_vehicle_where_it_is(void)
+static void test_hover_thrust_keeps_a_vehicle_in_place(void)
 {
     begin();
     run(60, NULL);
@@ -180,11 +180,11 @@ static void test_the_girona500_is_the_papers(void)
     }
 }
 
-static void test_thrusters_give_the_excitations_amplitude(void)
+static void test_thrusters_produce_the_amplitude_of_the_excitation(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
-        double amplitude[6], matrix[6][SIM_THRUSTERS], most;
-        int n = field_thrusters((field_vehicle_t)v, matrix, &most);
+        double amplitude[6], matrix[6][SIM_THRUSTERS], max;
+        int n = field_thrusters((field_vehicle_t)v, matrix, &max);
         field_amplitude((field_vehicle_t)v, amplitude);
         field_defaults(&cfg, (field_vehicle_t)v, FIELD_EXCITED, 1);
         begin();
@@ -193,14 +193,14 @@ static void test_thrusters_give_the_excitations_amplitude(void)
             for (int i = 0; i < 4; ++i) {
                 force += fabs(field.pilot.mix[j][i]) * amplitude[i == 3 ? N : i];
             }
-            NOT_ABOVE(most, force);
+            NOT_ABOVE(max, force);
         }
     }
 }
 
 /* ---- the table ---- */
 
-static void test_every_kind_has_a_name_of_its_own_and_words(void)
+static void test_every_kind_has_a_unique_name_and_a_description(void)
 {
     const field_mismatch_t *table;
     int n = field_mismatches(&table);
@@ -255,14 +255,14 @@ static void check_draws(field_vehicle_t vehicle, double strength)
     }
 }
 
-static void test_draws_have_the_tables_means_spreads_and_chances(void)
+static void test_draws_have_the_means_deviations_and_chances_of_the_table(void)
 {
     check_draws(FIELD_GIRONA500, 1);
     check_draws(FIELD_ROV20, 1);
     check_draws(FIELD_GIRONA500, 2);
 }
 
-static void test_a_mixture_of_no_strength_has_the_hulls_variety_alone(void)
+static void test_a_mixture_of_strength_zero_has_only_the_variation_of_the_hull(void)
 {
     const field_mismatch_t *table;
     int n = field_mismatches(&table);
@@ -288,9 +288,9 @@ static void test_mixtures_of_any_strength_up_to_4_are_simulated(void)
     }
 }
 
-static void test_hulls_differ_by_up_to_their_variety(void)
+static void test_hulls_differ_by_up_to_their_variation(void)
 {
-    double least = 9, most = -9;
+    double min = 9, max = -9;
     for (uint64_t seed = 1; seed <= 300; ++seed) {
         field_built_t built;
         cfg.seed = seed;
@@ -299,17 +299,17 @@ static void test_hulls_differ_by_up_to_their_variety(void)
         field_built(&field, &built);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             double off = built.parameter[i] / auvid_girona500_paper[i] - 1;
-            least = fmin(least, off);
-            most = fmax(most, off);
+            min = fmin(min, off);
+            max = fmax(max, off);
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, -37.3058, built.parameter[SIM_WB]);
         TEST_ASSERT_EQUAL_DOUBLE(160, built.dry_kg);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, -0.15, least);
-    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.15, most);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, -0.15, min);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.15, max);
 }
 
-static void test_set_refuses_what_makes_no_sense_and_changes_nothing(void)
+static void test_set_refuses_invalid_sizes_and_changes_nothing(void)
 {
     field_config_t before = cfg;
     TEST_ASSERT_FALSE(field_set(&cfg, "thrust", 0.1));
@@ -322,7 +322,7 @@ static void test_set_refuses_what_makes_no_sense_and_changes_nothing(void)
     TEST_ASSERT_TRUE(field_set(&cfg, "thrust_lag", 0.1));
 }
 
-static void test_init_refuses_what_is_out_of_range_and_does_nothing(void)
+static void test_init_refuses_values_out_of_range_and_does_nothing(void)
 {
     const field_config_t good = cfg;
     begin();
@@ -338,7 +338,7 @@ static void test_init_refuses_what_is_out_of_range_and_does_nothing(void)
     }
 }
 
-/* ---- the same again ---- */
+/* ---- repeatability ---- */
 
 static void test_the_same_seed_gives_the_same_numbers(void)
 {
@@ -368,7 +368,7 @@ static void test_another_seed_gives_other_numbers(void)
     TEST_ASSERT_TRUE(out.sensor[SIM_IMU].value[0] != again.sensor[SIM_IMU].value[0]);
 }
 
-static void test_a_copy_goes_the_same_way(void)
+static void test_a_copy_continues_identically(void)
 {
     field_output_t again;
     field_draw(&cfg, 1);
@@ -384,9 +384,9 @@ static void test_a_copy_goes_the_same_way(void)
     }
 }
 
-/* ---- who drives ---- */
+/* ---- drivers ---- */
 
-static void test_under_excitation_thrust_too_weak_to_hover_loses_a_few_metres(void)
+static void test_excited_with_thrust_too_weak_to_hover_the_vehicle_sinks_a_few_metres(void)
 {
     TEST_ASSERT_TRUE(field_set(&cfg, "thrust_common", -0.2));
     begin();
@@ -394,14 +394,14 @@ static void test_under_excitation_thrust_too_weak_to_hover_loses_a_few_metres(vo
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 20 - 3 - 1.9, field.truth.position[2]);
 }
 
-static double least[6], most[6], off, askew;
+static double min[6], max[6], off, askew;
 
-static void see_range(void)
+static void record_range(void)
 {
     const field_truth_t *t = field_truth(&field);
     for (int i = 0; i < 3; ++i) {
-        least[i] = fmin(least[i], t->position[i]);
-        most[i] = fmax(most[i], t->position[i]);
+        min[i] = fmin(min[i], t->position[i]);
+        max[i] = fmax(max[i], t->position[i]);
     }
     off = fmax(off, hypot(t->position[0] - field.pilot.reference[0],
                           t->position[1] - field.pilot.reference[1]));
@@ -417,24 +417,24 @@ static void drive(field_vehicle_t vehicle, field_driver_t driver, double strengt
     begin();
     off = askew = 0;
     for (int i = 0; i < 6; ++i) {
-        least[i] = 1e9;
-        most[i] = -1e9;
+        min[i] = 1e9;
+        max[i] = -1e9;
     }
-    run(seconds, see_range);
+    run(seconds, record_range);
 }
 
-static void test_over_a_near_bottom_nobody_drives_into_it(void)
+static void test_no_driver_hits_a_near_bottom(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
         for (int driver = 0; driver < FIELD_DRIVERS; ++driver) {
             field_defaults(&cfg, (field_vehicle_t)v, (field_driver_t)driver, 4);
             TEST_ASSERT_TRUE(field_set(&cfg, "wall", 0.5));
             begin();
-            least[2] = 1e9;
-            most[2] = -1e9;
-            excite(300, see_range); /* of the excitation alone, thrust is read */
-            BELOW(field.hull.seabed_m, most[2]);
-            ABOVE(20 - 1.5, least[2]);
+            min[2] = 1e9;
+            max[2] = -1e9;
+            excite(300, record_range); /* thrust is only read with the excitation */
+            BELOW(field.hull.seabed_m, max[2]);
+            ABOVE(20 - 1.5, min[2]);
         }
     }
 }
@@ -445,14 +445,14 @@ static void test_the_lawnmower_follows_its_legs(void)
         drive((field_vehicle_t)v, FIELD_LAWNMOWER, 0, 300);
         BELOW(2, off);
         BELOW(1, askew);
-        TEST_ASSERT_DOUBLE_WITHIN(2, 18, most[0] - least[0]);
-        ABOVE(9, most[1]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, least[2]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, most[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(2, 18, max[0] - min[0]);
+        ABOVE(9, max[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, min[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2, 20, max[2]);
     }
 }
 
-static void test_station_keeping_stays_at_its_place(void)
+static void test_station_keeping_holds_its_position(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
         drive((field_vehicle_t)v, FIELD_STATION, 0, 120);
@@ -466,40 +466,40 @@ static void test_the_pilot_keeps_the_depth_and_moves_in_all_directions(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
         drive((field_vehicle_t)v, FIELD_JOYSTICK, 1, 300);
-        TEST_ASSERT_DOUBLE_WITHIN(4, 20, least[2]);
-        TEST_ASSERT_DOUBLE_WITHIN(4, 20, most[2]);
-        ABOVE(5, hypot(most[0] - least[0], most[1] - least[1]));
+        TEST_ASSERT_DOUBLE_WITHIN(4, 20, min[2]);
+        TEST_ASSERT_DOUBLE_WITHIN(4, 20, max[2]);
+        ABOVE(5, hypot(max[0] - min[0], max[1] - min[1]));
     }
 }
 
-static void see_wrench(void)
+static void record_wrench(void)
 {
-    double matrix[6][SIM_THRUSTERS], most_N, sum;
-    int n = field_thrusters(cfg.vehicle, matrix, &most_N);
-    TEST_ASSERT_TRUE(out.told);
+    double matrix[6][SIM_THRUSTERS], max_N, sum;
+    int n = field_thrusters(cfg.vehicle, matrix, &max_N);
+    TEST_ASSERT_TRUE(out.reported);
     for (int i = 0; i < 6; ++i) {
         sum = 0;
         for (int j = 0; j < n; ++j) {
-            NOT_ABOVE(most_N, fabs(out.thruster_N[j]));
+            NOT_ABOVE(max_N, fabs(out.thruster_N[j]));
             sum += matrix[i][j] * out.thruster_N[j];
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, out.wrench[i]);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, field.truth.told[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, field.truth.reported[i]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, field.truth.delivered[i]);
     }
-    TEST_ASSERT_EQUAL_UINT64(out.t_us - SIM_TICK_US, out.told_us);
+    TEST_ASSERT_EQUAL_UINT64(out.t_us - SIM_TICK_US, out.reported_us);
 }
 
-static void test_without_mismatch_all_thrust_is_told_and_right(void)
+static void test_without_mismatch_all_thrust_is_reported_correctly(void)
 {
     for (int d = 0; d < FIELD_DRIVERS; ++d) {
         field_defaults(&cfg, FIELD_ROV20, (field_driver_t)d, 4);
         begin();
-        excite(20, see_wrench);
+        excite(20, record_wrench);
     }
 }
 
-static void test_thrust_ends_at_the_thrusters_limit(void)
+static void test_thrust_saturates_at_the_limit_of_the_thruster(void)
 {
     double asked[SIM_THRUSTERS] = {1e9, -1e9, NAN, 0, 500};
     begin();
@@ -514,28 +514,28 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_energy_is_conserved_without_drag_and_thrust);
-    RUN_TEST(test_without_mismatch_the_vehicles_are_those_of_eq_12_to_15);
-    RUN_TEST(test_truth_says_how_velocity_changes);
-    RUN_TEST(test_the_hull_answers_thrust_and_disturbance);
-    RUN_TEST(test_hover_thrust_keeps_a_vehicle_where_it_is);
+    RUN_TEST(test_without_mismatch_the_vehicles_follow_eq_12_to_15);
+    RUN_TEST(test_the_true_acceleration_is_the_derivative_of_velocity);
+    RUN_TEST(test_the_hull_force_is_thrust_plus_disturbance);
+    RUN_TEST(test_hover_thrust_keeps_a_vehicle_in_place);
     RUN_TEST(test_the_girona500_is_the_papers);
-    RUN_TEST(test_thrusters_give_the_excitations_amplitude);
-    RUN_TEST(test_every_kind_has_a_name_of_its_own_and_words);
-    RUN_TEST(test_draws_have_the_tables_means_spreads_and_chances);
-    RUN_TEST(test_a_mixture_of_no_strength_has_the_hulls_variety_alone);
+    RUN_TEST(test_thrusters_produce_the_amplitude_of_the_excitation);
+    RUN_TEST(test_every_kind_has_a_unique_name_and_a_description);
+    RUN_TEST(test_draws_have_the_means_deviations_and_chances_of_the_table);
+    RUN_TEST(test_a_mixture_of_strength_zero_has_only_the_variation_of_the_hull);
     RUN_TEST(test_mixtures_of_any_strength_up_to_4_are_simulated);
-    RUN_TEST(test_hulls_differ_by_up_to_their_variety);
-    RUN_TEST(test_set_refuses_what_makes_no_sense_and_changes_nothing);
-    RUN_TEST(test_init_refuses_what_is_out_of_range_and_does_nothing);
+    RUN_TEST(test_hulls_differ_by_up_to_their_variation);
+    RUN_TEST(test_set_refuses_invalid_sizes_and_changes_nothing);
+    RUN_TEST(test_init_refuses_values_out_of_range_and_does_nothing);
     RUN_TEST(test_the_same_seed_gives_the_same_numbers);
     RUN_TEST(test_another_seed_gives_other_numbers);
-    RUN_TEST(test_a_copy_goes_the_same_way);
-    RUN_TEST(test_under_excitation_thrust_too_weak_to_hover_loses_a_few_metres);
-    RUN_TEST(test_over_a_near_bottom_nobody_drives_into_it);
+    RUN_TEST(test_a_copy_continues_identically);
+    RUN_TEST(test_excited_with_thrust_too_weak_to_hover_the_vehicle_sinks_a_few_metres);
+    RUN_TEST(test_no_driver_hits_a_near_bottom);
     RUN_TEST(test_the_lawnmower_follows_its_legs);
-    RUN_TEST(test_station_keeping_stays_at_its_place);
+    RUN_TEST(test_station_keeping_holds_its_position);
     RUN_TEST(test_the_pilot_keeps_the_depth_and_moves_in_all_directions);
-    RUN_TEST(test_without_mismatch_all_thrust_is_told_and_right);
-    RUN_TEST(test_thrust_ends_at_the_thrusters_limit);
+    RUN_TEST(test_without_mismatch_all_thrust_is_reported_correctly);
+    RUN_TEST(test_thrust_saturates_at_the_limit_of_the_thruster);
     return UNITY_END();
 }

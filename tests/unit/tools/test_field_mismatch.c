@@ -1,4 +1,4 @@
-/* Each mismatch of the field simulator does what the table says of it, in its size. */
+/* Each mismatch of the field simulator has the effect in the table, in its size. */
 #include "field.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 enum { X, Y, Z, K, M, N };
 
-/* The Girona500's sway thruster makes Y, as told, and little else. */
+/* The sway thruster of the Girona500 produces the reported Y, and little else. */
 #define SIDE 4
 #define F_MAX 153.8
 
@@ -52,26 +52,26 @@ static void run(double seconds)
     }
 }
 
-/* Side thrust that acts where `told` is commanded for so long. */
-static double side(double told, double seconds)
+/* True side thrust after `command` has been given for `seconds`. */
+static double side(double command, double seconds)
 {
-    force[SIDE] = told;
+    force[SIDE] = command;
     run(seconds);
     return field.truth.delivered[Y];
 }
 
 /* ---- thrust ---- */
 
-static void test_common_makes_all_thrusters_stronger(void)
+static void test_common_increases_the_thrust_of_all_thrusters(void)
 {
     begin_with("thrust_common", 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 55, side(50, 1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 37.3058 * 1.1, field.truth.delivered[Z]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.told[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.reported[Y]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, out.wrench[Y]);
 }
 
-static void test_each_makes_every_thruster_differ_by_its_own_share(void)
+static void test_each_gives_every_thruster_a_different_gain(void)
 {
     double sum = 0, square = 0;
     for (cfg.seed = 1; cfg.seed <= 400; ++cfg.seed) {
@@ -84,7 +84,7 @@ static void test_each_makes_every_thruster_differ_by_its_own_share(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.005, 0.05, sqrt(square / 400));
 }
 
-static void test_backward_takes_from_negative_force_alone(void)
+static void test_backward_reduces_only_negative_force(void)
 {
     begin_with("thrust_backward", 0.2);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -40, side(-50, 0.1));
@@ -92,7 +92,7 @@ static void test_backward_takes_from_negative_force_alone(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -37.3058 * 0.8, -field.truth.delivered[Z]);
 }
 
-static void test_sag_grows_from_nothing_to_its_size_at_the_runs_end(void)
+static void test_sag_grows_from_zero_to_its_size_at_the_end_of_the_run(void)
 {
     begin_with("thrust_sag", 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-2, 20, side(20, 1));
@@ -101,7 +101,7 @@ static void test_sag_grows_from_nothing_to_its_size_at_the_runs_end(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 18, side(20, 10));
 }
 
-static void test_exponent_bends_thrust_between_zero_and_the_limit(void)
+static void test_exponent_changes_thrust_between_zero_and_the_limit(void)
 {
     begin_with("thrust_exponent", 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX, side(F_MAX, 0.1));
@@ -110,7 +110,7 @@ static void test_exponent_bends_thrust_between_zero_and_the_limit(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(0, 0.1));
 }
 
-static void test_dead_band_takes_its_newtons(void)
+static void test_dead_band_reduces_thrust_by_its_size(void)
 {
     begin_with("thrust_dead_band", 3);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 7, side(10, 0.1));
@@ -118,7 +118,7 @@ static void test_dead_band_takes_its_newtons(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(2.9, 0.1));
 }
 
-static void test_lag_is_of_the_propellers_speed(void)
+static void test_lag_acts_on_the_speed_of_the_propeller(void)
 {
     begin_with("thrust_lag", 0.2);
     double gone = 1 - exp(-1);
@@ -127,13 +127,13 @@ static void test_lag_is_of_the_propellers_speed(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-2, 100 * exp(-2), side(0, 0.2)); /* (e^-1)^2 */
 }
 
-static void test_force_lag_is_of_the_force(void)
+static void test_force_lag_acts_on_the_force(void)
 {
     begin_with("thrust_force_lag", 0.2);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100 * (1 - exp(-1)), side(100, 0.2));
 }
 
-static void test_slew_limits_how_fast_the_speed_changes(void)
+static void test_slew_limits_the_rate_of_the_speed(void)
 {
     begin_with("slew", 1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, F_MAX * 0.25, side(F_MAX, 0.5));
@@ -141,7 +141,7 @@ static void test_slew_limits_how_fast_the_speed_changes(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -F_MAX * 0.04, side(-F_MAX, 1.2));
 }
 
-static void test_advance_takes_thrust_where_the_vehicle_moves_along_it(void)
+static void test_advance_reduces_thrust_in_the_direction_of_motion(void)
 {
     begin_with("thrust_advance", 0.3);
     double with = side(100, 10), v = field.truth.nu[Y] + 0.05 * field.truth.nu[K];
@@ -151,7 +151,7 @@ static void test_advance_takes_thrust_where_the_vehicle_moves_along_it(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -100 * (1 + 0.3 * v), field.truth.delivered[Y]);
 }
 
-/* The stamp of a wrench that was commanded at 1 s, and when it acts. */
+/* The timestamp of a wrench that is commanded at 1 s, and the time at which it acts. */
 static void when(double *stamp_s, double *acts_s)
 {
     *stamp_s = *acts_s = -1;
@@ -161,16 +161,17 @@ static void when(double *stamp_s, double *acts_s)
         field_step(&field, force, &out);
         if (*acts_s < 0 && field.truth.delivered[Y] > 1) {
             *acts_s = field.truth.t_s - 0.02;
-            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.told[Y]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, field.truth.reported[Y]);
         }
-        if (*stamp_s < 0 && out.told && out.wrench[Y] > 1) {
-            *stamp_s = 1e-6 * (double)out.told_us;
-            TEST_ASSERT_TRUE(out.told_us < out.t_us && out.told_us + SIM_TICK_US >= out.t_us);
+        if (*stamp_s < 0 && out.reported && out.wrench[Y] > 1) {
+            *stamp_s = 1e-6 * (double)out.reported_us;
+            TEST_ASSERT_TRUE(out.reported_us < out.t_us &&
+                             out.reported_us + SIM_TICK_US >= out.t_us);
         }
     }
 }
 
-static void test_late_stamps_come_after_thrust_acts_and_early_ones_before(void)
+static void test_late_timestamps_are_after_thrust_acts_and_early_ones_before(void)
 {
     static const double late[] = {0, 0.035, 0.1, 0.2, -0.1, -0.04, -0.2};
     for (size_t i = 0; i < sizeof late / sizeof late[0]; ++i) {
@@ -183,7 +184,7 @@ static void test_late_stamps_come_after_thrust_acts_and_early_ones_before(void)
     }
 }
 
-static void test_pwm_is_told_in_whole_microseconds_without_the_dead_zone(void)
+static void test_pwm_is_reported_in_whole_microseconds_without_the_dead_zone(void)
 {
     begin_with("command_pwm", 25);
     (void)side(F_MAX / 4, 0.1); /* 200 us */
@@ -195,21 +196,21 @@ static void test_pwm_is_told_in_whole_microseconds_without_the_dead_zone(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX, side(F_MAX, 0.1));
 }
 
-static void test_commands_at_10_hz_are_told_in_one_tick_of_five(void)
+static void test_commands_at_10_hz_are_reported_in_one_tick_of_five(void)
 {
-    int told = 0;
+    int reported = 0;
     begin_with("command_10hz", 1);
     for (int tick = 0; tick < 100; ++tick) {
         force[SIDE] = tick;
         field_step(&field, force, &out);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, tick, field.truth.delivered[Y]);
-        TEST_ASSERT_EQUAL_DOUBLE(out.told ? tick : 0, out.wrench[Y]);
-        told += out.told;
+        TEST_ASSERT_EQUAL_DOUBLE(out.reported ? tick : 0, out.wrench[Y]);
+        reported += out.reported;
     }
-    TEST_ASSERT_EQUAL(20, told);
+    TEST_ASSERT_EQUAL(20, reported);
 }
 
-static void test_battery_takes_thrust_that_the_operator_counts_on(void)
+static void test_battery_reduces_thrust_without_a_report(void)
 {
     double load = (50 + 37.3058) / 5 / F_MAX;
     set("battery", 0.2);
@@ -221,7 +222,7 @@ static void test_battery_takes_thrust_that_the_operator_counts_on(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, out.wrench[Y]);
 }
 
-static void test_a_corrected_battery_is_corrected_too_much(void)
+static void test_a_corrected_battery_is_overcorrected(void)
 {
     double load = (50 + 37.3058) / 5 / F_MAX, volts = 1 - 0.2 * (1 + 0.5 * load);
     set("battery_corrected", 0.2);
@@ -230,12 +231,12 @@ static void test_a_corrected_battery_is_corrected_too_much(void)
     (void)side(50, 4);
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 50 * pow(volts, 1.2), field.truth.delivered[Y]);
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 50 * volts * volts, out.wrench[Y]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, out.wrench[Y], field.truth.told[Y]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, out.wrench[Y], field.truth.reported[Y]);
 }
 
 /* ---- hull ---- */
 
-/* What of the hull's force Eq. 12-15 leave, at a velocity. */
+/* Hull force minus Eq. 12-15, at a velocity. */
 static void residual_at(const double nu[6], double left[6])
 {
     memcpy(field.truth.nu, nu, sizeof field.truth.nu);
@@ -243,7 +244,7 @@ static void residual_at(const double nu[6], double left[6])
     field_hull_residual(&field, left);
 }
 
-static void test_asymmetry_is_more_drag_one_way_and_less_the_other(void)
+static void test_asymmetry_increases_drag_one_way_and_reduces_it_the_other(void)
 {
     double left[6], nu[6] = {0.5};
     begin_with("drag_asymmetry", 0.1);
@@ -257,7 +258,7 @@ static void test_asymmetry_is_more_drag_one_way_and_less_the_other(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, share, left[X] / (-42.4181 * u + 125.3578 * u * u));
 }
 
-static void test_drag_exponent_bends_quadratic_drag(void)
+static void test_drag_exponent_changes_quadratic_drag(void)
 {
     double left[6], nu[6] = {0.5, 0, 0, 0, 0, 0};
     begin_with("drag_exponent", 0.15);
@@ -266,7 +267,7 @@ static void test_drag_exponent_bends_quadratic_drag(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 125.3578 * (pow(u, 1.85) - u * u), left[X]);
 }
 
-static void test_cross_terms_couple_sway_and_yaw_alike(void)
+static void test_cross_terms_couple_sway_and_yaw_symmetrically(void)
 {
     double turning[6], sliding[6], both[6], r[6] = {[N] = 0.5}, v[6] = {[Y] = 0.3};
     double uv[6] = {0.4, 0.3};
@@ -280,12 +281,12 @@ static void test_cross_terms_couple_sway_and_yaw_alike(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(y_r), y_r, sliding[N] / 0.3);
     begin();
     residual_at(uv, both);
-    TEST_ASSERT_TRUE(both[Y] > 0.5); /* lift of the side drag's sign, and heave by speed */
+    TEST_ASSERT_TRUE(both[Y] > 0.5); /* lift with the sign of the side drag, and heave by speed */
     TEST_ASSERT_TRUE(fabs(both[Z]) > 0.05);
     TEST_ASSERT_TRUE(fabs(both[N] - sliding[N]) > 0.05);
 }
 
-static void test_the_centre_of_side_drag_is_where_the_seed_says(void)
+static void test_the_seed_selects_the_centre_of_side_drag(void)
 {
     double square = 0;
     for (cfg.seed = 1; cfg.seed <= 400; ++cfg.seed) {
@@ -323,7 +324,7 @@ static void test_a_cable_pulls_at_the_stern(void)
     TEST_ASSERT_INT_WITHIN(10, 20, points);
 }
 
-static void test_ballast_comes_halfway(void)
+static void test_ballast_is_added_halfway(void)
 {
     field_built_t before, after;
     begin_with("ballast", 5);
@@ -353,7 +354,7 @@ static void test_ballast_at_the_origin_does_not_right_the_vehicle(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, buoyancy, field.hull.buoyancy_N * field.hull.r_b[2]);
 }
 
-static void test_near_a_wall_added_mass_and_drag_are_up(void)
+static void test_near_a_wall_added_mass_and_drag_are_larger(void)
 {
     double left[6], nu[6] = {0.5}, added = 249.5384 - 160;
     begin_with("wall", 0.5);
@@ -367,7 +368,7 @@ static void test_near_a_wall_added_mass_and_drag_are_up(void)
 
 /* ---- water ---- */
 
-static void test_a_current_carries_the_vehicle_and_the_dvl_sees_it(void)
+static void test_a_current_carries_the_vehicle_and_the_dvl_measures_it(void)
 {
     begin_with("current", 0.1);
     run(60);
@@ -378,7 +379,7 @@ static void test_a_current_carries_the_vehicle_and_the_dvl_sees_it(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1, hypot(seen[0], seen[1]));
 }
 
-static void test_disturbance_has_its_rms_and_colour(void)
+static void test_disturbance_has_its_rms_and_correlation_time(void)
 {
     double square[6] = {0}, product = 0, before = 0;
     cfg.length_s = 2000;
@@ -398,10 +399,10 @@ static void test_disturbance_has_its_rms_and_colour(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.15, exp(-1), product / square[X]);
 }
 
-static void test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude(void)
+static void test_waves_oscillate_horizontally_and_vertically_with_their_amplitude(void)
 {
     for (cfg.seed = 1; cfg.seed <= 20; ++cfg.seed) {
-        double most = 0, down = 0, before = 0;
+        double max = 0, down = 0, before = 0;
         int turns = 0;
         begin_with("waves", 4);
         for (int tick = 0; tick < 60 * 50; ++tick) {
@@ -412,46 +413,47 @@ static void test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude(void)
                 world[i] = r[i][0] * d[0] + r[i][1] * d[1] + r[i][2] * d[2];
             }
             double along = (field.wave[0] * world[0] + field.wave[1] * world[1]) / 4;
-            most = fmax(most, fabs(along));
+            max = fmax(max, fabs(along));
             down = fmax(down, fabs(world[2]));
             turns += along * before < 0;
             before = along;
         }
-        TEST_ASSERT_DOUBLE_WITHIN(0.01, 4, most);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 4, max);
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 2.8, down);
-        TEST_ASSERT_TRUE(turns >= 14 && turns <= 31); /* 60 s of 4..8 s, two a period */
+        TEST_ASSERT_TRUE(turns >= 14 &&
+                         turns <= 31); /* 60 s with periods of 4..8 s, two per period */
     }
 }
 
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_common_makes_all_thrusters_stronger);
-    RUN_TEST(test_each_makes_every_thruster_differ_by_its_own_share);
-    RUN_TEST(test_backward_takes_from_negative_force_alone);
-    RUN_TEST(test_sag_grows_from_nothing_to_its_size_at_the_runs_end);
-    RUN_TEST(test_exponent_bends_thrust_between_zero_and_the_limit);
-    RUN_TEST(test_dead_band_takes_its_newtons);
-    RUN_TEST(test_lag_is_of_the_propellers_speed);
-    RUN_TEST(test_force_lag_is_of_the_force);
-    RUN_TEST(test_slew_limits_how_fast_the_speed_changes);
-    RUN_TEST(test_advance_takes_thrust_where_the_vehicle_moves_along_it);
-    RUN_TEST(test_late_stamps_come_after_thrust_acts_and_early_ones_before);
-    RUN_TEST(test_pwm_is_told_in_whole_microseconds_without_the_dead_zone);
-    RUN_TEST(test_commands_at_10_hz_are_told_in_one_tick_of_five);
-    RUN_TEST(test_battery_takes_thrust_that_the_operator_counts_on);
-    RUN_TEST(test_a_corrected_battery_is_corrected_too_much);
-    RUN_TEST(test_asymmetry_is_more_drag_one_way_and_less_the_other);
-    RUN_TEST(test_drag_exponent_bends_quadratic_drag);
-    RUN_TEST(test_cross_terms_couple_sway_and_yaw_alike);
-    RUN_TEST(test_the_centre_of_side_drag_is_where_the_seed_says);
+    RUN_TEST(test_common_increases_the_thrust_of_all_thrusters);
+    RUN_TEST(test_each_gives_every_thruster_a_different_gain);
+    RUN_TEST(test_backward_reduces_only_negative_force);
+    RUN_TEST(test_sag_grows_from_zero_to_its_size_at_the_end_of_the_run);
+    RUN_TEST(test_exponent_changes_thrust_between_zero_and_the_limit);
+    RUN_TEST(test_dead_band_reduces_thrust_by_its_size);
+    RUN_TEST(test_lag_acts_on_the_speed_of_the_propeller);
+    RUN_TEST(test_force_lag_acts_on_the_force);
+    RUN_TEST(test_slew_limits_the_rate_of_the_speed);
+    RUN_TEST(test_advance_reduces_thrust_in_the_direction_of_motion);
+    RUN_TEST(test_late_timestamps_are_after_thrust_acts_and_early_ones_before);
+    RUN_TEST(test_pwm_is_reported_in_whole_microseconds_without_the_dead_zone);
+    RUN_TEST(test_commands_at_10_hz_are_reported_in_one_tick_of_five);
+    RUN_TEST(test_battery_reduces_thrust_without_a_report);
+    RUN_TEST(test_a_corrected_battery_is_overcorrected);
+    RUN_TEST(test_asymmetry_increases_drag_one_way_and_reduces_it_the_other);
+    RUN_TEST(test_drag_exponent_changes_quadratic_drag);
+    RUN_TEST(test_cross_terms_couple_sway_and_yaw_symmetrically);
+    RUN_TEST(test_the_seed_selects_the_centre_of_side_drag);
     RUN_TEST(test_centre_of_gravity_trims_the_vehicle);
     RUN_TEST(test_a_cable_pulls_at_the_stern);
-    RUN_TEST(test_ballast_comes_halfway);
+    RUN_TEST(test_ballast_is_added_halfway);
     RUN_TEST(test_ballast_at_the_origin_does_not_right_the_vehicle);
-    RUN_TEST(test_near_a_wall_added_mass_and_drag_are_up);
-    RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_sees_it);
-    RUN_TEST(test_disturbance_has_its_rms_and_colour);
-    RUN_TEST(test_waves_go_to_and_fro_and_up_and_down_with_their_amplitude);
+    RUN_TEST(test_near_a_wall_added_mass_and_drag_are_larger);
+    RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_measures_it);
+    RUN_TEST(test_disturbance_has_its_rms_and_correlation_time);
+    RUN_TEST(test_waves_oscillate_horizontally_and_vertically_with_their_amplitude);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Truth of a run in the field: known motion, known answer. */
+/* The truth of a field run, for known motions with known answers. */
 #include "field_projection.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ void tearDown(void)
 {
 }
 
-/* Eq. 12-15 with m_w w p, written out. */
+/* Eq. 12-15 with m_w w p, written explicitly. */
 static void model_force(const double *m, const field_truth_t *t, double force[6])
 {
     double u = t->nu[0], v = t->nu[1], w = t->nu[2], p = t->nu[3], q = t->nu[4], r = t->nu[5];
@@ -37,7 +37,7 @@ static void model_force(const double *m, const field_truth_t *t, double force[6]
                m[SIM_N_RR] * fabs(r) * r;
 }
 
-/* Sines of unlike periods in all that there is; amplitude[j] in nu[j]. */
+/* Sines of different periods in all degrees of freedom; amplitude[j] in nu[j]. */
 static void move(double t_s, const double amplitude[6], field_truth_t *t)
 {
     memset(t, 0, sizeof *t);
@@ -53,7 +53,7 @@ static void move(double t_s, const double amplitude[6], field_truth_t *t)
 
 static const double usual[6] = {0.6, 0.3, 0.2, 0.1, 0.1, 0.5};
 
-/* A run of 240 s. The hull force is the model's with parameters m, plus `extra` unless that is
+/* A run of 240 s. The hull force is that of the model with parameters m, plus `extra` unless it is
  * NULL. */
 static void record(const double *m, const double amplitude[6],
                    void (*extra)(field_truth_t *t, double force[6]))
@@ -113,7 +113,7 @@ static void asymmetric(field_truth_t *t, double force[6])
     force[0] += (u > 0 ? 20.0 : 10.0) * fabs(u) * u;
 }
 
-static void test_asymmetric_drag_is_its_mean_on_a_symmetric_motion(void)
+static void test_asymmetric_drag_gives_its_mean_for_a_symmetric_motion(void)
 {
     record(built.parameter, usual, asymmetric);
     TEST_ASSERT_DOUBLE_WITHIN(0.3, built.parameter[SIM_X_U], truth.si[SIM_X_U]);
@@ -133,7 +133,7 @@ static void test_masses_and_weight_are_as_built_whatever_the_force(void)
     }
 }
 
-static void test_ballast_in_mid_run_leaves_the_drag(void)
+static void test_ballast_in_mid_run_does_not_change_the_drag(void)
 {
     field_built_t now = built;
     field_truth_t t;
@@ -156,28 +156,28 @@ static void overstated(field_truth_t *t, double force[6])
 {
     for (int j = 0; j < 6; ++j) {
         t->delivered[j] = force[j];
-        t->told[j] = force[j] / (j == 0 ? 0.8 : 1.1);
+        t->reported[j] = force[j] / (j == 0 ? 0.8 : 1.1);
     }
 }
 
-static void test_told_truth_divides_each_equation_by_delivered_on_told(void)
+static void test_the_truth_for_reported_thrust_divides_each_equation_by_delivered_on_reported(void)
 {
     record(built.parameter, usual, overstated);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.8, truth.gain[0]);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         double gain = field_equation(i) == 0 ? 0.8 : 1.1;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(truth.si[i]), truth.si[i] / gain, truth.told[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(truth.si[i]), truth.si[i] / gain, truth.reported[i]);
     }
 }
 
-static void test_nothing_told_leaves_the_told_truth_in_si(void)
+static void test_without_reported_thrust_both_truths_are_equal(void)
 {
     record(built.parameter, usual, NULL);
     TEST_ASSERT_EQUAL_DOUBLE(1, truth.gain[3]);
-    TEST_ASSERT_EQUAL_DOUBLE(truth.si[SIM_N_R], truth.told[SIM_N_R]);
+    TEST_ASSERT_EQUAL_DOUBLE(truth.si[SIM_N_R], truth.reported[SIM_N_R]);
 }
 
-static void test_a_degree_of_freedom_at_rest_keeps_the_drag_as_built(void)
+static void test_a_degree_of_freedom_at_rest_has_the_built_drag(void)
 {
     static const double straight[6] = {0.6, 0, 0.2, 0, 0, 0};
     record(built.parameter, straight, NULL);
@@ -185,7 +185,7 @@ static void test_a_degree_of_freedom_at_rest_keeps_the_drag_as_built(void)
     TEST_ASSERT_EQUAL_DOUBLE(built.parameter[SIM_N_RR], truth.si[SIM_N_RR]);
 }
 
-static void test_largest_motion_is_kept_by_direction(void)
+static void test_largest_motion_is_stored_by_direction(void)
 {
     field_truth_t t = {.nu = {0.7, 0, 0, 0, 0, -0.4}, .nu_dot = {0, -0.2, 0, 0, 0, 0.1}};
     field_projection_add(&run, &t, &built);
@@ -211,13 +211,13 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_hull_as_built_has_the_built_parameters);
     RUN_TEST(test_drag_of_the_model_s_form_is_found_in_each_equation);
-    RUN_TEST(test_asymmetric_drag_is_its_mean_on_a_symmetric_motion);
+    RUN_TEST(test_asymmetric_drag_gives_its_mean_for_a_symmetric_motion);
     RUN_TEST(test_masses_and_weight_are_as_built_whatever_the_force);
-    RUN_TEST(test_ballast_in_mid_run_leaves_the_drag);
-    RUN_TEST(test_told_truth_divides_each_equation_by_delivered_on_told);
-    RUN_TEST(test_nothing_told_leaves_the_told_truth_in_si);
-    RUN_TEST(test_a_degree_of_freedom_at_rest_keeps_the_drag_as_built);
-    RUN_TEST(test_largest_motion_is_kept_by_direction);
+    RUN_TEST(test_ballast_in_mid_run_does_not_change_the_drag);
+    RUN_TEST(test_the_truth_for_reported_thrust_divides_each_equation_by_delivered_on_reported);
+    RUN_TEST(test_without_reported_thrust_both_truths_are_equal);
+    RUN_TEST(test_a_degree_of_freedom_at_rest_has_the_built_drag);
+    RUN_TEST(test_largest_motion_is_stored_by_direction);
     RUN_TEST(test_drag_force_has_the_sign_of_the_pair);
     return UNITY_END();
 }

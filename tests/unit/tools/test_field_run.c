@@ -1,4 +1,4 @@
-/* One run in the field: what is recorded, and what the identifier is configured like. */
+/* One field run: its record, and the configuration of its identifier. */
 #include "field_run.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void excite(field_vehicle_t vehicle, uint32_t sets)
 
 /* ---- the identifier ---- */
 
-static void test_the_rov_has_averaged_rows_and_quick_moments(void)
+static void test_the_rov_has_averaged_rows_and_fast_moments(void)
 {
     begin(FIELD_ROV20, FIELD_EXCITED, 1);
     field_run_identifier(&config, &averaged, &cfg);
@@ -63,7 +63,7 @@ static void test_tau_max_is_the_amplitude(void)
     }
 }
 
-static void test_uncertainties_are_the_library_s_unless_told(void)
+static void test_uncertainties_are_those_of_the_library_unless_given(void)
 {
     auvid_identifier_config_t defaults;
     auvid_identifier_defaults(&defaults, &auvid_girona500);
@@ -116,7 +116,8 @@ static void test_without_mismatch_the_rov_is_identified(void)
     assert_found(FIELD_ROV20);
 }
 
-static void test_weaker_thrust_is_a_heavier_vehicle_and_the_told_truth_knows(void)
+static void
+test_weaker_thrust_looks_like_a_heavier_vehicle_and_the_truth_for_reported_thrust_agrees(void)
 {
     begin(FIELD_GIRONA500, FIELD_EXCITED, 1);
     TEST_ASSERT_TRUE(field_set(&config.field, "thrust_common", -0.2));
@@ -125,7 +126,7 @@ static void test_weaker_thrust_is_a_heavier_vehicle_and_the_told_truth_knows(voi
     double truth = record.truth.si[SIM_M_U];
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.8, record.truth.gain[0]);
     TEST_ASSERT_DOUBLE_WITHIN(0.04 * truth, truth / 0.8, record.pi[SIM_M_U]);
-    TEST_ASSERT_DOUBLE_WITHIN(0.04 * truth, record.truth.told[SIM_M_U], record.pi[SIM_M_U]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.04 * truth, record.truth.reported[SIM_M_U], record.pi[SIM_M_U]);
 }
 
 static bool is_impossible(int equation)
@@ -151,7 +152,7 @@ static void test_what_discredits_an_equation_is_recorded(void)
         }
     }
     TEST_ASSERT_TRUE(discredited > 0);
-    excite(FIELD_ROV20, 2); /* without mismatch nothing is */
+    excite(FIELD_ROV20, 2); /* without mismatch nothing is impossible */
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         TEST_ASSERT_FALSE(is_impossible(e));
     }
@@ -167,7 +168,7 @@ static void test_the_same_seed_gives_the_same_record(void)
     TEST_ASSERT_EQUAL_MEMORY(&record, &other, sizeof record);
 }
 
-static void test_what_the_simulator_refuses_is_refused(void)
+static void test_a_configuration_that_the_simulator_refuses_is_refused(void)
 {
     config.field.size[0] = NAN;
     TEST_ASSERT_FALSE(field_run(&run, &config, &record));
@@ -176,15 +177,16 @@ static void test_what_the_simulator_refuses_is_refused(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_rov_has_averaged_rows_and_quick_moments);
+    RUN_TEST(test_the_rov_has_averaged_rows_and_fast_moments);
     RUN_TEST(test_tau_max_is_the_amplitude);
-    RUN_TEST(test_uncertainties_are_the_library_s_unless_told);
+    RUN_TEST(test_uncertainties_are_those_of_the_library_unless_given);
     RUN_TEST(test_a_passive_identifier_has_no_excitation);
     RUN_TEST(test_without_mismatch_the_girona500_is_identified);
     RUN_TEST(test_without_mismatch_the_rov_is_identified);
-    RUN_TEST(test_weaker_thrust_is_a_heavier_vehicle_and_the_told_truth_knows);
+    RUN_TEST(
+        test_weaker_thrust_looks_like_a_heavier_vehicle_and_the_truth_for_reported_thrust_agrees);
     RUN_TEST(test_what_discredits_an_equation_is_recorded);
     RUN_TEST(test_the_same_seed_gives_the_same_record);
-    RUN_TEST(test_what_the_simulator_refuses_is_refused);
+    RUN_TEST(test_a_configuration_that_the_simulator_refuses_is_refused);
     return UNITY_END();
 }

@@ -16,7 +16,7 @@ static field_t field;
 static field_output_t out;
 static double force[SIM_THRUSTERS];
 
-/* The DVL's samples of a run, and the truth at the ends of its ticks. */
+/* The DVL samples of a run, and the truth at the ends of its ticks. */
 static struct {
     sim_measurement_t sample[MOST];
     double arrived_s[MOST];
@@ -41,7 +41,7 @@ static void begin_with(const char *name, double size)
     TEST_ASSERT_TRUE(field_init(&field, &cfg));
 }
 
-/* Run, and take down what a sensor tells. Everything moves. */
+/* Runs with motion in all axes, and records a sensor. */
 static void watch(sim_sensor_id_t sensor, double seconds)
 {
     seen.samples = seen.ticks = 0;
@@ -62,7 +62,7 @@ static void watch(sim_sensor_id_t sensor, double seconds)
     }
 }
 
-/* Truth at a time, between two ticks. */
+/* Truth at a time between two ticks. */
 static void truth_at(double t_s, double nu[6], double euler[3])
 {
     double tick = fmax(t_s * 50 - 1, 0);
@@ -75,7 +75,7 @@ static void truth_at(double t_s, double nu[6], double euler[3])
     }
 }
 
-/* How a sample differs from the truth `late_s` before its stamp: mean and rms. */
+/* Mean and rms difference of samples from the truth `late_s` before their timestamps. */
 static double mean[6], rms[6];
 
 static void compare(bool imu, double late_s)
@@ -100,7 +100,7 @@ static void compare(bool imu, double late_s)
 
 /* ---- without mismatch ---- */
 
-static void test_the_imu_tells_attitude_and_rates_50_times_a_second(void)
+static void test_the_imu_measures_attitude_and_rates_at_50_hz(void)
 {
     begin_with("hull", 0);
     watch(SIM_IMU, 100);
@@ -113,7 +113,7 @@ static void test_the_imu_tells_attitude_and_rates_50_times_a_second(void)
     }
 }
 
-static void test_the_dvl_tells_velocity_5_times_a_second(void)
+static void test_the_dvl_measures_velocity_at_5_hz(void)
 {
     begin_with("hull", 0);
     watch(SIM_DVL, 200);
@@ -128,7 +128,7 @@ static void test_the_dvl_tells_velocity_5_times_a_second(void)
     TEST_ASSERT_EQUAL_UINT64(200000, seen.sample[0].t_us);
 }
 
-static void test_depth_comes_10_times_a_second_and_gps_never(void)
+static void test_depth_arrives_at_10_hz_and_gps_never(void)
 {
     double square = 0;
     int samples = 0;
@@ -147,7 +147,7 @@ static void test_depth_comes_10_times_a_second_and_gps_never(void)
 
 /* ---- IMU ---- */
 
-static void test_a_mounted_imu_tells_its_own_attitude(void)
+static void test_a_rotated_imu_measures_its_own_attitude(void)
 {
     static const char *const name[3] = {"imu_roll", "imu_pitch", "imu_yaw"};
     for (int k = 0; k < 3; ++k) {
@@ -182,7 +182,7 @@ static void test_an_imu_pitched_by_30_degrees_has_yaw_rate_in_its_roll(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, -sin(30 * DEGREE), product / square);
 }
 
-static void test_gyros_are_biased_by_the_rms_of_their_size(void)
+static void test_gyro_biases_have_their_rms(void)
 {
     double square = 0;
     for (cfg.seed = 1; cfg.seed <= 200; ++cfg.seed) {
@@ -202,7 +202,7 @@ static void test_gyros_are_biased_by_the_rms_of_their_size(void)
     }
 }
 
-static void test_attitude_is_older_than_its_stamp(void)
+static void test_attitude_is_older_than_its_timestamp(void)
 {
     static const double delay[] = {0.03, 0.013, 0.1};
     for (int i = 0; i < 3; ++i) {
@@ -220,11 +220,11 @@ static void test_attitude_is_older_than_its_stamp(void)
 
 /* ---- DVL ---- */
 
-static void test_a_dvl_elsewhere_moves_with_the_vehicles_rotation(void)
+static void test_a_displaced_dvl_moves_with_the_rotation_of_the_vehicle(void)
 {
     static const char *const name[3] = {"dvl_arm_x", "dvl_arm_y", "dvl_arm_z"};
     for (int k = 0; k < 3; ++k) {
-        double most = 0, nu[6], euler[3];
+        double max = 0, nu[6], euler[3];
         begin_with(name[k], 2);
         watch(SIM_DVL, 60);
         for (int i = 0; i < seen.samples; ++i) {
@@ -234,14 +234,14 @@ static void test_a_dvl_elsewhere_moves_with_the_vehicles_rotation(void)
                                nu[K] * arm[1] - nu[M] * arm[0]};
             for (int j = 0; j < 3; ++j) {
                 TEST_ASSERT_DOUBLE_WITHIN(0.03, nu[j] + moved[j], seen.sample[i].value[j]);
-                most = fmax(most, fabs(moved[j]));
+                max = fmax(max, fabs(moved[j]));
             }
         }
-        TEST_ASSERT_TRUE(most > 0.06);
+        TEST_ASSERT_TRUE(max > 0.06);
     }
 }
 
-static void test_a_turned_dvl_tells_velocity_in_its_own_axes(void)
+static void test_a_rotated_dvl_measures_velocity_in_its_own_axes(void)
 {
     static const struct {
         const char *name;
@@ -275,7 +275,7 @@ static void test_scale_makes_velocity_larger(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.004, 1.1, product / square);
 }
 
-static void test_latency_stamps_the_dvl_on_arrival(void)
+static void test_with_latency_the_dvl_timestamp_is_the_arrival(void)
 {
     static const double late[] = {0.1, 0.033, 0.3};
     for (int i = 0; i < 3; ++i) {
@@ -296,7 +296,7 @@ static void test_lost_samples_never_arrive(void)
     TEST_ASSERT_INT_WITHIN(60, 840, seen.samples);
 }
 
-static void test_outliers_are_off_by_half_a_metre_a_second(void)
+static void test_outliers_have_errors_of_half_a_metre_per_second(void)
 {
     int off = 0;
     double nu[6], euler[3];
@@ -305,16 +305,16 @@ static void test_outliers_are_off_by_half_a_metre_a_second(void)
     TEST_ASSERT_EQUAL(1200, seen.samples);
     for (int i = 0; i < seen.samples; ++i) {
         truth_at(1e-6 * (double)seen.sample[i].t_us, nu, euler);
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < 3; ++k) {
-            most = fmax(most, fabs(seen.sample[i].value[k] - nu[k]));
+            max = fmax(max, fabs(seen.sample[i].value[k] - nu[k]));
         }
-        off += most > 0.05;
+        off += max > 0.05;
     }
     TEST_ASSERT_INT_WITHIN(35, 120, off);
 }
 
-static void test_partial_samples_lack_an_axis_or_two(void)
+static void test_partial_samples_lack_one_or_two_axes(void)
 {
     int partial = 0, kinds[8] = {0};
     begin_with("dvl_partial", 0.3);
@@ -345,14 +345,14 @@ static void test_an_autopilots_velocity_lags(void)
     double now = rms[1];
     compare(false, 0.2);
     TEST_ASSERT_TRUE(now > 0.012 && rms[1] < 0.8 * now);
-    for (int tick = 0; tick < 2000; ++tick) { /* at a constant velocity it is right */
+    for (int tick = 0; tick < 2000; ++tick) { /* at a constant velocity it is correct */
         field_step(&field, NULL, &out);
     }
     TEST_ASSERT_TRUE(out.sensor[SIM_DVL].has);
     TEST_ASSERT_DOUBLE_WITHIN(0.035, field.truth.nu[0], out.sensor[SIM_DVL].value[0]);
 }
 
-static void test_an_autopilots_velocity_jumps_and_comes_back(void)
+static void test_an_autopilots_velocity_jumps_and_recovers(void)
 {
     int jumps = 0;
     double nu[6], euler[3];
@@ -360,13 +360,13 @@ static void test_an_autopilots_velocity_jumps_and_comes_back(void)
     watch(SIM_DVL, 240);
     for (int i = 0; i < seen.samples; ++i) {
         truth_at(1e-6 * (double)seen.sample[i].t_us, nu, euler);
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < 3; ++k) {
-            most = fmax(most, fabs(seen.sample[i].value[k] - nu[k]));
+            max = fmax(max, fabs(seen.sample[i].value[k] - nu[k]));
         }
-        jumps += most > 0.04;
+        jumps += max > 0.04;
     }
-    TEST_ASSERT_TRUE(jumps > 10 && jumps < 60); /* 24, most of them seen in one or two samples */
+    TEST_ASSERT_TRUE(jumps > 10 && jumps < 60); /* 24, most of them visible in one or two samples */
 }
 
 /* ---- clocks ---- */
@@ -378,15 +378,15 @@ static void test_a_slow_clock_of_dvl_and_depth_falls_behind(void)
         watch(SIM_DVL, 200);
         const sim_measurement_t *last = &seen.sample[seen.samples - 1];
         TEST_ASSERT_INT_WITHIN(1, fast ? 1000 : 1000, seen.samples + fast);
-        double at = 0.2 * seen.samples; /* when it was measured */
+        double at = 0.2 * seen.samples; /* time of measurement */
         TEST_ASSERT_DOUBLE_WITHIN(2e-6, at * (fast ? 1.0005 : 0.9995), 1e-6 * (double)last->t_us);
         TEST_ASSERT_TRUE(last->t_us <= 200000000);
-        compare(false, fast ? 0.05 : -0.05); /* in the middle of the run it is exact */
+        compare(false, fast ? 0.05 : -0.05); /* exact in the middle of the run */
         TEST_ASSERT_TRUE(rms[1] > 0.007);
     }
 }
 
-static void test_a_clock_jumps_to_and_fro_by_50_ms(void)
+static void test_a_clock_jumps_forward_and_back_by_50_ms(void)
 {
     int jumps = 0;
     begin_with("clock_jumps", 6);
@@ -407,9 +407,9 @@ static void test_the_imus_clock_is_the_identifiers(void)
     TEST_ASSERT_EQUAL_UINT64(60000000, seen.sample[seen.samples - 1].t_us);
 }
 
-static void test_what_comes_late_never_comes_from_the_future_and_in_order(void)
+static void test_late_samples_arrive_in_order_and_never_before_their_measurement(void)
 {
-    uint64_t before[SIM_SENSORS] = {0}, told = 0;
+    uint64_t before[SIM_SENSORS] = {0}, reported = 0;
     for (cfg.seed = 1; cfg.seed <= 10; ++cfg.seed) {
         field_defaults(&cfg, FIELD_ROV20, FIELD_JOYSTICK, cfg.seed);
         field_draw(&cfg, 2);
@@ -417,7 +417,7 @@ static void test_what_comes_late_never_comes_from_the_future_and_in_order(void)
         TEST_ASSERT_TRUE(field_set(&cfg, "clock_jumps", 2));
         TEST_ASSERT_TRUE(field_init(&field, &cfg));
         memset(before, 0, sizeof before);
-        told = 0;
+        reported = 0;
         for (int tick = 1; tick <= 3000; ++tick) {
             field_step(&field, NULL, &out);
             TEST_ASSERT_EQUAL_UINT64((uint64_t)tick * SIM_TICK_US, out.t_us);
@@ -426,8 +426,8 @@ static void test_what_comes_late_never_comes_from_the_future_and_in_order(void)
                 TEST_ASSERT_TRUE(!m->has || (m->t_us <= out.t_us && m->t_us > before[i]));
                 before[i] = m->has ? m->t_us : before[i];
             }
-            TEST_ASSERT_TRUE(!out.told || tick < 10 || out.told_us > told);
-            told = out.told ? out.told_us : told;
+            TEST_ASSERT_TRUE(!out.reported || tick < 10 || out.reported_us > reported);
+            reported = out.reported ? out.reported_us : reported;
         }
     }
 }
@@ -435,25 +435,25 @@ static void test_what_comes_late_never_comes_from_the_future_and_in_order(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_the_imu_tells_attitude_and_rates_50_times_a_second);
-    RUN_TEST(test_the_dvl_tells_velocity_5_times_a_second);
-    RUN_TEST(test_depth_comes_10_times_a_second_and_gps_never);
-    RUN_TEST(test_a_mounted_imu_tells_its_own_attitude);
+    RUN_TEST(test_the_imu_measures_attitude_and_rates_at_50_hz);
+    RUN_TEST(test_the_dvl_measures_velocity_at_5_hz);
+    RUN_TEST(test_depth_arrives_at_10_hz_and_gps_never);
+    RUN_TEST(test_a_rotated_imu_measures_its_own_attitude);
     RUN_TEST(test_an_imu_pitched_by_30_degrees_has_yaw_rate_in_its_roll);
-    RUN_TEST(test_gyros_are_biased_by_the_rms_of_their_size);
-    RUN_TEST(test_attitude_is_older_than_its_stamp);
-    RUN_TEST(test_a_dvl_elsewhere_moves_with_the_vehicles_rotation);
-    RUN_TEST(test_a_turned_dvl_tells_velocity_in_its_own_axes);
+    RUN_TEST(test_gyro_biases_have_their_rms);
+    RUN_TEST(test_attitude_is_older_than_its_timestamp);
+    RUN_TEST(test_a_displaced_dvl_moves_with_the_rotation_of_the_vehicle);
+    RUN_TEST(test_a_rotated_dvl_measures_velocity_in_its_own_axes);
     RUN_TEST(test_scale_makes_velocity_larger);
-    RUN_TEST(test_latency_stamps_the_dvl_on_arrival);
+    RUN_TEST(test_with_latency_the_dvl_timestamp_is_the_arrival);
     RUN_TEST(test_lost_samples_never_arrive);
-    RUN_TEST(test_outliers_are_off_by_half_a_metre_a_second);
-    RUN_TEST(test_partial_samples_lack_an_axis_or_two);
+    RUN_TEST(test_outliers_have_errors_of_half_a_metre_per_second);
+    RUN_TEST(test_partial_samples_lack_one_or_two_axes);
     RUN_TEST(test_an_autopilots_velocity_lags);
-    RUN_TEST(test_an_autopilots_velocity_jumps_and_comes_back);
+    RUN_TEST(test_an_autopilots_velocity_jumps_and_recovers);
     RUN_TEST(test_a_slow_clock_of_dvl_and_depth_falls_behind);
-    RUN_TEST(test_a_clock_jumps_to_and_fro_by_50_ms);
+    RUN_TEST(test_a_clock_jumps_forward_and_back_by_50_ms);
     RUN_TEST(test_the_imus_clock_is_the_identifiers);
-    RUN_TEST(test_what_comes_late_never_comes_from_the_future_and_in_order);
+    RUN_TEST(test_late_samples_arrive_in_order_and_never_before_their_measurement);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Statistics over runs in the field: what counts as wrong, and intervals. */
+/* Statistics over field runs: wrong flags, and intervals. */
 #include "field_table.h"
 
 #include <math.h>
@@ -12,14 +12,14 @@ enum { RUNS = 160 };
 static field_table_t table;
 static field_record_t run;
 
-/* A run in which everything is flagged and right: standard errors of 5 %. */
+/* A run in which everything is flagged and correct, with standard errors of 5 %. */
 void setUp(void)
 {
     static const double truth[SIM_PARAMETERS] = {250, 370,  660, 75,   -37, -42, -125,
                                                  -76, -448, -44, -325, -21, -61};
     memset(&run, 0, sizeof run);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        run.truth.si[i] = run.truth.told[i] = run.pi[i] = truth[i];
+        run.truth.si[i] = run.truth.reported[i] = run.pi[i] = truth[i];
         run.sigma[i] = 0.05 * fabs(truth[i]);
         run.estimated[i] = run.flagged[i] = true;
     }
@@ -64,7 +64,7 @@ static void test_within_20_percent_is_never_wrong(void)
     TEST_ASSERT_FALSE(is_wrong(SIM_M_U));
 }
 
-static void test_a_mass_is_wrong_by_its_force_at_the_largest_acceleration(void)
+static void test_a_mass_is_wrong_by_the_force_error_at_the_largest_acceleration(void)
 {
     run.pi[SIM_M_U] = 1.3 * run.truth.si[SIM_M_U]; /* 75 kg */
     run.truth.acceleration[0] = 2.1 / 75;
@@ -73,7 +73,7 @@ static void test_a_mass_is_wrong_by_its_force_at_the_largest_acceleration(void)
     TEST_ASSERT_FALSE(is_wrong(SIM_M_U));
 }
 
-static void test_drag_is_wrong_by_its_force_at_the_largest_speed_of_both_directions(void)
+static void test_drag_is_wrong_by_the_force_error_at_the_largest_speed_of_both_directions(void)
 {
     run.pi[SIM_X_U] = run.truth.si[SIM_X_U] - 10;
     run.pi[SIM_X_UU] = run.truth.si[SIM_X_UU] + 50;
@@ -86,7 +86,7 @@ static void test_drag_is_wrong_by_its_force_at_the_largest_speed_of_both_directi
     TEST_ASSERT_FALSE(is_wrong(SIM_X_UU));
 }
 
-static void test_a_moment_is_held_against_yaw_s_tau_max(void)
+static void test_a_moment_is_compared_with_tau_max_of_yaw(void)
 {
     run.pi[SIM_M_R] = run.truth.si[SIM_M_R] + 30;
     run.truth.acceleration[3] = 0.9 / 30;
@@ -95,7 +95,7 @@ static void test_a_moment_is_held_against_yaw_s_tau_max(void)
     TEST_ASSERT_FALSE(is_wrong(SIM_M_R));
 }
 
-static void test_weight_is_wrong_by_newtons_alone(void)
+static void test_weight_is_wrong_only_by_its_force(void)
 {
     run.pi[SIM_WB] = run.truth.si[SIM_WB] + 2.1; /* 5.7 % */
     TEST_ASSERT_TRUE(is_wrong(SIM_WB));
@@ -104,7 +104,7 @@ static void test_weight_is_wrong_by_newtons_alone(void)
     TEST_ASSERT_FALSE(is_wrong(SIM_WB));
 }
 
-static void test_an_estimate_that_is_no_number_is_wrong(void)
+static void test_an_estimate_that_is_not_a_number_is_wrong(void)
 {
     run.pi[SIM_M_U] = NAN;
     TEST_ASSERT_TRUE(is_wrong(SIM_M_U));
@@ -130,7 +130,7 @@ static void test_shares_are_of_flags_and_by_class(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, f[FIELD_AT_WRONG_RUN].value);
 }
 
-static void test_beyond_is_by_the_half_width_that_is_shown(void)
+static void test_beyond_uses_the_printed_half_width(void)
 {
     run.pi[SIM_M_U] += (HALF_WIDTH + 0.01) * run.sigma[SIM_M_U];
     run.pi[SIM_M_V] -= (HALF_WIDTH - 0.01) * run.sigma[SIM_M_V];
@@ -144,11 +144,11 @@ static void test_beyond_is_by_the_half_width_that_is_shown(void)
                               f[FIELD_AT(FIELD_ERROR_FLAGGED, FIELD_MASSES)].value);
 }
 
-static void test_the_told_truth_is_judged_beside(void)
+static void test_flags_are_also_compared_with_the_truth_for_reported_thrust(void)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        run.pi[i] *= 1.3; /* all thrusters weaker than told */
-        run.truth.told[i] *= 1.3;
+        run.pi[i] *= 1.3; /* all thrusters weaker than reported */
+        run.truth.reported[i] *= 1.3;
     }
     field_table_add(&table, &run);
     const field_figure_t *f = finish();
@@ -158,7 +158,7 @@ static void test_the_told_truth_is_judged_beside(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, f[FIELD_AT(FIELD_TOLD_BEYOND, FIELD_ALL)].value);
 }
 
-static void test_the_relative_error_leaves_weight_to_its_own_line(void)
+static void test_the_relative_error_excludes_weight(void)
 {
     run.truth.si[SIM_WB] = 0;
     run.pi[SIM_WB] = 3;
@@ -169,7 +169,7 @@ static void test_the_relative_error_leaves_weight_to_its_own_line(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.03, f[FIELD_AT(FIELD_ERROR, FIELD_WEIGHT)].value);
 }
 
-static void test_where_nothing_is_flagged_nothing_is_said_of_flags(void)
+static void test_without_flags_there_are_no_figures_of_flags(void)
 {
     memset(run.flagged, 0, sizeof run.flagged);
     field_table_add(&table, &run);
@@ -191,12 +191,12 @@ static void test_notes_are_counted(void)
 
 /* ---- drag forces ---- */
 
-static void test_forces_are_judged_flagged_or_not(void)
+static void test_forces_are_compared_with_the_truth_flagged_or_not(void)
 {
     field_force_t *force = run.force[1];
     force[0].value *= 1.25; /* of 28 N: wrong */
     force[2].value *= 1.25;
-    force[2].flagged = false; /* off, but not flagged */
+    force[2].flagged = false; /* wrong, but not flagged */
     force[4].value *= 1.15;   /* beyond */
     force[6].estimated = force[6].flagged = false;
     force[6].half = HUGE_VAL;
@@ -212,7 +212,7 @@ static void test_forces_are_judged_flagged_or_not(void)
 
 /* ---- the curve ---- */
 
-static void test_the_curve_flags_by_width_what_nothing_else_forbids(void)
+static void test_the_curve_flags_by_width_unless_another_reason_forbids(void)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         run.sigma[i] = 0.27 / HALF_WIDTH * fabs(run.pi[i]);
@@ -224,17 +224,19 @@ static void test_the_curve_flags_by_width_what_nothing_else_forbids(void)
     run.sigma[SIM_M_V] *= 1.25;
     field_table_add(&table, &run);
     const field_figure_t *f = finish() + FIELD_AT_CURVE;
-    for (int k = 0; k < FIELD_LIMITS; ++k) { /* all but W-B, which keeps the library's flag */
+    for (int k = 0; k < FIELD_LIMITS;
+         ++k) { /* all except W-B, which keeps the flag of the library */
         double share = field_limit[k] < 0.27 ? 0.0 : 11.0 / 13;
         TEST_ASSERT_EQUAL_DOUBLE(share, f[k].value);
     }
     TEST_ASSERT_EQUAL_DOUBLE(1.0 / 11, f[FIELD_LIMITS + FIELD_LIMITS - 1].value);
 }
 
-static void test_the_curve_meets_the_flags_at_their_own_limit(void)
+static void test_the_curve_equals_the_flags_at_the_limit_of_the_library(void)
 {
     run.sigma[SIM_M_U] = 0.201 / HALF_WIDTH * run.pi[SIM_M_U];
-    for (int i = SIM_M_V; i <= SIM_M_W; ++i) { /* not flagged for a bias, which is part of sigma */
+    for (int i = SIM_M_V; i <= SIM_M_W;
+         ++i) { /* not flagged because of a bias, which is part of sigma */
         run.sigma[i] = 0.199 / HALF_WIDTH * run.pi[i];
         run.flagged[i] = false;
         run.note[i] = AUVID_NOTE_NOISE;
@@ -247,12 +249,12 @@ static void test_the_curve_meets_the_flags_at_their_own_limit(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, f[3].value);
 }
 
-static void test_at_no_limit_an_equation_with_an_impossible_estimate_has_flags(void)
+static void test_an_equation_with_an_impossible_estimate_has_no_flags_at_any_limit(void)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         run.sigma[i] = 0.27 / HALF_WIDTH * fabs(run.pi[i]);
         run.flagged[i] = false;
-        run.note[i] = AUVID_NOTE_UNCERTAIN; /* nothing was claimed that could be discredited */
+        run.note[i] = AUVID_NOTE_UNCERTAIN; /* without flags nothing is discredited */
     }
     run.impossible[SIM_Y_V] = true;
     field_table_add(&table, &run);
@@ -264,7 +266,7 @@ static void test_at_no_limit_an_equation_with_an_impossible_estimate_has_flags(v
 
 static void test_the_bootstrap_is_over_runs_not_over_flags(void)
 {
-    for (int k = 0; k < RUNS; ++k) { /* all right, or all wrong */
+    for (int k = 0; k < RUNS; ++k) { /* all correct, or all wrong */
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
             run.pi[i] = (k % 2 == 0 ? 1.0 : 1.5) * run.truth.si[i];
         }
@@ -301,7 +303,7 @@ static void test_the_same_seed_gives_the_same_intervals(void)
     TEST_ASSERT_EQUAL_MEMORY(&first, &again, sizeof first);
 }
 
-/* Values of the tables of Clopper and Pearson's interval. */
+/* Values from tables of the Clopper-Pearson interval. */
 static void test_clopper_pearson_against_known_values(void)
 {
     static const double known[][4] = {{0, 10, 0, 0.30850},        {1, 10, 0.00253, 0.44502},
@@ -319,21 +321,21 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_within_20_percent_is_never_wrong);
-    RUN_TEST(test_a_mass_is_wrong_by_its_force_at_the_largest_acceleration);
-    RUN_TEST(test_drag_is_wrong_by_its_force_at_the_largest_speed_of_both_directions);
-    RUN_TEST(test_a_moment_is_held_against_yaw_s_tau_max);
-    RUN_TEST(test_weight_is_wrong_by_newtons_alone);
-    RUN_TEST(test_an_estimate_that_is_no_number_is_wrong);
+    RUN_TEST(test_a_mass_is_wrong_by_the_force_error_at_the_largest_acceleration);
+    RUN_TEST(test_drag_is_wrong_by_the_force_error_at_the_largest_speed_of_both_directions);
+    RUN_TEST(test_a_moment_is_compared_with_tau_max_of_yaw);
+    RUN_TEST(test_weight_is_wrong_only_by_its_force);
+    RUN_TEST(test_an_estimate_that_is_not_a_number_is_wrong);
     RUN_TEST(test_shares_are_of_flags_and_by_class);
-    RUN_TEST(test_beyond_is_by_the_half_width_that_is_shown);
-    RUN_TEST(test_the_told_truth_is_judged_beside);
-    RUN_TEST(test_the_relative_error_leaves_weight_to_its_own_line);
-    RUN_TEST(test_where_nothing_is_flagged_nothing_is_said_of_flags);
+    RUN_TEST(test_beyond_uses_the_printed_half_width);
+    RUN_TEST(test_flags_are_also_compared_with_the_truth_for_reported_thrust);
+    RUN_TEST(test_the_relative_error_excludes_weight);
+    RUN_TEST(test_without_flags_there_are_no_figures_of_flags);
     RUN_TEST(test_notes_are_counted);
-    RUN_TEST(test_forces_are_judged_flagged_or_not);
-    RUN_TEST(test_the_curve_flags_by_width_what_nothing_else_forbids);
-    RUN_TEST(test_the_curve_meets_the_flags_at_their_own_limit);
-    RUN_TEST(test_at_no_limit_an_equation_with_an_impossible_estimate_has_flags);
+    RUN_TEST(test_forces_are_compared_with_the_truth_flagged_or_not);
+    RUN_TEST(test_the_curve_flags_by_width_unless_another_reason_forbids);
+    RUN_TEST(test_the_curve_equals_the_flags_at_the_limit_of_the_library);
+    RUN_TEST(test_an_equation_with_an_impossible_estimate_has_no_flags_at_any_limit);
     RUN_TEST(test_the_bootstrap_is_over_runs_not_over_flags);
     RUN_TEST(test_no_wrong_flag_has_the_interval_of_the_runs);
     RUN_TEST(test_the_same_seed_gives_the_same_intervals);

@@ -1,5 +1,5 @@
-/* The simulator against what physics and statistics expect of it. Statistical tests use fixed seeds
- * and intervals of four standard deviations. */
+/* The simulator against physics and statistics. Statistical tests use fixed seeds and intervals of
+ * four standard deviations. */
 #include "simulator.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ static void without_noise(void)
     cfg.imu_angle_rad = cfg.imu_rate_rad_s = cfg.dvl_m_s = cfg.depth_m = cfg.gps_m = 0;
 }
 
-/* Neutral and without losses: only inertia, and Coriolis forces that do no work. */
+/* Neutral and without drag: only inertia, and Coriolis forces that do no work. */
 static void without_losses(void)
 {
     for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
@@ -90,7 +90,7 @@ static void test_hover_thrust_keeps_the_depth_and_without_it_the_vehicle_rises(v
     TEST_ASSERT_TRUE(sim.truth.position[2] < 45.0);
 }
 
-/* Straight motion with linear drag is solved by hand: u = X / d (1 - exp(-d t / m)). */
+/* Exact solution of straight motion with linear drag: u = X / d (1 - exp(-d t / m)). */
 static void test_motion_with_linear_drag_is_the_exponential(void)
 {
     const double force[6] = {50, 0, 37.3058};
@@ -134,7 +134,7 @@ static void test_rk4_converges_with_the_fourth_order(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, error_of_steps(0.005, fine));
 }
 
-/* Kinetic energy, the energy of the righting moment, and that of weight and buoyancy. */
+/* Kinetic energy, energy of the righting moment, and energy of weight and buoyancy. */
 static double energy(void)
 {
     const double *m = cfg.parameter, *nu = sim.truth.nu, *euler = sim.truth.euler;
@@ -172,7 +172,7 @@ static void test_energy_is_not_conserved_by_Eq_13_as_printed(void)
     TEST_ASSERT_TRUE(fabs(energy() - before) > 1.0);
 }
 
-static void test_drag_only_takes_energy(void)
+static void test_drag_only_dissipates_energy(void)
 {
     cfg.munk = 1;
     start_tumbling();
@@ -187,7 +187,7 @@ static void test_work_of_the_wrench_is_the_energy_gained(void)
 {
     const double wrench[6] = {80, -60, 50, 5, -5, 30};
     without_losses();
-    cfg.roll_arm_m = cfg.pitch_arm_m = 0; /* their work is not that of X and Y */
+    cfg.roll_arm_m = cfg.pitch_arm_m = 0; /* their work is not part of X and Y */
     start_tumbling();
     double before = energy(), work = 0;
     for (int i = 0; i < 250; ++i) {
@@ -199,14 +199,14 @@ static void test_work_of_the_wrench_is_the_energy_gained(void)
         for (int d = 0; d < 6; ++d) {
             power += wrench[d] * sim.truth.nu[d];
         }
-        work += 0.01 * power; /* trapezium */
+        work += 0.01 * power; /* trapezoidal rule */
     }
     TEST_ASSERT_TRUE(fabs(work) > 50.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * fabs(work), work, energy() - before);
 }
 
 /* d/dt R = R [omega x], by central differences of the rotation. */
-static void test_euler_rates_turn_the_rotation_by_omega(void)
+static void test_euler_rates_rotate_the_attitude_by_omega(void)
 {
     const double state[12] = {0, 0, 0, 0.4, -0.6, 2.0, 0.5, -0.2, 0.3, 0.3, -0.5, 0.7};
     const double none[6] = {0}, h = 1e-6, *w = state + 9;
@@ -268,16 +268,16 @@ static void test_acceleration_of_the_truth_is_the_derivative_of_its_velocity(voi
     }
 }
 
-/* Pitch is an oscillator of damping z = 60 / (2 sqrt(80 * 150)), driven by 0.08 m times at most
+/* Pitch is an oscillator of damping z = 60 / (2 sqrt(80 * 150)), forced by 0.08 m times at most
  * 100 N. Its first overshoot is o = exp(-pi z / sqrt(1 - z^2)); the worst force within the limit,
- * which changes sign with every swing, takes it to (1 + o) / (1 - o) times the static angle. Roll
+ * with a sign change at every swing, takes it to (1 + o) / (1 - o) times the static angle. Roll
  * has the shorter arm. */
 static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
 {
     const auvid_real_t amplitude[6] = {100, 100, 100, 0, 0, 40};
     static auvid_excitation_t excitation;
     auvid_excitation_config_t plan;
-    double z = 60 / (2 * sqrt(80.0 * 150)), o = exp(-PI * z / sqrt(1 - z * z)), most = 0;
+    double z = 60 / (2 * sqrt(80.0 * 150)), o = exp(-PI * z / sqrt(1 - z * z)), max_angle = 0;
     double worst = asin(0.08 * 100 / 150 * (1 + o) / (1 - o)); /* 7.3 degrees */
     auvid_excitation_defaults(&plan);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&plan, amplitude, 30, 8, 1));
@@ -295,15 +295,15 @@ static void test_roll_and_pitch_stay_small_under_the_usual_excitation(void)
             wrench[i] = (double)asked[i] + (i == 2 ? 37.3058 : 0);
         }
         sim_step(&sim, NULL, wrench, &out);
-        most = fmax(most, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
+        max_angle = fmax(max_angle, fmax(fabs(sim.truth.euler[0]), fabs(sim.truth.euler[1])));
     }
     TEST_ASSERT_TRUE(sim.truth.t_us == 240000000u);
-    TEST_ASSERT_TRUE(most > 0.01 && most < worst);
+    TEST_ASSERT_TRUE(max_angle > 0.01 && max_angle < worst);
 }
 
 /* ---- thrusters and disturbance ---- */
 
-static void test_thrusters_make_girona500s_wrench(void)
+static void test_thrusters_produce_the_wrench_of_the_girona500(void)
 {
     const double f[5] = {10, 20, -5, 15, 7};
     begin();
@@ -315,7 +315,7 @@ static void test_thrusters_make_girona500s_wrench(void)
     }
 }
 
-static void test_commands_saturate_and_nonsense_is_no_thrust(void)
+static void test_commands_saturate_and_a_command_that_is_not_finite_is_no_thrust(void)
 {
     const double f[5] = {1000, -1000, NAN, INFINITY, 153.8};
     const double expected[5] = {153.8, -153.8, 0, 0, 153.8};
@@ -343,7 +343,7 @@ static void test_lag_is_the_exact_exponential_and_so_is_its_impulse(void)
     }
 }
 
-static void test_feedback_is_the_command_unless_the_true_thrust_is_asked_for(void)
+static void test_feedback_is_the_command_unless_true_thrust_is_selected(void)
 {
     const double f[5] = {0, 0, 0, 0, 40}, wrench[6] = {10};
     cfg.lag_s = 0.2;
@@ -359,7 +359,7 @@ static void test_feedback_is_the_command_unless_the_true_thrust_is_asked_for(voi
     TEST_ASSERT_EQUAL_DOUBLE(sim.truth.wrench[1], out.wrench[1]);
 }
 
-/* From 3000 starts: 9000 independent forces, 3000 moments. */
+/* 3000 starts give 9000 independent forces and 3000 moments. */
 static void test_disturbance_starts_with_its_rms(void)
 {
     double force = 0, moment = 0;
@@ -402,7 +402,7 @@ static void test_disturbance_keeps_its_rms_and_its_correlation_time(void)
 
 /* ---- random numbers ---- */
 
-/* The first numbers of xoshiro256** from the state 1, 2, 3, 4, as its authors' code gives them. */
+/* The first numbers of xoshiro256** from the state 1, 2, 3, 4, by the code of its authors. */
 static void test_generator_is_xoshiro256_starstar(void)
 {
     const uint64_t expected[4] = {11520u, 0u, 1509978240u, 1215971899390074240u};
@@ -412,7 +412,7 @@ static void test_generator_is_xoshiro256_starstar(void)
     }
 }
 
-static void test_gaussian_has_the_moments_of_one(void)
+static void test_gaussian_has_the_moments_of_a_standard_normal(void)
 {
     enum { N = 400000 };
     double m[5] = {0};
@@ -450,7 +450,7 @@ static void test_streams_and_neighbouring_seeds_are_uncorrelated(void)
 
 /* ---- sensors ---- */
 
-static void test_sensors_come_at_their_rates_and_gps_only_at_the_surface(void)
+static void test_sensors_sample_at_their_rates_and_gps_only_at_the_surface(void)
 {
     for (int surface = 0; surface < 2; ++surface) {
         int count[SIM_SENSORS] = {0};
@@ -504,8 +504,8 @@ static void test_noise_has_its_rms_and_no_mean(void)
     }
 }
 
-/* Samples off the grid of the ticks, late: stamped with their own time, true at that time. */
-static void test_a_late_sample_carries_its_own_time_and_the_truth_of_then(void)
+/* Delayed samples between the ticks have their own timestamps, and the truth at these times. */
+static void test_a_late_sample_has_its_own_timestamp_and_the_truth_at_that_time(void)
 {
     const double wrench[6] = {90, -50, 80, 0, 0, 30};
     uint64_t next = 53000;
@@ -539,8 +539,8 @@ static void test_a_late_sample_carries_its_own_time_and_the_truth_of_then(void)
     TEST_ASSERT_EQUAL_INT(49, seen);
 }
 
-/* 5000 samples at probability 0.3; those that come are the ones of the run without losses. */
-static void test_dropouts_take_their_share_and_leave_the_rest_as_it_was(void)
+/* 5000 samples at probability 0.3; those that arrive equal those of the run without losses. */
+static void test_dropouts_have_their_share_and_do_not_change_other_samples(void)
 {
     static sim_t whole;
     sim_output_t all;
@@ -561,7 +561,7 @@ static void test_dropouts_take_their_share_and_leave_the_rest_as_it_was(void)
     TEST_ASSERT_DOUBLE_WITHIN(4 * sqrt(0.3 * 0.7 / 5000), 0.3, lost / 5000.0);
 }
 
-static void test_switching_a_sensor_off_leaves_all_other_numbers_as_they_were(void)
+static void test_switching_a_sensor_off_changes_no_other_numbers(void)
 {
     static sim_t with;
     sim_output_t all;
@@ -592,9 +592,9 @@ static void first_dvl(void)
     } while (!out.sensor[SIM_DVL].has);
 }
 
-static void test_dvl_sees_the_ground_or_the_water(void)
+static void test_dvl_measures_over_ground_or_through_the_water(void)
 {
-    cfg.euler[2] = 0.5 * PI; /* heading east; the current sets north: from starboard to port */
+    cfg.euler[2] = 0.5 * PI; /* heading east, current to the north: from starboard to port */
     cfg.current[0] = 0.3;
     cfg.parameter[SIM_WB] = 0;
     first_dvl();
@@ -619,9 +619,9 @@ static void test_dvl_loses_the_bottom_above_its_range(void)
     TEST_ASSERT_FALSE(out.sensor[SIM_DVL].bottom);
 }
 
-/* Turning at 0.5 rad/s with the DVL 0.75 m aft: it moves to port at 0.375 m/s; it is yawed by 225
- * degrees, so that port is forward and starboard by equal parts. */
-static void test_dvl_mounting_adds_its_lever_and_turns_its_axes(void)
+/* Turning at 0.5 rad/s with the DVL 0.75 m aft: it moves to port at 0.375 m/s. It is yawed by 225
+ * degrees, so that port is forward and starboard in equal parts. */
+static void test_dvl_mounting_adds_the_lever_arm_and_rotates_the_axes(void)
 {
     without_losses();
     cfg.parameter[SIM_WB] = 0;
@@ -657,9 +657,9 @@ static void test_imu_yaw_is_wrapped_and_the_truth_is_not(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 10 - 4 * PI, out.sensor[SIM_IMU].value[2]);
 }
 
-/* ---- as a program part ---- */
+/* ---- repeatability and configuration ---- */
 
-static void test_same_seed_same_run_and_a_copy_goes_on_alike(void)
+static void test_the_same_seed_repeats_the_run_and_a_copy_continues_identically(void)
 {
     static sim_t twin;
     sim_output_t other;
@@ -693,7 +693,7 @@ static void refuse(double *field, double value)
     TEST_ASSERT_TRUE(sim_init(&sim, &cfg));
 }
 
-static void test_init_refuses_what_makes_no_sense(void)
+static void test_init_refuses_invalid_values(void)
 {
     begin();
     refuse(&cfg.parameter[SIM_M_W], 0);
@@ -721,32 +721,32 @@ int main(void)
     RUN_TEST(test_rk4_converges_with_the_fourth_order);
     RUN_TEST(test_energy_is_conserved_without_losses);
     RUN_TEST(test_energy_is_not_conserved_by_Eq_13_as_printed);
-    RUN_TEST(test_drag_only_takes_energy);
+    RUN_TEST(test_drag_only_dissipates_energy);
     RUN_TEST(test_work_of_the_wrench_is_the_energy_gained);
-    RUN_TEST(test_euler_rates_turn_the_rotation_by_omega);
+    RUN_TEST(test_euler_rates_rotate_the_attitude_by_omega);
     RUN_TEST(test_a_current_carries_the_vehicle_and_changes_nothing_else);
     RUN_TEST(test_acceleration_of_the_truth_is_the_derivative_of_its_velocity);
     RUN_TEST(test_roll_and_pitch_stay_small_under_the_usual_excitation);
-    RUN_TEST(test_thrusters_make_girona500s_wrench);
-    RUN_TEST(test_commands_saturate_and_nonsense_is_no_thrust);
+    RUN_TEST(test_thrusters_produce_the_wrench_of_the_girona500);
+    RUN_TEST(test_commands_saturate_and_a_command_that_is_not_finite_is_no_thrust);
     RUN_TEST(test_lag_is_the_exact_exponential_and_so_is_its_impulse);
-    RUN_TEST(test_feedback_is_the_command_unless_the_true_thrust_is_asked_for);
+    RUN_TEST(test_feedback_is_the_command_unless_true_thrust_is_selected);
     RUN_TEST(test_disturbance_starts_with_its_rms);
     RUN_TEST(test_disturbance_keeps_its_rms_and_its_correlation_time);
     RUN_TEST(test_generator_is_xoshiro256_starstar);
-    RUN_TEST(test_gaussian_has_the_moments_of_one);
+    RUN_TEST(test_gaussian_has_the_moments_of_a_standard_normal);
     RUN_TEST(test_streams_and_neighbouring_seeds_are_uncorrelated);
-    RUN_TEST(test_sensors_come_at_their_rates_and_gps_only_at_the_surface);
+    RUN_TEST(test_sensors_sample_at_their_rates_and_gps_only_at_the_surface);
     RUN_TEST(test_noise_has_its_rms_and_no_mean);
-    RUN_TEST(test_a_late_sample_carries_its_own_time_and_the_truth_of_then);
-    RUN_TEST(test_dropouts_take_their_share_and_leave_the_rest_as_it_was);
-    RUN_TEST(test_switching_a_sensor_off_leaves_all_other_numbers_as_they_were);
-    RUN_TEST(test_dvl_sees_the_ground_or_the_water);
+    RUN_TEST(test_a_late_sample_has_its_own_timestamp_and_the_truth_at_that_time);
+    RUN_TEST(test_dropouts_have_their_share_and_do_not_change_other_samples);
+    RUN_TEST(test_switching_a_sensor_off_changes_no_other_numbers);
+    RUN_TEST(test_dvl_measures_over_ground_or_through_the_water);
     RUN_TEST(test_dvl_loses_the_bottom_above_its_range);
-    RUN_TEST(test_dvl_mounting_adds_its_lever_and_turns_its_axes);
+    RUN_TEST(test_dvl_mounting_adds_the_lever_arm_and_rotates_the_axes);
     RUN_TEST(test_depth_sensor_ahead_of_the_origin_rises_with_the_bow);
     RUN_TEST(test_imu_yaw_is_wrapped_and_the_truth_is_not);
-    RUN_TEST(test_same_seed_same_run_and_a_copy_goes_on_alike);
-    RUN_TEST(test_init_refuses_what_makes_no_sense);
+    RUN_TEST(test_the_same_seed_repeats_the_run_and_a_copy_continues_identically);
+    RUN_TEST(test_init_refuses_invalid_values);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* The simulator's vehicle in six degrees of freedom against what physics expects of it. */
+/* The vehicle of the simulator in six degrees of freedom against physics. */
 #include "simulator.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ static sim_config_t cfg;
 static sim_t sim;
 static sim_output_t out;
 
-/* The BlueROV2 without noise, and without attitude hold. */
+/* The BlueROV2 without noise and without stabilisation. */
 void setUp(void)
 {
     sim_bluerov2(&cfg);
@@ -36,7 +36,7 @@ static void run(double seconds, const double wrench[6])
     }
 }
 
-/* A vehicle in which everything couples with everything. */
+/* A vehicle in which all degrees of freedom are coupled. */
 static void asymmetric(void)
 {
     const double r_g[3] = {0.03, -0.02, 0.05}, r_b[3] = {-0.01, 0.02, -0.04};
@@ -70,7 +70,7 @@ static double kinetic(const double nu[6])
     return sum;
 }
 
-/* Weight by the depth of its centre, buoyancy by the depth of its own. */
+/* Kinetic energy plus the potential energies of weight and buoyancy at their centres. */
 static double energy(void)
 {
     const sim_fossen_t *f = &cfg.fossen;
@@ -103,7 +103,7 @@ static void test_energy_is_conserved_without_drag(void)
     }
 }
 
-static void test_drag_only_takes_energy(void)
+static void test_drag_only_dissipates_energy(void)
 {
     asymmetric();
     start_tumbling();
@@ -121,29 +121,29 @@ static void test_coriolis_forces_do_no_work(void)
     without_drag();
     cfg.fossen.weight_N = cfg.fossen.buoyancy_N = 0;
     start_tumbling();
-    double m[6][6], nu_dot[6], power = 0, most = 0;
+    double m[6][6], nu_dot[6], power = 0, max_term = 0;
     sim_fossen_matrix(&cfg.fossen, m);
     sim_fossen_acceleration(&cfg.fossen, cfg.euler, cfg.nu, none, nu_dot);
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
             power += cfg.nu[i] * m[i][j] * nu_dot[j];
-            most = fmax(most, fabs(cfg.nu[i] * m[i][j] * nu_dot[j]));
+            max_term = fmax(max_term, fabs(cfg.nu[i] * m[i][j] * nu_dot[j]));
         }
     }
-    TEST_ASSERT_TRUE(most > 0.1);
+    TEST_ASSERT_TRUE(max_term > 0.1);
     TEST_ASSERT_DOUBLE_WITHIN(1e-13, 0, power);
 }
 
-/* Momentum in the world's axes, by central differences: d/dt of R p is R f, of the moment about the
- * origin of the world too. What does not depend on how C is written. */
-static void test_momentum_changes_by_what_acts(void)
+/* Momentum in world axes, by central differences: d/dt of R p is R f, also for the moment about the
+ * origin of the world. This is independent of the form of C. */
+static void test_momentum_changes_by_the_acting_forces(void)
 {
     const double force[6] = {30, -10, 20, 2, -1, 3}, h = 1e-4;
     asymmetric();
     without_drag();
     cfg.fossen.weight_N = cfg.fossen.buoyancy_N = 0;
     start_tumbling();
-    double state[12] = {0}, told[2][6], r[3][3], m[6][6];
+    double state[12] = {0}, momentum[2][6], r[3][3], m[6][6];
     memcpy(state + 3, cfg.euler, sizeof cfg.euler);
     memcpy(state + 6, cfg.nu, sizeof cfg.nu);
     sim_fossen_matrix(&cfg.fossen, m);
@@ -156,13 +156,13 @@ static void test_momentum_changes_by_what_acts(void)
             p[i / 6] += m[i / 6][i % 6] * at[6 + i % 6];
         }
         for (int i = 0; i < 3; ++i) {
-            told[side][i] = told[side][3 + i] = 0;
+            momentum[side][i] = momentum[side][3 + i] = 0;
             for (int j = 0; j < 3; ++j) {
-                told[side][i] += r[i][j] * p[j];
-                told[side][3 + i] += r[i][j] * p[3 + j];
+                momentum[side][i] += r[i][j] * p[j];
+                momentum[side][3 + i] += r[i][j] * p[3 + j];
             }
         }
-        double *l = told[side] + 3, *q = told[side]; /* about the world's origin */
+        double *l = momentum[side] + 3, *q = momentum[side]; /* about the origin of the world */
         l[0] += at[1] * q[2] - at[2] * q[1];
         l[1] += at[2] * q[0] - at[0] * q[2];
         l[2] += at[0] * q[1] - at[1] * q[0];
@@ -173,11 +173,11 @@ static void test_momentum_changes_by_what_acts(void)
         for (int j = 0; j < 3; ++j) {
             acts += r[i % 3][j] * force[i < 3 ? j : 3 + j];
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5, acts, (told[1][i] - told[0][i]) / (2 * h));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, acts, (momentum[1][i] - momentum[0][i]) / (2 * h));
     }
 }
 
-static void test_it_rests_upright_and_sinks_by_what_it_weighs_more(void)
+static void test_it_rests_upright_and_sinks_by_its_excess_weight(void)
 {
     double hover[6] = {0};
     hover[Z] = cfg.fossen.buoyancy_N - cfg.fossen.weight_N;
@@ -185,13 +185,13 @@ static void test_it_rests_upright_and_sinks_by_what_it_weighs_more(void)
     cfg.euler[1] = -0.4;
     begin();
     run(200, hover);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0, sim.truth.euler[0]); /* quadratic drag alone dies slowly */
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0, sim.truth.euler[0]); /* quadratic drag alone decays slowly */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sim.truth.euler[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, sim.truth.nu[2]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.982, -hover[Z]);
 }
 
-static void test_a_pitch_moment_is_met_by_the_righting_moment(void)
+static void test_a_pitch_moment_is_balanced_by_the_righting_moment(void)
 {
     double wrench[6] = {0};
     cfg.fossen.weight_N = cfg.fossen.buoyancy_N;
@@ -201,7 +201,7 @@ static void test_a_pitch_moment_is_met_by_the_righting_moment(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, sim.truth.euler[1]);
 }
 
-static void test_a_constant_force_ends_where_drag_meets_it(void)
+static void test_a_constant_force_is_finally_balanced_by_drag(void)
 {
     double surge[6] = {0}, yaw[6] = {0};
     surge[X] = 30;
@@ -232,7 +232,7 @@ static void test_a_current_carries_it_and_changes_nothing_else(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, still.position[0] + 3, sim.truth.position[0]);
 }
 
-static void test_parameters_are_the_sums_that_motion_tells(void)
+static void test_parameters_are_the_identifiable_sums(void)
 {
     double p[SIM_FOSSEN_PARAMETERS];
     cfg.fossen.r_g[2] = 0.02;
@@ -250,9 +250,9 @@ static void test_parameters_are_the_sums_that_motion_tells(void)
 
 /* ---- thrusters and hold ---- */
 
-static void test_thrusters_push_as_the_vehicles_makers_say(void)
+static void test_thrusters_push_as_published(void)
 {
-    /* X Y Z K M N of one newton, von Benzon et al. 2022, rounded to a millimetre. */
+    /* X Y Z K M N per newton, von Benzon et al. 2022, rounded to a millimetre. */
     static const double published[6][8] = {
         {0.707, 0.707, -0.707, -0.707, 0, 0, 0, 0},
         {-0.707, 0.707, -0.707, 0.707, 0, 0, 0, 0},
@@ -267,7 +267,7 @@ static void test_thrusters_push_as_the_vehicles_makers_say(void)
     }
 }
 
-static void test_thrusters_do_less_backwards(void)
+static void test_thrusters_are_weaker_backward(void)
 {
     double force[SIM_THRUSTERS] = {100, -100, NAN};
     begin();
@@ -277,7 +277,7 @@ static void test_thrusters_do_less_backwards(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, out.thruster_N[2]);
 }
 
-static void test_hold_turns_it_upright_and_tells_of_the_wrench(void)
+static void test_stabilisation_rights_the_vehicle_and_is_in_the_feedback(void)
 {
     const double push[6] = {0, 0, 0, 2, 0, 0};
     cfg.hold_Nm_rad = 8;
@@ -293,14 +293,14 @@ static void test_hold_turns_it_upright_and_tells_of_the_wrench(void)
     }
 }
 
-/* ---- the rest ---- */
+/* ---- disturbance and configuration ---- */
 
-static void test_disturbance_acts_in_all_six(void)
+static void test_disturbance_acts_in_all_six_degrees_of_freedom(void)
 {
     double square[6] = {0};
     cfg.disturbance_N = 0.2;
     cfg.disturbance_Nm = 0.08;
-    cfg.disturbance_s = 0.01; /* nearly white: 4000 samples tell the rms to 4 % and better */
+    cfg.disturbance_s = 0.01; /* nearly white: 4000 samples give the rms within 4 % */
     begin();
     for (int k = 0; k < 4000; ++k) {
         run(0.02, NULL);
@@ -323,7 +323,7 @@ static void refuse(double *field, double value)
     TEST_ASSERT_TRUE(sim_init(&sim, &cfg));
 }
 
-static void test_init_refuses_what_makes_no_sense(void)
+static void test_init_refuses_invalid_values(void)
 {
     refuse(&cfg.fossen.mass_kg, -10);
     refuse(&cfg.fossen.mass_kg, NAN);
@@ -338,7 +338,7 @@ static void test_init_refuses_what_makes_no_sense(void)
     TEST_ASSERT_FALSE(sim_init(&sim, &cfg));
     cfg.thrusters = 5;
     begin();
-    cfg.hold_Nm_rad = 1; /* five thrusters do not reach everything */
+    cfg.hold_Nm_rad = 1; /* five thrusters do not actuate all six */
     TEST_ASSERT_FALSE(sim_init(&sim, &cfg));
 }
 
@@ -346,18 +346,18 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_energy_is_conserved_without_drag);
-    RUN_TEST(test_drag_only_takes_energy);
+    RUN_TEST(test_drag_only_dissipates_energy);
     RUN_TEST(test_coriolis_forces_do_no_work);
-    RUN_TEST(test_momentum_changes_by_what_acts);
-    RUN_TEST(test_it_rests_upright_and_sinks_by_what_it_weighs_more);
-    RUN_TEST(test_a_pitch_moment_is_met_by_the_righting_moment);
-    RUN_TEST(test_a_constant_force_ends_where_drag_meets_it);
+    RUN_TEST(test_momentum_changes_by_the_acting_forces);
+    RUN_TEST(test_it_rests_upright_and_sinks_by_its_excess_weight);
+    RUN_TEST(test_a_pitch_moment_is_balanced_by_the_righting_moment);
+    RUN_TEST(test_a_constant_force_is_finally_balanced_by_drag);
     RUN_TEST(test_a_current_carries_it_and_changes_nothing_else);
-    RUN_TEST(test_parameters_are_the_sums_that_motion_tells);
-    RUN_TEST(test_thrusters_push_as_the_vehicles_makers_say);
-    RUN_TEST(test_thrusters_do_less_backwards);
-    RUN_TEST(test_hold_turns_it_upright_and_tells_of_the_wrench);
-    RUN_TEST(test_disturbance_acts_in_all_six);
-    RUN_TEST(test_init_refuses_what_makes_no_sense);
+    RUN_TEST(test_parameters_are_the_identifiable_sums);
+    RUN_TEST(test_thrusters_push_as_published);
+    RUN_TEST(test_thrusters_are_weaker_backward);
+    RUN_TEST(test_stabilisation_rights_the_vehicle_and_is_in_the_feedback);
+    RUN_TEST(test_disturbance_acts_in_all_six_degrees_of_freedom);
+    RUN_TEST(test_init_refuses_invalid_values);
     return UNITY_END();
 }

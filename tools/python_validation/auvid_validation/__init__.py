@@ -1,1 +1,1 @@
-"""auvid against tools that others wrote, the paper's experiment, and recorded logs."""
+"""Comparison of auvid with independent tools, the paper's experiment, and recorded logs."""

@@ -1,15 +1,15 @@
-"""The Cramer-Rao bound of a recorded run: how accurate can anybody be?
+"""The Cramer-Rao bound of a recorded run: the best accuracy of any unbiased estimator.
 
 Known: applied wrench, phi, theta, p, q, and the covariance of the unmodelled force (2 s). Unknown:
 the 13 parameters, the initial velocities, the initial depth. Measured: velocity (DVL), yaw rate,
-depth. Linearised about the motion that there would be without the unmodelled force,
+depth. Linearised about the motion without the unmodelled force,
 x = [u v w r depth | that force's X Y Z N]:
     x(k+1) = Phi(k) x(k) + Gamma(k) pi + w(k),   y = x_i + noise,
 and E, the error of this system's Kalman filter per unit of each unknown:
     tick: E <- Phi E + Gamma;   measurement: information += E_i' E_i / s, then E <- E - K E_i.
-One more column carries the run's own measurements: their whitened innovations have variance one
-when the noise assumed is the run's. The same bound, apart from this, is computed in C++ by
-tests/reference/bound.h; left out, as there, is what the covariance of the measurements tells.
+An additional column carries the measurements of the run: their whitened innovations have variance
+one if the assumed noise is correct. tests/reference/bound.h computes the same bound independently
+in C++. Both ignore the information in the covariance of the measurements.
 """
 import numpy as np
 
@@ -88,6 +88,6 @@ def bound(run):
             c -= np.outer(gain, gain * s)
     total = np.transpose(rows) @ rows
     information = total[:UNKNOWNS, :UNKNOWNS]
-    scale = 1 / np.sqrt(np.diag(information))  # initial values are known far worse
+    scale = 1 / np.sqrt(np.diag(information))  # initial values are known much less accurately
     variance = np.diag(np.linalg.inv(information * np.outer(scale, scale))) * scale ** 2
     return np.sqrt(variance[:N]), total[-1, -1] / len(rows)

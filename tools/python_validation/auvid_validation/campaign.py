@@ -1,8 +1,8 @@
-"""How near the truth: many simulated runs, and their errors beside the Cramer-Rao bound.
+"""Accuracy: many simulated runs, and their errors compared with the Cramer-Rao bound.
 
-Each run is one line of OUT/runs.jsonl, written when it is there; what is there is not run again.
-Runs go to all cores through dask, to a cluster with --scheduler, or into this process with
---workers 1: the numbers are the same.
+Each run is one line of OUT/runs.jsonl, written when the run is complete. Runs in the file are not
+repeated. Runs are executed on all cores by dask, on a cluster with --scheduler, or in this process
+with --workers 1, with the same numbers.
 """
 import json
 import os
@@ -12,13 +12,13 @@ import numpy as np
 
 from auvid_validation import style
 from auvid_validation.bound import bound
-from auvid_validation.complaint import Complaint, at_least, folder
+from auvid_validation.user_error import UserError, at_least, folder
 from auvid_validation.library import PARAMETERS
 from auvid_validation.progress import Progress
 from auvid_validation.world import N, Run, identify
 
 NOISY = {"dvl_m_s": 0.021, "imu_angle_rad": 0.0105, "imu_rate_rad_s": 0.00524, "depth_m": 0.045}
-#: Name: the world without its seed, and the goal for its rms error [%] if there is one.
+#: Name: the world without its seed, and the goal of its rms error [%], or None.
 WORLDS = {
     "calm": ({"disturbance_N": 0.0}, 1.3),
     "1 N": ({"disturbance_N": 1.0}, 2.4),
@@ -42,18 +42,18 @@ def arguments(parser):
     parser.add_argument("--seed", type=at_least(0), default=100000,
                         help="first; default %(default)s")
     parser.add_argument("--out", type=folder, default="build/validation/campaign",
-                        help="folder; runs that are there already are kept; default %(default)s")
+                        help="folder; existing runs are kept; default %(default)s")
     parser.add_argument("--workers", type=at_least(1), default=os.cpu_count(),
                         help="processes on this machine; default: all cores")
     parser.add_argument("--scheduler", metavar="ADDRESS",
-                        help="of a dask cluster (tcp://host:8786), whose workers have auvid too")
+                        help="of a dask cluster (tcp://host:8786), whose workers also have auvid")
 
 
 def one(world):
-    """A run: the line of the file."""
+    """Does a run and returns its line of the file."""
     with _one_at_a_time:
         line = {"world": world}
-        # the bound takes the wrench for known
+        # the bound assumes a known wrench
         if world.get("lag_s", 0) == 0 and not world.get("literal", False):
             run = Run(world)
             estimate, truth = run.estimate, run.true_pi
@@ -76,7 +76,7 @@ def key(world):
 
 
 def read(path):
-    """Lines of the file by world; one that was cut off is left out."""
+    """Lines of the file by world, without a truncated line."""
     found = {}
     if path.exists():
         for text in path.read_text().splitlines():
@@ -89,7 +89,7 @@ def read(path):
 
 
 def results(tasks, options):
-    """one() of each task, in the order in which they are ready."""
+    """one() of each task, in order of completion."""
     if options.workers == 1 and not options.scheduler:
         yield from map(one, tasks)
         return
@@ -97,7 +97,7 @@ def results(tasks, options):
         import distributed
     except ImportError:
         if options.scheduler:
-            raise Complaint("--scheduler needs dask: pip install 'auvid-validation[campaign]'")
+            raise UserError("--scheduler needs dask: pip install 'auvid-validation[campaign]'")
         import concurrent.futures as futures
         with futures.ProcessPoolExecutor(options.workers) as pool:
             yield from (f.result() for f in futures.as_completed(
@@ -107,25 +107,25 @@ def results(tasks, options):
         try:
             client = distributed.Client(options.scheduler, timeout=10)
         except (OSError, ValueError) as error:
-            raise Complaint(f"--scheduler: no cluster at {options.scheduler} ({error})")
+            raise UserError(f"--scheduler: no cluster at {options.scheduler} ({error})")
     else:
         client = distributed.Client(n_workers=options.workers, threads_per_worker=1,
                                     dashboard_address=None)
-    with client:  # what a lost worker had, another one does again
+    with client:  # another worker repeats the runs of a lost one
         for future in distributed.as_completed(client.map(one, tasks, pure=False, retries=3)):
             yield future.result()
             future.release()
 
 
 def gather(worlds, options):
-    """Run what is not there yet. -> {name: lines in the order of their seeds}"""
+    """Does the missing runs. -> {name: lines in the order of their seeds}"""
     path = options.out / "runs.jsonl"
     found = read(path)
     wanted = {name: [dict(WORLDS[name][0], seed=options.seed + k) for k in range(options.runs)]
               for name in worlds}
     missing = [w for some in wanted.values() for w in some if key(w) not in found]
     whole = "".join(json.dumps(line) + "\n" for line in found.values())
-    path.with_suffix(".new").write_text(whole)  # without a line that was cut off
+    path.with_suffix(".new").write_text(whole)  # without a truncated line
     path.with_suffix(".new").replace(path)
     total = options.runs * len(worlds)
     progress = Progress(total, total - len(missing))
@@ -140,14 +140,14 @@ def gather(worlds, options):
 
 
 def resampled(rows):
-    """Means over all runs, then over 2000 samples of as many runs drawn from them; the same ones
-    for all rows."""
+    """Means over all runs, then over 2000 bootstrap samples of the runs, which are the same for
+    all rows."""
     drawn = np.random.default_rng(1).integers(0, len(rows), (2000, len(rows)))
     return np.concatenate([rows.mean(axis=0, keepdims=True), rows[drawn].mean(axis=1)])
 
 
 def interval(statistic):
-    """-> [value, low, high]: percentile bootstrap, 95 %, of what was made of resampled()."""
+    """-> [value, low, high]: 95 % percentile bootstrap of values computed from resampled()."""
     return [float(statistic[0]), *np.percentile(statistic[1:], [2.5, 97.5]).tolist()]
 
 
@@ -203,7 +203,7 @@ def show(interval_, digits=2):
 
 def print_tables(tallies):
     print("rms over the 13 parameters, percent of the truth; intervals 95 %; 1, 2 sigma: errors "
-          "within so many")
+          "within one or two sigma")
     print(f"{'world':<18}{'runs':>5} {'rms error %':>19} {'goal':>5} {'bound':>6} "
           f"{'RMSE / bound':>19} {'1 sigma':>8} {'2 sigma':>8} {'success':>8} {'evaluations':>12}")
     for name, t in tallies.items():
@@ -225,7 +225,7 @@ def print_tables(tallies):
 
 
 def judge(tallies):
-    """The accuracy lines: a goal is reached when the interval's upper end is."""
+    """The accuracy lines. A goal is reached if the upper end of the interval reaches it."""
     print()
     lines = [(f"{name}: rms error", t["rms_percent"], t["goal_percent"], " %")
              for name, t in tallies.items() if t["goal_percent"]]
@@ -236,7 +236,7 @@ def judge(tallies):
         lagged = tallies.get("1 N, 120 s, lag")
         if lagged:
             ratio = [x / short["rms_percent"][0] for x in lagged["rms_percent"]]
-            lines.append(("with the lag, over the run without", ratio, 1.25, ""))
+            lines.append(("with the lag, relative to the run without", ratio, 1.25, ""))
     for what, value, goal, unit in lines:
         print(f"{what:<48} {show(value)}{unit}, goal {goal}{unit}: "
               f"{'reached' if value[2] <= goal else 'not reached'}")
@@ -279,7 +279,7 @@ def coverage_figure(tallies):
     axes[0, 0].invert_yaxis()
     axes[0, 0].set_xlim(40, 101)
     axes[0, 0].set_xlabel("errors covered [%]; dotted: normal distribution")
-    axes[0, 0].set_title("Do the sigmas tell the truth?")
+    axes[0, 0].set_title("Coverage of the sigmas")
     value = np.array([t["rms_percent"] for t in tallies.values()])
     axes[0, 1].errorbar(value[:, 0], y, xerr=[value[:, 0] - value[:, 1], value[:, 2] - value[:, 0]],
                         fmt="o", color=style.BLUE, capsize=2.5, label="rms error, 95 %")
@@ -288,7 +288,7 @@ def coverage_figure(tallies):
     axes[0, 1].set_xscale("log")
     axes[0, 1].set_xticks([0.2, 0.5, 1, 2, 5, 10], ["0.2", "0.5", "1", "2", "5", "10"])
     axes[0, 1].set_xlabel("over the 13 parameters [% of the truth]")
-    axes[0, 1].set_title("How near the truth")
+    axes[0, 1].set_title("Accuracy")
     both = [h + l for h, l in zip(*(a.get_legend_handles_labels() for a in axes[0]))]
     fig.legend(*both, loc="outside lower center", ncols=4)
     return fig
@@ -298,7 +298,7 @@ def run(options):
     worlds = [w.strip() for w in options.worlds.split(";")] if options.worlds else list(WORLDS)
     for name in worlds:
         if name not in WORLDS:
-            raise Complaint(f"--worlds: no world '{name}'; there are: {'; '.join(WORLDS)}")
+            raise UserError(f"--worlds: no world '{name}': choose from {'; '.join(WORLDS)}")
     lines = gather(worlds, options)
     tallies = {name: tally(some, WORLDS[name][1]) for name, some in lines.items()}
     print_tables(tallies)

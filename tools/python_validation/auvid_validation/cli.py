@@ -1,20 +1,20 @@
 """auvid-validate: a subcommand is a module with arguments(parser) and run(options).
 
-Exit status: 0; 1 when something is not as it should be; 2 for what the user got wrong, with one
-line on the standard error.
+Exit status: 0 if all is correct; 1 if a check failed; 2 for a user error, with one line on the
+standard error.
 """
 import argparse
 import importlib
 import sys
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 
-#: Subcommand, which is the module's name too, and what it does.
+#: Subcommand, which is also the name of its module, and its description.
 COMMANDS = {
-    "references": "compare every module with tools that others wrote",
+    "references": "compare every module with independent tools",
     "optimizer": "compare the optimizer with others, on the same cost",
     "paper": "the paper's experiment in simulation: figures, tables, initialisation",
-    "campaign": "many simulated runs: errors beside the Cramer-Rao bound",
+    "campaign": "many simulated runs: errors and the Cramer-Rao bound",
     "report": "identify a vehicle from your own log: a page with figures",
 }
 
@@ -26,17 +26,17 @@ class Parser(argparse.ArgumentParser):
 
 def main(argv=None):
     argv = sys.argv[1:] if argv is None else argv
-    parser = Parser(prog="auvid-validate", description="auvid against others.")
+    parser = Parser(prog="auvid-validate", description="Comparison of auvid with other tools.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     try:
         for name, about in COMMANDS.items():
             command = commands.add_parser(name, help=about, description=about)
-            if name in argv[:1]:  # the others need not be imported
+            if name in argv[:1]:  # avoids the import of all other modules
                 module = importlib.import_module(f"auvid_validation.{name}")
                 module.arguments(command)
         options = parser.parse_args(argv)
         sys.exit(module.run(options))
-    except Complaint as complaint:
-        sys.exit(parser.error(str(complaint)))
+    except UserError as error:
+        sys.exit(parser.error(str(error)))
     except KeyboardInterrupt:
         sys.exit(130)

@@ -1,11 +1,11 @@
-"""One comparison: what auvid computes against what somebody else does."""
+"""One comparison of a result of auvid with an independent one."""
 import dataclasses
 
 import numpy as np
 
 EPSILON = float(np.finfo(np.float32).eps)
 
-#: What the double build may differ by, relative to the largest value compared.
+#: Largest difference of the double build, relative to the largest compared value.
 DOUBLE = 1e-9
 
 
@@ -16,19 +16,19 @@ class Row:
     difference: float  # the largest
     bound: float
     unit: str  # of both
-    why: str  # the bound is what it is
+    why: str  # the bound is given
 
     @property
     def passed(self):
-        return bool(self.difference <= self.bound)  # NaN does not pass
+        return bool(self.difference <= self.bound)  # NaN fails
 
 
 def close(lib, quantity, reference, pairs, unit, roundings, why, rounding=EPSILON):
     """A row for pairs of arrays (ours, theirs). The bound in single precision is `roundings` times
-    epsilon (or another `rounding`) times the largest |theirs| of the pair (a third of a triple:
-    what stands in its place), in double precision 1e-9 times that. Differences and bound are in
-    `unit`; they are relative to that largest value when it differs from pair to pair and unit says
-    so ("relative ...")."""
+    epsilon (or another `rounding`) times the largest |theirs| of the pair (of a triple: its
+    third element instead), in double precision 1e-9 times that. Differences and bound are in
+    `unit`; they are relative to that largest value if it differs between pairs and unit says so
+    ("relative ...")."""
     share = roundings * rounding
     if lib.real == np.float64:
         share, why = DOUBLE, f"{DOUBLE:.0e} of it"
@@ -52,5 +52,5 @@ def close(lib, quantity, reference, pairs, unit, roundings, why, rounding=EPSILO
 
 
 def counted(quantity, reference, wrong, tried, what):
-    """A row for a comparison that is exact."""
+    """A row for an exact comparison."""
     return Row(quantity, reference, wrong, 0, f"of {tried} {what}", "exact")

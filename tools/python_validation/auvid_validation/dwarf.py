@@ -1,16 +1,16 @@
-"""C types, enumerations and functions of a shared library as ctypes has them, read from the
-library's own debugging information (DWARF): nothing is typed twice, nothing can be out of date.
+"""C types, enumerations and functions of a shared library for ctypes, read from the debugging
+information of the library (DWARF): nothing is written twice, so nothing can be out of date.
 
     binding = Binding("build/validation/float.so")
     config = binding.auvid_nav_config_t()           a struct, by its typedef or tag
-    binding.auvid_nav_defaults(config)              a function; structs go by reference
-    binding.auvid_nav_init(nav, config)             ... whose link-time name has sizes behind it
+    binding.auvid_nav_defaults(config)              a function; structs are passed by reference
+    binding.auvid_nav_init(nav, config)             ... whose link-time name has a suffix of sizes
     binding.AUVID_DVL_ALL                           an enumerator
     binding.auvid_girona500.parameters              a variable
 
 A function takes numpy arrays (of the element's type, contiguous) and sequences for pointers to
-numbers; the sequences are copied, so what is to be written must be an array. An enumeration comes
-back as an IntEnum.
+numbers. Sequences are copied, so outputs must be arrays. An enumeration is returned as an
+IntEnum.
 """
 import ctypes
 import enum
@@ -49,7 +49,7 @@ class Binding:
         self._classes, self._enums, self._incomplete = {}, {}, {}
         self._functions, self._variables, self._constants = {}, {}, {}
         self._named, self._typedefs = {}, {}
-        self._file = open(self.path, "rb")  # DIEs are read when they are asked for
+        self._file = open(self.path, "rb")  # DIEs are read on demand
         for unit in ELFFile(self._file).get_dwarf_info().iter_CUs():
             for die in unit.get_top_DIE().iter_children():
                 self._note(die)
@@ -69,7 +69,7 @@ class Binding:
             self._variables.setdefault(name, die)
 
     def __getattr__(self, name):
-        """A type, an enumerator, a function or a variable; found once."""
+        """Finds a type, an enumerator, a function or a variable, once."""
         if name.startswith("_"):
             raise AttributeError(name)
         if name in self._constants:
@@ -92,7 +92,7 @@ class Binding:
 
     @property
     def real(self):
-        """numpy's name of auvid_real_t."""
+        """The numpy name of auvid_real_t."""
         return np.dtype(self.auvid_real_t)
 
     def zeros(self, *shape):
@@ -102,10 +102,10 @@ class Binding:
         return np.ascontiguousarray(values, self.real)
 
     def pointer(self, array):
-        """What a struct's member, or a function in a struct, takes for an array of auvid_real_t;
-        the array must outlive it."""
+        """The value of a struct member for an array of auvid_real_t. The array must outlive the
+        struct."""
         if array.dtype != self.real or not array.flags.c_contiguous:
-            raise TypeError(f"an array of {array.dtype} where {self.real} is wanted")
+            raise TypeError(f"an array of {array.dtype} where {self.real} is needed")
         return array.ctypes.data_as(ctypes.POINTER(self.auvid_real_t))
 
     @staticmethod
@@ -164,7 +164,7 @@ class Binding:
     def _struct(self, die):
         """A class for each struct, the same for all translation units that have it."""
         members = [m for m in die.iter_children() if m.tag == "DW_TAG_member"]
-        # Files have other numbers in other translation units: the members tell structs apart.
+        # File numbers differ between translation units: the members distinguish structs.
         key = (value_of(die, "DW_AT_decl_line"), value_of(die, "DW_AT_decl_column"),
                value_of(die, "DW_AT_byte_size"), tuple(name_of(m) for m in members))
         if key in self._classes:
@@ -175,7 +175,7 @@ class Binding:
         return c
 
     def _complete(self, c):
-        """Its fields; later than its name, for a struct may hold a pointer to itself."""
+        """Sets its fields after its name, because a struct may contain a pointer to itself."""
         if c not in self._incomplete:
             return
         die, members = self._incomplete.pop(c)
@@ -226,12 +226,12 @@ class Binding:
 
 
 def by_reference(given, element):
-    """What ctypes passes where a pointer to `element` is wanted."""
+    """Converts an argument for a pointer to `element`."""
     if given is None:
         return None
     if isinstance(given, np.ndarray):
         if given.dtype != np.dtype(element) or not given.flags.c_contiguous:
-            raise TypeError(f"an array of {given.dtype} where {element.__name__} is wanted")
+            raise TypeError(f"an array of {given.dtype} where {element.__name__} is needed")
         return ctypes.c_void_p(given.ctypes.data)
     if isinstance(given, (list, tuple)):
         return (element * len(given))(*given)
@@ -242,4 +242,4 @@ def by_reference(given, element):
         return ctypes.byref(given)
     if isinstance(given, ctypes._Pointer) and type(given)._type_ is element:
         return given
-    raise TypeError(f"{type(given).__name__} where {element.__name__} is wanted")
+    raise TypeError(f"{type(given).__name__} where {element.__name__} is needed")

@@ -5,7 +5,7 @@ import numpy as np
 #: The paper's 13 estimates, in its order.
 TRUTH = np.array([249.5384, 367.7126, 659.9799, 74.9024, -37.3058, -42.4181, -125.3578, -75.7673,
                   -447.6195, -44.0561, -325.0138, -20.5833, -60.9373])
-#: The degrees of freedom that it models.
+#: The modelled degrees of freedom.
 DRIVEN = np.array([0, 1, 2, 5])
 
 
@@ -21,7 +21,7 @@ def forces(pi, phi, theta, nu):
 
 
 def wrench(pi, phi, theta, nu, nu_dot):
-    """Eq. 2: the X, Y, Z, N that makes this motion."""
+    """Eq. 2: the X, Y, Z, N of this motion."""
     return pi[:4] * nu_dot[DRIVEN] + forces(pi, phi, theta, nu)
 
 

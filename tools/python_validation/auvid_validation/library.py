@@ -1,11 +1,11 @@
-"""Where the repository is, and the library of each precision as Python sees it (dwarf.py)."""
+"""The folder of the repository, and the library in each precision for Python (dwarf.py)."""
 import functools
 import os
 import pathlib
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.dwarf import Binding
 
 MARK = "lib/include/auvid/auvid.h"
@@ -23,13 +23,13 @@ def root():
         for folder in place.parents:
             if (folder / MARK).exists():
                 return folder
-    raise Complaint(f"no {MARK} in any folder above: say where auvid is with AUVID_ROOT")
+    raise UserError(f"no {MARK} in any folder above: set AUVID_ROOT to the folder of auvid")
 
 
 def built(path):
-    """A file that make builds."""
+    """A file built by make."""
     if not (root() / path).exists():
-        raise Complaint(f"{path} is not built: run `make {path}`")
+        raise UserError(f"{path} is not built: run `make {path}`")
     return root() / path
 
 
@@ -40,10 +40,10 @@ def load(precision="float"):
 
 
 def values(array):
-    """A ctypes array, of any dimensions, as numpy sees it: no copy."""
+    """A numpy view of a ctypes array of any dimensions, without a copy."""
     return np.ctypeslib.as_array(array)
 
 
 def program():
-    """build/auvid, for whole runs: demo, fit, replay."""
+    """build/auvid, for complete runs: demo, fit, replay."""
     return built("build/auvid")

@@ -45,7 +45,7 @@ def simulate(pi, tilt, wrench, h, start, coupled=True, given=None):
     tilt: [n, 4] phi theta p q at the ends of the steps, interpolated within them; wrench: [n, 4]
     constant during them; h: [n] or a number, their lengths [s]; start: u v w r depth at the end of
     step 0; coupled: with the terms of C(nu); given: [n, 4] velocities, of which those whose mass in
-    pi is 0 are taken. -> [n, 5]; not a number from where it diverges.
+    pi is 0 are used. -> [n, 5]; NaN from where it diverges.
     """
     pi, tilt, wrench = [float(x) for x in pi], tilt.tolist(), wrench.tolist()
     h = np.broadcast_to(h, len(tilt)).tolist()
@@ -75,7 +75,7 @@ def simulate(pi, tilt, wrench, h, start, coupled=True, given=None):
 
 
 def r2(measured, predicted):
-    """Coefficient of determination; minus infinity when the prediction has diverged."""
+    """Coefficient of determination; minus infinity if the prediction has diverged."""
     if not np.all(np.isfinite(predicted)):
         return -np.inf
     return 1 - np.sum((measured - predicted) ** 2) / np.sum((measured - np.mean(measured)) ** 2)

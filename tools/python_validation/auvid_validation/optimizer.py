@@ -1,6 +1,6 @@
 """auvid-validate optimizer: evaluations until the first cost <= 1.001 of the optimum, auvid against
 NLopt, scipy and CMA-ES on the same cost, bounds and scaling; then on test functions of the
-literature. Least squares stands in the table with the none that it takes."""
+literature. Least squares is in the table with zero evaluations."""
 import argparse
 import collections
 import concurrent.futures
@@ -11,12 +11,12 @@ import sys
 
 import numpy as np
 
-from auvid_validation.complaint import output
+from auvid_validation.user_error import output
 from auvid_validation.library import load
 
 CAP = 20_000
 LEAST_SQUARES = "least squares, closed form"
-#: What is sought of the test functions, whose optimum is 0.
+#: Target of the test functions, whose optimum is 0.
 FUNCTION_TARGET = 1e-3
 PRICE = "auvid CRS alone"
 
@@ -41,7 +41,7 @@ def problem(seed):
 
 
 def evaluations(search, counted, box, seed):
-    """To the target; None when that was not reached."""
+    """Evaluations to the target; None if it was not reached."""
     from auvid_validation.optimizer_problem import Capped, Reached
     try:
         search(counted, box, seed)
@@ -73,8 +73,8 @@ def on_function(family, n, name, seed):
 
 
 def price(family, n, seed):
-    """Algorithm 1 alone, to its own end at a spread of 1e-6, as the literature counts: 25 n points,
-    omega 1e3. None when it ended elsewhere than at the optimum."""
+    """Algorithm 1 alone until a spread of 1e-6, as counted in the literature: 25 n points,
+    omega 1e3. None if it did not end at the optimum."""
     from auvid_validation.optimizer_functions import BOX, FAMILIES
     lib = load("large")
     config, crs, theta = lib.auvid_crs_config_t(), lib.auvid_crs_t(), lib.zeros(17)
@@ -126,7 +126,7 @@ def run_all(options):
 
 
 def summary(counts):
-    """Successes, their interval, median and p95; what was not reached counts as beyond all."""
+    """Successes, their interval, median and p95. A target not reached counts as infinite."""
     lib, runs = load("double"), len(counts)
     good = sum(c is not None for c in counts)
     part = [lib.binomial_lower(good, runs, 0.025), lib.binomial_upper(good, runs, 0.025)]
@@ -140,7 +140,7 @@ def shown(value):
 
 
 def rank(line):
-    """The surest first, then the fewest evaluations."""
+    """Highest success first, then fewest evaluations."""
     good, _, at = summary(line[1])
     return -good, at
 
@@ -157,7 +157,7 @@ def show_price(lines):
     from auvid_validation.optimizer_functions import PUBLISHED
     print("\nControlled random search alone, m = 25 n, omega = 1e3, to a spread of 1e-6: mean "
           "evaluations (success).\nPublished: Brachetti et al. 1997, their test function 7, whose "
-          "definition is not at hand; basic and with a quadratic\n"
+          "definition is not available; basic and with a quadratic\n"
           f"{'':8s}{'5^n':>16s}{'10^n':>16s}{'15^n':>16s}{'published':>16s}")
     for n, (basic, quadratic) in PUBLISHED.items():
         cells = []
@@ -169,7 +169,7 @@ def show_price(lines):
 
 
 def verdict(lines):
-    """In words: who that always succeeds took fewer evaluations than ours."""
+    """Lists the optimizers that always succeed with fewer evaluations than auvid."""
     from auvid_validation.optimizer_peers import OURS
     ours = summary(lines[OURS])
     fewer = [name for name, counts in lines.items() if name not in (OURS, LEAST_SQUARES)

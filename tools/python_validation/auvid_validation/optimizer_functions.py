@@ -1,6 +1,6 @@
 """Test functions of the literature on controlled random search: the three families of Levy and
-Montalvo as Lucidi and Piccioni (1989) have them, with about 5^n, 10^n and 15^n local minima.
-All are zero at x = 1 and nowhere else, in the box [-10, 10]; evaluated in double."""
+Montalvo as given by Lucidi and Piccioni (1989), with about 5^n, 10^n and 15^n local minima.
+All are zero only at x = 1, in the box [-10, 10]; evaluated in double."""
 import numpy as np
 
 BOX = 10.0

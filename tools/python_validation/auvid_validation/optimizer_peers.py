@@ -1,7 +1,7 @@
-"""The optimizers, each as search(f, box, seed): minimize f within +-box, from no starting point.
+"""The optimizers, each as search(f, box, seed): minimizes f within +-box, without an initial point.
 
-f is a Counted: it ends the search. Whoever needs a start takes a random one in the box; first steps
-are 0.31 units. Everything else is as its library has it.
+f is a Counted, which ends the search. An optimizer that needs an initial point gets a random one in
+the box. Initial steps are 0.31 units. All other settings are the defaults of the libraries.
 """
 import cma
 import nlopt
@@ -20,13 +20,13 @@ def start(box, seed):
 
 
 def auvid(lib, literal=False, per_parameter=0, omega=0.0):
-    """Ours, as it is by default; literal: the paper's Algorithm 2 without our additions; points per
-    parameter and omega of the global search."""
+    """auvid with its defaults. literal: Algorithm 2 to the letter; points per parameter and omega
+    of the global search."""
     def search(f, box, seed):
         n, config = len(box), lib.auvid_optimizer_config_t()
         optimizer, theta = lib.auvid_optimizer_t(), lib.zeros(17)
         lib.auvid_optimizer_defaults(config, n)
-        # The box is in units of x already: steps of one, as its unit has it.
+        # The box is already in units of x: steps of one unit.
         config.crs.lower[:n], config.crs.upper[:n] = (-box).tolist(), box.tolist()
         config.scale[:n] = [1.0] * n
         config.crs.seed, config.crs.omega = seed, omega
@@ -45,7 +45,7 @@ def auvid(lib, literal=False, per_parameter=0, omega=0.0):
 
 
 def by_nlopt(algorithm, box, f, x, evaluations=FOREVER, step=None):
-    """The best point after that many evaluations, or at its own end."""
+    """The best point after that many evaluations, or at its end."""
     o = nlopt.opt(algorithm, len(box))
     o.set_min_objective(f)
     o.set_lower_bounds(-box)
@@ -64,7 +64,7 @@ def crs2(f, box, seed):
 
 
 def crs2_bobyqa(evaluations):
-    """BOBYQA from CRS2's best point after so many evaluations; again from its own end."""
+    """BOBYQA from the best point of CRS2 after so many evaluations, repeated from its result."""
     def search(f, box, seed):
         nlopt.srand(seed + 1)
         x = by_nlopt(nlopt.GN_CRS2_LM, box, f, start(box, seed), evaluations)
@@ -102,7 +102,7 @@ def nelder_mead(f, box, seed):
 OURS = "auvid: CRS, line search"
 
 
-#: Their runs are the same, point for point, whatever the scale.
+#: Their runs are identical for any scale.
 INVARIANT = ("NLopt GN_CRS2_LM", "scipy differential_evolution")
 
 

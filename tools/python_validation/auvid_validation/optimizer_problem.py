@@ -1,4 +1,4 @@
-"""The cost that the optimizers are compared on, and the counting of its evaluations."""
+"""The cost for the comparison of optimizers, with a count of its evaluations."""
 import numpy as np
 
 from auvid_validation.library import load
@@ -7,7 +7,7 @@ N, BOUND = 13, 1000.0
 
 
 class Reached(Exception):
-    """The cost is within 1.001 of the optimum: nothing more to count."""
+    """The cost is within 1.001 of the optimum: the count ends."""
 
 
 class Capped(Exception):
@@ -15,8 +15,8 @@ class Capped(Exception):
 
 
 class Problem:
-    """The metric's triangle of a simulated Girona500: 8 sets of 30 s, 1 N of disturbance, the
-    sensors of README; another record for each seed. The cost is auvid's own, in float32."""
+    """The R factor of the metric of a simulated Girona500: 8 sets of 30 s, 1 N of disturbance, the
+    sensors of README; a different record for each seed. The cost is that of auvid, in float32."""
 
     def __init__(self, seed):
         self.lib = lib = load("float")
@@ -34,7 +34,7 @@ class Problem:
         lib.auvid_metric_scale(self.metric, scale)
         self.units = {"box": np.full(N, BOUND), "columns": scale[:N].astype(float)}
         self.pi = lib.zeros(17)
-        # The cost leaves out what no degree of freedom by itself can explain.
+        # The cost excludes the residual that no single degree of freedom explains.
         least = self.cost(self.optimum[:N])
         self.target = least + 1e-3 * (least + self.metric.constant)
 

@@ -1,14 +1,14 @@
 """The paper's experiment, in simulation: its Girona500 as truth, bounds [-1000, 1000].
 
-Prints the table of parameters, R2 on held-out runs beside the truth's own, and how a joint UKF
-fares from good and from bad starts; writes figures as the paper's 3 to 6 and more.
+Prints the table of parameters, R2 on held-out runs compared with that of the truth, and the results
+of a joint UKF from good and bad initial values. Writes figures like Figs. 3 to 6 of the paper.
 """
 import json
 
 import numpy as np
 
 from auvid_validation import style, ukf
-from auvid_validation.complaint import at_least, folder
+from auvid_validation.user_error import at_least, folder
 from auvid_validation.library import PARAMETERS, values
 from auvid_validation.model import r2, simulate
 from auvid_validation.progress import Progress
@@ -17,10 +17,10 @@ from auvid_validation.world import N, TICK_S, Run, identify
 VELOCITIES = [("u", "surge", "m/s"), ("v", "sway", "m/s"), ("w", "heave", "m/s"),
               ("r", "yaw", "rad/s")]
 UNITS = ["kg"] * 3 + ["kg m2", "N"] + ["N s/m", "N s2/m2"] * 3 + ["Nm s", "Nm s2"]
-#: Seeds of validation runs begin so much above those of the runs that are identified.
+#: Offset of the seeds of validation runs from those of identified runs.
 APART = 1000000
 OURS = "auvid, from the box"
-#: A run has succeeded when its largest error is below.
+#: Largest error of a successful run.
 SUCCESS = 0.2
 
 
@@ -33,10 +33,10 @@ def arguments(parser):
     parser.add_argument("--sets", type=int, choices=range(2, 9), default=8,
                         help="of 30 s; default %(default)s")
     parser.add_argument("--validations", type=at_least(1), default=20, metavar="N",
-                        help="held-out runs, each with an identification of its own; "
+                        help="held-out runs, each with its own identification; "
                         "default %(default)s")
     parser.add_argument("--starts", type=at_least(1), default=20, metavar="N",
-                        help="of the UKF of each kind, each on another run; default %(default)s")
+                        help="UKF runs per kind of start, each on another run; default %(default)s")
 
 
 def least_squares(run):
@@ -50,7 +50,7 @@ def least_squares(run):
 
 
 def held_out(world, **others):
-    """Motion that was not identified with: another seed, 120 s of other steps and sines."""
+    """Motion not used for the identification: another seed, 120 s of other steps and sines."""
     return Run(dict(world, seed=world["seed"] + APART, sets=4, literal=False, **others), work=False)
 
 
@@ -67,8 +67,8 @@ def judged(run, predicted):
 
 
 def search(world):
-    """Excess cost, in parts of what no parameters explain, after each evaluation of a search that
-    begins when all sets are there: [(evaluations, excess, phase)]."""
+    """Excess cost, relative to the residual that no parameters explain, after each evaluation of
+    a search that starts when all sets are complete: [(evaluations, excess, phase)]."""
     run = Run(world, work=False)
     lib, id_, steps = run.lib, run.chain.id, []
     cost, last = lib.zeros(1), -1
@@ -87,8 +87,8 @@ def search(world):
 
 
 def initialisation(world, count, progress):
-    """Of as many runs: the largest error of a parameter, by the method and where it starts.
-    Infinite: it diverged."""
+    """Largest error of a parameter in each run, by method and initial values.
+    Infinite: diverged."""
     worst, random = {}, np.random.default_rng(world["seed"])
     for k in range(count):
         run = Run(dict(world, seed=world["seed"] + k))
@@ -157,7 +157,7 @@ def convergence_figure(run):
         axis.fill_between(sets, pi - sigma, pi + sigma, color=style.LIGHT, alpha=0.7, linewidth=0)
         axis.plot(sets, pi, color=style.BLUE, marker="o")
         axis.axhline(truth, color=style.BLACK, linestyle="--", linewidth=1)
-        # the band of the second set may be wide, that of the first says nothing of the rest
+        # the band of the second set may be wide, that of the first is not representative
         half = 1.4 * max(np.max(np.abs(pi[1:] - truth) + sigma[1:]), 0.01 * abs(truth))
         axis.set_ylim(truth - half, truth + half)
         axis.set_title(f"{PARAMETERS[i]} [{UNITS[i]}]")
@@ -207,12 +207,12 @@ def initialisation_figure(worst):
     axis.set_xlim(0, 115)
     axis.set_xticks(range(0, 101, 20))
     axis.set_xlabel("runs in which every parameter ends within 20 % of the truth [%]")
-    axis.set_title("A joint UKF by where it starts, and the search, which needs no start")
+    axis.set_title("A joint UKF by its initial values, and the search, which needs none")
     return fig
 
 
 def report_initialisation(out, worst):
-    out("\njoint UKF, told the noise of all sensors and of the force, by its start, on "
+    out("\njoint UKF, with known noise of all sensors and of the force, by initial values, on "
         f"{len(worst[OURS])} runs:")
     out("  start                  every parameter within 20 %   diverged   median largest error")
     for name, errors in worst.items():
@@ -234,7 +234,7 @@ def report_r2(out, found, world):
             out(f"  {name:<8} {who:<12}" + row)
         worst = max(worst, float(np.max(median[1] - median[0])))
     passed = worst <= 0.002
-    out(f"  largest gap of a median to the truth's own: {worst:.4f} (goal 0.002) "
+    out(f"  largest gap of a median to that of the truth: {worst:.4f} (goal 0.002) "
         f"{'PASS' if passed else 'FAIL'}")
     return passed, worst
 

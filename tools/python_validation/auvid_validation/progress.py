@@ -1,4 +1,4 @@
-"""One line on the terminal that tells how far it is; nothing when nobody looks."""
+"""One line of progress on a terminal; nothing otherwise."""
 import sys
 import time
 

@@ -1,4 +1,4 @@
-"""Logs of a real vehicle: read whatever format, identified by `auvid fit`, simulated here."""
+"""Logs of a real vehicle: read in any format, identified by `auvid fit`, simulated here."""
 import json
 import pathlib
 import subprocess
@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.library import PARAMETERS, program
 from auvid_validation.model import simulate
 from auvid_validation.world import DOFS
@@ -16,21 +16,21 @@ RATES = ["p_radps", "q_radps"]
 VELOCITIES = ["u_mps", "v_mps", "w_mps", "r_radps"]
 WRENCH = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
 COMMANDS = ["cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"]
-GAP_S = 0.5  # a longer one ends the record
+GAP_S = 0.5  # a longer gap ends the record
 
 
 def auvid(*arguments):
-    """Output of the program; what it complains about is the user's."""
+    """Output of the program. Its error messages are errors of the user."""
     done = subprocess.run([str(program()), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode == 2 or (done.returncode != 0 and not done.stdout):
         words = done.stderr.strip().splitlines() or ["the program failed"]
-        raise Complaint(words[-1].removeprefix("auvid: "))
-    sys.stderr.write(done.stderr)  # warnings, and what of a log is not used
+        raise UserError(words[-1].removeprefix("auvid: "))
+    sys.stderr.write(done.stderr)  # warnings, and unused parts of a log
     return done.stdout
 
 
 def as_candump(path, to):
-    """A .asc or .blf, as candump -L writes it."""
+    """Converts a .asc or .blf to the format of candump -L."""
     import can
     frames = 0
     try:
@@ -43,28 +43,28 @@ def as_candump(path, to):
                 file.write(f"({frame.timestamp:.6f}) can0 {frame.arbitration_id:0{digits}X}#"
                            f"{bytes(frame.data).hex().upper()}\n")
             cut_off = getattr(log, "file_size", 0) > path.stat().st_size  # of a .blf: as its header
-    except Exception as error:  # whatever a parser of others raises on a damaged file
-        raise Complaint(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
+    except Exception as error:  # any exception of the parser on a damaged file
+        raise UserError(f"{path}: cannot be read as {path.suffix[1:]}: {error}")
     if frames == 0:
-        raise Complaint(f"{path}: no frame in it; is it {path.suffix}?")
+        raise UserError(f"{path}: no frame in it: check that it is a {path.suffix} file")
     if path.suffix == ".asc":
         text = path.read_text().lower()
         cut_off = "begin triggerblock" in text and "end triggerblock" not in text
     if cut_off:
-        raise Complaint(f"{path}: is cut off")
+        raise UserError(f"{path}: is cut off")
 
 
 def as_csv(path, folder):
-    """The log as `auvid fit` reads it: itself, or written to the folder."""
+    """The log in the format of `auvid fit`: itself, or converted into the folder."""
     if not path.is_file():
-        raise Complaint(f"{path}: no such file")
+        raise UserError(f"{path}: no such file")
     if path.suffix in (".asc", ".blf"):
         candump = folder / (path.stem + ".log")
         as_candump(path, candump)
         try:
             return as_csv(candump, folder)
-        except Complaint as complaint:
-            raise Complaint(str(complaint).replace(str(candump), str(path)))
+        except UserError as error:
+            raise UserError(str(error).replace(str(candump), str(path)))
     if path.suffix != ".log":
         return path
     to = folder / (path.stem + ".csv")
@@ -73,17 +73,17 @@ def as_csv(path, folder):
 
 
 def fit(train, test, arguments):
-    """What `auvid fit --json` says; with nothing to identify that is bad input."""
+    """The result of `auvid fit --json`. With nothing to identify it is an error of the input."""
     more = ["--validate", test] if test else []
     found = json.loads(auvid("fit", train, "--json", *more, *arguments))
     if found["status"] == "not_excited":
-        raise Complaint(f"{train}: nothing to identify: the log is too short, or no degree of "
-                        "freedom was moved by an input that varies")
+        raise UserError(f"{train}: nothing to identify: the log is too short, or no degree of "
+                        "freedom has an input that varies")
     velocity = Log(train).velocity
     for i, axis in enumerate("XYZN"):
         if found["r2_force"][axis] is not None and np.ptp(velocity[:, i]) == 0:
-            raise Complaint(f"{train}: {VELOCITIES[i]} never changes although its input does: look "
-                            "at the sensor, or leave the column out")
+            raise UserError(f"{train}: {VELOCITIES[i]} never changes although its input does: "
+                            "check the sensor, or remove the column")
     return found
 
 
@@ -94,7 +94,7 @@ class Log:
         self.path = pathlib.Path(path)
         with self.path.open(encoding="utf-8-sig") as file:  # as auvid fit: a mark may come first
             names = [name.strip() for name in file.readline().split(",")]
-            lines = [line for line in file if line.endswith("\n")]  # the last may be cut off
+            lines = [line for line in file if line.endswith("\n")]  # the last may be truncated
             data = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
         column = dict(zip(names, data.T))
 
@@ -116,13 +116,13 @@ class Log:
 
 
 class Model:
-    """What `auvid fit` found, ready to simulate a log."""
+    """The result of `auvid fit`, ready to simulate a log."""
 
     def __init__(self, found, log):
         pi = {p["name"]: p["estimate"] or 0.0 for p in found["parameters"]}
         self.log, self.coupled = log, "decoupled" not in found["model"]
         self.pi = [pi.get(name, 0.0) for name in PARAMETERS]
-        # held from a row to the next, and delayed: a row's input acts in the step that ends there
+        # held until the next row, and delayed: the input of a row acts in the step that ends there
         self.input = np.empty_like(log.input)
         for j, axis in enumerate("XYZN"):
             since = log.t - (found["delay_s"][axis] or 0.0)
@@ -130,21 +130,21 @@ class Model:
             self.input[:, j] = log.input[np.maximum(row, 0), j] + pi.get(f"{axis}_0", 0.0)
 
     def run(self, part):
-        """u v w r in a slice, from the velocity measured at its begin."""
+        """u v w r in a slice, from the measured velocity at its start."""
         log = self.log
         start, h = [*log.velocity[part.start], 0], np.diff(log.t[part], prepend=log.t[part.start])
         return simulate(self.pi, log.tilt[part], self.input[part], h, start, self.coupled,
                         log.velocity[part])[:, :4]
 
     def whole(self):
-        """u v w r, begun anew after each gap only."""
+        """u v w r, restarted only after each gap."""
         out = np.full((len(self.log.t), 4), np.nan)
         for piece in self.log.pieces:
             out[piece] = self.run(piece)
         return out
 
     def ahead(self, seconds=1.0):
-        """-> (times, [m, 4] errors of predictions so far ahead, one after the other)"""
+        """-> (times, [m, 4] errors of consecutive predictions over that horizon)"""
         t, ends, errors = self.log.t, [], []
         for piece in self.log.pieces:
             begin = piece.start

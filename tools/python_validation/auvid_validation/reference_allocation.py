@@ -1,4 +1,4 @@
-"""Thruster allocation against numpy: pseudo-inverse, forces, saturation, what a thruster can do."""
+"""Thruster allocation against numpy: pseudo-inverse, forces, saturation, limits of a thruster."""
 import numpy as np
 
 from auvid_validation.compare import close
@@ -6,7 +6,7 @@ from auvid_validation.library import values
 
 
 def thrusters(lib, rng, rank=6):
-    """Six to eight thrusters at random places; of rank 3 those of a craft that moves in a plane."""
+    """Six to eight thrusters at random places; of rank 3 for motion in a plane."""
     config, a = lib.auvid_allocation_config_t(), lib.auvid_allocation_t()
     lib.auvid_allocation_defaults(config)
     config.thrusters, config.priority = int(rng.integers(6, 9)), 0

@@ -1,5 +1,5 @@
-"""The frames against cantools, autosar-e2e and crccheck. (tests/can/oracle.py goes on to limits,
-ties, NaN and payloads at random.)"""
+"""The frames against cantools, autosar-e2e and crccheck. (tests/can/oracle.py adds limits,
+ties, NaN and random payloads.)"""
 import math
 
 import cantools
@@ -20,7 +20,7 @@ def protect(data, data_id):
 
 
 def member(holder, name):
-    """(array or struct, index or name) where a signal stands: thrust_3 is thrust[2]."""
+    """(array or struct, index or name) of a signal: thrust_3 is thrust[2]."""
     if hasattr(holder, name):
         return holder, name
     stem, number = name.rsplit("_", 1)
@@ -41,7 +41,7 @@ def get(holder, name):
 
 
 def random_value(rng, signal):
-    """What may stand in it, not rounded to its steps; unsigned ones are whole numbers."""
+    """Random valid values, not rounded to its steps; unsigned ones are whole numbers."""
     if signal.is_float:
         return float(np.float32(np.clip(rng.normal() * 100, signal.minimum, signal.maximum)))
     if signal.is_signed:
@@ -52,7 +52,7 @@ def random_value(rng, signal):
 
 
 class Frames:
-    """Frames packed by auvid and read by cantools, and the other way."""
+    """Frames packed by auvid and read by cantools, and vice versa."""
 
     def __init__(self, lib, rng):
         self.lib, self.sender = lib, lib.auvid_can_sender_t()
@@ -85,7 +85,7 @@ class Frames:
             rounding = np.finfo(lib.real).eps * abs(steps) if s.is_signed else 0
             self.off = max(self.off, float(abs(raw[s.name] - steps) - rounding))
             self.values += 1
-        # cantools makes the frame anew, from what it read; auvid reads that.
+        # cantools packs the frame again from what it read; auvid reads the result.
         back = lib.auvid_can_message_t()
         frame.data[:] = protect(message.encode(raw, scaling=False), message_id)
         self.wrong["again"] += bytes(frame.data) != data

@@ -94,7 +94,7 @@ def model(lib):
                 "relative to sum|Y||pi| / m", 6, "as the wrench, and a quotient")
 
 
-def craft(config, x, tau):
+def sim_derivative(config, x, tau):
     """Derivative of [position, euler, nu]: the model above, with the simulator's roll and pitch
     (simulator.h) and Euler angles."""
     pi, (phi, theta, psi), nu = values(config.parameter), x[3:6], x[6:]
@@ -128,7 +128,7 @@ def simulator(lib):
         tau = rng.choice([-1, -0.3, 0.3, 1], 6) * [100, 100, 100, 0, 0, 40]
         for _ in range(round(HOLD_S / 0.02)):
             lib.sim_step(sim, None, tau, out)
-        x = solve_ivp(lambda _, y, w=tau: craft(config, y, w), (0, HOLD_S), x, "DOP853",
+        x = solve_ivp(lambda _, y, w=tau: sim_derivative(config, y, w), (0, HOLD_S), x, "DOP853",
                       rtol=1e-12, atol=1e-14).y[:, -1]
         truth = sim.truth
         ours.append(np.r_[values(truth.position), values(truth.euler), values(truth.nu)])

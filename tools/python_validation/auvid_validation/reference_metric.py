@@ -18,7 +18,7 @@ STORED = 2.0**-16
 
 
 def record(lib, rng, cells):
-    """Sums of sines in all degrees of freedom, the wrench they take and a coloured force."""
+    """Sums of sines in all degrees of freedom, their wrench and a coloured force."""
     t = CELL_S * np.arange(cells)
     size = np.array([0.4, 0.2, 0.15, 0.02, 0.03, 0.25])
     frequency = np.array([0.050, 0.043, 0.061, 0.30, 0.25, 0.057])
@@ -52,7 +52,7 @@ def taps_of(config):
 
 
 def windows(config, cells):
-    """The cells of each row, from the seventh on: the wrench is wanted at all delays."""
+    """The cells of each row, from the seventh on: the wrench is needed at all delays."""
     taps = taps_of(config)
     return [slice(b, b + taps) for b in range(6, len(cells) - taps + 1, config.row_cells)]
 
@@ -77,7 +77,7 @@ class Pipeline:
         self.a, self.b = np.vstack(self.rows)[:, :-1], np.vstack(self.rows)[:, -1]
 
     def of_rows(self, config, cells):
-        """Rows of unsmoothed cells; rows and wrench smoothed alike, forces spread besides."""
+        """Rows of unsmoothed cells; rows and wrench with the same filter, forces also spread."""
         y = np.array([girona500.regressor(*motion(c)) for c in cells])
         tau = np.array([values(c.tau)[girona500.DRIVEN] for c in cells], float)
         spread = min((1e-6 * config.velocity_us)**2 / 12 / CELL_S**2, 0.5)
@@ -93,7 +93,7 @@ class Pipeline:
 
     @staticmethod
     def of_states(config, cells):
-        """Our reading of the paper: smoothed states, their smoothed derivative, raw wrench."""
+        """Literal smoothing: smoothed states, their smoothed derivative, raw wrench."""
         h, order = config.half_width[0], config.order
         smooth = savgol_coeffs(2 * h + 1, order, use="dot")
         derivative = savgol_coeffs(2 * h + 1, order, 1, CELL_S, use="dot")
@@ -119,7 +119,7 @@ class Pipeline:
         return ((self.a @ pi - self.b)**2).sum()
 
     def unexplained(self):
-        """The part of the cost that no pi explains, each degree of freedom by itself."""
+        """The part of the cost that no pi explains, by degree of freedom."""
         return sum(self.left(r, self.solve([r])) for r in self.rows)
 
 
@@ -194,6 +194,6 @@ def comparisons(lib):
                 [(ours[:13], 1 / scale, 1 / scale)], "relative to itself", 600,
                 "that of the bands' weights", STORED)
     metric, reference = make(lib, rng, literal=True)
-    yield close(lib, "metric, our reading of the paper, cost", "scipy savgol, numpy, all rows",
+    yield close(lib, "metric, literal smoothing, cost", "scipy savgol, numpy, all rows",
                 [costs(lib, rng, metric, reference)], "relative to itself", 600,
                 "4 of a wrench 73 times its residual, squared", STORED)

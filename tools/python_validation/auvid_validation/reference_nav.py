@@ -38,7 +38,7 @@ def make_run(lib, rng):
 
 
 class Auvid:
-    """The filter under test, and what it says after each tick."""
+    """The filter under test, and its output after each tick."""
 
     def __init__(self, lib):
         self.lib, self.config, self.nav = lib, lib.auvid_nav_config_t(), lib.auvid_nav_t()
@@ -75,7 +75,7 @@ class Auvid:
 
 
 class Model:
-    """What both references share: numbers of the configuration, H and R of each sensor."""
+    """Shared by both references: numbers of the configuration, H and R of each sensor."""
 
     def __init__(self, config):
         self.sigma = values(config.sigma_acceleration).astype(float)
@@ -187,7 +187,7 @@ def comparisons(lib):
         position = ([o["x"][:3] for o in ours], [t["x"][:3] for t in theirs])
         velocity = ([o["x"][3:] for o in ours], [t["x"][3:] for t in theirs])
         yield close(lib, "navigation, position, a minute", name, [position], "m", 1,
-                    "kept as a sum of two numbers, read as one")
+                    "stored as a sum of two numbers, read as one")
         yield close(lib, "navigation, velocity", name, [velocity], "m/s", 8,
                     "z - H x, a gain, a sum: each of the size of v")
         pairs = [(o["p"], t["p"], of_deviations(t)) for o, t in zip(ours, theirs)]

@@ -23,7 +23,7 @@ def play(lib, segments, fade_s=0.0, tick_us=20_000, seed=1):
         wrench = lib.zeros(6)
         if lib.auvid_excitation_step(e, k * tick_us, wrench) != 0:
             break
-        if first is None:  # what was drawn for the sums of sines
+        if first is None:  # the values drawn for the sums of sines
             first = {j: (float(c.scale), values(c.frequency_hz).astype(float),
                          values(c.cycles).astype(float)) for j, c in enumerate(e.channel)}
         out.append(wrench)
@@ -60,7 +60,7 @@ def excitation(lib):
             angle = 2 * np.pi * (np.outer(t, frequency) + cycles)
             sums.append((wrench[:, j], 100 * scale * np.sin(angle).sum(1), 100.0))
             peaks.append(np.abs(wrench[:, j]).max())
-            # All of its power is at the frequencies drawn: a fit of sines leaves nothing.
+            # All its power is at the drawn frequencies: a fit of sines has no residual.
             basis = np.hstack([np.sin(angle), np.cos(angle)])
             fit = np.linalg.lstsq(basis, wrench[:, j].astype(float))[0]
             tones.append((np.hypot(fit[:5], fit[5:]), np.full(5, 100 * scale), 500.0 * scale))

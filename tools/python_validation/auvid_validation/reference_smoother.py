@@ -10,7 +10,7 @@ DT = 0.02
 
 
 def filters(derivative):
-    """(half-width, order) that scipy and auvid both have."""
+    """(half-width, order) supported by scipy and auvid."""
     return [(h, order) for h in WIDTHS for order in range(derivative, 6) if order <= 2 * h]
 
 
@@ -21,7 +21,7 @@ def coefficients(lib, h, order, derivative, position):
 
 
 def smoothed(lib, x, h, order, derivative):
-    """The whole record, edges included."""
+    """The whole record, including its edges."""
     config, smoother = lib.auvid_smoother_config_t(), lib.auvid_smoother_t()
     config.half_width, config.order, config.derivative, config.dt_s = h, order, derivative, DT
     assert lib.auvid_smoother_init(smoother, config) == 0
@@ -52,13 +52,13 @@ def comparisons(lib):
             for position in (0, -h, h // 2, h):
                 theirs = by_legendre(h, order, derivative, dt, position)
                 edges.append((coefficients(lib, h, order, derivative, position), theirs))
-            if h**order > 1e6:  # here scipy's are no longer good to 1e-9
+            if h**order > 1e6:  # here scipy is no longer accurate to 1e-9
                 continue
             theirs = savgol_coeffs(2 * h + 1, order, derivative, dt, use="dot")
             pairs.append((coefficients(lib, h, order, derivative, 0), theirs))
             x = lib.array(np.cumsum(rng.normal(size=6 * h + 5)))
             theirs = savgol_filter(x.astype(float), 2 * h + 1, order, derivative, dt)
-            # An output is as good as the sum of what went into it.
+            # The accuracy of an output is that of the sum of its inputs.
             gain = max(np.abs(t).sum() for _, t in edges[-4:])
             records.append((smoothed(lib, x, h, order, derivative), theirs,
                             gain * np.abs(x).max()))

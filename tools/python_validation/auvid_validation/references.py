@@ -1,5 +1,5 @@
-"""auvid-validate references: every module, in single and in double precision, against tools that
-others wrote. One row a comparison; closes with "N passed, N failed"."""
+"""auvid-validate references: every module, in single and in double precision, against
+independent tools. One row per comparison; ends with "N passed, N failed"."""
 import dataclasses
 import importlib
 import json
@@ -7,10 +7,10 @@ import json
 import numpy as np
 
 from auvid_validation.compare import Row
-from auvid_validation.complaint import Complaint, output
+from auvid_validation.user_error import UserError, output
 from auvid_validation.library import load
 
-#: Each is a module reference_NAME with comparisons(lib).
+#: Each name stands for a module reference_NAME with comparisons(lib).
 PARTS = ("smoother", "nav", "dynamics", "allocation", "metric", "can", "signals")
 
 
@@ -21,13 +21,13 @@ def arguments(parser):
 
 
 def rows_of(part, precision):
-    """All rows; one that failed in place of those that an exception took."""
+    """All rows. A failed row replaces those lost by an exception."""
     try:
         module = importlib.import_module(f"auvid_validation.reference_{part}")
         yield from module.comparisons(load(precision))
-    except Complaint:
+    except UserError:
         raise
-    except Exception as error:  # noqa: BLE001  whatever it was, the others go on
+    except Exception as error:  # noqa: BLE001  the other modules continue after any exception
         where = error.__traceback__
         while where.tb_next:
             where = where.tb_next
@@ -44,7 +44,7 @@ def run(options):
     told = []
     print(f"      {'':<6s}  {'quantity':<47s}  {'reference':<32s}  largest difference <= bound")
     for precision in [options.precision] if options.precision else ["float", "double"]:
-        load(precision)  # or the one complaint that it is not built
+        load(precision)  # or the message that it is not built
         for part in [options.only] if options.only else PARTS:
             for row in rows_of(part, precision):
                 show(row, precision)

@@ -1,4 +1,4 @@
-"""Identify a vehicle from a log of its own: a page with figures, and the numbers as JSON.
+"""Identifies a vehicle from a log: a page with figures, and the numbers as JSON.
 
 LOG is a CSV as `auvid fit` reads it (auvid --help lists the columns), or frames of auvid's bus:
 candump -L (.log), .asc or .blf. The identification is that of `auvid fit`; the simulation and the
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from auvid_validation import style
-from auvid_validation.complaint import Complaint, folder
+from auvid_validation.user_error import UserError, folder
 from auvid_validation.model import r2
 from auvid_validation.recorded import Log, Model, as_csv, fit
 
@@ -27,7 +27,7 @@ def arguments(parser):
     parser.add_argument("--validate", type=pathlib.Path, metavar="LOG2",
                         help="held-out log, of the same kinds")
     parser.add_argument("--both", action="store_true",
-                        help="the other direction too: identify from LOG2, validate on LOG")
+                        help="also the other direction: identify from LOG2, validate on LOG")
     parser.add_argument("--out", type=folder, default="build/validation/report",
                         help="folder of report.html and report.json; default %(default)s")
     for flag in ("--bias", "--literal"):
@@ -46,7 +46,7 @@ def passed_on(options):
 
 
 def whiteness(errors):
-    """Autocorrelation of the errors up to LAGS, and Ljung and Box's test that there is none."""
+    """Autocorrelation of the errors up to LAGS, with the Ljung-Box test."""
     n, lags = len(errors), min(LAGS, len(errors) // 4)
     if lags < 1 or np.std(errors) == 0:
         return None
@@ -60,7 +60,7 @@ def whiteness(errors):
 
 
 def judged(log, found):
-    """-> (numbers, what the figures need) of an identification on a log."""
+    """-> (numbers, data of the figures) of an identification on a log."""
     model = Model(found, log)
     predicted, (times, errors) = model.whole(), model.ahead()
     there = np.all(np.isfinite(log.velocity), axis=1) & np.any(np.isfinite(predicted), axis=1)
@@ -104,7 +104,7 @@ def residual_figure(numbers, drawn):
         left.plot(times, errors[:, "uvwr".index(symbol)], ".", color=style.BLUE, markersize=3.5)
         left.axhline(0, color=style.BLACK, linewidth=0.8)
         left.set_ylabel(f"{symbol} [{UNITS[symbol]}]")
-        left.set_title(f"{NAMES[symbol].capitalize()}: measured less foretold 1 s before, "
+        left.set_title(f"{NAMES[symbol].capitalize()}: measured minus predicted 1 s before, "
                        f"rms {found['rms']:.2g}")
         rho = found["autocorrelation"]
         right.axhspan(-found["band"], found["band"], color=style.LIGHT, alpha=0.6, linewidth=0)
@@ -129,7 +129,7 @@ def parameter_figure(found):
     axes[0, 0].set_ylabel("95 % half-width\n[% of the estimate]")
     axes[0, 0].grid(axis="x", visible=False)
     axes[0, 0].tick_params(axis="x", labelsize=8)
-    axes[0, 0].set_title("How sure: filled is identifiable, dotted is the limit")
+    axes[0, 0].set_title("Half-widths: filled is identifiable, dotted is the limit")
     return fig
 
 
@@ -142,7 +142,7 @@ def half_width(p):
 
 
 def rounded(p):
-    """Estimate and half-width, to the half-width's second digit."""
+    """Estimate and half-width, rounded to the second digit of the half-width."""
     half = half_width(p)
     if not half:
         return number(p["estimate"])
@@ -151,9 +151,9 @@ def rounded(p):
 
 
 def meaning(name):
-    """Of a parameter, in plain words."""
+    """Meaning of a parameter in words."""
     if name == "W-B":
-        return "weight less buoyancy"
+        return "weight minus buoyancy"
     kind, of = name.split("_")
     dof = NAMES[of[0]] if kind == "m" else NAMES["uvwr"["XYZN".index(kind)]]
     if kind == "m":
@@ -187,14 +187,14 @@ def white_words(numbers):
     out = []
     for symbol, found in numbers["one_second_ahead"].items():
         if not found:
-            out.append(f"{NAMES[symbol]}: too short to tell")
+            out.append(f"{NAMES[symbol]}: too short for a test")
         elif found["p"] >= 0.05:
             out.append(f"{NAMES[symbol]}: no pattern found (p {found['p']:.2g})")
         else:
             first = found["autocorrelation"][1]
-            cause = ("one error is like the next: a force that lasts and is not in the model, or "
+            cause = ("consecutive errors are similar: a lasting unmodelled force, or "
                      "a wrong term" if first > found["band"] else
-                     "one error is opposite to the next: noise of the measured velocity"
+                     "consecutive errors have opposite signs: noise of the measured velocity"
                      if first < -found["band"] else "at longer lags")
             out.append(f"{NAMES[symbol]}: there is a pattern (p {found['p']:.2g}); {cause}")
     return bullets(out)
@@ -206,14 +206,14 @@ def bullets(sentences):
 
 def sure(one):
     parameters = one["fit"]["parameters"]
-    driven = sum(p["estimate"] is not None for p in parameters)
-    still = len(parameters) - driven
-    return (f"{sum(p['identifiable'] for p in parameters)} of {driven}"
-            + (f", {still} not driven" if still else ""))
+    excited = sum(p["estimate"] is not None for p in parameters)
+    still = len(parameters) - excited
+    return (f"{sum(p['identifiable'] for p in parameters)} of {excited}"
+            + (f", {still} not excited" if still else ""))
 
 
 def explained(one, symbol):
-    """R2 with its interval, where there is a held-out log and it moves."""
+    """R2 with its interval, if there is a held-out log with motion."""
     own = one["judged"]["r2"].get(symbol)
     if not one["validate"]:
         return number(own, 3)
@@ -225,34 +225,36 @@ def explained(one, symbol):
 
 
 def in_short(found):
-    """What a reader in a hurry wants: how well the motion is foretold, how much is known."""
+    """Summary: how well the motion is predicted, and how many parameters are identifiable."""
     shown = [s for s in NAMES if any(s in one["judged"]["r2"] for one in found)]
     rows = [(one["log"], one["validate"] or "itself", *(explained(one, s) for s in shown),
              sure(one)) for one in found]
-    return table(("from", "tried on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"), rows)
+    return table(("from", "validated on", *(f"R² {NAMES[s]}" for s in shown), "identifiable"),
+                 rows)
 
 
 def agreement(found):
     """Two logs of one vehicle should give the same parameters, within their joint half-widths."""
-    rows, apart = [], []
+    rows, differing = [], []
     other = {p["name"]: p for p in found[1]["fit"]["parameters"]}
     for a in found[0]["fit"]["parameters"]:
         b = other.get(a["name"])
         if b and half_width(a) and half_width(b):
             near = abs(a["estimate"] - b["estimate"]) <= np.hypot(half_width(a), half_width(b))
-            apart += [] if near else [a["name"]]
+            differing += [] if near else [a["name"]]
             rows.append((a["name"], rounded(a), rounded(b), "yes" if near else "no"))
     if not rows:
-        return ("<h2>Do the two logs agree?</h2><p>That cannot be told: no parameter is known from "
-                "both logs.</p>")
-    if not apart:
+        return ("<h2>Do the two logs agree?</h2><p>Unknown: no parameter is known from both "
+                "logs.</p>")
+    if not differing:
         answer = (f"Yes: the estimates of all {len(rows)} parameters known from both logs differ "
                   "by less than their joint half-width.")
     else:
-        answer = (f"No: {', '.join(apart)} differ{'s' if len(apart) == 1 else ''} by more than the "
-                  f"joint half-width, {len(apart)} of {len(rows)} parameters. By chance, one in "
-                  "twenty does. If more do, the half-widths miss something: the model lacks a "
-                  "term, a disturbance lasted, or the vehicle was changed between the logs.")
+        ending = "s" if len(differing) == 1 else ""
+        answer = (f"No: {', '.join(differing)} differ{ending} by more than the joint half-width, "
+                  f"{len(differing)} of {len(rows)} parameters. One in twenty "
+                  "differs by chance. If more differ, the half-widths are too small: a term is "
+                  "missing in the model, a disturbance lasted, or the vehicle changed in between.")
     return (f"<h2>Do the two logs agree?</h2><p>{answer}</p>"
             + table(("parameter", *(f"{one['log']} ± 95 %" for one in found), "agree"), rows))
 
@@ -266,9 +268,8 @@ def delays(found):
 
 
 UNITS_OF_COMMAND = (
-    "<p>The input of this log is commands, not forces. So are the units: one cmd is the force that "
-    "a command of 1 makes. Times the newtons that it makes (yaw: newton metres) the parameters are "
-    "in SI units.</p>")
+    "<p>The inputs of this log are commands, not forces. One cmd is the force of a command of 1. "
+    "Multiply the parameters by this force in newtons (yaw: newton metres) to get SI units.</p>")
 
 
 def section(one, drawn, chosen):
@@ -279,7 +280,7 @@ def section(one, drawn, chosen):
     terms = ("each degree of freedom by itself" if "decoupled" in found["model"] else
              "with the terms between degrees of freedom (Eq. 12-15)")
     if chosen:
-        terms += ", which foretold parts of this log that it was not fitted to better"
+        terms += ", selected by cross-validation"
     commands = any("cmd" in p["unit"] for p in found["parameters"])
     return "\n".join([
         f"<h2>Identified from {html.escape(one['log'])}</h2>",
@@ -289,18 +290,18 @@ def section(one, drawn, chosen):
         f"{html.escape(found['status'])}).</p>",
         UNITS_OF_COMMAND if commands else "",
         parameters_html(found), style.inline(parameter_figure(found), "half-widths"),
-        "<h3>What the excitation lacks</h3>",
+        "<h3>Missing excitation</h3>",
         bullets(found["missing"] or ["nothing: every parameter is identifiable"]),
         f"<h3>Simulated velocity, {html.escape(what)}</h3>",
-        "<p>The equations of motion under the recorded input, begun at the measured velocity, and "
-        "anew only after a gap of the log; attitude, p and q as recorded. R² here is of this "
-        "simulation, apart from that of auvid fit above.</p>",
+        "<p>The equations of motion under the recorded input, from the measured initial velocity, "
+        "restarted only after a gap of the log; attitude, p and q as recorded. R² here is of this "
+        "simulation, which is independent of auvid fit above.</p>",
         style.inline(velocity_figure(numbers, drawn), "velocities"),
-        "<h3>What is left: is there a pattern?</h3>",
-        "<p>What was measured, less what was foretold one second before from the velocity measured "
-        "then. Of a model that lacks nothing these errors are noise without a pattern: points "
-        "around zero, and in the right column nothing beyond the grey band. p is the probability "
-        "of as much pattern by chance (Ljung and Box's test).</p>",
+        "<h3>Residuals: is there a pattern?</h3>",
+        "<p>The measurement minus its prediction one second before, from the velocity measured at "
+        "that time. For a complete model these errors are noise without a pattern: points around "
+        "zero, and in the right column nothing beyond the grey band. p is the probability of as "
+        "much pattern by chance (Ljung-Box test).</p>",
         white_words(numbers),
         style.inline(residuals, "residuals") if residuals else ""])
 
@@ -317,11 +318,11 @@ td {{ white-space: nowrap; }} td.n, td:last-child {{ white-space: normal; }}
 .n {{ text-align: right; }}
 </style></head><body><h1>{title}</h1>
 {short}
-<p>R² is the part of a measured velocity's variance that a simulation with the estimate explains: 1
-is all of it, 0 no more than the mean does. Intervals are 95 %; those of R² are from blocks of 10 s,
-drawn again. A parameter is identifiable when its degree of freedom was driven and its 95 %
-half-width is at most 20 % of it; of those that are not, use the motion that they foretell together,
-not the values. Masses include the water that moves along. By auvid {version}.</p>
+<p>R² is the share of the variance of a measured velocity that a simulation with the estimate
+explains: 1 is all of it, 0 no more than the mean. Intervals are 95 %; those of R² are by bootstrap
+over blocks of 10 s. A parameter is identifiable if its degree of freedom was excited and its 95 %
+half-width is at most 20 % of it. Do not use the values of other parameters by themselves, only the
+motion that all predict together. Masses include added mass. By auvid {version}.</p>
 {agreement}
 {sections}
 <script type="application/json" id="numbers">{numbers}</script>
@@ -330,21 +331,21 @@ not the values. Masses include the water that moves along. By auvid {version}.</
 
 
 def direction(log, test, names, options):
-    """Identify from one CSV, judge on the other or on itself."""
+    """Identifies from one CSV, validates on the other or on itself."""
     try:
         found = fit(log, test, passed_on(options))
-    except Complaint as complaint:  # which may be about what was made of the log
-        words = str(complaint)
+    except UserError as error:  # which may name the converted log
+        words = str(error)
         for path, name in zip((log, test), names):
             words = words.replace(str(path), str(name)) if path else words
-        raise Complaint(words)
+        raise UserError(words)
     read = Log(log)
     numbers, drawn = judged(Log(test) if test else read, found)
     one = {"log": names[0], "validate": names[1], "rows": len(read.t),
            "seconds": float(read.t[-1]), "fit": found, "judged": numbers}
     if test and all(explained(one, symbol) == "-" for symbol in NAMES):
-        raise Complaint(f"{names[1]}: nothing to validate on: it is too short, or nothing in it "
-                        "moves")
+        raise UserError(f"{names[1]}: nothing to validate on: the log is too short or without "
+                        "motion")
     return one, drawn
 
 
@@ -353,14 +354,14 @@ def print_summary(one):
     for symbol, value in one["judged"]["r2"].items():
         kind = "held-out R2" if one["validate"] else "R2 on the log itself"
         print(f"  {NAMES[symbol]:<6} {kind} " + explained(one, symbol).replace("\xa0", " ")
-              + (f", simulated apart {number(value, 3)}" if one["validate"] else ""))
+              + (f", simulated independently {number(value, 3)}" if one["validate"] else ""))
 
 
 def run(options):
     if options.both and not options.validate:
-        raise Complaint("--both needs --validate LOG2")
+        raise UserError("--both needs --validate LOG2")
     with tempfile.TemporaryDirectory() as made:
-        folders = [pathlib.Path(made, name) for name in "ab"]  # two logs may have one name
+        folders = [pathlib.Path(made, name) for name in "ab"]  # two logs may have the same name
         given = [options.log, options.validate] if options.validate else [options.log]
         logs = []
         for path, into in zip(given, folders):

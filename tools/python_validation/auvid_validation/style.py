@@ -1,4 +1,4 @@
-"""How all figures look: labelled, units, legible in grey (lines differ in lightness and dash)."""
+"""Style of all figures: labels, units, legible in grey (lines differ in lightness and dash)."""
 import base64
 import io
 
@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 BLACK, BLUE, ORANGE, LIGHT = "#1a1a1a", "#1f5f99", "#d9822b", "#b8bec6"
-#: Lines that are compared: (colour, dashes, marker); in grey they are three lightnesses.
+#: Compared lines: (colour, dashes, marker), with three lightnesses in grey.
 KINDS = [dict(color=BLUE, linestyle="-", marker="o"),
          dict(color=ORANGE, linestyle="--", marker="s"),
          dict(color=BLACK, linestyle=":", marker="^"),
@@ -34,11 +34,11 @@ def figure(rows=1, columns=1, width=8.0, height=None, **options):
 
 
 def png(fig):
-    """The figure as bytes, the same for the same numbers; it is closed."""
+    """The figure as bytes, reproducible. Closes the figure."""
     drawn, held = io.BytesIO(), io.BytesIO()
     fig.savefig(drawn, format="png")
     plt.close(fig)
-    # 64 colours are enough, and a third of the bytes
+    # 64 colours are enough, with a third of the bytes
     Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(
         held, "png", optimize=True)
     return held.getvalue()
@@ -50,6 +50,6 @@ def save(fig, path):
 
 
 def inline(fig, words):
-    """The figure within HTML; words for whoever does not see it."""
+    """The figure within HTML; words: alternative text."""
     data = base64.b64encode(png(fig)).decode()
     return f'<img alt="{words}" src="data:image/png;base64,{data}">'

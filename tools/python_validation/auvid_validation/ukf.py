@@ -1,6 +1,6 @@
 """A joint unscented Kalman filter: u v w r and the 13 parameters, as in the literature that the
-paper compares itself with (van der Merwe and Wan 2001). It is told the noise of the sensors and how
-strong the unmodelled force is; what it is not told is the parameters.
+paper refers to (van der Merwe and Wan 2001). It knows the noise of the sensors and the strength of
+the unmodelled force, but not the parameters.
 """
 import numpy as np
 
@@ -33,9 +33,9 @@ def predicted(x, tilt, wrench, h):
 
 
 def joint(run, start, sigma):
-    """Parameters that it ends with, or None where it diverges.
+    """Final parameters, or None if it diverges.
 
-    start, sigma: [13] parameters it begins with, and how sure it is told to be of them.
+    start, sigma: [13] initial parameters and their standard deviations.
     """
     config, h = run.config.sim, TICKS * TICK_S
     lam = (ALPHA ** 2 - 1) * STATES
@@ -44,7 +44,7 @@ def joint(run, start, sigma):
     mean_weight[0] = lam / (STATES + lam)
     weight[0] = mean_weight[0] + 1 - ALPHA ** 2 + BETA
     force = np.array([config.disturbance_N] * 3 + [config.disturbance_Nm])
-    # white noise with the force's effect over long times
+    # white noise with the same long-term effect as the force
     driving = 2 * force ** 2 * config.disturbance_s * h / run.true_pi[:4] ** 2 + 1e-8
     noise = np.square([config.dvl_m_s] * 3 + [config.imu_rate_rad_s])
     (dvl, _), tilt = run.measured()[0], run.measured_tilt
@@ -79,7 +79,7 @@ def joint(run, start, sigma):
 
 
 def starts(truth, random):
-    """Where it begins: name, (start, sigma) drawn anew at each call."""
+    """Initial values: name, (start, sigma) drawn again at each call."""
     def near(part):
         def draw():
             start = truth * (1 + part * random.uniform(-1, 1, N))

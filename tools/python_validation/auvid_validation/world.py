@@ -1,12 +1,12 @@
-"""Whole runs in simulation: the library aboard the simulated Girona500 (tests/support/chain.h).
+"""Complete runs in simulation: the library aboard the simulated Girona500 (tests/support/chain.h).
 
-A world is a dictionary, so that it can be written to a file and sent to another machine:
+A world is a dictionary that can be written to a file and sent to another machine:
     seed            of noise, disturbance, excitation and search
     sets            of 30 s; default 8
-    disturbance_N   rms of the unknown force, 0.4 of it in Nm; default 0
-    lag_s           of the thrusters, which nobody tells the identifier; default 0
-    literal         our reading of the paper's smoothing; default False
-    strength        of the excitation, in parts of 100 N and 40 Nm; default 1
+    disturbance_N   rms of the unmodelled force, 0.4 times this in Nm; default 0
+    lag_s           of the thrusters, unknown to the identifier; default 0
+    literal         literal smoothing of the paper; default False
+    strength        of the excitation, relative to 100 N and 40 Nm; default 1
     one_by_one      one degree of freedom after the other; default False: all at once
     sim             other fields of sim_config_t
 """
@@ -15,7 +15,7 @@ import dataclasses
 
 import numpy as np
 
-from auvid_validation.complaint import Complaint
+from auvid_validation.user_error import UserError
 from auvid_validation.library import PARAMETERS, load, values
 
 TICK_S = 0.02
@@ -28,7 +28,7 @@ N = len(PARAMETERS)
 def configured(lib, world):
     """chain_config_t of a world."""
     if set(world) - KEYS:
-        raise ValueError(f"no such thing in a world: {set(world) - KEYS}")
+        raise ValueError(f"unknown keys of a world: {set(world) - KEYS}")
     seed, sets = world["seed"], world.get("sets", 8)
     config = lib.chain_config_t()
     lib.chain_defaults(config, seed, sets, world.get("disturbance_N", 0.0))
@@ -44,7 +44,7 @@ def configured(lib, world):
     if world.get("literal", False):
         config.id.recorder.cell_us = int(TICK_S * 1e6)
         lib.auvid_identifier_literal(config.id)
-        config.id.metric.row_cells = 25  # a row every half second, as otherwise
+        config.id.metric.row_cells = 25  # a row every half second, as by default
     return config
 
 
@@ -71,24 +71,24 @@ def truth_of(config):
 
 
 def identify(world):
-    """Run a world. -> (its last estimate, the 13 true parameters)"""
+    """Runs a world. -> (its last estimate, the 13 true parameters)"""
     lib = load("float")
     config, chain = configured(lib, world), lib.chain_t()
     status = lib.chain_run_sets(chain, config, world.get("sets", 8))
     if status < 0:
-        raise Complaint(f"this world is refused ({status.name}): {world}")
+        raise UserError(f"this world is refused ({status.name}): {world}")
     lib.chain_finish(chain, 1000, 100000)
     return Estimate.of(chain.id.estimate), truth_of(config)
 
 
 class Run:
-    """A run of which every tick is kept: rows of `truth` and `seen` are the ends of ticks."""
+    """A run that stores every tick: rows of `truth` and `seen` are the ends of ticks."""
 
     def __init__(self, world, work=True):
         lib = load("float")
         self.world, self.lib = world, lib
         self.config, self.chain = configured(lib, world), lib.chain_t()
-        self.estimates, self.complete = [], 0  # the tick in which the last set was
+        self.estimates, self.complete = [], 0  # the tick of the last set
         truth, seen, wrench, sets = [], [], [], world.get("sets", 8)
         chain = self.chain
 
@@ -109,7 +109,7 @@ class Run:
         self.config.budget = self.config.budget if work else 0
         status = lib.chain_run_sets(chain, self.config, sets)
         if status < 0:
-            raise Complaint(f"this world is refused ({status.name}): {world}")
+            raise UserError(f"this world is refused ({status.name}): {world}")
         if work:
             lib.chain_finish(chain, 1000, 100000)
             self.estimates.append(Estimate.of(chain.id.estimate))

@@ -22,7 +22,7 @@ def test_a_struct_has_the_size_that_the_library_states():
     assert ctypes.sizeof(lib.auvid_nav_t) <= 712  # and nav.h: AUVID_NAV_BYTES
 
 
-def test_a_function_whose_name_has_sizes_is_found_by_its_own(lib):
+def test_a_function_with_sizes_in_its_name_is_found_by_its_plain_name(lib):
     config, nav = lib.auvid_nav_config_t(), lib.auvid_nav_t()
     lib.auvid_nav_defaults(config)
     assert lib.auvid_nav_init(nav, config) == lib.AUVID_OK
@@ -30,7 +30,7 @@ def test_a_function_whose_name_has_sizes_is_found_by_its_own(lib):
     assert lib.auvid_nav_init(nav, config).name == "AUVID_OK"
 
 
-def test_what_is_not_there_is_an_attribute_error(lib):
+def test_a_missing_name_is_an_attribute_error(lib):
     with pytest.raises(AttributeError, match="auvid_nonsense"):
         lib.auvid_nonsense()
 
@@ -45,7 +45,7 @@ def test_an_array_of_another_type_is_refused(lib):
         lib.auvid_nav_defaults(lib.auvid_nav_t())
 
 
-def test_names_of_the_parameters_are_the_librarys(lib):
+def test_parameter_names_are_those_of_the_library(lib):
     vehicle = lib.auvid_girona500
     assert [vehicle.parameter[i].name.decode() for i in range(13)] == PARAMETERS
 

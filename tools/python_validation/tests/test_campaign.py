@@ -42,7 +42,7 @@ def test_a_campaign_gives_tables_and_figures(one_process, capsys):
     assert {path.name for path in out.glob("*.png")} == {"accuracy.png", "coverage.png"}
 
 
-def test_what_is_there_is_not_run_again_and_a_line_cut_off_is(one_process, tmp_path, monkeypatch):
+def test_existing_runs_are_not_repeated_and_a_truncated_line_is(one_process, tmp_path, monkeypatch):
     _, made = one_process
     kept = "\n".join(made[:4]) + "\n" + made[4][:100]
     (tmp_path / "runs.jsonl").write_text(kept)

@@ -27,12 +27,12 @@ def test_bad_input_is_one_line_and_exit_status_2(arguments):
     assert done.stderr.startswith("auvid-validate") and done.stderr.count("\n") == 1
 
 
-def test_a_folder_without_auvid_is_told(tmp_path):
+def test_a_folder_without_auvid_gives_a_message(tmp_path):
     done = auvid_validate("references", AUVID_ROOT=str(tmp_path))
     assert done.returncode == 2 and "AUVID_ROOT" in done.stderr and done.stderr.count("\n") == 1
 
 
-def test_a_library_that_is_not_built_is_told_with_the_command_that_builds_it(tmp_path):
+def test_a_library_that_is_not_built_gives_the_command_that_builds_it(tmp_path):
     (tmp_path / "lib/include/auvid").mkdir(parents=True)
     (tmp_path / "lib/include/auvid/auvid.h").touch()
     done = auvid_validate("references", "--only", "can", AUVID_ROOT=str(tmp_path))

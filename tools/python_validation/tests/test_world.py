@@ -15,7 +15,7 @@ def run():
     return Run(WORLD)
 
 
-def test_equations_are_those_written_from_the_matrices():
+def test_equations_equal_those_of_the_matrices():
     random = np.random.default_rng(1)
     pi, tau = girona500.TRUTH, random.normal(0, 50, 6)
     phi, theta = random.normal(0, 0.3, 2)
@@ -27,13 +27,13 @@ def test_equations_are_those_written_from_the_matrices():
     assert np.allclose(rate[:4], girona500.acceleration(pi, phi, theta, nu, tau), rtol=1e-12)
 
 
-def test_motion_simulated_with_the_truth_is_the_simulators():
+def test_motion_simulated_with_the_truth_equals_the_simulator():
     run = Run(dict(WORLD, disturbance_N=0.0), work=False)
     out = simulate(run.true_pi, run.tilt, run.wrench, TICK_S, [*run.nu[0], 50])
     assert all(r2(run.nu[:, i], out[:, i]) > 1 - 1e-6 for i in range(4))
 
 
-def test_a_run_that_is_watched_gives_the_same_estimate(run):
+def test_an_observed_run_gives_the_same_estimate(run):
     estimate, truth = identify(WORLD)
     assert np.array_equal(estimate.pi, run.estimate.pi)
     assert np.array_equal(estimate.sigma, run.estimate.sigma)
@@ -41,7 +41,7 @@ def test_a_run_that_is_watched_gives_the_same_estimate(run):
     assert [e.sets for e in run.estimates][-1] == 2
 
 
-def test_a_world_that_is_misspelt_is_refused():
+def test_a_misspelt_world_is_refused():
     with pytest.raises(ValueError, match="sed"):
         identify({"sed": 1})
 
@@ -53,7 +53,7 @@ def test_one_degree_of_freedom_after_the_other_takes_as_long():
     assert sum(moved) == 1 and all(np.ptp(run.wrench[:, i]) > 1 for i in range(4))
 
 
-def test_the_bounds_noise_is_the_runs_and_the_bound_scales_with_it(run):
+def test_the_noise_of_the_bound_is_that_of_the_run_and_the_bound_scales_with_it(run):
     full, innovations = bound(run)
     assert abs(innovations - 1) < 0.04  # 4 standard errors of 22000 measurements
     names = ["dvl_m_s", "imu_rate_rad_s", "depth_m", "disturbance_N", "disturbance_Nm"]
@@ -71,7 +71,7 @@ def test_the_filter_finds_the_parameters_from_near_the_truth(run):
     assert np.all(np.abs(end / run.true_pi - 1) < 0.2)
 
 
-def test_the_filters_equations_are_the_models():
+def test_the_equations_of_the_filter_are_those_of_the_model():
     random = np.random.default_rng(2)
     pi, nu, tilt, tau = girona500.TRUTH, *(random.normal(0, 0.5, 4) for _ in range(3))
     expected = derivative(pi, pi[:3], 1 / pi[:4], *tilt, [*nu, 0], tau)[:4]

@@ -1,14 +1,14 @@
-"""What is wrong with the user's input, in one sentence: the command line prints it and exits 2."""
+"""An error of the user's input in one sentence. The command line prints it and exits with 2."""
 import argparse
 import pathlib
 
 
-class Complaint(Exception):
-    """Its text is the one line that the user sees."""
+class UserError(Exception):
+    """Its text is the line that the user sees."""
 
 
 def output(name):
-    """Of an option: a file to write, opened before the work begins."""
+    """Type of an option: a file to write, opened before the work starts."""
     try:
         return open(name, "w", encoding="utf-8")
     except OSError as error:
@@ -16,7 +16,7 @@ def output(name):
 
 
 def folder(name):
-    """Of an option: a folder to write into, made before the work begins."""
+    """Type of an option: an output folder, created before the work starts."""
     try:
         pathlib.Path(name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -25,7 +25,7 @@ def folder(name):
 
 
 def at_least(low):
-    """Of an option: a whole number from there on."""
+    """Type of an option: a whole number with a lower limit."""
     def whole(text):
         if not text.isascii() or not text.isdecimal() or int(text) < low:
             raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from {low}")
