@@ -188,7 +188,7 @@ bench-eigen: build/firmware/count_plugin.so | firmware-setup ## The navigation s
 lint: ## Install what is missing and check the rules of the house
 	@tests/lint/lint.sh
 
-size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=write: make that anew)
+size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=write: write it)
 	@tests/firmware/size.py $(BOARDS) >build/firmware/size.csv
 	@$(if $(filter write,$(SIZE)),cp build/firmware/size.csv tests/firmware/size.csv,\
 	    tests/firmware/baseline.py tests/firmware/size.csv build/firmware/size.csv)
@@ -205,7 +205,7 @@ mutate-setup: ## Install what `make mutate` needs (python3-venv, tree-sitter in 
 bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
 	@for program in $^; do $$program || exit 1; done
 
-can: | can-setup ## Write the C of the CAN frames anew from lib/can/auvid.dbc
+can: | can-setup ## Generate the C of the CAN frames from lib/can/auvid.dbc
 	@$(CAN_CODEGEN)
 
 can-check: | can-setup ## Is the C of the CAN frames what lib/can/auvid.dbc gives?

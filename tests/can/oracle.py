@@ -147,7 +147,7 @@ def random_integer(rng, s):
 
 
 def compare_values(codec, rng):
-    values = ties = 0
+    values = halves = 0
     while values < COUNT:
         kind = rng.randrange(len(MESSAGES))
         message, data_id = MESSAGES[kind], MESSAGES[kind].dbc.attributes["AuvidDataId"].value
@@ -188,10 +188,10 @@ def compare_values(codec, rng):
             s, x = asked[name]
             exact = Fraction(x) * s.per_unit
             assert abs(value - raw[name]) == 1, (message.name, name, x, value, raw[name])
-            tie = abs(abs(exact - math.floor(exact)) - Fraction(1, 2))
-            assert tie <= abs(exact) * Fraction(codec.epsilon) + Fraction(2.0 ** -22), (name, x)
-            ties += 1
-    return f"{values} values ({ties} halfway between two steps)"
+            half = abs(abs(exact - math.floor(exact)) - Fraction(1, 2))
+            assert half <= abs(exact) * Fraction(codec.epsilon) + Fraction(2.0 ** -22), (name, x)
+            halves += 1
+    return f"{values} values ({halves} halfway between two steps)"
 
 
 def compare_payloads(codec, rng):

@@ -102,6 +102,10 @@ text literal lib/src/navigation/auvid_nav.c "$math" 'x = 1e-3f;'
 text columns tools/long.c "$(printf '%101s' x)"
 text length tools/long.c 'int f(void)' '{' "$(yes '    x();' | head -n 61)" '}'
 text path tools/where.c 'open("/home''/somebody/x");'
+text word tools/names.c 'int tie_knot(void);'
+text word tools/names.md 'The leash is foretold anew.'
+text '' tools/names.md 'The excursion limit is predicted again.'
+text survivor tests/mutation/survivors.txt '@ auvid_nav.c nav_f' '- x = 1;'
 text version CHANGELOG.md '## [1.2.4] - unreleased'
 link_name() { # RULE DEFINE: a function of a struct that AUVID_MAX_X is in, renamed like this
     text "$1" lib/include/auvid/nav.h 'typedef struct {' '    auvid_real_t x[1 + AUVID_MAX_X];' \

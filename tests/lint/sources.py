@@ -15,6 +15,7 @@ Prints one line a breach; exit status 1 when there is any.
   path        no path of somebody's own machine
   version     config.h and the newest entry of CHANGELOG.md agree
   link name   what depends on config.h, in a public header, has the sizes in its link-time name
+  word        no name that words.txt has replaced, no word of our own where the field has one
   survivor    each entry of tests/mutation/survivors.txt is a line of its function
   target      every target of the Makefile is described for `make help`
 """
@@ -136,8 +137,24 @@ def check_lengths(text):
         previous = line
 
 
+TABLE = pathlib.Path(__file__).resolve().parent / "words.txt"
+OLD = [line.split()[1] for line in TABLE.read_text().splitlines() if line.startswith("word ")]
+DROPPED = re.compile(r"(?<!\w)(?:" + "|".join(OLD) + r")(?!\w)")
+PRIVATE = re.compile(
+    r"\b(knots?|leash(?:es|ed)?|foret[eo]l[dl]s?|ties?|tied|anew|nobody told)\b", re.I)
+
+
+def check_words(path, text):
+    if path.parent.name == "lint" or path.name == "CHANGELOG.md":
+        return
+    for pattern in (DROPPED, PRIVATE):
+        for match in pattern.finditer(text):
+            yield "word", f"line {text.count(chr(10), 0, match.start()) + 1}: {match[0]}"
+
+
 def check_file(path, text):
     parts = path.relative_to(root).parts
+    yield from check_words(path, text)
     code = path.suffix in CODE or path.name == "Makefile" or parts[0] == ".ci"
     if code:
         for number, line in enumerate(text.splitlines(), 1):

@@ -84,8 +84,8 @@ typedef enum {
                                  accelerates. It is so by more than its half-width, or its
                                  impossible part makes more than a tenth of the equation's rms
                                  wrench */
-    AUVID_NOTE_THRUST_SCALE,  /**< identifiable relative to the supplied thrust; only the uncertainty
-                                 of the thrust scale makes the half-width too large */
+    AUVID_NOTE_THRUST_SCALE,  /**< identifiable relative to the supplied thrust; only the
+                                 uncertainty of the thrust scale makes the half-width too large */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 

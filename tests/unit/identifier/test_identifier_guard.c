@@ -623,20 +623,20 @@ static void test_stop_fades_settles_and_is_done(void)
 /* A current of 0.3 m/s carries the vehicle 70 m in this run without the excursion limit. */
 static void test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current(void)
 {
-    for (int leash = 0; leash < 2; ++leash) {
+    for (int limited = 0; limited < 2; ++limited) {
         chain_defaults(&config, 5, 8, 3.0);
         config.budget = 0;
         config.sim.current[0] = -0.2;
         config.sim.current[1] = 0.2236;
         config.id.guard.distance_max_m = 20;
-        if (!leash) {
+        if (!limited) {
             memset(config.id.excitation.excursion_limit, 0,
                    sizeof config.id.excitation.excursion_limit);
         }
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
         chain_run(&chain, 239.0);
-        TEST_ASSERT_EQUAL(leash ? AUVID_GUARD_EXCITING : AUVID_GUARD_ABORTED, chain.out.guard);
-        TEST_ASSERT_EQUAL(leash ? AUVID_GUARD_NO_CAUSE : AUVID_GUARD_DISTANCE, chain.out.cause);
+        TEST_ASSERT_EQUAL(limited ? AUVID_GUARD_EXCITING : AUVID_GUARD_ABORTED, chain.out.guard);
+        TEST_ASSERT_EQUAL(limited ? AUVID_GUARD_NO_CAUSE : AUVID_GUARD_DISTANCE, chain.out.cause);
     }
 }
 

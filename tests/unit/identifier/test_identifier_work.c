@@ -194,8 +194,8 @@ static void check_in_box(void)
         near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)config.id.search.lower[i]),
                                      (double)config.id.search.upper[i]);
     }
-    double tie = 1e-3 * (double)chain.id.metric.constant;
-    TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tie);
+    double tolerance = 1e-3 * (double)chain.id.metric.constant;
+    TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tolerance);
 }
 
 static void search_in_box(double low, double high, uint16_t population)

@@ -1,5 +1,5 @@
 """The frames against cantools, autosar-e2e and crccheck. (tests/can/oracle.py adds limits,
-ties, NaN and random payloads.)"""
+values halfway between two steps, NaN and random payloads.)"""
 import math
 
 import cantools
