@@ -60,7 +60,7 @@ refused 'abort.cause' can/auvid_node_report.c \
     "$(before AUVID_GUARD_CAUSE_COUNT 'EXTRA,')" $public/guard.h
 refused 'progress.guard' can/auvid_node_report.c \
     "$(before AUVID_GUARD_STATE_COUNT 'EXTRA,')" $public/guard.h
-refused 'a bit of `told`' metric/auvid_confidence_words.c \
+refused 'a bit of `with_sentence`' metric/auvid_confidence_words.c \
     "$(before AUVID_NOTE_COUNT "$(many 20)")" $public/confidence.h
 refused 'estimate_sigma.note' can/auvid_node_report.c \
     "$(before AUVID_NOTE_COUNT 'EXTRA,')" $public/confidence.h
