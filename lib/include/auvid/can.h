@@ -16,7 +16,7 @@
  * checks counters and time. Only the queue of can_fifo.h may be called from an interrupt.
  *
  * Cost on a Cortex-M4F (-Os): packing takes 590 to 1020 instructions, unpacking 650 to 1160. The
- * CRC is nearly half of the smaller figure. Memory: sizeof(auvid_can_sender_t), 36 bytes. Code and
+ * CRC is nearly half of the smaller figure. Memory: sizeof(auvid_can_sender_t), 40 bytes. Code and
  * tables: 1.5 KiB together.
  *
  * Sources: AUTOSAR E2E protocol specification, profile 2; Koopman & Chakravarty 2004 (Hamming
