@@ -11,6 +11,7 @@
 
 #include "auvid/metric.h"
 #include "metric/auvid_metric_internal.h"
+#include "by_residual.h"
 #include "unity.h"
 
 #define PI 3.14159265358979323846
@@ -229,22 +230,13 @@ static inline void assert_budgets_do_not_matter(void)
     }
 }
 
-static inline void g500_residual(const void *context, const auvid_sample_t *s,
-                                 const auvid_real_t *pi, auvid_real_t *e)
-{
-    (void)context;
-    auvid_vehicle_residual(&auvid_girona500, s, pi, e);
-}
-
 enum { ROWS = (SETS + 1) * 120, CANARY = 4 };
 static auvid_row_t store[ROWS + 2 * CANARY];
 static auvid_vehicle_t by_residual;
 
 static inline void use_residual_path(int row_cells, int set_rows)
 {
-    by_residual = auvid_girona500;
-    by_residual.regressor = NULL;
-    by_residual.residual = g500_residual;
+    by_residual = by_residual_girona500();
     cfg.vehicle = &by_residual;
     cfg.row_cells = (uint16_t)row_cells;
     cfg.set_rows = (uint16_t)set_rows;

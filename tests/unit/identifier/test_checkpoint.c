@@ -9,6 +9,7 @@
 #include "search/auvid_line_search_directions_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
+#include "by_residual.h"
 #include "unity.h"
 
 enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SET_ROWS };
@@ -301,20 +302,11 @@ static void test_one_of_another_model_is_refused(void)
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
-static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                    auvid_real_t *residual)
-{
-    (void)context;
-    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
-}
-
 static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
 {
     static auvid_row_t store[2][ROWS];
     static auvid_vehicle_t vehicle;
-    vehicle = auvid_girona500;
-    vehicle.regressor = NULL;
-    vehicle.residual = predict;
+    vehicle = by_residual_girona500();
     config.vehicle = &vehicle;
     config.metric.rows = store[0];
     config.metric.sets = 8;

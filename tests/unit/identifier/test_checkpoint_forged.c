@@ -15,6 +15,7 @@
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
+#include "by_residual.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -59,13 +60,6 @@ void tearDown(void)
 {
 }
 
-static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                    auvid_real_t *residual)
-{
-    (void)context;
-    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
-}
-
 static bool is_slow(world_t world)
 {
     return world == SLOW || world == SLOW_RESIDUAL;
@@ -86,14 +80,7 @@ static void configure(world_t world)
         config.before = delay_imu;
     }
     if (world == RESIDUAL || world == SLOW_RESIDUAL) {
-        vehicle = auvid_girona500;
-        vehicle.regressor = NULL;
-        vehicle.residual = predict;
-        config.id.vehicle = &vehicle;
-        config.id.metric.rows = store;
-        config.id.metric.sets = SETS - 1;
-        config.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-        memcpy(config.id.metric.fixed, auvid_girona500_paper, sizeof auvid_girona500_paper);
+        by_residual_surge(&config.id, &vehicle, store, SETS - 1);
     }
 }
 

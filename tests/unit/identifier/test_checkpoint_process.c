@@ -13,6 +13,7 @@
 #include "auvid/prior.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
+#include "by_residual.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -67,27 +68,13 @@ void tearDown(void)
 {
 }
 
-static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                    auvid_real_t *residual)
-{
-    (void)context;
-    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
-}
-
 /* The same in both processes. */
 static void configure(bool residual)
 {
     chain_defaults(&config, 1, CHAIN_SETS, 1.0);
     config.id.metric.set_rows = SET_ROWS;
     if (residual) { /* only surge, with its delay */
-        vehicle = auvid_girona500;
-        vehicle.regressor = NULL;
-        vehicle.residual = predict;
-        config.id.vehicle = &vehicle;
-        config.id.metric.rows = store;
-        config.id.metric.sets = SETS - 1;
-        config.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
-        memcpy(config.id.metric.fixed, auvid_girona500_paper, sizeof auvid_girona500_paper);
+        by_residual_surge(&config.id, &vehicle, store, SETS - 1);
     }
 }
 

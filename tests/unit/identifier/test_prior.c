@@ -7,6 +7,7 @@
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
+#include "by_residual.h"
 #include "chain.h"
 #include "unity.h"
 
@@ -286,21 +287,12 @@ static void test_calls_out_of_order_are_refused(void)
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
 
-static void predict(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                    auvid_real_t *residual)
-{
-    (void)context;
-    auvid_vehicle_residual(&auvid_girona500, s, pi, residual);
-}
-
 /* The same model with its regressor, or without. */
 static void choose_path(bool residual)
 {
     static auvid_row_t rows[(AUVID_MAX_SETS + 1) * 60];
     static auvid_vehicle_t vehicle;
-    vehicle = auvid_girona500;
-    vehicle.regressor = residual ? NULL : vehicle.regressor;
-    vehicle.residual = residual ? predict : vehicle.residual;
+    vehicle = residual ? by_residual_girona500() : auvid_girona500;
     config.id.vehicle = &vehicle;
     config.id.metric.rows = residual ? rows : NULL;
 }
