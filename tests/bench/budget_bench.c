@@ -24,10 +24,10 @@ int main(int argc, char **argv)
     double mean[2][BUDGETS] = {{0}}, longest[2][BUDGETS] = {{0}};
     for (int k = 0; k < 2; ++k) {
         for (uint64_t seed = 1; seed <= seeds; ++seed) {
-            chain_config_t config;
-            chain_defaults(&config, seed, sets[k], 1.0);
-            config.budget = 0;
-            if (chain_run_sets(&recorded, &config, sets[k]) != AUVID_OK) {
+            chain_config_t cfg;
+            chain_defaults(&cfg, seed, sets[k], 1.0);
+            cfg.budget = 0;
+            if (chain_run_sets(&recorded, &cfg, sets[k]) != AUVID_OK) {
                 return 1;
             }
             for (int b = 0; b < BUDGETS; ++b) {

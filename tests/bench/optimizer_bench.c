@@ -67,11 +67,11 @@ static auvid_optimizer_t optimizer;
 /* Returns the largest number of consecutive rejections. */
 static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
 {
-    auvid_optimizer_config_t config;
+    auvid_optimizer_config_t cfg;
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     uint32_t rejections = 0;
-    configure(&config, row, p, seed);
-    if (auvid_optimizer_init(&optimizer, &config) != AUVID_OK) {
+    configure(&cfg, row, p, seed);
+    if (auvid_optimizer_init(&optimizer, &cfg) != AUVID_OK) {
         fprintf(stderr, "%s: configuration refused\n", row->name);
         exit(1);
     }

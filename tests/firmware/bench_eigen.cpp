@@ -147,9 +147,9 @@ COUNTED void blocks_depth(float depth)
 int main()
 {
     static auvid_nav_t nav;
-    auvid_nav_config_t config;
-    auvid_nav_defaults(&config);
-    if (auvid_nav_init(&nav, &config) != AUVID_OK) {
+    auvid_nav_config_t cfg;
+    auvid_nav_defaults(&cfg);
+    if (auvid_nav_init(&nav, &cfg) != AUVID_OK) {
         return 1;
     }
     for (int tick = 1; tick <= 200; ++tick) {

@@ -8,7 +8,7 @@
 #include "vector.h"
 
 static chain_t chain;
-static chain_config_t config;
+static chain_config_t cfg;
 static bool dvl_lost;
 
 void setUp(void)
@@ -43,14 +43,14 @@ static void test_a_girona500_and_its_prior_record(void)
 {
     uint8_t record[AUVID_PRIOR_BYTES];
     vector_begin(1);
-    chain_defaults(&config, 1, 2, 1.0);
-    config.after = look;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    chain_defaults(&cfg, 1, 2, 1.0);
+    cfg.after = look;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 2));
     finish();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
     golden_put("with the prior\n");
     vector_restart();
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     vector_whole(&chain.id);
     chain_run(&chain, CHAIN_SET_S + 6.0);
@@ -62,10 +62,10 @@ static void test_a_girona500_and_its_prior_record(void)
 static void test_an_abort_of_the_guard_and_a_restart(void)
 {
     vector_begin(3);
-    chain_defaults(&config, 3, 1, 1.0);
-    config.before = lose_dvl;
-    config.after = look;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 3, 1, 1.0);
+    cfg.before = lose_dvl;
+    cfg.after = look;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 8.0);
     dvl_lost = true;
     chain_run(&chain, 2.0);

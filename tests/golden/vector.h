@@ -155,7 +155,7 @@ static inline void vector_look(const auvid_identifier_t *id, uint32_t events)
 static inline void vector_step(const auvid_identifier_t *id, const auvid_output_t *out)
 {
     vector_add(out->excitation, sizeof out->excitation);
-    vector_add(out->thruster_N, id->allocation.config.thrusters * sizeof out->thruster_N[0]);
+    vector_add(out->thruster_N, id->allocation.cfg.thrusters * sizeof out->thruster_N[0]);
     vector_look(id, out->events);
 }
 

@@ -45,24 +45,24 @@ static MatrixXd random_matrix(int rows, int columns)
 
 static auvid_allocation_t initialised(const MatrixXd &t)
 {
-    auvid_allocation_config_t config;
+    auvid_allocation_config_t cfg;
     auvid_allocation_t a;
-    auvid_allocation_defaults(&config);
-    config.thrusters = uint8_t(t.cols());
+    auvid_allocation_defaults(&cfg);
+    cfg.thrusters = uint8_t(t.cols());
     for (int j = 0; j < t.cols(); ++j) {
         for (int i = 0; i < 6; ++i) {
-            config.thruster[j].wrench[i] = auvid_real_t(t(i, j));
+            cfg.thruster[j].wrench[i] = auvid_real_t(t(i, j));
         }
-        config.thruster[j].min_N = auvid_real_t(-uniform(5, 100));
-        config.thruster[j].max_N = auvid_real_t(uniform(5, 100));
+        cfg.thruster[j].min_N = auvid_real_t(-uniform(5, 100));
+        cfg.thruster[j].max_N = auvid_real_t(uniform(5, 100));
     }
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
     return a;
 }
 
 static MatrixXd inverse_of(const auvid_allocation_t &a)
 {
-    MatrixXd m(a.config.thrusters, 6);
+    MatrixXd m(a.cfg.thrusters, 6);
     for (int j = 0; j < m.rows(); ++j) {
         for (int i = 0; i < 6; ++i) {
             m(j, i) = double(a.inverse[j][i]);
@@ -165,8 +165,8 @@ static double largest_scale(const auvid_allocation_t &a, const VectorXd &base, c
         bool fits = true;
         for (int j = 0; j < f.size(); ++j) {
             double force = base(j) + k * f(j);
-            fits = fits && force <= double(a.config.thruster[j].max_N) * (1 + 1e-12) &&
-                   force >= double(a.config.thruster[j].min_N) * (1 + 1e-12);
+            fits = fits && force <= double(a.cfg.thruster[j].max_N) * (1 + 1e-12) &&
+                   force >= double(a.cfg.thruster[j].min_N) * (1 + 1e-12);
         }
         (fits ? low : high) = k;
         if (i == 0 && fits) {

@@ -84,15 +84,15 @@ static MatrixXd simulated_sensitivity(const Run &run, const Dense &d)
     for (int i = 0; i < UNKNOWNS; ++i) {
         std::vector<Motion> motion[2];
         for (int side = 0; side < 2; ++side) {
-            sim_config_t config = simulator_defaults();
+            sim_config_t cfg = simulator_defaults();
             Motion start = run.motion[0];
             double by = side == 0 ? -step : step;
             if (i < PARAMETERS) {
-                config.parameter[i] *= 1 + by;
+                cfg.parameter[i] *= 1 + by;
             } else {
                 start(i - PARAMETERS) += by;
             }
-            motion[side] = undisturbed(run.tick, config, start);
+            motion[side] = undisturbed(run.tick, cfg, start);
         }
         for (size_t m = 0; m < d.at.size(); ++m) {
             Motion change = motion[1][d.at[m]] - motion[0][d.at[m]];

@@ -70,17 +70,17 @@ struct Watch {
 
 static void maybe_change(chain_t *c, auvid_input_t *)
 {
-    Watch &w = *static_cast<Watch *>(c->config.context);
+    Watch &w = *static_cast<Watch *>(c->cfg.context);
     if (!w.changed && w.moment_s > 0 && c->tick * 1e-6 * SIM_TICK_US > w.moment_s) {
         w.changed = true;
         w.before = c->id.metric.sets_recorded;
-        apply(c->sim.config, w.change);
+        apply(c->sim.cfg, w.change);
     }
 }
 
 static void look(chain_t *c, auvid_status_t, const auvid_output_t *out)
 {
-    Watch &w = *static_cast<Watch *>(c->config.context);
+    Watch &w = *static_cast<Watch *>(c->cfg.context);
     // with fewer sets there is no test
     w.judged += (out->events & AUVID_EVENT_VALIDATED) != 0 && c->id.change_test.set >= 6;
     w.restored += (out->events & AUVID_EVENT_RESTORED) != 0;
@@ -103,29 +103,29 @@ struct Plan {
 static Watch fly(uint64_t seed, double disturbance_N, const Change *change, Plan plan = {})
 {
     std::mt19937_64 random(seed);
-    chain_config_t config;
+    chain_config_t cfg;
     Watch w;
     w.change = change == nullptr ? Change{1, 1, ALL} : *change;
     double part = double(random() >> 11) / 9007199254740992.0;
     w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (plan.changed - 1 + part);
-    chain_defaults(&config, seed, plan.sets, disturbance_N);
-    config.budget = plan.budget;
-    config.id.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
-    config.before = maybe_change;
-    config.after = look;
-    config.context = &w;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, plan.sets));
+    chain_defaults(&cfg, seed, plan.sets, disturbance_N);
+    cfg.budget = plan.budget;
+    cfg.id.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
+    cfg.before = maybe_change;
+    cfg.after = look;
+    cfg.context = &w;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, plan.sets));
     return w;
 }
 
 // Mean square error of a vehicle that was so from the start, with as many sets.
 static double usual_square(uint64_t seed, double disturbance_N, const Change &change)
 {
-    chain_config_t config;
-    chain_defaults(&config, seed, LATER, disturbance_N);
-    apply(config.sim, change);
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, LATER));
+    chain_config_t cfg;
+    chain_defaults(&cfg, seed, LATER, disturbance_N);
+    apply(cfg.sim, change);
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LATER));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     return chain_mean_square(&chain);
 }

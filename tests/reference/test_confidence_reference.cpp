@@ -263,18 +263,18 @@ static void compare_covariance(const MatrixXd &pooled, const VectorXd &sigma)
 static void compare(uint64_t seed, double disturbance_N, double lag_s, double noise,
                     double delay_sigma_s = 0)
 {
-    chain_config_t config;
+    chain_config_t cfg;
     Sums sums;
     VectorXd pi(PARAMETERS);
     bool delayed = false;
-    chain_defaults(&config, seed, SETS, disturbance_N);
-    config.sim.lag_s = lag_s;
-    config.id.uncertainty.delay_s = auvid_real_t(delay_sigma_s);
-    config.sim.dvl_m_s *= noise;
-    config.budget = 0;
-    config.id.uncertainty.thrust_scale = auvid_real_t(0.05);
-    config.id.uncertainty.dvl_scale = auvid_real_t(0.005);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    chain_defaults(&cfg, seed, SETS, disturbance_N);
+    cfg.sim.lag_s = lag_s;
+    cfg.id.uncertainty.delay_s = auvid_real_t(delay_sigma_s);
+    cfg.sim.dvl_m_s *= noise;
+    cfg.budget = 0;
+    cfg.id.uncertainty.thrust_scale = auvid_real_t(0.05);
+    cfg.id.uncertainty.dvl_scale = auvid_real_t(0.005);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     const auvid_confidence_t &actual = chain.id.estimate.confidence;
     for (int i = 0; i < PARAMETERS; ++i) {

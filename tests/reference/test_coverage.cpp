@@ -41,23 +41,23 @@ void tearDown()
 
 static double sigma_of(int i)
 {
-    return double(chain.id.estimate.confidence.sigma[i]) / std::fabs(chain.sim.config.parameter[i]);
+    return double(chain.id.estimate.confidence.sigma[i]) / std::fabs(chain.sim.cfg.parameter[i]);
 }
 
 // A whole run, and the search after it. `idle`: the degree of freedom that is not excited, or -1.
 static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle)
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    chain_config_t config;
-    chain_defaults(&config, seed, SETS, disturbance_N);
+    chain_config_t cfg;
+    chain_defaults(&cfg, seed, SETS, disturbance_N);
     if (idle >= 0) {
         amplitude[idle] = 0;
     }
     TEST_ASSERT_EQUAL(
-        AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, SETS, seed));
-    config.sim.lag_s = lag_s;
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+        AUVID_OK, auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, SETS, seed));
+    cfg.sim.lag_s = lag_s;
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
@@ -136,7 +136,7 @@ struct DragCoverage {
         static const double part[PARTS] = {0.3, 0.6, 1.0};
         static const int dof[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
         const auvid_estimate_t &e = chain.id.estimate;
-        const double *truth = chain.sim.config.parameter + SIM_X_U;
+        const double *truth = chain.sim.cfg.parameter + SIM_X_U;
         double within[2] = {};
         for (int k = 0; k < 4 * 2 * PARTS; ++k) {
             int j = k / 6, backward = k / 3 % 2;

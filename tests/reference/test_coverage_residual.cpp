@@ -209,19 +209,19 @@ static chain_t chain;
 
 static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *model)
 {
-    chain_config_t config;
-    chain_defaults(&config, seed, SETS, disturbance_N);
-    config.id.vehicle = model;
-    config.id.metric.vehicle = model;
-    config.id.search.has_good = true; // this test is not about the search
-    std::memcpy(config.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
+    chain_config_t cfg;
+    chain_defaults(&cfg, seed, SETS, disturbance_N);
+    cfg.id.vehicle = model;
+    cfg.id.metric.vehicle = model;
+    cfg.id.search.has_good = true; // this test is not about the search
+    std::memcpy(cfg.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
     if (model->regressor == nullptr) {
-        config.id.metric.rows = store;
-        config.id.metric.set_rows = SET_ROWS;
-        config.id.metric.row_cells = 2;
+        cfg.id.metric.rows = store;
+        cfg.id.metric.set_rows = SET_ROWS;
+        cfg.id.metric.row_cells = 2;
     }
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
 }

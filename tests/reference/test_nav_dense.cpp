@@ -65,7 +65,7 @@ class Dense
     std::vector<double> offset[2];
     Sensor sensor[4];
 
-    explicit Dense(const auvid_nav_config_t &config) : c(config), to_collect(config.gps_start)
+    explicit Dense(const auvid_nav_config_t &cfg) : c(cfg), to_collect(cfg.gps_start)
     {
         double tick = c.reference_tick;
         for (int i = 0; i < 3; ++i) {
@@ -318,9 +318,9 @@ class Ride
     int statuses[16] = {0};
     auvid_nav_t nav;
 
-    Ride(double max_age, bool gps) : max_age_s(max_age), with_gps(gps), dense(config())
+    Ride(double max_age, bool gps) : max_age_s(max_age), with_gps(gps), dense(cfg())
     {
-        auvid_nav_config_t c = config();
+        auvid_nav_config_t c = cfg();
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_init(&nav, &c));
         mount = rotation(Vector3d(c.dvl_euler[0], c.dvl_euler[1], c.dvl_euler[2]));
         lever = Vector3d(c.dvl_lever[0], c.dvl_lever[1], c.dvl_lever[2]);
@@ -365,7 +365,7 @@ class Ride
     std::deque<Event> queue[4];
     uint64_t t_us = 1000000, due[4] = {0, 0, 0, 0};
 
-    static auvid_nav_config_t config()
+    static auvid_nav_config_t cfg()
     {
         auvid_nav_config_t c;
         auvid_nav_defaults(&c);

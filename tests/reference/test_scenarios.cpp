@@ -83,17 +83,17 @@ static void note_tick(chain_t *c, auvid_input_t *in)
     if (in->depth.present) {
         tick.measured.push_back({DEPTH, double(in->depth.depth_m)});
     }
-    static_cast<Run *>(c->config.context)->tick.push_back(tick);
+    static_cast<Run *>(c->cfg.context)->tick.push_back(tick);
 }
 
 // Relative bounds. A prior of a thousand times each value keeps the information regular if a run
 // says nothing about a parameter.
-static Errors bound_of(Run &run, const sim_config_t &config)
+static Errors bound_of(Run &run, const sim_config_t &cfg)
 {
     Motion start;
-    start << 0, 0, 0, 0, config.position[2];
-    run.motion = undisturbed(run.tick, config, start);
-    Noise noise = {config.dvl_m_s, config.imu_rate_rad_s, config.depth_m, config.disturbance_N};
+    start << 0, 0, 0, 0, cfg.position[2];
+    run.motion = undisturbed(run.tick, cfg, start);
+    Noise noise = {cfg.dvl_m_s, cfg.imu_rate_rad_s, cfg.depth_m, cfg.disturbance_N};
     Information all = information(run, noise);
     all.diagonal().array() += 1e-6;
     return bound(all);
@@ -101,19 +101,19 @@ static Errors bound_of(Run &run, const sim_config_t &config)
 
 static Errors identify(const Scenario &s, uint64_t seed)
 {
-    chain_config_t config;
+    chain_config_t cfg;
     Run run;
-    chain_defaults(&config, seed, s.sets, s.disturbance_N);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.id.excitation, s.amplitude,
-                                                      CHAIN_SET_S, s.sets, seed));
-    config.sim.imu_angle_rad *= s.noise;
-    config.sim.imu_rate_rad_s *= s.noise;
-    config.sim.dvl_m_s *= s.noise;
-    config.sim.depth_m *= s.noise;
-    config.budget = 0;
-    config.before = note_tick;
-    config.context = &run;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, seed, s.sets, s.disturbance_N);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.id.excitation, s.amplitude, CHAIN_SET_S,
+                                                      s.sets, seed));
+    cfg.sim.imu_angle_rad *= s.noise;
+    cfg.sim.imu_rate_rad_s *= s.noise;
+    cfg.sim.dvl_m_s *= s.noise;
+    cfg.sim.depth_m *= s.noise;
+    cfg.budget = 0;
+    cfg.before = note_tick;
+    cfg.context = &run;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     sim_output_t nothing = {};
     run.tick.push_back(tick_of(chain.sim.truth, nothing));
     while (chain.id.metric.sets_recorded < s.sets) {
@@ -121,7 +121,7 @@ static Errors identify(const Scenario &s, uint64_t seed)
         TEST_ASSERT_TRUE(chain.tick < 1500 * (s.sets + 2));
     }
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
-    return bound_of(run, config.sim);
+    return bound_of(run, cfg.sim);
 }
 
 struct Counts {

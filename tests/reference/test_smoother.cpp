@@ -118,9 +118,9 @@ static void test_outputs_are_within_four_epsilon_edges_included()
     Long worst = 0;
     uint32_t state = 1;
     for_all(1, [&](const Fit &fit, int h, int p, int d) {
-        auvid_smoother_config_t config = {uint8_t(h), uint8_t(p), uint8_t(d), AUVID_C(0.02)};
+        auvid_smoother_config_t cfg = {uint8_t(h), uint8_t(p), uint8_t(d), AUVID_C(0.02)};
         auvid_smoother_t smoother;
-        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&smoother, &config));
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&smoother, &cfg));
         const int n = 3 * h + 20;
         std::vector<auvid_real_t> x(n), y;
         Long largest = 0;
@@ -141,7 +141,7 @@ static void test_outputs_are_within_four_epsilon_edges_included()
         TEST_ASSERT_EQUAL_INT(n, int(y.size()));
         for (int i = 0; i < n; ++i) {
             int first = std::min(std::max(i - h, 0), n - 2 * h - 1);
-            Vector c = fit.coefficients(i - first - h, d, Long(config.dt_s));
+            Vector c = fit.coefficients(i - first - h, d, Long(cfg.dt_s));
             Long expected = 0;
             for (int k = 0; k < 2 * h + 1; ++k) {
                 expected += c(k) * Long(x[first + k]);

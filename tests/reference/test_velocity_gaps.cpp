@@ -43,27 +43,27 @@ static outcome_t whole, part;
 
 static void count_changes(chain_t *c, auvid_status_t, const auvid_output_t *out)
 {
-    *static_cast<int *>(c->config.context) += (out->events & AUVID_EVENT_CHANGED) != 0;
+    *static_cast<int *>(c->cfg.context) += (out->events & AUVID_EVENT_CHANGED) != 0;
 }
 
 static void run(outcome_t *to, uint64_t seed, const sim_config_t &dvl, uint32_t budget)
 {
-    chain_config_t config;
-    chain_defaults(&config, seed, SETS, 1.0);
-    chain_set_driver(&config);
-    config.sim.dvl_partial = dvl.dvl_partial;
-    config.sim.dvl_partial_run = dvl.dvl_partial_run;
-    config.sim.sensor[SIM_DVL].dropout = dvl.sensor[SIM_DVL].dropout;
-    config.budget = budget;
-    config.after = count_changes;
-    config.context = &to->changes;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    chain_config_t cfg;
+    chain_defaults(&cfg, seed, SETS, 1.0);
+    chain_set_driver(&cfg);
+    cfg.sim.dvl_partial = dvl.dvl_partial;
+    cfg.sim.dvl_partial_run = dvl.dvl_partial_run;
+    cfg.sim.sensor[SIM_DVL].dropout = dvl.sensor[SIM_DVL].dropout;
+    cfg.budget = budget;
+    cfg.after = count_changes;
+    cfg.context = &to->changes;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
     int covered = 0;
     for (int i = 0; i < PARAMETERS; ++i) {
         double sigma = double(chain.id.estimate.confidence.sigma[i]);
-        covered += std::fabs(chain_error(&chain, i) * chain.sim.config.parameter[i]) <= 2 * sigma;
+        covered += std::fabs(chain_error(&chain, i) * chain.sim.cfg.parameter[i]) <= 2 * sigma;
     }
     to->sets += int(chain.id.metric.sets_recorded);
     to->square[to->runs] = chain_mean_square(&chain);

@@ -9,45 +9,45 @@
 /* Cells, smoother and DVL lag behind the clock; the excitation's fades are part of its run. */
 #define TAIL_S 6.0
 
-void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N)
+void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double disturbance_N)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    memset(config, 0, sizeof *config);
-    sim_defaults(&config->sim);
-    config->sim.seed = seed;
-    config->sim.disturbance_N = disturbance_N;
-    config->sim.disturbance_Nm = 0.4 * disturbance_N;
-    auvid_identifier_defaults(&config->id, &auvid_girona500);
-    config->id.allocation = auvid_allocation_girona500;
-    config->id.search.seed = seed;
-    memset(&config->id.uncertainty, 0, sizeof config->id.uncertainty); /* all is exact here */
-    (void)auvid_excitation_plan(&config->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
-    config->budget = AUVID_DEFAULT_BUDGET;
+    memset(cfg, 0, sizeof *cfg);
+    sim_defaults(&cfg->sim);
+    cfg->sim.seed = seed;
+    cfg->sim.disturbance_N = disturbance_N;
+    cfg->sim.disturbance_Nm = 0.4 * disturbance_N;
+    auvid_identifier_defaults(&cfg->id, &auvid_girona500);
+    cfg->id.allocation = auvid_allocation_girona500;
+    cfg->id.search.seed = seed;
+    memset(&cfg->id.uncertainty, 0, sizeof cfg->id.uncertainty); /* all is exact here */
+    (void)auvid_excitation_plan(&cfg->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
+    cfg->budget = AUVID_DEFAULT_BUDGET;
 }
 
-void chain_set_driver(chain_config_t *config)
+void chain_set_driver(chain_config_t *cfg)
 {
-    config->passive = true;
-    config->driver = config->id.excitation;
-    auvid_excitation_defaults(&config->id.excitation);
-    auvid_allocation_defaults(&config->id.allocation);
+    cfg->passive = true;
+    cfg->driver = cfg->id.excitation;
+    auvid_excitation_defaults(&cfg->id.excitation);
+    auvid_allocation_defaults(&cfg->id.allocation);
 }
 
-auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config)
+auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
 {
     memset(chain, 0, sizeof *chain);
-    chain->config = *config;
-    chain->wrench[AUVID_HEAVE] = (auvid_real_t)-config->sim.parameter[SIM_WB];
-    if (!sim_init(&chain->sim, &config->sim)) {
+    chain->cfg = *cfg;
+    chain->wrench[AUVID_HEAVE] = (auvid_real_t)-cfg->sim.parameter[SIM_WB];
+    if (!sim_init(&chain->sim, &cfg->sim)) {
         return AUVID_ERR_RANGE;
     }
-    auvid_status_t status = auvid_identifier_init(&chain->id, &config->id);
-    if (status >= 0 && config->passive) {
-        status = auvid_excitation_init(&chain->driver, &config->driver);
+    auvid_status_t status = auvid_identifier_init(&chain->id, &cfg->id);
+    if (status >= 0 && cfg->passive) {
+        status = auvid_excitation_init(&chain->driver, &cfg->driver);
         if (status >= 0) {
-            status = auvid_excitation_start(&chain->driver, config->epoch_us + SIM_TICK_US);
+            status = auvid_excitation_start(&chain->driver, cfg->epoch_us + SIM_TICK_US);
         }
-    } else if (status >= 0 && config->id.excitation.segments > 0) {
+    } else if (status >= 0 && cfg->id.excitation.segments > 0) {
         chain->waiting = true;
     }
     return status;
@@ -91,7 +91,7 @@ void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
 static void drive(chain_t *chain, const auvid_real_t *excitation)
 {
     memcpy(chain->wrench, excitation, sizeof chain->wrench);
-    chain->wrench[AUVID_HEAVE] += (auvid_real_t)-chain->config.sim.parameter[SIM_WB];
+    chain->wrench[AUVID_HEAVE] += (auvid_real_t)-chain->cfg.sim.parameter[SIM_WB];
 }
 
 static void work(chain_t *chain, uint32_t budget)
@@ -115,18 +115,18 @@ void chain_tick(chain_t *chain)
         wrench[j] = (double)chain->wrench[j];
     }
     sim_step(&chain->sim, NULL, wrench, &seen);
-    chain_sense(&seen, chain->config.epoch_us, &in);
+    chain_sense(&seen, chain->cfg.epoch_us, &in);
     ++chain->tick;
     chain->t_us = in.t_us;
-    if (chain->config.passive) {
+    if (chain->cfg.passive) {
         auvid_real_t excitation[AUVID_DOF_COUNT];
         (void)auvid_excitation_step(&chain->driver, in.t_us, excitation);
         drive(chain, excitation);
         in.applied.present = true;
         memcpy(in.applied.wrench, chain->wrench, sizeof chain->wrench);
     }
-    if (chain->config.before != NULL) {
-        chain->config.before(chain, &in);
+    if (chain->cfg.before != NULL) {
+        chain->cfg.before(chain, &in);
     }
     if (chain->waiting && auvid_identifier_arm(&chain->id) == AUVID_OK) {
         chain->waiting = false;
@@ -136,14 +136,14 @@ void chain_tick(chain_t *chain)
     chain->status = auvid_identifier_step(&chain->id, &in, &chain->out);
     chain->events |= chain->out.events;
     chain->estimates += (chain->out.events & AUVID_EVENT_ESTIMATE) != 0;
-    if (!chain->config.passive) {
+    if (!chain->cfg.passive) {
         drive(chain, chain->out.excitation);
         (void)auvid_identifier_applied(&chain->id, in.t_us, chain->wrench, NULL);
     }
-    if (chain->config.after != NULL) {
-        chain->config.after(chain, chain->status, &chain->out);
+    if (chain->cfg.after != NULL) {
+        chain->cfg.after(chain, chain->status, &chain->out);
     }
-    work(chain, chain->config.budget);
+    work(chain, chain->cfg.budget);
 }
 
 void chain_run(chain_t *chain, double seconds)
@@ -153,9 +153,9 @@ void chain_run(chain_t *chain, double seconds)
     }
 }
 
-auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint32_t sets)
+auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *cfg, uint32_t sets)
 {
-    auvid_status_t status = chain_begin(chain, config);
+    auvid_status_t status = chain_begin(chain, cfg);
     if (status >= 0) {
         chain_run(chain, (double)sets * CHAIN_SET_S + TAIL_S);
     }
@@ -175,7 +175,7 @@ uint32_t chain_finish(chain_t *chain, uint32_t budget, uint32_t max_calls)
 
 double chain_error(const chain_t *chain, int i)
 {
-    return (double)chain->id.estimate.pi[i] / chain->sim.config.parameter[i] - 1.0;
+    return (double)chain->id.estimate.pi[i] / chain->sim.cfg.parameter[i] - 1.0;
 }
 
 double chain_mean_square(const chain_t *chain)

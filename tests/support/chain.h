@@ -37,7 +37,7 @@ typedef struct {
 } chain_config_t;
 
 typedef struct chain {
-    chain_config_t config;
+    chain_config_t cfg;
     sim_t sim;
     auvid_identifier_t id;
     auvid_excitation_t driver;
@@ -56,14 +56,14 @@ typedef struct chain {
 
 /** Standard world: the paper's Girona500, all DoF at 100 N / 40 Nm, `sets` sets of 30 s, bounds
  * +-1000. The disturbance is in N rms, and 0.4 of it in Nm. `seed` seeds everything. */
-void chain_defaults(chain_config_t *config, uint64_t seed, uint32_t sets, double disturbance_N);
+void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double disturbance_N);
 
-/** Make the identifier passive: move the excitation of config->id to config->driver. */
-void chain_set_driver(chain_config_t *config);
+/** Make the identifier passive: move the excitation of cfg->id to cfg->driver. */
+void chain_set_driver(chain_config_t *cfg);
 
 /** Start; the excitation begins when navigation is fresh, in 0.2 s.
  * @return the status of auvid_identifier_init; AUVID_ERR_RANGE if the simulator refuses. */
-auvid_status_t chain_begin(chain_t *chain, const chain_config_t *config);
+auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg);
 
 /** Convert the simulator's samples to the identifier's input. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
@@ -76,7 +76,7 @@ void chain_tick(chain_t *chain);
 void chain_run(chain_t *chain, double seconds);
 
 /** Begin and run long enough for `sets` sets to be complete. */
-auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *config, uint32_t sets);
+auvid_status_t chain_run_sets(chain_t *chain, const chain_config_t *cfg, uint32_t sets);
 
 /** Work until nothing is left, `budget` units a call.
  * @return number of calls; max_calls + 1 if max_calls calls did not suffice. */

@@ -12,13 +12,13 @@
 enum { SETS = 2 };
 
 static chain_t chain, other;
-static chain_config_t config;
+static chain_config_t cfg;
 
 /** For setUp. Work is done only on request. */
 static inline void two_sets_defaults(void)
 {
-    chain_defaults(&config, 11, SETS, 1.0);
-    config.budget = 0;
+    chain_defaults(&cfg, 11, SETS, 1.0);
+    cfg.budget = 0;
 }
 
 static inline void finish(chain_t *c)
@@ -28,7 +28,7 @@ static inline void finish(chain_t *c)
 
 static inline void run(chain_t *c)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(c, &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(c, &cfg, SETS));
     finish(c);
     TEST_ASSERT_EQUAL_UINT32(SETS, c->id.estimate.sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, c->id.estimate.identified);

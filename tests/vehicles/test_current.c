@@ -262,7 +262,7 @@ static double square_error(int node)
 {
     double sum = 0.0;
     for (int i = 0; i < N; ++i) {
-        double truth = world.vehicle_sim.sim.config.parameter[i];
+        double truth = world.vehicle_sim.sim.cfg.parameter[i];
         double off = (double)world.node[node].id.estimate.pi[i] / truth - 1.0;
         sum += off * off / (double)N;
     }
@@ -391,7 +391,7 @@ static void identify_linear_drag(bool turns)
     set_current(CURRENT_M_S);
     config.idle = turns ? 0u : 1u << AUVID_YAW;
     begin();
-    sim_config_t *sim = &world.vehicle_sim.sim.config;
+    sim_config_t *sim = &world.vehicle_sim.sim.cfg;
     sim->parameter[SIM_X_UU] = sim->parameter[SIM_Y_VV] = 0.0;
     sim->parameter[SIM_X_U] = -200.0;
     sim->parameter[SIM_Y_V] = -250.0;

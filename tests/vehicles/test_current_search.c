@@ -226,7 +226,7 @@ static double oracle(uint64_t seed, double *best_p, int *reached)
     for (int start = 0; start < STARTS; ++start) {
         double p[N];
         for (int i = 0; i < HULL; ++i) {
-            p[i] = world.vehicle_sim.sim.config.parameter[i] * (0.3 + 1.7 * sim_rng_uniform(&rng));
+            p[i] = world.vehicle_sim.sim.cfg.parameter[i] * (0.3 + 1.7 * sim_rng_uniform(&rng));
         }
         p[HULL] = 2.0 * sim_rng_uniform(&rng) - 1.0;
         p[HULL + 1] = 2.0 * sim_rng_uniform(&rng) - 1.0;

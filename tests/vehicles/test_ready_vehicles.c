@@ -81,8 +81,8 @@ static void test_simulator_and_allocation_have_the_same_thrusters(void)
 /* Without excitation, from a tilted start, the hover and attitude feedback makes it upright. */
 static void test_the_bluerov2_hovers_upright(void)
 {
-    const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 1, .no_arm = true};
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    const world_config_t cfg = {.vehicle = rov, .seed = 1, .sets = 1, .no_arm = true};
+    TEST_ASSERT_TRUE(world_begin(&world, &cfg));
     world.vehicle_sim.sim.truth.euler[0] = 0.5;
     world.vehicle_sim.sim.truth.euler[1] = -0.5;
     while (world_time_s(&world) < 30) {
@@ -99,16 +99,16 @@ static void test_the_bluerov2_hovers_upright(void)
  * zeros are identifiable. They are within 8 %, masses and inertias within 2 %. */
 static void test_the_bluerov2_is_identified_over_the_bus(void)
 {
-    const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 8};
+    const world_config_t cfg = {.vehicle = rov, .seed = 1, .sets = 8};
     const auvid_estimate_t *e = &world.node[0].id.estimate;
     double truth[VEHICLE_SIM_PARAMETERS], most_rad = 0;
     int sure = 0;
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    TEST_ASSERT_TRUE(world_begin(&world, &cfg));
     vehicle_sim_truth(&world.vehicle_sim, truth);
     for (uint32_t linger = 0; linger < rov->linger_ticks;) {
         world_tick(&world);
         bool busy = world_work(&world, AUVID_DEFAULT_BUDGET);
-        bool over = !busy && world.node[0].id.metric.sets_recorded >= config.sets;
+        bool over = !busy && world.node[0].id.metric.sets_recorded >= cfg.sets;
         linger = over ? linger + 1 : 0;
         TEST_ASSERT_TRUE(world_time_s(&world) < 400);
         most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[0]));

@@ -63,7 +63,7 @@ static void write_row(run_t *run)
 {
     auvid_nav_state_t state;
     const auvid_node_t *node = &run->node;
-    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
     if (run->options->csv == NULL || !node->feedback ||
         auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {

@@ -18,7 +18,7 @@ static const char *const vehicle_names[FIELD_VEHICLES] = {"girona500", "rov20"};
 /* Memory of a campaign. */
 typedef struct {
     field_run_t run;
-    field_run_config_t config;
+    field_run_config_t cfg;
     field_campaign_t campaign;
     field_table_t table;
     field_record_t *record; /* [runs] */
@@ -72,10 +72,10 @@ static void draw_matched(const auvid_uncertainty_t *u, field_config_t *field)
 
 /* Configures the run with this seed. */
 static int make_world(const options_t *options, const auvid_uncertainty_t *u, uint64_t seed,
-                      field_run_config_t *config)
+                      field_run_config_t *cfg)
 {
     const options_field_t *f = &options->field;
-    field_config_t *field = &config->field;
+    field_config_t *field = &cfg->field;
     int status = 0;
     field_defaults(field, f->vehicle, f->driver, seed);
     if (f->driver == FIELD_EXCITED) {
@@ -113,15 +113,15 @@ static void describe(const options_field_t *f, char *text, size_t size)
 static void begin(campaign_memory_t *m, const options_t *options)
 {
     const options_field_t *f = &options->field;
-    auvid_identifier_config_t *cfg = &m->run.id.config;
-    field_run_defaults(&m->config);
-    m->config.thrust_scale = options->thrust_scale;
-    m->config.dvl_scale = options->dvl_scale;
-    m->config.delay_s = options->delay_s;
-    m->config.sets = options->sets;
-    m->config.budget = options->budget;
-    m->config.field.vehicle = f->vehicle;
-    field_run_identifier(&m->config, &m->run.averaged, cfg);
+    auvid_identifier_config_t *cfg = &m->run.id.cfg;
+    field_run_defaults(&m->cfg);
+    m->cfg.thrust_scale = options->thrust_scale;
+    m->cfg.dvl_scale = options->dvl_scale;
+    m->cfg.delay_s = options->delay_s;
+    m->cfg.sets = options->sets;
+    m->cfg.budget = options->budget;
+    m->cfg.field.vehicle = f->vehicle;
+    field_run_identifier(&m->cfg, &m->run.averaged, cfg);
     describe(f, m->world, sizeof m->world);
     m->campaign = (field_campaign_t){.vehicle = vehicle_names[f->vehicle],
                                      .driver = options_drivers[f->driver],
@@ -139,8 +139,8 @@ static int run_all(campaign_memory_t *m, const options_t *options)
     int status = 0;
     progress_begin(&progress, !options->json);
     for (uint32_t k = 0; k < options->runs && status == 0; ++k) {
-        status = make_world(options, &m->campaign.uncertainty, options->seed + k, &m->config);
-        if (status == 0 && !field_run(&m->run, &m->config, &m->record[k])) {
+        status = make_world(options, &m->campaign.uncertainty, options->seed + k, &m->cfg);
+        if (status == 0 && !field_run(&m->run, &m->cfg, &m->record[k])) {
             status =
                 report_error("demo: the simulator or the identifier refused its configuration");
         }

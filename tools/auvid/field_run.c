@@ -217,7 +217,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
 
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record)
 {
-    auvid_identifier_config_t *cfg = &run->id.config;
+    auvid_identifier_config_t *cfg = &run->id.cfg;
     memset(run, 0, sizeof *run);
     field_run_identifier(config, &run->averaged, cfg);
     if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0) {

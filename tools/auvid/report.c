@@ -43,7 +43,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .budget = AUVID_DEFAULT_BUDGET,
                          .max_work = id->max_work,
                          .change_test = id->change_test,
-                         .has_guard = id->excitation.config.segments > 0,
+                         .has_guard = id->excitation.cfg.segments > 0,
                          .guard = id->guard.state,
                          .trip = id->guard.trip};
 }

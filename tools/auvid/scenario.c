@@ -165,7 +165,7 @@ static bool advance(scenario_run_t *run)
     memcpy(run->before, world->excitation, sizeof run->before);
     world_tick(world);
     const sim_t *sim = &world->vehicle_sim.sim;
-    const double *position = sim->truth.position, *start = sim->config.position;
+    const double *position = sim->truth.position, *start = sim->cfg.position;
     run->farthest_m = fmax(run->farthest_m, hypot(position[0] - start[0], position[1] - start[1]));
     log_events(run);
     for (int j = 0; j < AUVID_DOF_COUNT && run->guard == AUVID_GUARD_ABORTED; ++j) {
@@ -227,10 +227,10 @@ static bool payload(scenario_run_t *run)
     }
     run_until(run, PAYLOAD_S);
     for (int k = 0; k < (int)sizeof mass; ++k) {
-        run->world.vehicle_sim.sim.config.parameter[mass[k]] *= MASS_FACTOR;
+        run->world.vehicle_sim.sim.cfg.parameter[mass[k]] *= MASS_FACTOR;
     }
     for (int i = SIM_X_U; i < SIM_PARAMETERS; ++i) {
-        run->world.vehicle_sim.sim.config.parameter[i] *= DRAG_FACTOR;
+        run->world.vehicle_sim.sim.cfg.parameter[i] *= DRAG_FACTOR;
     }
     event_log_add(&run->log, PAYLOAD_S,
                   "PAYLOAD ABOARD: masses +10 %%, drag +30 %%; errors are relative to this "
@@ -278,7 +278,7 @@ static bool dvl_lost(scenario_run_t *run)
     run_until(run, EVENT_S);
     event_log_add(&run->log, EVENT_S, "the DVL is lost: no more samples");
     uint32_t number = run->world.node[0].id.estimate.number;
-    run->world.vehicle_sim.sim.config.sensor[SIM_DVL].dropout = 1.0;
+    run->world.vehicle_sim.sim.cfg.sensor[SIM_DVL].dropout = 1.0;
     bool held = aftermath(run, number);
     run_to_end(run, 0);
     return held && run->result.trip.cause == AUVID_GUARD_VELOCITY_STALE;

@@ -61,11 +61,11 @@ const auvid_vehicle_t *vehicle_model(const char *word)
     return vehicle != NULL ? vehicle->model : NULL;
 }
 
-void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config)
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *cfg)
 {
-    vehicle_sim_defaults(config);
-    vehicle->simulate(&config->sim);
-    config->allocation = vehicle->allocation;
+    vehicle_sim_defaults(cfg);
+    vehicle->simulate(&cfg->sim);
+    cfg->allocation = vehicle->allocation;
 }
 
 void vehicle_use_averaged_model(auvid_identifier_config_t *cfg)

@@ -18,7 +18,7 @@ typedef struct {
     const auvid_vehicle_t *model;
     bool quick; /**< faster than its DVL, mainly in roll, pitch and yaw */
     const auvid_allocation_config_t *allocation;
-    void (*simulate)(sim_config_t *config);  /**< sets the configuration of the simulator */
+    void (*simulate)(sim_config_t *cfg);     /**< sets the configuration of the simulator */
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
     auvid_real_t tilt_max_rad, yaw_rate_max; /**< limits of the guard [rad, rad/s]; 0: default */
     /** Ticks in which a node reports every estimate twice: one estimate in five ticks. */
@@ -48,7 +48,7 @@ void vehicle_use_averaged_model(auvid_identifier_config_t *cfg);
 void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 
 /** Writes the configuration of its simulation. */
-void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *config);
+void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *cfg);
 
 /** Writes the configuration of its identification, based on auvid_identifier_defaults.
  * @param sets number of sets of excitation, of set_s seconds each

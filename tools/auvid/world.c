@@ -18,7 +18,7 @@ static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config
     auvid_adaptive_config_t cfg;
     auvid_adaptive_defaults(&cfg);
     (void)auvid_excitation_peak(&id->excitation, cfg.amplitude);
-    memcpy(cfg.excursion_limit, id->excitation.config.excursion_limit, sizeof cfg.excursion_limit);
+    memcpy(cfg.excursion_limit, id->excitation.cfg.excursion_limit, sizeof cfg.excursion_limit);
     cfg.max_s = (auvid_real_t)(config->sets * WORLD_SET_S);
     cfg.seed = config->seed;
     return auvid_adaptive_begin(id, &cfg);
@@ -99,7 +99,7 @@ static void step(world_t *world, int i)
 static void record_excitation(world_t *world)
 {
     vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
-    const sim_config_t *c = &vehicle_sim->sim.config;
+    const sim_config_t *c = &vehicle_sim->sim.cfg;
     double force_N[SIM_THRUSTERS];
     vehicle_sim_commanded(vehicle_sim, force_N);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -115,7 +115,7 @@ void world_tick(world_t *world)
     vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
     if (world->both_locks && vehicle_sim->seen.sensor[SIM_DVL].has) {
         bool bottom = vehicle_sim->seen.sensor[SIM_DVL].bottom;
-        vehicle_sim->sim.config.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
+        vehicle_sim->sim.cfg.dvl_lock = bottom ? SIM_LOCK_WATER : SIM_LOCK_BOTTOM;
     }
     frames_vehicle(&world->hub.end[WORLD_VEHICLE], vehicle_sim);
     for (int i = 0; i < world->nodes; ++i) {

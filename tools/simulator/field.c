@@ -15,12 +15,12 @@
 
 static double noise_rms(const field_t *field, int dof)
 {
-    return field->config.size[FIELD_DISTURBANCE] * (dof < 3 ? 1.0 : MOMENT_SHARE);
+    return field->cfg.size[FIELD_DISTURBANCE] * (dof < 3 ? 1.0 : MOMENT_SHARE);
 }
 
 static void init_disturbance(field_t *field)
 {
-    const field_config_t *c = &field->config;
+    const field_config_t *c = &field->cfg;
     sim_rng_t rng;
     sim_rng_seed(&rng, c->seed, FIELD_STREAM_WAVES);
     double to = 2.0 * FIELD_PI * sim_rng_uniform(&rng), amplitude = c->size[FIELD_WAVES];
@@ -40,7 +40,7 @@ static void disturb(const field_t *field, const double euler[3], double t_s, dou
 {
     double r[3][3], body[3] = {0};
     memcpy(force, field->coloured, sizeof field->coloured);
-    if (field->config.size[FIELD_WAVES] > 0.0) {
+    if (field->cfg.size[FIELD_WAVES] > 0.0) {
         double at = field->wave_rad_s * t_s + field->wave_phase;
         double world[3] = {field->wave[0] * sin(at), field->wave[1] * sin(at),
                            field->wave[2] * cos(at)};
@@ -93,13 +93,13 @@ static void complete_truth(field_t *field)
     memcpy(t->nu_dot, derivative + 6, sizeof t->nu_dot);
 }
 
-bool field_init(field_t *field, const field_config_t *config)
+bool field_init(field_t *field, const field_config_t *cfg)
 {
-    if (!field_config_is_good(config)) {
+    if (!field_config_is_good(cfg)) {
         return false;
     }
     memset(field, 0, sizeof *field);
-    field->config = *config;
+    field->cfg = *cfg;
     field->truth.position[2] = FIELD_START_M;
     field_hull_init(field);
     field_thrust_init(field);
@@ -127,7 +127,7 @@ static void advance(field_t *field)
     memcpy(t->position, state, sizeof t->position);
     memcpy(t->euler, state + 3, sizeof t->euler);
     memcpy(t->nu, state + 6, sizeof t->nu);
-    for (int i = 0; i < 6 && field->config.size[FIELD_DISTURBANCE] > 0.0; ++i) {
+    for (int i = 0; i < 6 && field->cfg.size[FIELD_DISTURBANCE] > 0.0; ++i) {
         field->coloured[i] = keep * field->coloured[i] +
                              renew * noise_rms(field, i) * sim_rng_gauss(&field->disturbance);
     }
@@ -136,7 +136,7 @@ static void advance(field_t *field)
 
 void field_step(field_t *field, const double *thruster_N, field_output_t *out)
 {
-    const field_config_t *c = &field->config;
+    const field_config_t *c = &field->cfg;
     double command_N[SIM_THRUSTERS] = {0};
     memset(out, 0, sizeof *out);
     field_pilot_drive(field, thruster_N, command_N);

@@ -176,7 +176,7 @@ typedef struct {
 
 /** A field vehicle: a plain struct that may be copied to branch a run. */
 typedef struct {
-    field_config_t config;
+    field_config_t cfg;
     uint64_t t_us;
     field_truth_t truth;
     field_hull_t hull;
@@ -193,17 +193,17 @@ typedef struct {
 int field_mismatches(const field_mismatch_t **table);
 
 /** Writes the defaults: no mismatch, the vehicle as in its data sheet, the default length. */
-void field_defaults(field_config_t *config, field_vehicle_t vehicle, field_driver_t driver,
+void field_defaults(field_config_t *cfg, field_vehicle_t vehicle, field_driver_t driver,
                     uint64_t seed);
 
-/** Draws every mismatch of the mixture from config->seed, scaled by `strength`. Mismatches that are
+/** Draws every mismatch of the mixture from cfg->seed, scaled by `strength`. Mismatches that are
  * never drawn become 0. The variation of the hull ("hull") is not a mismatch: it has its full size
  * at every strength, including 0. */
-void field_draw(field_config_t *config, double strength);
+void field_draw(field_config_t *cfg, double strength);
 
 /** Sets one mismatch, in its unit, without scaling by the vehicle. Returns false and does nothing
  * if there is no such name, or if its size is out of range. */
-bool field_set(field_config_t *config, const char *name, double size);
+bool field_set(field_config_t *cfg, const char *name, double size);
 
 /** Largest commanded force and moment of the vehicle's excitation [N, Nm], by DoF. */
 void field_amplitude(field_vehicle_t vehicle, double amplitude[6]);
@@ -213,7 +213,7 @@ void field_amplitude(field_vehicle_t vehicle, double amplitude[6]);
 int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N);
 
 /** Starts at time 0. Returns false and does nothing if a size or enumeration is out of range. */
-bool field_init(field_t *field, const field_config_t *config);
+bool field_init(field_t *field, const field_config_t *cfg);
 
 /** Advances by one tick of SIM_TICK_US.
  * @param thruster_N [thrusters] FIELD_EXCITED: force commanded in addition to hover; NULL: none.

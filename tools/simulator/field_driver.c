@@ -34,11 +34,11 @@ enum { X, Y, Z, N, WANTED };
 void field_pilot_init(field_t *field)
 {
     static const int axis[WANTED] = {0, 1, 2, 5};
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     field_pilot_t *p = &field->pilot;
     memset(p, 0, sizeof *p);
     p->position[2] = field->truth.position[2];
-    sim_rng_seed(&p->rng, field->config.seed, FIELD_STREAM_PILOT);
+    sim_rng_seed(&p->rng, field->cfg.seed, FIELD_STREAM_PILOT);
     for (int i = 0; i < WANTED; ++i) { /* T' (T T')^-1 */
         double square[6][6] = {{0}}, x[6] = {0};
         for (int k = 0; k < 6; ++k) {
@@ -95,8 +95,8 @@ void field_pilot_observe(field_t *field, const field_output_t *out)
 
 static void excited(field_t *field, double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    bool near = field->config.size[FIELD_WALL] > 0.0;
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    bool near = field->cfg.size[FIELD_WALL] > 0.0;
     double low = field->pilot.position[2] - FIELD_START_M;
     double beyond = copysign(fmax(fabs(low) - (near ? NEAR_DEPTH_M : EXCITED_DEPTH_M), 0.0), low);
     double lead = (near ? NEAR_LEAD : EXCITED_LEAD) * sheet->amplitude[2];
@@ -110,10 +110,10 @@ static void excited(field_t *field, double want[WANTED])
 static void joystick(field_t *field, double want[WANTED])
 {
     static const int axis[WANTED] = {0, 1, 2, 5};
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     field_pilot_t *p = &field->pilot;
     double now = 1e-6 * (double)field->t_us, low = p->position[2] - FIELD_START_M;
-    double care = field->config.size[FIELD_WALL] > 0.0 ? PILOT_NEAR_BOTTOM : 1.0;
+    double care = field->cfg.size[FIELD_WALL] > 0.0 ? PILOT_NEAR_BOTTOM : 1.0;
     p->deep = fabs(low) > care * (p->deep ? PILOT_NEAR_M : PILOT_FAR_M);
     for (int i = 0; i < WANTED; ++i) {
         if (now >= p->stick_s[i]) {
@@ -144,7 +144,7 @@ static double pid(double *sum, double error, double error_rate, double m, double
 /* Holds the reference position, depth and heading. */
 static void hold(field_t *field, const double rate[2], double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
     field_pilot_t *p = &field->pilot;
     double c = cos(p->euler[2]), s = sin(p->euler[2]), b = sheet->bandwidth;
@@ -168,7 +168,7 @@ static void station(field_t *field, double want[WANTED])
 /* The reference moves along the leg, then to the next leg while the heading turns. */
 static void lawnmower(field_t *field, double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     field_pilot_t *p = &field->pilot;
     bool across = p->leg % 2 == 1;
     int lane = p->leg / 2;
@@ -200,11 +200,11 @@ void field_pilot_drive(field_t *field, const double *thruster_N, double command_
                                                                  [FIELD_JOYSTICK] = joystick,
                                                                  [FIELD_LAWNMOWER] = lawnmower,
                                                                  [FIELD_STATION] = station};
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     const field_pilot_t *p = &field->pilot;
-    bool added = field->config.driver == FIELD_EXCITED && thruster_N != NULL;
+    bool added = field->cfg.driver == FIELD_EXCITED && thruster_N != NULL;
     double want[WANTED] = {0};
-    drive[field->config.driver](field, want);
+    drive[field->cfg.driver](field, want);
     for (int j = 0; j < sheet->thrusters; ++j) {
         double asked = added && isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
         command_N[j] = p->hover_N[j] + asked;

@@ -199,7 +199,7 @@ static void fasten(field_hull_t *h, const field_sheet_t *sheet, const field_conf
 
 void field_hull_init(field_t *field)
 {
-    const field_config_t *c = &field->config;
+    const field_config_t *c = &field->cfg;
     const field_sheet_t *sheet = field_sheet(c->vehicle);
     field_hull_t *h = &field->hull;
     sim_rng_t rng;

@@ -112,53 +112,52 @@ int field_mismatches(const field_mismatch_t **table)
     return FIELD_KINDS;
 }
 
-void field_defaults(field_config_t *config, field_vehicle_t vehicle, field_driver_t driver,
+void field_defaults(field_config_t *cfg, field_vehicle_t vehicle, field_driver_t driver,
                     uint64_t seed)
 {
-    memset(config, 0, sizeof *config);
-    config->vehicle = vehicle;
-    config->driver = driver;
-    config->seed = seed;
-    config->length_s = driver == FIELD_EXCITED ? 240.0 : 600.0;
+    memset(cfg, 0, sizeof *cfg);
+    cfg->vehicle = vehicle;
+    cfg->driver = driver;
+    cfg->seed = seed;
+    cfg->length_s = driver == FIELD_EXCITED ? 240.0 : 600.0;
 }
 
-void field_draw(field_config_t *config, double strength)
+void field_draw(field_config_t *cfg, double strength)
 {
-    memset(config->size, 0, sizeof config->size);
+    memset(cfg->size, 0, sizeof cfg->size);
     for (int k = 0; k < FIELD_KINDS; ++k) {
         const field_mismatch_t *kind = &kinds[k];
         double scale = (k == FIELD_HULL ? 1.0 : strength) *
-                       (kind->force && config->vehicle == FIELD_ROV20 ? 0.3 : 1.0);
+                       (kind->force && cfg->vehicle == FIELD_ROV20 ? 0.3 : 1.0);
         sim_rng_t rng;
-        sim_rng_seed(&rng, config->seed, FIELD_STREAM_DRAW + (uint64_t)k);
+        sim_rng_seed(&rng, cfg->seed, FIELD_STREAM_DRAW + (uint64_t)k);
         bool drawn = sim_rng_uniform(&rng) < kind->chance;
         double part = kind->draw == FIELD_NORMAL ? sim_rng_gauss(&rng) : sim_rng_uniform(&rng);
         double size = scale * (kind->low + part * (kind->high - kind->low));
         size = size < kind->min_size ? kind->min_size : size;
         size = size > kind->max_size ? kind->max_size : size;
-        config->size[k] = drawn && kind->draw != FIELD_ALONE ? size : 0.0;
+        cfg->size[k] = drawn && kind->draw != FIELD_ALONE ? size : 0.0;
     }
 }
 
-bool field_set(field_config_t *config, const char *name, double size)
+bool field_set(field_config_t *cfg, const char *name, double size)
 {
     for (int k = 0; k < FIELD_KINDS; ++k) {
         if (strcmp(kinds[k].name, name) == 0) {
             bool good = size >= kinds[k].min_size && size <= kinds[k].max_size;
-            config->size[k] = good ? size : config->size[k];
+            cfg->size[k] = good ? size : cfg->size[k];
             return good;
         }
     }
     return false;
 }
 
-bool field_config_is_good(const field_config_t *config)
+bool field_config_is_good(const field_config_t *cfg)
 {
-    bool good = (unsigned)config->vehicle < FIELD_VEHICLES &&
-                (unsigned)config->driver < FIELD_DRIVERS && config->length_s > 0.0 &&
-                isfinite(config->length_s);
+    bool good = (unsigned)cfg->vehicle < FIELD_VEHICLES && (unsigned)cfg->driver < FIELD_DRIVERS &&
+                cfg->length_s > 0.0 && isfinite(cfg->length_s);
     for (int k = 0; k < FIELD_KINDS; ++k) {
-        double size = config->size[k];
+        double size = cfg->size[k];
         good = good && size >= kinds[k].min_size && size <= kinds[k].max_size;
     }
     return good;

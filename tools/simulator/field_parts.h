@@ -109,7 +109,7 @@ typedef struct {
 const field_sheet_t *field_sheet(field_vehicle_t vehicle);
 
 /** Checks that all values are in range. */
-bool field_config_is_good(const field_config_t *config);
+bool field_config_is_good(const field_config_t *cfg);
 
 /** x = r v, and r' v. */
 void field_rotate(double r[3][3], const double v[3], double x[3]);

@@ -29,7 +29,7 @@ void field_sensors_init(field_t *field)
 {
     static const uint64_t period_us[SIM_SENSORS] = {
         [SIM_IMU] = 20000, [SIM_DVL] = 200000, [SIM_DEPTH] = 100000};
-    const field_config_t *c = &field->config;
+    const field_config_t *c = &field->cfg;
     const double *size = c->size;
     field_sensing_t *s = &field->sensing;
     sim_rng_t rng;
@@ -74,7 +74,7 @@ static void between(const field_t *field, const field_truth_t *a, const field_tr
         at->nu[3 + i] = a->nu[3 + i] + part * (b->nu[3 + i] - a->nu[3 + i]);
     }
     sim_rotation(at->euler, at->r);
-    if (field->config.size[FIELD_FILTER_TAU] > 0.0) {
+    if (field->cfg.size[FIELD_FILTER_TAU] > 0.0) {
         memcpy(world, s->velocity, sizeof world);
         field_rotate_back(at->r, world, at->ground);
     } else {
@@ -114,7 +114,7 @@ static void measure_imu(const field_t *field, moment_t *at, sim_rng_t *noise, si
 
 static void measure_dvl(const field_t *field, moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     const double arm[3] = {size[FIELD_DVL_ARM_X], size[FIELD_DVL_ARM_Y], size[FIELD_DVL_ARM_Z]};
     double r[3][3], v[3];
     memcpy(r, field->sensing.dvl_mount, sizeof r);
@@ -141,7 +141,7 @@ static void measure_depth(const field_t *field, moment_t *at, sim_rng_t *noise,
 /* Applies outliers and lost axes. Returns false if the sample is lost. */
 static bool dvl_arrives(const field_t *field, sim_rng_t *loss, sim_measurement_t *m)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     bool lost = sim_rng_uniform(loss) < size[FIELD_DVL_LOST];
     bool outlier = sim_rng_uniform(loss) < size[FIELD_DVL_OUTLIERS];
     bool partial = sim_rng_uniform(loss) < size[FIELD_DVL_PARTIAL];
@@ -160,13 +160,13 @@ static bool dvl_arrives(const field_t *field, sim_rng_t *loss, sim_measurement_t
 /* Lag of the clock of the instruments at a time. */
 static int64_t behind_us(const field_t *field, uint64_t t_us)
 {
-    double drift = 1e-6 * field->config.size[FIELD_CLOCK_DRIFT] * (double)t_us;
+    double drift = 1e-6 * field->cfg.size[FIELD_CLOCK_DRIFT] * (double)t_us;
     return field->sensing.clock_us + (int64_t)floor(drift + 0.5);
 }
 
 static void move_filter(field_t *field, const field_truth_t *now, double h)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     field_sensing_t *s = &field->sensing;
     double tau = size[FIELD_FILTER_TAU], r[3][3], world[3];
     if (sim_rng_uniform(&s->clock) < size[FIELD_CLOCK_JUMPS] * h / 60.0) {

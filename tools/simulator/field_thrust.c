@@ -21,11 +21,11 @@
 
 void field_thrust_init(field_t *field)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     sim_rng_t rng;
     memset(t, 0, sizeof *t);
-    sim_rng_seed(&rng, field->config.seed, FIELD_STREAM_THRUSTERS);
+    sim_rng_seed(&rng, field->cfg.seed, FIELD_STREAM_THRUSTERS);
     for (int j = 0; j < SIM_THRUSTERS; ++j) {
         double each = 1.0 + size[FIELD_THRUST_EACH] * sim_rng_gauss(&rng);
         t->gain[j] = fmax((1.0 + size[FIELD_THRUST_COMMON]) * each, 0.0);
@@ -35,13 +35,13 @@ void field_thrust_init(field_t *field)
 /* Elapsed fraction of the run. */
 static double part_of_run(const field_t *field)
 {
-    return fmin(1e-6 * (double)field->t_us / field->config.length_s, 1.0);
+    return fmin(1e-6 * (double)field->t_us / field->cfg.length_s, 1.0);
 }
 
 /* Voltage relative to the full battery, at a mean load 0..1. */
 static double voltage(const field_t *field, double load)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     double lost = fmax(size[FIELD_BATTERY], size[FIELD_BATTERY_CORRECTED]);
     return 1.0 - lost * (part_of_run(field) + LOAD_SHARE * load);
 }
@@ -63,8 +63,8 @@ static double pulse_us(double part)
 
 void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *size = field->config.size;
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     field_command_t *c = &t->ring[t->written++ % FIELD_RING];
     double f_max = sheet->thruster_max_N;
@@ -89,8 +89,8 @@ void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
 /* Steady force of thruster j under a command, in still water [N]. */
 static double steady(const field_t *field, int j, double command_N, double by_voltage)
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *size = field->config.size;
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const double *size = field->cfg.size;
     double f_max = sheet->thruster_max_N, part = command_N / f_max, dead = size[FIELD_COMMAND_PWM];
     if (dead > 0.0) {
         double s = fmax(fabs(pulse_us(part)) - dead, 0.0) / (PULSE_US - dead);
@@ -113,7 +113,7 @@ static double lagged(double x, double to, double lag_s, double h)
 static const field_command_t *find_acting(field_t *field, double h)
 {
     field_thrust_t *t = &field->thrust;
-    double early_s = fmax(-field->config.size[FIELD_THRUST_LATE], 0.0);
+    double early_s = fmax(-field->cfg.size[FIELD_THRUST_LATE], 0.0);
     double now = 1e-6 * (double)field->t_us + h / 2.0;
     while (t->acting < t->written &&
            1e-6 * (double)t->ring[t->acting % FIELD_RING].t_us + early_s <= now) {
@@ -125,23 +125,23 @@ static const field_command_t *find_acting(field_t *field, double h)
 /* Factor of the force by the speed of the water along it. */
 static double inflow(const field_t *field, int j, double force)
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     double along = 0.0;
     for (int i = 0; i < 6; ++i) {
         along += sheet->matrix[i][j] * field->truth.nu[i];
     }
-    double loss = field->config.size[FIELD_THRUST_ADVANCE] * (force < 0.0 ? -along : along);
+    double loss = field->cfg.size[FIELD_THRUST_ADVANCE] * (force < 0.0 ? -along : along);
     return force * fmax(0.0, fmin(2.0, 1.0 - loss));
 }
 
 /* Advances a thruster by h seconds towards a steady force. */
 static void follow(field_t *field, int j, double force, double h)
 {
-    const double *size = field->config.size;
+    const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     if (size[FIELD_THRUST_LAG] > 0.0 || size[FIELD_SLEW] > 0.0) {
         double to = copysign(sqrt(fabs(force)), force);
-        double limit = sqrt(field_sheet(field->config.vehicle)->thruster_max_N) * h /
+        double limit = sqrt(field_sheet(field->cfg.vehicle)->thruster_max_N) * h /
                        fmax(size[FIELD_SLEW], 1e-9);
         t->slewed[j] += fmax(-limit, fmin(limit, to - t->slewed[j]));
         t->speed[j] = lagged(t->speed[j], t->slewed[j], size[FIELD_THRUST_LAG], h);
@@ -152,8 +152,8 @@ static void follow(field_t *field, int j, double force, double h)
 
 void field_thrust_advance(field_t *field, double h, double wrench[6])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *size = field->config.size;
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     const field_command_t *c = find_acting(field, h);
     double by_voltage = 1.0;
@@ -174,7 +174,7 @@ void field_thrust_advance(field_t *field, double h, double wrench[6])
 
 void field_thrust_truth(const field_t *field, double delivered[6], double reported[6])
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     const field_thrust_t *t = &field->thrust;
     memset(delivered, 0, 6 * sizeof delivered[0]);
     memset(reported, 0, 6 * sizeof reported[0]);
@@ -190,8 +190,8 @@ void field_thrust_truth(const field_t *field, double delivered[6], double report
 
 void field_thrust_report(field_t *field, field_output_t *out)
 {
-    const field_sheet_t *sheet = field_sheet(field->config.vehicle);
-    const double *size = field->config.size;
+    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     uint64_t late_us = (uint64_t)(1e6 * fmax(size[FIELD_THRUST_LATE], 0.0) + 0.5);
     if (t->reported == t->written ||

@@ -114,7 +114,7 @@ void sim_fossen_parameters(const sim_fossen_t *v, double p[SIM_FOSSEN_PARAMETERS
 /* Eight T200s at 16 V: positions and forward directions. The first four lie in a plane below the
  * origin and push inwards, the front ones ahead and the rear ones astern. The others push up and
  * down alternately. In both groups: front starboard, front port, rear starboard, rear port. */
-static void bluerov2_thrusters(sim_config_t *config)
+static void bluerov2_thrusters(sim_config_t *cfg)
 {
     static const double at[8][3] = {{0.156, 0.111, 0.085},  {0.156, -0.111, 0.085},
                                     {-0.156, 0.111, 0.085}, {-0.156, -0.111, 0.085},
@@ -124,20 +124,20 @@ static void bluerov2_thrusters(sim_config_t *config)
     const double along[8][3] = {{h, -h, 0.0},    {h, h, 0.0},      {-h, -h, 0.0},
                                 {-h, h, 0.0},    {0.0, 0.0, -1.0}, {0.0, 0.0, 1.0},
                                 {0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}};
-    config->thrusters = 8;
-    config->thruster_max_N = 51.5;
-    config->thruster_back_N = 40.2;
+    cfg->thrusters = 8;
+    cfg->thruster_max_N = 51.5;
+    cfg->thruster_back_N = 40.2;
     for (int j = 0; j < 8; ++j) {
         double moment[3];
         cross(at[j], along[j], moment);
         for (int i = 0; i < 3; ++i) {
-            config->thruster_matrix[i][j] = along[j][i];
-            config->thruster_matrix[3 + i][j] = moment[i];
+            cfg->thruster_matrix[i][j] = along[j][i];
+            cfg->thruster_matrix[3 + i][j] = moment[i];
         }
     }
 }
 
-void sim_bluerov2(sim_config_t *config)
+void sim_bluerov2(sim_config_t *cfg)
 {
     static const sim_fossen_t heavy = {.mass_kg = 13.5,
                                        .inertia = {0.26, 0.23, 0.37},
@@ -152,11 +152,11 @@ void sim_bluerov2(sim_config_t *config)
                                                  {0.0, 0.0, 0.0, 0.0, 0.0, 0.222}},
                                        .linear = {13.7, 0.0, 33.0, 0.0, 0.8, 0.0},
                                        .quadratic = {141.0, 217.0, 190.0, 1.19, 0.47, 1.5}};
-    sim_defaults(config);
-    config->model = SIM_FOSSEN;
-    config->fossen = heavy;
-    config->hold_Nm_rad = 8;
-    config->hold_Nms_rad = 2;
-    memset(config->thruster_matrix, 0, sizeof config->thruster_matrix);
-    bluerov2_thrusters(config);
+    sim_defaults(cfg);
+    cfg->model = SIM_FOSSEN;
+    cfg->fossen = heavy;
+    cfg->hold_Nm_rad = 8;
+    cfg->hold_Nms_rad = 2;
+    memset(cfg->thruster_matrix, 0, sizeof cfg->thruster_matrix);
+    bluerov2_thrusters(cfg);
 }

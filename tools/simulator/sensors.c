@@ -12,13 +12,13 @@
 
 bool sim_sensors_init(sim_t *sim)
 {
-    const sim_config_t *config = &sim->config;
-    if (!(config->dvl_partial >= 0.0 && config->dvl_partial <= 0.9) ||
-        !(config->dvl_partial_run >= 1.0 && config->dvl_partial_run < 1e6)) {
+    const sim_config_t *cfg = &sim->cfg;
+    if (!(cfg->dvl_partial >= 0.0 && cfg->dvl_partial <= 0.9) ||
+        !(cfg->dvl_partial_run >= 1.0 && cfg->dvl_partial_run < 1e6)) {
         return false;
     }
     for (int i = 0; i < SIM_SENSORS; ++i) {
-        const sim_sensor_config_t *c = &sim->config.sensor[i];
+        const sim_sensor_config_t *c = &sim->cfg.sensor[i];
         sim_sensor_t *s = &sim->sensor[i];
         if (!(c->rate_hz >= 0.0 && c->rate_hz <= 50.0) ||
             !(c->phase_s >= 0.0 && c->phase_s < 1e6) ||
@@ -27,8 +27,8 @@ bool sim_sensors_init(sim_t *sim)
             (c->rate_hz > 0.0 && c->rate_hz < 1e-3)) {
             return false;
         }
-        sim_rng_seed(&s->noise, sim->config.seed, 2 * (uint64_t)i);
-        sim_rng_seed(&s->loss, sim->config.seed, 2 * (uint64_t)i + 1);
+        sim_rng_seed(&s->noise, sim->cfg.seed, 2 * (uint64_t)i);
+        sim_rng_seed(&s->loss, sim->cfg.seed, 2 * (uint64_t)i + 1);
         s->period_us = c->rate_hz > 0.0 ? (uint64_t)(1e6 / c->rate_hz + 0.5) : 0;
         s->age_us = (uint64_t)(c->age_s * 1e6 + 0.5);
         s->next_us = c->phase_s > 0.0 ? (uint64_t)(c->phase_s * 1e6 + 0.5) : s->period_us;
@@ -127,10 +127,10 @@ void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t
             between(at.euler, before->euler, now->euler, part, 3);
             between(at.nu, before->nu, now->nu, part, 6);
             between(at.ground, before->ground, now->ground, part, 3);
-            measure[i](&sim->config, &at, &s->noise, &m);
-            bool lost = sim_rng_uniform(&s->loss) < sim->config.sensor[i].dropout;
+            measure[i](&sim->cfg, &at, &s->noise, &m);
+            bool lost = sim_rng_uniform(&s->loss) < sim->cfg.sensor[i].dropout;
             if (i == SIM_DVL) {
-                lose_axes(&sim->config, s, &m);
+                lose_axes(&sim->cfg, s, &m);
             }
             if (m.has && !lost && s->count < SIM_QUEUE) {
                 s->queue[(s->head + s->count++) % SIM_QUEUE] = m;

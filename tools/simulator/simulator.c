@@ -31,12 +31,12 @@ static double drag(double linear, double quadratic, double x)
 }
 
 /* nu' of the paper's vehicle. */
-static void girona500(const sim_config_t *config, const double euler[3], const double nu[6],
+static void girona500(const sim_config_t *cfg, const double euler[3], const double nu[6],
                       const double wrench[6], double d[6])
 {
-    const double *m = config->parameter;
+    const double *m = cfg->parameter;
     double sf = sin(euler[0]), cf = cos(euler[0]), st = sin(euler[1]), ct = cos(euler[1]);
-    double wq_or_wp = nu[W] * (config->printed_eq13 ? nu[Q] : nu[P]);
+    double wq_or_wp = nu[W] * (cfg->printed_eq13 ? nu[Q] : nu[P]);
 
     d[U] = (wrench[U] + m[SIM_M_V] * nu[V] * nu[R] - m[SIM_M_W] * nu[W] * nu[Q] - m[SIM_WB] * st +
             drag(m[SIM_X_U], m[SIM_X_UU], nu[U])) /
@@ -50,17 +50,17 @@ static void girona500(const sim_config_t *config, const double euler[3], const d
     d[R] = (wrench[R] + (m[SIM_M_U] - m[SIM_M_V]) * nu[U] * nu[V] +
             drag(m[SIM_N_R], m[SIM_N_RR], nu[R])) /
            m[SIM_M_R];
-    d[P] = (wrench[P] + config->roll_arm_m * wrench[V] - config->tilt_righting * sf * ct +
-            config->munk * (m[SIM_M_V] - m[SIM_M_W]) * nu[V] * nu[W] -
-            drag(config->tilt_linear, config->tilt_quadratic, nu[P])) /
-           config->tilt_inertia;
-    d[Q] = (wrench[Q] + config->pitch_arm_m * wrench[U] - config->tilt_righting * st +
-            config->munk * (m[SIM_M_W] - m[SIM_M_U]) * nu[U] * nu[W] -
-            drag(config->tilt_linear, config->tilt_quadratic, nu[Q])) /
-           config->tilt_inertia;
+    d[P] = (wrench[P] + cfg->roll_arm_m * wrench[V] - cfg->tilt_righting * sf * ct +
+            cfg->munk * (m[SIM_M_V] - m[SIM_M_W]) * nu[V] * nu[W] -
+            drag(cfg->tilt_linear, cfg->tilt_quadratic, nu[P])) /
+           cfg->tilt_inertia;
+    d[Q] = (wrench[Q] + cfg->pitch_arm_m * wrench[U] - cfg->tilt_righting * st +
+            cfg->munk * (m[SIM_M_W] - m[SIM_M_U]) * nu[U] * nu[W] -
+            drag(cfg->tilt_linear, cfg->tilt_quadratic, nu[Q])) /
+           cfg->tilt_inertia;
 }
 
-void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
+void sim_derivative(const sim_config_t *cfg, const double state[12], const double wrench[6],
                     double derivative[12])
 {
     const double *nu = state + NU;
@@ -70,19 +70,19 @@ void sim_derivative(const sim_config_t *config, const double state[12], const do
     sim_rotation(state + EULER, r);
     for (int i = 0; i < 3; ++i) {
         derivative[POSITION + i] =
-            r[i][0] * nu[U] + r[i][1] * nu[V] + r[i][2] * nu[W] + config->current[i];
+            r[i][0] * nu[U] + r[i][1] * nu[V] + r[i][2] * nu[W] + cfg->current[i];
     }
     derivative[EULER] = nu[P] + (sf * nu[Q] + cf * nu[R]) * st / ct;
     derivative[EULER + 1] = cf * nu[Q] - sf * nu[R];
     derivative[EULER + 2] = (sf * nu[Q] + cf * nu[R]) / ct;
-    if (config->model == SIM_FOSSEN) {
-        sim_fossen_acceleration(&config->fossen, state + EULER, nu, wrench, derivative + NU);
+    if (cfg->model == SIM_FOSSEN) {
+        sim_fossen_acceleration(&cfg->fossen, state + EULER, nu, wrench, derivative + NU);
     } else {
-        girona500(config, state + EULER, nu, wrench, derivative + NU);
+        girona500(cfg, state + EULER, nu, wrench, derivative + NU);
     }
 }
 
-void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h)
+void sim_rk4(const sim_config_t *cfg, double state[12], const double wrench[6], double h)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
     double k[STATES] = {0}, sum[STATES] = {0}, x[STATES];
@@ -90,7 +90,7 @@ void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6
         for (int i = 0; i < STATES; ++i) {
             x[i] = state[i] + at[stage] * h * k[i];
         }
-        sim_derivative(config, x, wrench, k);
+        sim_derivative(cfg, x, wrench, k);
         for (int i = 0; i < STATES; ++i) {
             sum[i] += weight[stage] * k[i];
         }
@@ -102,7 +102,7 @@ void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6
 
 /* ---- the tick ---- */
 
-void sim_defaults(sim_config_t *config)
+void sim_defaults(sim_config_t *cfg)
 {
     static const double paper[SIM_PARAMETERS] = {
         249.5384, 367.7126,  659.9799, 74.9024,   -37.3058, -42.4181, -125.3578,
@@ -139,7 +139,7 @@ void sim_defaults(sim_config_t *config)
                       .gps_depth_m = 0.5};
     memcpy(c.parameter, paper, sizeof paper);
     memcpy(c.thruster_matrix, thrusters, sizeof thrusters);
-    *config = c;
+    *cfg = c;
 }
 
 static bool all_finite(const double *x, size_t n)
@@ -228,10 +228,10 @@ static bool config_is_good(const sim_config_t *c)
            isfinite(c->disturbance_s) && c->disturbance_s > 0.0;
 }
 
-static double disturbance_rms(const sim_config_t *config, int dof)
+static double disturbance_rms(const sim_config_t *cfg, int dof)
 {
-    bool unknown = dof == R || config->model == SIM_FOSSEN;
-    return dof < 3 ? config->disturbance_N : unknown ? config->disturbance_Nm : 0.0;
+    bool unknown = dof == R || cfg->model == SIM_FOSSEN;
+    return dof < 3 ? cfg->disturbance_N : unknown ? cfg->disturbance_Nm : 0.0;
 }
 
 /* Velocity over ground and acceleration of the truth, from its state and forces. */
@@ -245,7 +245,7 @@ static void complete_truth(sim_t *sim)
     for (int i = 0; i < 6; ++i) {
         total[i] = t->wrench[i] + t->disturbance[i];
     }
-    sim_derivative(&sim->config, state, total, derivative);
+    sim_derivative(&sim->cfg, state, total, derivative);
     memcpy(t->nu_dot, derivative + NU, sizeof t->nu_dot);
     sim_rotation(t->euler, r);
     for (int i = 0; i < 3; ++i) { /* R' (velocity over ground) */
@@ -253,23 +253,23 @@ static void complete_truth(sim_t *sim)
     }
 }
 
-bool sim_init(sim_t *sim, const sim_config_t *config)
+bool sim_init(sim_t *sim, const sim_config_t *cfg)
 {
     sim_t fresh;
-    if (!config_is_good(config)) {
+    if (!config_is_good(cfg)) {
         return false;
     }
     memset(&fresh, 0, sizeof fresh);
-    fresh.config = *config;
+    fresh.cfg = *cfg;
     if (!sim_sensors_init(&fresh)) {
         return false;
     }
-    memcpy(fresh.truth.position, config->position, sizeof config->position);
-    memcpy(fresh.truth.euler, config->euler, sizeof config->euler);
-    memcpy(fresh.truth.nu, config->nu, sizeof config->nu);
-    sim_rng_seed(&fresh.disturbance, config->seed, SIM_SENSORS * 2);
+    memcpy(fresh.truth.position, cfg->position, sizeof cfg->position);
+    memcpy(fresh.truth.euler, cfg->euler, sizeof cfg->euler);
+    memcpy(fresh.truth.nu, cfg->nu, sizeof cfg->nu);
+    sim_rng_seed(&fresh.disturbance, cfg->seed, SIM_SENSORS * 2);
     for (int i = 0; i < 6; ++i) { /* in its stationary distribution from the start */
-        fresh.truth.disturbance[i] = disturbance_rms(config, i) * sim_rng_gauss(&fresh.disturbance);
+        fresh.truth.disturbance[i] = disturbance_rms(cfg, i) * sim_rng_gauss(&fresh.disturbance);
     }
     complete_truth(&fresh);
     *sim = fresh;
@@ -293,7 +293,7 @@ static double lagged(double *x, double command, double lag_s, double h)
 static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const double direct[6],
                     double h)
 {
-    const sim_config_t *c = &sim->config;
+    const sim_config_t *c = &sim->cfg;
     sim_truth_t *t = &sim->truth;
     double state[STATES], total[6], mean[SIM_THRUSTERS] = {0};
     double keep = exp(-h / c->disturbance_s), renew = sqrt(-expm1(-2.0 * h / c->disturbance_s));
@@ -327,7 +327,7 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
 /* Thruster commands: the given thrust and the stabilisation of roll and pitch, saturated. */
 static void command(const sim_t *sim, const double *thruster_N, double commanded[SIM_THRUSTERS])
 {
-    const sim_config_t *c = &sim->config;
+    const sim_config_t *c = &sim->cfg;
     const double *seen = sim->imu.value;
     double hold[6] = {0}, back = c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
     for (int j = 0; thruster_N != NULL && j < c->thrusters; ++j) {
@@ -346,7 +346,7 @@ static void command(const sim_t *sim, const double *thruster_N, double commanded
 
 void sim_step(sim_t *sim, const double *thruster_N, const double wrench[6], sim_output_t *out)
 {
-    const sim_config_t *c = &sim->config;
+    const sim_config_t *c = &sim->cfg;
     double commanded[SIM_THRUSTERS] = {0}, direct[6] = {0};
     memset(out, 0, sizeof *out);
     command(sim, thruster_N, commanded);

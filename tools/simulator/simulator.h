@@ -194,7 +194,7 @@ typedef struct {
 } sim_sensor_t;
 
 typedef struct {
-    sim_config_t config;
+    sim_config_t cfg;
     sim_truth_t truth;
     double direct[6]; /**< lagged wrench command */
     sim_rng_t disturbance;
@@ -203,14 +203,14 @@ typedef struct {
 } sim_t;
 
 /** Writes the defaults named above. */
-void sim_defaults(sim_config_t *config);
+void sim_defaults(sim_config_t *cfg);
 
 /** Writes those of a BlueROV2 Heavy: coefficients and thruster positions of von Benzon et al. 2022
  * in fresh water, T200s at 16 V, roll and pitch stabilised; sensors as above. */
-void sim_bluerov2(sim_config_t *config);
+void sim_bluerov2(sim_config_t *cfg);
 
 /** Starts at time 0. Returns false and does nothing if a value is out of range or not finite. */
-bool sim_init(sim_t *sim, const sim_config_t *config);
+bool sim_init(sim_t *sim, const sim_config_t *cfg);
 
 /**
  * Advances by one tick.
@@ -225,10 +225,10 @@ void sim_step(sim_t *sim, const double *thruster_N, const double wrench[6], sim_
 /* The parts, for tests and other simulations. */
 
 /** Derivatives of [position, euler, nu] under a body wrench (the model's, and kinematics). */
-void sim_derivative(const sim_config_t *config, const double state[12], const double wrench[6],
+void sim_derivative(const sim_config_t *cfg, const double state[12], const double wrench[6],
                     double derivative[12]);
 /** One RK4 step of h seconds under a constant wrench. */
-void sim_rk4(const sim_config_t *config, double state[12], const double wrench[6], double h);
+void sim_rk4(const sim_config_t *cfg, double state[12], const double wrench[6], double h);
 /** M = M_RB + M_A. */
 void sim_fossen_matrix(const sim_fossen_t *vehicle, double m[6][6]);
 /** nu' under a body wrench. */

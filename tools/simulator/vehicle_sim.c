@@ -15,16 +15,16 @@ typedef struct {
     int count;
 } sending_t;
 
-void vehicle_sim_defaults(vehicle_sim_config_t *config)
+void vehicle_sim_defaults(vehicle_sim_config_t *cfg)
 {
-    memset(config, 0, sizeof *config);
-    sim_defaults(&config->sim);
-    config->allocation = &auvid_allocation_girona500;
+    memset(cfg, 0, sizeof *cfg);
+    sim_defaults(&cfg->sim);
+    cfg->allocation = &auvid_allocation_girona500;
 }
 
 void vehicle_sim_truth(const vehicle_sim_t *vehicle, double truth[VEHICLE_SIM_PARAMETERS])
 {
-    const sim_config_t *c = &vehicle->sim.config;
+    const sim_config_t *c = &vehicle->sim.cfg;
     memset(truth, 0, VEHICLE_SIM_PARAMETERS * sizeof truth[0]);
     if (c->model == SIM_FOSSEN) {
         sim_fossen_parameters(&c->fossen, truth);
@@ -33,16 +33,16 @@ void vehicle_sim_truth(const vehicle_sim_t *vehicle, double truth[VEHICLE_SIM_PA
     }
 }
 
-static bool init_hover(vehicle_sim_t *vehicle, const auvid_allocation_config_t *config)
+static bool init_hover(vehicle_sim_t *vehicle, const auvid_allocation_config_t *cfg)
 {
-    const sim_config_t *c = &vehicle->sim.config;
+    const sim_config_t *c = &vehicle->sim.cfg;
     auvid_allocation_t allocation;
     auvid_allocation_result_t result;
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
     wrench[AUVID_HEAVE] =
         (auvid_real_t)(c->model == SIM_FOSSEN ? c->fossen.buoyancy_N - c->fossen.weight_N
                                               : -c->parameter[SIM_WB]);
-    if (auvid_allocation_init(&allocation, config) < 0 ||
+    if (auvid_allocation_init(&allocation, cfg) < 0 ||
         auvid_allocation_solve(&allocation, wrench, &result) < 0) {
         return false;
     }
@@ -52,14 +52,14 @@ static bool init_hover(vehicle_sim_t *vehicle, const auvid_allocation_config_t *
     return true;
 }
 
-bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *config)
+bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *cfg)
 {
     memset(vehicle, 0, sizeof *vehicle);
-    vehicle->no_arm = config->no_arm;
-    vehicle->arm_again = config->arm_again;
-    return sim_init(&vehicle->sim, &config->sim) && init_hover(vehicle, config->allocation) &&
+    vehicle->no_arm = cfg->no_arm;
+    vehicle->arm_again = cfg->arm_again;
+    return sim_init(&vehicle->sim, &cfg->sim) && init_hover(vehicle, cfg->allocation) &&
            auvid_can_sender_init(&vehicle->sender, NULL) >= 0 &&
-           auvid_can_command_init(&vehicle->command, (uint8_t)config->sim.thrusters, NULL) >= 0;
+           auvid_can_command_init(&vehicle->command, (uint8_t)cfg->sim.thrusters, NULL) >= 0;
 }
 
 static void take_message(vehicle_sim_t *vehicle, const auvid_can_message_t *m)
@@ -120,7 +120,7 @@ double vehicle_sim_rms_percent(const vehicle_sim_t *vehicle)
 /* Largest force of a thruster in the direction of a force. */
 static double max_force_N(const vehicle_sim_t *vehicle, double force)
 {
-    const sim_config_t *c = &vehicle->sim.config;
+    const sim_config_t *c = &vehicle->sim.cfg;
     return force < 0.0 && c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
 }
 
@@ -210,7 +210,7 @@ static void send_feedback(sending_t *s)
     auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A};
     auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_B};
     double part[AUVID_CAN_THRUSTERS] = {0};
-    for (int i = 0; i < s->vehicle->sim.config.thrusters; ++i) {
+    for (int i = 0; i < s->vehicle->sim.cfg.thrusters; ++i) {
         double force = s->vehicle->seen.thruster_N[i];
         part[i] = force / max_force_N(s->vehicle, force);
     }
@@ -246,7 +246,7 @@ bool vehicle_sim_commanded(vehicle_sim_t *vehicle, double force_N[SIM_THRUSTERS]
 {
     auvid_real_t thrust[AUVID_CAN_THRUSTERS];
     auvid_status_t status = auvid_can_command_thrust(&vehicle->command, vehicle->seen.t_us, thrust);
-    for (int i = 0; i < vehicle->sim.config.thrusters; ++i) {
+    for (int i = 0; i < vehicle->sim.cfg.thrusters; ++i) {
         double part = (double)thrust[i];
         force_N[i] = part * max_force_N(vehicle, part);
     }
@@ -262,7 +262,7 @@ static void drive(vehicle_sim_t *vehicle)
         ++vehicle->cuts;
         vehicle->cut_us = vehicle->seen.t_us - vehicle->command.half[0].good_us;
     }
-    for (int i = 0; i < vehicle->sim.config.thrusters; ++i) {
+    for (int i = 0; i < vehicle->sim.cfg.thrusters; ++i) {
         vehicle->force_N[i] = vehicle->hover_N[i] + asked[i];
     }
 }

@@ -59,10 +59,10 @@ typedef struct {
 } vehicle_sim_t;
 
 /** Writes the defaults of the simulator. */
-void vehicle_sim_defaults(vehicle_sim_config_t *config);
+void vehicle_sim_defaults(vehicle_sim_config_t *cfg);
 
 /** Starts at time 0. Returns false if the simulator refuses its configuration. */
-bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *config);
+bool vehicle_sim_init(vehicle_sim_t *vehicle, const vehicle_sim_config_t *cfg);
 
 /** Receives a frame from the bus. Its time of arrival is that of the last tick. */
 void vehicle_sim_take(vehicle_sim_t *vehicle, const auvid_can_frame_t *frame);

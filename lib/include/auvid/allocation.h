@@ -59,7 +59,7 @@ typedef struct {
 
 /** The allocation. Written by auvid_allocation_init, read-only for all other functions. */
 typedef struct {
-    auvid_allocation_config_t config;                           /**< copy */
+    auvid_allocation_config_t cfg;                              /**< copy */
     auvid_real_t inverse[AUVID_MAX_THRUSTERS][AUVID_DOF_COUNT]; /**< T+ of the controlled rows */
     uint8_t actuated; /**< DoFs in which a wrench is possible without the others in the mask */
     uint8_t rank;     /**< rank of the controlled rows of T, 1..6 */
@@ -96,9 +96,9 @@ extern const auvid_allocation_config_t auvid_allocation_bluerov2_heavy;
 #endif
 
 #define auvid_allocation_defaults AUVID_SIZED1(auvid_allocation_defaults, AUVID_MAX_THRUSTERS)
-/** Fill *config with the defaults: no thruster, all forward gains 1, linear, priority of yaw.
- * @param config written whole; NULL is a no-op. */
-void auvid_allocation_defaults(auvid_allocation_config_t *config);
+/** Fill *cfg with the defaults: no thruster, all forward gains 1, linear, priority of yaw.
+ * @param cfg written whole; NULL is a no-op. */
+void auvid_allocation_defaults(auvid_allocation_config_t *cfg);
 
 /**
  * Check the configuration, copy it, and compute the pseudo-inverse.
@@ -107,8 +107,7 @@ void auvid_allocation_defaults(auvid_allocation_config_t *config);
  *         gain_backward < 0, the law is unknown, or an entry of T exceeds 1e6; AUVID_ERR_SINGULAR
  *         if no working thruster acts in any controlled DoF. On an error *a is unchanged.
  */
-auvid_status_t auvid_allocation_init(auvid_allocation_t *a,
-                                     const auvid_allocation_config_t *config);
+auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg);
 
 #define auvid_allocation_solve AUVID_SIZED1(auvid_allocation_solve, AUVID_MAX_THRUSTERS)
 /**

@@ -62,7 +62,7 @@ typedef struct {
 
 /** State; private except through the accessors. Only this module writes it. */
 typedef struct {
-    auvid_crs_config_t config; /**< as given, zeros replaced by the values they stand for */
+    auvid_crs_config_t cfg; /**< as given, zeros replaced by the values they stand for */
     auvid_real_t theta[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
     auvid_real_t cost[AUVID_MAX_POPULATION];  /**< J of each point, once evaluated */
     uint16_t order[AUVID_MAX_POPULATION];     /**< a permutation of 0..m-1; draws shuffle it */
@@ -86,26 +86,26 @@ typedef struct {
 
 #define auvid_crs_defaults                                                                         \
     AUVID_SIZED2(auvid_crs_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
-/** Fill *config with the defaults for n parameters; the box, which has none, is set to zeros.
+/** Fill *cfg with the defaults for n parameters; the box, which has none, is set to zeros.
  * NULL is a no-op. Cost: a memset. */
-void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n);
+void auvid_crs_defaults(auvid_crs_config_t *cfg, uint8_t n);
 
 #define auvid_crs_check AUVID_SIZED2(auvid_crs_check, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /** Check a configuration without a state. Returns the statuses of auvid_crs_init. Cost: O(n). */
-auvid_status_t auvid_crs_check(const auvid_crs_config_t *config);
+auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg);
 
 /**
  * Check and copy the configuration; draw the m points of S uniformly in the box (Algorithm 1,
  * line 3).
  * @param crs     state to start; need not be zeroed.
- * @param config  copied.
+ * @param cfg  copied.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_POPULATION (m);
  *         AUVID_ERR_NOT_FINITE (epsilon, reduction, omega or a bound); AUVID_ERR_BOUNDS (lower >=
  *         upper); AUVID_ERR_RANGE (one of these out of range). After an error *crs is unchanged.
  * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
  */
 #define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
-auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config);
+auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg);
 
 #define auvid_crs_add_point                                                                        \
     AUVID_SIZED2(auvid_crs_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)

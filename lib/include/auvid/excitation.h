@@ -133,7 +133,7 @@ typedef struct {
 
 /** State. The caller owns it; all fields are written by the functions below. */
 typedef struct {
-    auvid_excitation_config_t config;
+    auvid_excitation_config_t cfg;
     auvid_excitation_channel_t channel[AUVID_DOF_COUNT];
     uint32_t duration_us[AUVID_MAX_SEGMENTS];   /**< length of each segment [us] */
     uint32_t pause_us[AUVID_MAX_SEGMENTS];      /**< and of the pause before it [us] */
@@ -157,9 +157,9 @@ typedef struct {
 
 #define auvid_excitation_defaults                                                                  \
     AUVID_SIZED2(auvid_excitation_defaults, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
-/** Fill *config with the defaults stated at its fields.
- * @param config written whole; NULL is a no-op. */
-void auvid_excitation_defaults(auvid_excitation_config_t *config);
+/** Fill *cfg with the defaults stated at its fields.
+ * @param cfg written whole; NULL is a no-op. */
+void auvid_excitation_defaults(auvid_excitation_config_t *cfg);
 
 #define auvid_excitation_plan                                                                      \
     AUVID_SIZED2(auvid_excitation_plan, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
@@ -171,7 +171,7 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
  * periods of seconds: steps of 1-2 s, 0.1-0.8 Hz. Segment fades 0.2 s, no pairs. Excursion limit
  * 5 m in surge and sway, 3 m in heave, 2 pi in yaw, none in roll and pitch. The caller may change
  * all of this afterwards.
- * @param config    written: segment, segments, duration_s = sets * set_s, excursion_limit, seed;
+ * @param cfg    written: segment, segments, duration_s = sets * set_s, excursion_limit, seed;
  *                  the rest is unchanged. Call auvid_excitation_defaults first.
  * @param amplitude 6: peak per DoF [N, Nm], >= 0; zero omits that DoF. Girona500: 100 N in X, Y, Z
  *                  and 40 Nm in N.
@@ -182,7 +182,7 @@ void auvid_excitation_defaults(auvid_excitation_config_t *config);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a value is outside its
  *         range or no amplitude is > 0; AUVID_ERR_SIZE if twice the DoFs exceed AUVID_MAX_SEGMENTS.
  */
-auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
+auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *cfg,
                                      const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                      auvid_real_t set_s, uint32_t sets, uint64_t seed);
 
@@ -191,7 +191,7 @@ auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
 /**
  * Fill a sequence like auvid_excitation_plan, with pauses and optionally one degree of freedom
  * after the other: first the steps of each DoF, then the sines of each DoF.
- * @param config, amplitude, set_s, seed as auvid_excitation_plan.
+ * @param cfg, amplitude, set_s, seed as auvid_excitation_plan.
  * @param sets       number of sets, per degree of freedom if one_by_one. The run lasts
  *                   sets (set_s + pause_s), times the degrees of freedom with an amplitude if
  *                   one_by_one.
@@ -199,21 +199,20 @@ auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
  * @param one_by_one true: one DoF after the other; false: all at once.
  * @return as auvid_excitation_plan.
  */
-auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
+auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
                                          const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one);
 
 /**
  * Check the configuration and copy it; *e is then idle.
- * @param config may be &e->config.
+ * @param cfg may be &e->cfg.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_SIZE if segments is 0 or > AUVID_MAX_SEGMENTS, or if
  *         sines of a SINES segment is 0 or > AUVID_MAX_SINES; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE
  *         if a field is outside its range or the sequence has length zero. On an error *e is
  *         unchanged.
  */
-auvid_status_t auvid_excitation_init(auvid_excitation_t *e,
-                                     const auvid_excitation_config_t *config);
+auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg);
 
 #define auvid_excitation_start                                                                     \
     AUVID_SIZED2(auvid_excitation_start, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)

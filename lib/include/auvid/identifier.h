@@ -198,7 +198,7 @@ enum {
     AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
                                           counted in metric.rows_dropped. Regressor path: a waiting
                                           set. Residual path: rows of the next set */
-    AUVID_EVENT_END /**< the last event + 1; no event */
+    AUVID_EVENT_END                      /**< the last event + 1; no event */
 };
 
 /** Output of a step. */
@@ -372,7 +372,7 @@ typedef struct auvid_identifier {
     bool straddles_change; /* the set before may be from before and after a change */
     bool cold_start;       /* search without the last estimate */
     union {                /* one after the other: the search is over when its result is assessed */
-        auvid_identifier_config_t config; /**< may be filled here for init; undefined afterwards */
+        auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
         auvid_optimizer_t optimizer;
         auvid_bounded_ls_t optimum;
         auvid_confidence_job_t confidence;
@@ -409,7 +409,7 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * parameters those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION,
  * AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an error, and if *id is all
  * zeros, every other function returns AUVID_ERR_STATE.
- * @param cfg may be id->config, to save memory; then its contents are undefined afterwards. */
+ * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_arm AUVID_SIZED(auvid_identifier_arm)

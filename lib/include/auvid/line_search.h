@@ -77,7 +77,7 @@ typedef struct {
 
 /** State; private except through the accessors. Only this module writes it. */
 typedef struct {
-    auvid_line_search_config_t config;            /**< as given, zeros replaced by their values */
+    auvid_line_search_config_t cfg;               /**< as given, zeros replaced by their values */
     auvid_real_t theta[AUVID_MAX_PARAMETERS];     /**< the best point, x [parameter's unit] */
     auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
     auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
@@ -107,14 +107,14 @@ typedef struct {
 } auvid_line_search_t;
 
 #define auvid_line_search_defaults AUVID_SIZED1(auvid_line_search_defaults, AUVID_MAX_PARAMETERS)
-/** Fill *config with the defaults for n parameters; box, scale and start are set to zeros.
+/** Fill *cfg with the defaults for n parameters; box, scale and start are set to zeros.
  * NULL is a no-op. Cost: a memset. */
-void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
+void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
 
 /**
- * Check and copy the configuration; the search begins at config->start.
+ * Check and copy the configuration; the search begins at cfg->start.
  * @param ls      state to start; need not be zeroed.
- * @param config  copied; may not be part of *ls.
+ * @param cfg  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
  *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
  *         outside the box); AUVID_ERR_MODEL (paper, with AUVID_REGRESSOR_ONLY). After an error *ls
@@ -123,7 +123,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n);
  */
 #define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
-                                      const auvid_line_search_config_t *config);
+                                      const auvid_line_search_config_t *cfg);
 
 #define auvid_line_search_ask AUVID_SIZED1(auvid_line_search_ask, AUVID_MAX_PARAMETERS)
 /**

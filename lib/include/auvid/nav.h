@@ -248,17 +248,17 @@ typedef struct {
 } auvid_nav_t;
 
 #define auvid_nav_defaults AUVID_SIZED0(auvid_nav_defaults)
-/** Fill *config with the defaults stated at its fields.
- * @param config written whole; NULL is a no-op. */
-void auvid_nav_defaults(auvid_nav_config_t *config);
+/** Fill *cfg with the defaults stated at its fields.
+ * @param cfg written whole; NULL is a no-op. */
+void auvid_nav_defaults(auvid_nav_config_t *cfg);
 
 /** Initialise or restart *nav: velocity 0, position as configured, no time yet.
  * @param nav written whole.
- * @param config copied; need not outlive the call.
+ * @param cfg copied; need not outlive the call.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE if a field is outside
  *         its stated range. On an error *nav is unchanged. */
 #define auvid_nav_init AUVID_SIZED0(auvid_nav_init)
-auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config);
+auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
 
 #define auvid_nav_imu AUVID_SIZED0(auvid_nav_imu)
 /** Predict to a new time with a new attitude (Eq. 5). The first call sets time and attitude only.

@@ -127,7 +127,7 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
 /** Initialises the node.
  * @param identifier configuration of the identifier. It must include the allocation: the bus
- * carries thrusts, not wrenches. It may be node->id.config, which saves memory; its contents are
+ * carries thrusts, not wrenches. It may be node->id.cfg, which saves memory; its contents are
  * undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.

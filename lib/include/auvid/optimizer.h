@@ -8,8 +8,8 @@
  *
  * Who calls it, when: the identifier, between ticks; or the user, with another cost:
  *
- *     auvid_optimizer_defaults(&config, 13);          then set the box
- *     auvid_optimizer_init(&optimizer, &config);
+ *     auvid_optimizer_defaults(&cfg, 13);          then set the box
+ *     auvid_optimizer_init(&optimizer, &cfg);
  *     for (;;) {
  *         status = auvid_optimizer_ask(&optimizer, theta);
  *         if (status == AUVID_OK) {
@@ -74,21 +74,21 @@ typedef struct {
 
 #define auvid_optimizer_defaults                                                                   \
     AUVID_SIZED2(auvid_optimizer_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
-/** Fill *config with the defaults of both phases for n parameters; the box is set to zeros.
+/** Fill *cfg with the defaults of both phases for n parameters; the box is set to zeros.
  * NULL is a no-op. Cost: a memset. */
-void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n);
+void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
 
 /**
  * Check and copy the configuration; draw the first population.
  * @param optimizer  state to start; need not be zeroed.
- * @param config     copied.
+ * @param cfg     copied.
  * @return AUVID_OK, or an error of auvid_crs_init or auvid_line_search_init, in that order; then
  *         *optimizer is unchanged. Cost: that of auvid_crs_init. Stack: 0.9 KiB.
  */
 #define auvid_optimizer_init                                                                       \
     AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
-                                    const auvid_optimizer_config_t *config);
+                                    const auvid_optimizer_config_t *cfg);
 
 #define auvid_optimizer_add_point                                                                  \
     AUVID_SIZED2(auvid_optimizer_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)

@@ -45,7 +45,7 @@ typedef struct {
 
 /** The smoother of one signal. Its members are private. */
 typedef struct {
-    auvid_smoother_config_t config;                    /**< as given to init */
+    auvid_smoother_config_t cfg;                       /**< as given to init */
     auvid_real_t c[2 * AUVID_MAX_HALF_WIDTH + 1];      /**< centre weights, oldest first */
     auvid_real_t window[2 * AUVID_MAX_HALF_WIDTH + 1]; /**< ring of samples [their unit] */
     uint64_t pushed;                                   /**< number of samples so far */
@@ -58,9 +58,9 @@ typedef struct {
 #define auvid_smoother_init AUVID_SIZED1(auvid_smoother_init, AUVID_MAX_HALF_WIDTH)
 
 #define auvid_smoother_defaults AUVID_SIZED1(auvid_smoother_defaults, AUVID_MAX_HALF_WIDTH)
-/** Sets *config to the defaults above, or to smaller ones if AUVID_MAX_HALF_WIDTH is smaller. NULL
+/** Sets *cfg to the defaults above, or to smaller ones if AUVID_MAX_HALF_WIDTH is smaller. NULL
  * is a no-op. */
-void auvid_smoother_defaults(auvid_smoother_config_t *config);
+void auvid_smoother_defaults(auvid_smoother_config_t *cfg);
 
 /**
  * Computes the coefficients c_k of one window: output = sum over k of c_k x_k.
@@ -85,11 +85,10 @@ auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, ui
  * Initialises a smoother and starts a record.
  *
  * @param smoother  out, completely written; unchanged if refused
- * @param config    copied; may lie inside *smoother
+ * @param cfg    copied; may lie inside *smoother
  * @return AUVID_OK; AUVID_ERR_NULL; the errors of auvid_smoother_coefficients for the fields
  */
-auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
-                                   const auvid_smoother_config_t *config);
+auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother, const auvid_smoother_config_t *cfg);
 
 #define auvid_smoother_reset AUVID_SIZED1(auvid_smoother_reset, AUVID_MAX_HALF_WIDTH)
 /**

@@ -129,12 +129,11 @@ static void smoother_gram_polynomials(int32_t points, int32_t order, int32_t i, 
     }
 }
 
-static void smoother_gram_prepare(gram_t *g, const auvid_smoother_config_t *config,
-                                  int32_t position)
+static void smoother_gram_prepare(gram_t *g, const auvid_smoother_config_t *cfg, int32_t position)
 {
-    g->points = 2 * config->half_width + 1;
-    g->order = config->order;
-    smoother_gram_polynomials(g->points, g->order, position, config->derivative, g->at);
+    g->points = 2 * cfg->half_width + 1;
+    g->order = cfg->order;
+    smoother_gram_polynomials(g->points, g->order, position, cfg->derivative, g->at);
     wide_t d = {0u, (uint64_t)g->points};
     for (int32_t m = 0; m <= g->order; ++m) {
         g->at[m] *= 2 * m + 1;
@@ -143,9 +142,9 @@ static void smoother_gram_prepare(gram_t *g, const auvid_smoother_config_t *conf
         }
     }
     g->denominator = smoother_wide_magnitude(d, &g->shift);
-    auvid_real_t dt = config->dt_s;
-    g->scale = config->derivative == 2u ? AUVID_C(1.0) / (dt * dt) : AUVID_C(1.0) / dt;
-    if (config->derivative == 0u) {
+    auvid_real_t dt = cfg->dt_s;
+    g->scale = cfg->derivative == 2u ? AUVID_C(1.0) / (dt * dt) : AUVID_C(1.0) / dt;
+    if (cfg->derivative == 0u) {
         g->scale = AUVID_C(1.0);
     }
 }
@@ -175,70 +174,69 @@ static auvid_real_t smoother_gram_coefficient(const gram_t *g, int32_t k)
     return (sum.high >> 63) != 0u ? -c : c;
 }
 
-static auvid_status_t smoother_check(const auvid_smoother_config_t *config, int32_t position)
+static auvid_status_t smoother_check(const auvid_smoother_config_t *cfg, int32_t position)
 {
-    int32_t h = config->half_width;
+    int32_t h = cfg->half_width;
     if (h > AUVID_MAX_HALF_WIDTH) {
         return AUVID_ERR_SIZE;
     }
-    if (!auvid_is_finite(config->dt_s)) {
+    if (!auvid_is_finite(cfg->dt_s)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (auvid_is_zero(config->dt_s)) {
+    if (auvid_is_zero(cfg->dt_s)) {
         return AUVID_ERR_TIME_SAME;
     }
-    if (h < 1 || config->order > MAX_ORDER || config->derivative > config->order ||
-        config->derivative > AUVID_SMOOTHER_MAX_DERIVATIVE || position < -h || position > h ||
-        config->dt_s < AUVID_C(1e-6) || config->dt_s > AUVID_C(1e6)) {
+    if (h < 1 || cfg->order > MAX_ORDER || cfg->derivative > cfg->order ||
+        cfg->derivative > AUVID_SMOOTHER_MAX_DERIVATIVE || position < -h || position > h ||
+        cfg->dt_s < AUVID_C(1e-6) || cfg->dt_s > AUVID_C(1e6)) {
         return AUVID_ERR_RANGE;
     }
-    return config->order > 2 * h ? AUVID_ERR_SINGULAR : AUVID_OK;
+    return cfg->order > 2 * h ? AUVID_ERR_SINGULAR : AUVID_OK;
 }
 
-void auvid_smoother_defaults(auvid_smoother_config_t *config)
+void auvid_smoother_defaults(auvid_smoother_config_t *cfg)
 {
     static const auvid_smoother_config_t defaults = {
         .half_width = AUVID_MAX_HALF_WIDTH < 25 ? AUVID_MAX_HALF_WIDTH : 25,
         .order = AUVID_MAX_HALF_WIDTH < 2 ? 2 : 3,
         .derivative = 0,
         .dt_s = AUVID_C(0.02)};
-    if (config != NULL) {
-        *config = defaults;
+    if (cfg != NULL) {
+        *cfg = defaults;
     }
 }
 
 auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, uint8_t derivative,
                                            auvid_real_t dt_s, int16_t position, auvid_real_t *c)
 {
-    auvid_smoother_config_t config = {half_width, order, derivative, dt_s};
+    auvid_smoother_config_t cfg = {half_width, order, derivative, dt_s};
     if (c == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = smoother_check(&config, position);
+    auvid_status_t status = smoother_check(&cfg, position);
     if (status != AUVID_OK) {
         return status;
     }
     gram_t g;
-    smoother_gram_prepare(&g, &config, position);
+    smoother_gram_prepare(&g, &cfg, position);
     for (int32_t k = 0; k < g.points; ++k) {
         c[k] = smoother_gram_coefficient(&g, k - half_width);
     }
     return AUVID_OK;
 }
 
-auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother,
-                                   const auvid_smoother_config_t *config)
+auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother, const auvid_smoother_config_t *cfg)
 {
-    if (smoother == NULL || config == NULL) {
+    if (smoother == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_smoother_config_t copy = *config; /* *config may lie inside *smoother */
+    auvid_smoother_config_t copy = *cfg; /* *cfg may lie inside *smoother */
     auvid_status_t status = smoother_check(&copy, 0);
     if (status != AUVID_OK) {
         return status;
     }
     memset(smoother, 0, sizeof *smoother);
-    smoother->config = copy;
+    smoother->cfg = copy;
     return auvid_smoother_coefficients(copy.half_width, copy.order, copy.derivative, copy.dt_s, 0,
                                        smoother->c);
 }
@@ -266,12 +264,12 @@ auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x)
     if (smoother->ended) {
         return AUVID_ERR_STATE;
     }
-    uint16_t points = (uint16_t)(2u * smoother->config.half_width + 1u);
+    uint16_t points = (uint16_t)(2u * smoother->cfg.half_width + 1u);
     smoother->window[smoother->oldest] = x;
     smoother->oldest = (uint16_t)(smoother->oldest + 1u == points ? 0u : smoother->oldest + 1u);
     ++smoother->pushed;
     if (smoother->pushed > points) { /* later windows give only their middle */
-        smoother->next = smoother->pushed - 1u - smoother->config.half_width;
+        smoother->next = smoother->pushed - 1u - smoother->cfg.half_width;
     }
     return smoother->pushed < points ? AUVID_EMPTY : AUVID_OK;
 }
@@ -302,7 +300,7 @@ static inline void smoother_add_products(compensated_sum_t *total, const auvid_r
 /* sum_k c_k x_k over the window, for the output at this position. */
 static auvid_real_t smoother_weighted_sum(const auvid_smoother_t *s, int32_t position)
 {
-    int32_t points = 2 * s->config.half_width + 1;
+    int32_t points = 2 * s->cfg.half_width + 1;
     int32_t first = points - s->oldest; /* samples up to the end of the ring */
     compensated_sum_t total = {AUVID_C(0.0), AUVID_C(0.0)};
     if (position == 0) {
@@ -311,9 +309,9 @@ static auvid_real_t smoother_weighted_sum(const auvid_smoother_t *s, int32_t pos
         return total.sum + total.rest;
     }
     gram_t g;
-    smoother_gram_prepare(&g, &s->config, position);
+    smoother_gram_prepare(&g, &s->cfg, position);
     for (int32_t k = 0; k < points; ++k) {
-        auvid_real_t c = smoother_gram_coefficient(&g, k - s->config.half_width);
+        auvid_real_t c = smoother_gram_coefficient(&g, k - s->cfg.half_width);
         smoother_add_products(&total, &c, &s->window[k < first ? k + s->oldest : k - first], 1);
     }
     return total.sum + total.rest;
@@ -324,7 +322,7 @@ auvid_status_t auvid_smoother_take(auvid_smoother_t *smoother, uint64_t *sample,
     if (smoother == NULL || y == NULL) {
         return AUVID_ERR_NULL;
     }
-    uint64_t h = smoother->config.half_width;
+    uint64_t h = smoother->cfg.half_width;
     uint64_t ready =
         smoother->ended ? smoother->pushed : smoother->pushed - h; /* one past the last */
     if (smoother->pushed < 2u * h + 1u || smoother->next >= ready) {
@@ -347,7 +345,7 @@ auvid_status_t auvid_smoother_end(auvid_smoother_t *smoother)
     if (smoother->ended) {
         return AUVID_ERR_STATE;
     }
-    if (smoother->pushed < 2u * smoother->config.half_width + 1u) {
+    if (smoother->pushed < 2u * smoother->cfg.half_width + 1u) {
         return AUVID_ERR_NO_DATA;
     }
     smoother->ended = true;

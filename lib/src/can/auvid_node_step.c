@@ -102,7 +102,7 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
  * input to save stack in this deep call. It is not marked present there, so the step ignores it. */
 static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 {
-    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
     auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
     bool covers_tick = node->feedback && node->counters.ticks > 0; /* the previous tick is known */
@@ -130,7 +130,7 @@ static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 static void node_send_command(auvid_node_t *node, const auvid_real_t *force_N,
                               auvid_can_frame_t *frame, int *count)
 {
-    const auvid_allocation_config_t *cfg = &node->id.allocation.config;
+    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
     auvid_real_t part[AUVID_CAN_THRUSTERS] = {AUVID_C(0.0)};
     for (int i = 0; i < cfg->thrusters && force_N != NULL; ++i) {
         auvid_real_t max_N =

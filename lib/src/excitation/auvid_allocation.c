@@ -70,7 +70,7 @@ const auvid_allocation_config_t auvid_allocation_bluerov2_heavy = {
 /* ---- pseudo-inverse ---- */
 
 typedef struct {
-    const auvid_allocation_config_t *config;
+    const auvid_allocation_config_t *cfg;
     auvid_real_t q[DOFS][AUVID_MAX_THRUSTERS]; /* rows, orthonormal */
     auvid_real_t u[DOFS][DOFS];                /* rows of this: columns of U */
     auvid_real_t s[DOFS][DOFS];                /* S[i][j], j >= i */
@@ -87,11 +87,11 @@ static auvid_real_t allocation_dot(const auvid_real_t *a, const auvid_real_t *b,
 }
 
 /* Compute row i of B: zero for a thruster that does not work or a row that is not controlled. */
-static void allocation_row(const auvid_allocation_config_t *config, int i, auvid_real_t *row)
+static void allocation_row(const auvid_allocation_config_t *cfg, int i, auvid_real_t *row)
 {
-    bool controlled = config->dofs == 0 || (config->dofs & AUVID_DOF_BIT(i)) != 0;
-    for (int j = 0; j < config->thrusters; ++j) {
-        const auvid_thruster_t *t = &config->thruster[j];
+    bool controlled = cfg->dofs == 0 || (cfg->dofs & AUVID_DOF_BIT(i)) != 0;
+    for (int j = 0; j < cfg->thrusters; ++j) {
+        const auvid_thruster_t *t = &cfg->thruster[j];
         bool works = t->min_N < AUVID_C(0.0) || t->max_N > AUVID_C(0.0);
         row[j] = works && controlled ? t->wrench[i] : AUVID_C(0.0);
     }
@@ -120,13 +120,13 @@ static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis,
  * component outside the span, relative to its length, since rows have different units. */
 static void allocation_span_rows(decomposition_t *d)
 {
-    int n = d->config->thrusters;
+    int n = d->cfg->thrusters;
     d->rank = 0;
     while (d->rank < DOFS) {
         auvid_real_t best = DEPENDENT;
         auvid_real_t row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            allocation_row(d->config, i, row);
+            allocation_row(d->cfg, i, row);
             auvid_real_t length = auvid_sqrt(allocation_dot(row, row, n));
             allocation_orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
             auvid_real_t left = auvid_sqrt(allocation_dot(row, row, n));
@@ -147,12 +147,12 @@ static void allocation_span_rows(decomposition_t *d)
 /* Compute L = B Q' column by column, and factor L = U S. */
 static void allocation_orthogonalise_columns(decomposition_t *d)
 {
-    int n = d->config->thrusters;
+    int n = d->cfg->thrusters;
     memset(d->s, 0, sizeof d->s);
     for (int k = 0; k < d->rank; ++k) {
         auvid_real_t along[DOFS] = {0}, row[AUVID_MAX_THRUSTERS];
         for (int i = 0; i < DOFS; ++i) {
-            allocation_row(d->config, i, row);
+            allocation_row(d->cfg, i, row);
             d->u[k][i] = allocation_dot(row, d->q[k], n);
         }
         allocation_orthogonalise(d->u[k], &d->u[0][0], DOFS, k, DOFS, along);
@@ -171,7 +171,7 @@ static void allocation_orthogonalise_columns(decomposition_t *d)
 static void allocation_invert(const decomposition_t *d,
                               auvid_real_t inverse[AUVID_MAX_THRUSTERS][DOFS])
 {
-    int n = d->config->thrusters;
+    int n = d->cfg->thrusters;
     for (int dof = 0; dof < DOFS; ++dof) {
         auvid_real_t x[DOFS] = {AUVID_C(0.0)};
         auvid_real_t largest = AUVID_C(0.0);
@@ -201,13 +201,13 @@ static void allocation_invert(const decomposition_t *d,
 
 /* ---- configuration ---- */
 
-void auvid_allocation_defaults(auvid_allocation_config_t *config)
+void auvid_allocation_defaults(auvid_allocation_config_t *cfg)
 {
-    if (config != NULL) {
-        memset(config, 0, sizeof *config);
-        config->priority = AUVID_DOF_BIT(AUVID_YAW);
+    if (cfg != NULL) {
+        memset(cfg, 0, sizeof *cfg);
+        cfg->priority = AUVID_DOF_BIT(AUVID_YAW);
         for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-            config->thruster[i].gain_forward = AUVID_C(1.0);
+            cfg->thruster[i].gain_forward = AUVID_C(1.0);
         }
     }
 }
@@ -226,29 +226,29 @@ static auvid_status_t allocation_check_thruster(const auvid_thruster_t *t)
                : AUVID_ERR_RANGE;
 }
 
-auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *config)
+auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg)
 {
     decomposition_t d;
-    if (a == NULL || config == NULL) {
+    if (a == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (config->thrusters < 1 || config->thrusters > AUVID_MAX_THRUSTERS) {
+    if (cfg->thrusters < 1 || cfg->thrusters > AUVID_MAX_THRUSTERS) {
         return AUVID_ERR_SIZE;
     }
-    for (int j = 0; j < config->thrusters; ++j) {
-        auvid_status_t status = allocation_check_thruster(&config->thruster[j]);
+    for (int j = 0; j < cfg->thrusters; ++j) {
+        auvid_status_t status = allocation_check_thruster(&cfg->thruster[j]);
         if (status != AUVID_OK) {
             return status;
         }
     }
-    d.config = config;
+    d.cfg = cfg;
     allocation_span_rows(&d);
     if (d.rank == 0) {
         return AUVID_ERR_SINGULAR;
     }
     allocation_orthogonalise_columns(&d);
     memset(a, 0, sizeof *a);
-    a->config = *config;
+    a->cfg = *cfg;
     a->rank = (uint8_t)d.rank;
     allocation_invert(&d, a->inverse);
     for (int i = 0; i < DOFS; ++i) {
@@ -270,9 +270,9 @@ static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvi
                                          const auvid_real_t *f)
 {
     auvid_real_t k = AUVID_C(1.0);
-    for (int j = 0; j < a->config.thrusters; ++j) {
-        auvid_real_t margin = f[j] > AUVID_C(0.0) ? a->config.thruster[j].max_N - base[j]
-                                                  : a->config.thruster[j].min_N - base[j];
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        auvid_real_t margin = f[j] > AUVID_C(0.0) ? a->cfg.thruster[j].max_N - base[j]
+                                                  : a->cfg.thruster[j].min_N - base[j];
         if (auvid_abs(k * f[j]) > auvid_abs(margin)) {
             k = margin / f[j];
         }
@@ -297,24 +297,24 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
         return status;
     }
     for (int i = 0; i < DOFS; ++i) {
-        auvid_real_t *f = (a->config.priority & AUVID_DOF_BIT(i)) != 0 ? first : rest;
+        auvid_real_t *f = (a->cfg.priority & AUVID_DOF_BIT(i)) != 0 ? first : rest;
         if ((a->actuated & AUVID_DOF_BIT(i)) == 0) {
             bool asked = wrench[i] < AUVID_C(0.0) || wrench[i] > AUVID_C(0.0);
             result->dropped = (uint8_t)(result->dropped | (asked ? AUVID_DOF_BIT(i) : 0));
             continue;
         }
-        for (int j = 0; j < a->config.thrusters; ++j) {
+        for (int j = 0; j < a->cfg.thrusters; ++j) {
             f[j] += a->inverse[j][i] * wrench[i];
         }
     }
     result->scale_priority = allocation_max_scale(a, none, first);
-    for (int j = 0; j < a->config.thrusters; ++j) {
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
         first[j] *= result->scale_priority;
     }
     result->scale = allocation_max_scale(a, first, rest);
-    for (int j = 0; j < a->config.thrusters; ++j) {
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
         result->force_N[j] = auvid_clamp(first[j] + result->scale * rest[j], /* against rounding */
-                                         a->config.thruster[j].min_N, a->config.thruster[j].max_N);
+                                         a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
     }
     (void)auvid_allocation_wrench(a, result->force_N, result->wrench);
     return result->dropped != 0 || result->scale_priority < AUVID_C(1.0) ||
@@ -329,13 +329,13 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
     if (a == NULL || force_N == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!auvid_all_finite(force_N, a->config.thrusters)) {
+    if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int i = 0; i < DOFS; ++i) {
         wrench[i] = AUVID_C(0.0);
-        for (int j = 0; j < a->config.thrusters; ++j) {
-            wrench[i] += a->config.thruster[j].wrench[i] * force_N[j];
+        for (int j = 0; j < a->cfg.thrusters; ++j) {
+            wrench[i] += a->cfg.thruster[j].wrench[i] * force_N[j];
         }
     }
     return AUVID_OK;
@@ -352,11 +352,11 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
     if (a == NULL || force_N == NULL || command == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!auvid_all_finite(force_N, a->config.thrusters)) {
+    if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    for (int j = 0; j < a->config.thrusters; ++j) {
-        const auvid_thruster_t *t = &a->config.thruster[j];
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->cfg.thruster[j];
         bool backward = force_N[j] < AUVID_C(0.0);
         auvid_real_t n = auvid_abs(force_N[j]) / allocation_gain(t, backward);
         n = t->law == AUVID_THRUST_SQUARE ? auvid_sqrt(n) : n;
@@ -377,13 +377,13 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
     if (a == NULL || command == NULL || force_N == NULL) {
         return AUVID_ERR_NULL;
     }
-    for (int j = 0; j < a->config.thrusters; ++j) {
-        if (!auvid_is_finite(allocation_force_of(&a->config.thruster[j], command[j]))) {
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        if (!auvid_is_finite(allocation_force_of(&a->cfg.thruster[j], command[j]))) {
             return AUVID_ERR_NOT_FINITE;
         }
     }
-    for (int j = 0; j < a->config.thrusters; ++j) {
-        force_N[j] = allocation_force_of(&a->config.thruster[j], command[j]);
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        force_N[j] = allocation_force_of(&a->cfg.thruster[j], command[j]);
     }
     return AUVID_OK;
 }
@@ -400,10 +400,10 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
     if ((unsigned)dof >= DOFS) {
         return AUVID_ERR_RANGE;
     }
-    for (int j = 0; j < a->config.thrusters; ++j) {
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
         auvid_real_t c = a->inverse[j][dof];
-        auvid_real_t up = a->config.thruster[j].max_N;
-        auvid_real_t down = -a->config.thruster[j].min_N;
+        auvid_real_t up = a->cfg.thruster[j].max_N;
+        auvid_real_t down = -a->cfg.thruster[j].min_N;
         auvid_real_t size = auvid_abs(c);
         if (size * limit[1] > (c > AUVID_C(0.0) ? up : down)) {
             limit[1] = (c > AUVID_C(0.0) ? up : down) / size;
@@ -437,8 +437,8 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
             return AUVID_ERR_LIMIT;
         }
     }
-    for (int j = 0; j < a->config.thrusters; ++j) {
-        const auvid_thruster_t *t = &a->config.thruster[j];
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->cfg.thruster[j];
         auvid_real_t middle =
             hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
         auvid_real_t reach = AUVID_C(0.0);

@@ -317,7 +317,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
 /* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
 static auvid_real_t excitation_excursion(const auvid_excitation_t *e, int dof)
 {
-    auvid_real_t limit = e->config.excursion_limit[dof];
+    auvid_real_t limit = e->cfg.excursion_limit[dof];
     auvid_real_t d = e->displacement[dof];
     auvid_real_t beyond = auvid_abs(d) - limit;
     if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
@@ -336,14 +336,14 @@ static void excitation_play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvi
         e->repeated_us = e->repetition * e->sequence_us;
     }
     uint64_t in_us = elapsed_us - e->repeated_us;
-    for (uint32_t i = 0; i < e->config.segments; ++i) {
-        const auvid_segment_t *segment = &e->config.segment[i];
+    for (uint32_t i = 0; i < e->cfg.segments; ++i) {
+        const auvid_segment_t *segment = &e->cfg.segment[i];
         uint64_t begin_us = begins_us[segment->dof] + e->pause_us[i];
         begins_us[segment->dof] = begin_us + e->duration_us[i];
         if (in_us >= begin_us && in_us < begins_us[segment->dof]) {
             channel_t *c = &e->channel[segment->dof];
             if (c->segment != i + 1u || c->repetition != e->repetition) {
-                excitation_begin_segment(c, segment, i, e->repetition, e->config.seed);
+                excitation_begin_segment(c, segment, i, e->repetition, e->cfg.seed);
             }
             wrench[segment->dof] =
                 weight * excitation_play_segment(c, segment, (uint32_t)(in_us - begin_us),

@@ -73,8 +73,8 @@ auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
     for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
         peak[i] = AUVID_C(0.0);
     }
-    for (uint32_t i = 0; i < e->config.segments; ++i) {
-        const auvid_segment_t *s = &e->config.segment[i];
+    for (uint32_t i = 0; i < e->cfg.segments; ++i) {
+        const auvid_segment_t *s = &e->cfg.segment[i];
         auvid_real_t a = s->kind == AUVID_SEGMENT_PAUSE ? AUVID_C(0.0) : auvid_abs(s->amplitude);
         if (s->kind == AUVID_SEGMENT_RAMP) {
             a = auvid_max(a, auvid_abs(s->from));
@@ -84,27 +84,27 @@ auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
     return AUVID_OK;
 }
 
-auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *config)
+auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg)
 {
     uint64_t length_us[AUVID_DOF_COUNT] = {0};
     uint64_t sequence_us = 0;
-    if (e == NULL || config == NULL) {
+    if (e == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (config->segments < 1 || config->segments > AUVID_MAX_SEGMENTS) {
+    if (cfg->segments < 1 || cfg->segments > AUVID_MAX_SEGMENTS) {
         return AUVID_ERR_SIZE;
     }
-    if (!auvid_is_finite(config->duration_s) || !auvid_is_finite(config->fade_s) ||
-        !auvid_all_finite(config->excursion_limit, AUVID_DOF_COUNT)) {
+    if (!auvid_is_finite(cfg->duration_s) || !auvid_is_finite(cfg->fade_s) ||
+        !auvid_all_finite(cfg->excursion_limit, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
-        if (config->excursion_limit[i] < AUVID_C(0.0)) {
+        if (cfg->excursion_limit[i] < AUVID_C(0.0)) {
             return AUVID_ERR_RANGE;
         }
     }
-    for (uint32_t i = 0; i < config->segments; ++i) {
-        const auvid_segment_t *s = &config->segment[i];
+    for (uint32_t i = 0; i < cfg->segments; ++i) {
+        const auvid_segment_t *s = &cfg->segment[i];
         auvid_status_t status = excitation_check_segment(s);
         if (status != AUVID_OK) {
             return status;
@@ -113,26 +113,26 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
         sequence_us = length_us[s->dof] > sequence_us ? length_us[s->dof] : sequence_us;
     }
     if (sequence_us == 0 ||
-        !auvid_excitation_in(config->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_RUN_S) ||
-        !auvid_excitation_in(config->fade_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S)) {
+        !auvid_excitation_in(cfg->duration_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_RUN_S) ||
+        !auvid_excitation_in(cfg->fade_s, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S)) {
         return AUVID_ERR_RANGE;
     }
     uint64_t run_us =
-        config->duration_s > AUVID_C(0.0) ? auvid_excitation_us(config->duration_s) : sequence_us;
-    if (2 * auvid_excitation_us(config->fade_s) > run_us) {
+        cfg->duration_s > AUVID_C(0.0) ? auvid_excitation_us(cfg->duration_s) : sequence_us;
+    if (2 * auvid_excitation_us(cfg->fade_s) > run_us) {
         return AUVID_ERR_RANGE;
     }
-    e->config = *config;
+    e->cfg = *cfg;
     memset(e->channel, 0, sizeof *e - offsetof(auvid_excitation_t, channel));
     e->sequence_us = sequence_us;
     e->run_us = run_us;
-    e->fade_us = (uint32_t)auvid_excitation_us(config->fade_s);
+    e->fade_us = (uint32_t)auvid_excitation_us(cfg->fade_s);
     auvid_real_t peak[AUVID_DOF_COUNT];
     (void)auvid_excitation_peak(e, peak);
     e->heaves = peak[AUVID_HEAVE] > AUVID_C(0.0);
-    for (uint32_t i = 0; i < config->segments; ++i) {
-        e->duration_us[i] = (uint32_t)auvid_excitation_us(config->segment[i].duration_s);
-        e->pause_us[i] = (uint32_t)auvid_excitation_us(config->segment[i].pause_s);
+    for (uint32_t i = 0; i < cfg->segments; ++i) {
+        e->duration_us[i] = (uint32_t)auvid_excitation_us(cfg->segment[i].duration_s);
+        e->pause_us[i] = (uint32_t)auvid_excitation_us(cfg->segment[i].pause_s);
     }
     return AUVID_OK;
 }

@@ -9,21 +9,21 @@
 
 #include <string.h>
 
-void auvid_excitation_defaults(auvid_excitation_config_t *config)
+void auvid_excitation_defaults(auvid_excitation_config_t *cfg)
 {
-    if (config != NULL) {
-        memset(config, 0, sizeof *config);
-        config->fade_s = AUVID_C(2.0);
-        config->seed = 1;
+    if (cfg != NULL) {
+        memset(cfg, 0, sizeof *cfg);
+        cfg->fade_s = AUVID_C(2.0);
+        cfg->seed = 1;
     }
 }
 
 /* Add a segment of steps and one of sines for one degree of freedom. The segments must be zero. */
-static void excitation_add_sets(auvid_excitation_config_t *config, auvid_dof_t dof,
+static void excitation_add_sets(auvid_excitation_config_t *cfg, auvid_dof_t dof,
                                 auvid_real_t amplitude, auvid_real_t set_s, auvid_real_t before_s,
                                 auvid_real_t between_s)
 {
-    auvid_segment_t *s = &config->segment[config->segments];
+    auvid_segment_t *s = &cfg->segment[cfg->segments];
     bool righted = dof == AUVID_ROLL || dof == AUVID_PITCH;
     auvid_real_t hold_s = righted ? AUVID_C(1.0) : AUVID_C(4.0);
     s->dof = dof;
@@ -40,17 +40,17 @@ static void excitation_add_sets(auvid_excitation_config_t *config, auvid_dof_t d
     s[1] = s[0];
     s[1].kind = AUVID_SEGMENT_SINES;
     s[1].pause_s = between_s;
-    config->segments = (uint8_t)(config->segments + 2);
+    cfg->segments = (uint8_t)(cfg->segments + 2);
 }
 
-auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *config,
+auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *cfg,
                                      const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                      auvid_real_t set_s, uint32_t sets, uint64_t seed)
 {
-    return auvid_excitation_schedule(config, amplitude, set_s, sets, seed, AUVID_C(0.0), false);
+    return auvid_excitation_schedule(cfg, amplitude, set_s, sets, seed, AUVID_C(0.0), false);
 }
 
-auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
+auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
                                          const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one)
@@ -59,7 +59,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
         AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0),
         AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
     uint8_t n = 0;
-    if (config == NULL || amplitude == NULL) {
+    if (cfg == NULL || amplitude == NULL) {
         return AUVID_ERR_NULL;
     }
     if (!auvid_is_finite(set_s) || !auvid_is_finite(pause_s) ||
@@ -86,18 +86,18 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *config,
         (auvid_real_t)turns * turn_s > AUVID_EXCITATION_LONGEST_S) {
         return AUVID_ERR_RANGE;
     }
-    memset(config->segment, 0, sizeof config->segment);
-    config->segments = 0;
+    memset(cfg->segment, 0, sizeof cfg->segment);
+    cfg->segments = 0;
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
         if (amplitude[dof] > AUVID_C(0.0)) {
-            uint32_t turn = one_by_one ? config->segments / 2u : 0u;
-            excitation_add_sets(config, (auvid_dof_t)dof, amplitude[dof], set_s,
+            uint32_t turn = one_by_one ? cfg->segments / 2u : 0u;
+            excitation_add_sets(cfg, (auvid_dof_t)dof, amplitude[dof], set_s,
                                 pause_s + (auvid_real_t)turn * turn_s,
                                 pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
-    memcpy(config->excursion_limit, excursion_limit, sizeof excursion_limit);
-    config->duration_s = duration_s;
-    config->seed = seed;
+    memcpy(cfg->excursion_limit, excursion_limit, sizeof excursion_limit);
+    cfg->duration_s = duration_s;
+    cfg->seed = seed;
     return AUVID_OK;
 }

@@ -221,7 +221,7 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
 /* Return whether the thrusters can produce these peaks at the same time. */
 static bool adaptive_thrusters_suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
-    return id->allocation.config.thrusters == 0 ||
+    return id->allocation.cfg.thrusters == 0 ||
            auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
 }
 
@@ -285,7 +285,7 @@ static void adaptive_begin_run(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = &id->adaptive;
     auvid_rng_t rng;
-    auvid_rng_seed(&rng, id->excitation.config.seed);
+    auvid_rng_seed(&rng, id->excitation.cfg.seed);
     uint64_t run_us = id->excitation.start_us;
     auvid_real_t limit[AUVID_DOF_COUNT];
     memcpy(limit, a->excursion_limit, sizeof limit);
@@ -351,7 +351,7 @@ static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adap
                                   int j)
 {
     return cfg->amplitude[j] > AUVID_C(0.0) &&
-           (id->allocation.config.thrusters == 0 || (id->allocation.actuated >> j & 1));
+           (id->allocation.cfg.thrusters == 0 || (id->allocation.actuated >> j & 1));
 }
 
 /* Check that some DoF is excitable, and that the thrusters suffice for each of them. */
@@ -375,7 +375,7 @@ static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
 /* Configure the excitation with constant amplitudes. They are checked, so init cannot fail. */
 static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
-    auvid_excitation_config_t *to = &id->excitation.config;
+    auvid_excitation_config_t *to = &id->excitation.cfg;
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -240,12 +240,12 @@ static const row_t validation[] = {
 };
 
 static const row_t crs[] = {
-    BYTE(auvid_crs_t, config.n, config.n),
-    SPAN(auvid_crs_t, uint16_t, config.population, config.population),
-    REALS(auvid_crs_t, config.epsilon, config.omega),
-    SPAN(auvid_crs_t, uint32_t, config.max_evaluations, config.max_rejections),
-    SPAN(auvid_crs_t, uint64_t, config.seed, config.seed),
-    REALS(auvid_crs_t, config.lower, config.upper),
+    BYTE(auvid_crs_t, cfg.n, cfg.n),
+    SPAN(auvid_crs_t, uint16_t, cfg.population, cfg.population),
+    REALS(auvid_crs_t, cfg.epsilon, cfg.omega),
+    SPAN(auvid_crs_t, uint32_t, cfg.max_evaluations, cfg.max_rejections),
+    SPAN(auvid_crs_t, uint64_t, cfg.seed, cfg.seed),
+    REALS(auvid_crs_t, cfg.lower, cfg.upper),
     REALS(auvid_crs_t, theta, cost),
     SPAN(auvid_crs_t, uint16_t, order, order),
     COSTS(auvid_crs_t, trial, trial),
@@ -263,7 +263,7 @@ static const row_t line_config[] = {
 };
 
 static const row_t line_search[] = {
-    STRUCT(auvid_line_search_t, config, TABLE_LINE_CONFIG),
+    STRUCT(auvid_line_search_t, cfg, TABLE_LINE_CONFIG),
     REALS(auvid_line_search_t, theta, cost_far),
     SPAN(auvid_line_search_t, uint32_t, evaluations, attempts),
     BYTE(auvid_line_search_t, direction, asked),

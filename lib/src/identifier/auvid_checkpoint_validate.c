@@ -333,7 +333,7 @@ static bool checkpoint_is_inside(const view_t *v, size_t point, size_t lower, si
 
 static bool checkpoint_check_crs(const view_t *v)
 {
-    uint32_t n = WORD(optimizer.crs.config.n), m = WORD(optimizer.crs.config.population);
+    uint32_t n = WORD(optimizer.crs.cfg.n), m = WORD(optimizer.crs.cfg.population);
     uint32_t filled = WORD(optimizer.crs.filled);
     bool filling = WORD(optimizer.crs.state) <= CRS_FILL, good = n < m;
     for (size_t k = 0; k < m; ++k) {
@@ -344,13 +344,13 @@ static bool checkpoint_check_crs(const view_t *v)
            WORD(optimizer.crs.known) <= m && WORD(optimizer.crs.first) < m &&
            WORD(optimizer.crs.best) < m && WORD(optimizer.crs.worst) < m &&
            (!WORD(optimizer.crs.asked) ||
-            checkpoint_is_inside(v, MEMBER(optimizer.crs.trial), MEMBER(optimizer.crs.config.lower),
-                                 MEMBER(optimizer.crs.config.upper), n));
+            checkpoint_is_inside(v, MEMBER(optimizer.crs.trial), MEMBER(optimizer.crs.cfg.lower),
+                                 MEMBER(optimizer.crs.cfg.upper), n));
 }
 
 static bool checkpoint_check_line_search(const view_t *v)
 {
-    uint32_t n = WORD(optimizer.line_search.config.n);
+    uint32_t n = WORD(optimizer.line_search.cfg.n);
     uint32_t direction = WORD(optimizer.line_search.direction);
     bool pattern = direction == 2u * n, probes = WORD(optimizer.line_search.move) == MOVE_PROBE;
     return direction <= 2u * n && WORD(optimizer.line_search.built) <= n &&
@@ -360,15 +360,15 @@ static bool checkpoint_check_line_search(const view_t *v)
                                v, MEMBER(optimizer.line_search.axis_step))) > AUVID_C(0.0)))) &&
            (!WORD(optimizer.line_search.asked) ||
             checkpoint_is_inside(v, MEMBER(optimizer.line_search.trial),
-                                 MEMBER(optimizer.line_search.config.lower),
-                                 MEMBER(optimizer.line_search.config.upper), n));
+                                 MEMBER(optimizer.line_search.cfg.lower),
+                                 MEMBER(optimizer.line_search.cfg.upper), n));
 }
 
 static bool checkpoint_check_search(const view_t *v)
 {
     bool global = (v->sizes->parts & PART_GLOBAL) != 0;
     uint32_t delay = identifier_residual_path(v->id) && WORD(metric.cfg.estimate_delay);
-    uint32_t n = global ? WORD(optimizer.crs.config.n) : WORD(optimizer.line_search.config.n);
+    uint32_t n = global ? WORD(optimizer.crs.cfg.n) : WORD(optimizer.line_search.cfg.n);
     return n == checkpoint_count_bits(WORD(active)) + delay && n == WORD(optimizer.local.n) &&
            (global ? checkpoint_check_crs(v) : checkpoint_check_line_search(v));
 }

@@ -174,7 +174,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(id, 0, offsetof(auvid_identifier_t, config)); /* cfg may be id->config */
+    memset(id, 0, offsetof(auvid_identifier_t, cfg)); /* cfg may be id->cfg */
     auvid_status_t status = identifier_check(cfg);
     if (status >= 0) {
         id->search = cfg->search;

@@ -123,7 +123,7 @@ static void identifier_play_excitation(auvid_identifier_t *id, auvid_output_t *o
     if (id->adapt != NULL) {
         id->adapt(id, wrench);
     }
-    if (id->allocation.config.thrusters == 0) {
+    if (id->allocation.cfg.thrusters == 0) {
         memcpy(out->excitation, wrench, sizeof wrench);
         return;
     }
@@ -181,7 +181,7 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     if (id == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!identifier_is_ready(id) || id->excitation.config.segments == 0) {
+    if (!identifier_is_ready(id) || id->excitation.cfg.segments == 0) {
         return AUVID_ERR_STATE;
     }
     identifier_fill_guard_input(id, false, &seen);

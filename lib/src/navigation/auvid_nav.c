@@ -5,37 +5,37 @@
 
 #include "auvid_nav_internal.h"
 
-void auvid_nav_defaults(auvid_nav_config_t *config)
+void auvid_nav_defaults(auvid_nav_config_t *cfg)
 {
-    if (config == NULL) {
+    if (cfg == NULL) {
         return;
     }
-    memset(config, 0, sizeof *config);
+    memset(cfg, 0, sizeof *cfg);
     for (int i = 0; i < 3; ++i) {
-        config->sigma_acceleration[i] = AUVID_C(1.0);
+        cfg->sigma_acceleration[i] = AUVID_C(1.0);
     }
-    config->reference_tick = AUVID_C(0.02);
-    config->sigma_dvl = AUVID_C(0.007);
-    config->sigma_current = AUVID_C(0.3);
-    config->sigma_depth = AUVID_C(0.015);
-    config->sigma_gps = AUVID_C(1.5);
-    config->sigma_position = AUVID_C(1.0);
-    config->sigma_velocity = AUVID_C(1.0);
-    config->gate = AUVID_C(16.0);
-    config->max_acceleration = AUVID_C(3.0);
-    config->speed_limit = AUVID_C(3.0);
-    config->density = AUVID_C(1025.0);
-    config->gravity = AUVID_C(9.80665);
-    config->surface_pressure = AUVID_C(101325.0);
-    config->surface_depth = AUVID_C(0.5);
-    config->dvl_max_age_us = 500000;
-    config->depth_max_age_us = 500000;
-    config->gps_max_age_us = 500000;
-    config->future_us = 20000;
-    config->stale_us = 1000000;
-    config->gap_us = 1000000;
-    config->max_consecutive_rejections = 10;
-    config->gps_start = 4;
+    cfg->reference_tick = AUVID_C(0.02);
+    cfg->sigma_dvl = AUVID_C(0.007);
+    cfg->sigma_current = AUVID_C(0.3);
+    cfg->sigma_depth = AUVID_C(0.015);
+    cfg->sigma_gps = AUVID_C(1.5);
+    cfg->sigma_position = AUVID_C(1.0);
+    cfg->sigma_velocity = AUVID_C(1.0);
+    cfg->gate = AUVID_C(16.0);
+    cfg->max_acceleration = AUVID_C(3.0);
+    cfg->speed_limit = AUVID_C(3.0);
+    cfg->density = AUVID_C(1025.0);
+    cfg->gravity = AUVID_C(9.80665);
+    cfg->surface_pressure = AUVID_C(101325.0);
+    cfg->surface_depth = AUVID_C(0.5);
+    cfg->dvl_max_age_us = 500000;
+    cfg->depth_max_age_us = 500000;
+    cfg->gps_max_age_us = 500000;
+    cfg->future_us = 20000;
+    cfg->stale_us = 1000000;
+    cfg->gap_us = 1000000;
+    cfg->max_consecutive_rejections = 10;
+    cfg->gps_start = 4;
 }
 
 /* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
@@ -90,43 +90,43 @@ static inline auvid_real_t nav_square(auvid_real_t x)
     return x * x;
 }
 
-auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *config)
+auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
 {
-    if (nav == NULL || config == NULL) {
+    if (nav == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = nav_check_config(config);
+    auvid_status_t status = nav_check_config(cfg);
     if (status != AUVID_OK) {
         return status;
     }
     memset(nav, 0, sizeof *nav);
     for (int i = 0; i < 3; ++i) {
-        nav->q[i] = nav_square(config->sigma_acceleration[i]) * config->reference_tick;
-        nav->position[i] = config->position[i];
-        nav->pp[nav_packed[i][i]] = nav_square(config->sigma_position);
-        nav->vv[nav_packed[i][i]] = nav_square(config->sigma_velocity);
+        nav->q[i] = nav_square(cfg->sigma_acceleration[i]) * cfg->reference_tick;
+        nav->position[i] = cfg->position[i];
+        nav->pp[nav_packed[i][i]] = nav_square(cfg->sigma_position);
+        nav->vv[nav_packed[i][i]] = nav_square(cfg->sigma_velocity);
     }
-    nav->r[AUVID_NAV_DVL_BOTTOM] = nav_square(config->sigma_dvl);
-    nav->r[AUVID_NAV_DVL_WATER] = nav_square(config->sigma_dvl) + nav_square(config->sigma_current);
-    nav->r[AUVID_NAV_DEPTH] = nav_square(config->sigma_depth);
-    nav->r[AUVID_NAV_GPS] = nav_square(config->sigma_gps);
-    nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = config->dvl_max_age_us;
-    nav->max_age_us[AUVID_NAV_DVL_WATER] = config->dvl_max_age_us;
-    nav->max_age_us[AUVID_NAV_DEPTH] = config->depth_max_age_us;
-    nav->max_age_us[AUVID_NAV_GPS] = config->gps_max_age_us;
-    nav->future_us = config->future_us;
-    nav->stale_us = config->stale_us;
-    nav->gap_us = config->gap_us;
-    nav->gate = config->gate > AUVID_C(0.0) ? config->gate : AUVID_LARGEST;
-    nav->max_acceleration = config->max_acceleration;
-    nav->speed_limit = config->speed_limit > AUVID_C(0.0) ? config->speed_limit : NAV_LARGEST_SPEED;
-    nav->metres_per_pascal = AUVID_C(1.0) / (config->density * config->gravity);
-    nav->surface_pressure = config->surface_pressure;
-    nav->surface_depth = config->surface_depth;
-    nav->max_consecutive_rejections = config->max_consecutive_rejections;
-    nav->gps_start = config->gps_start;
-    memcpy(nav->lever, config->dvl_lever, sizeof nav->lever);
-    auvid_rotation(config->dvl_euler[0], config->dvl_euler[1], config->dvl_euler[2], nav->mount);
+    nav->r[AUVID_NAV_DVL_BOTTOM] = nav_square(cfg->sigma_dvl);
+    nav->r[AUVID_NAV_DVL_WATER] = nav_square(cfg->sigma_dvl) + nav_square(cfg->sigma_current);
+    nav->r[AUVID_NAV_DEPTH] = nav_square(cfg->sigma_depth);
+    nav->r[AUVID_NAV_GPS] = nav_square(cfg->sigma_gps);
+    nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = cfg->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DVL_WATER] = cfg->dvl_max_age_us;
+    nav->max_age_us[AUVID_NAV_DEPTH] = cfg->depth_max_age_us;
+    nav->max_age_us[AUVID_NAV_GPS] = cfg->gps_max_age_us;
+    nav->future_us = cfg->future_us;
+    nav->stale_us = cfg->stale_us;
+    nav->gap_us = cfg->gap_us;
+    nav->gate = cfg->gate > AUVID_C(0.0) ? cfg->gate : AUVID_LARGEST;
+    nav->max_acceleration = cfg->max_acceleration;
+    nav->speed_limit = cfg->speed_limit > AUVID_C(0.0) ? cfg->speed_limit : NAV_LARGEST_SPEED;
+    nav->metres_per_pascal = AUVID_C(1.0) / (cfg->density * cfg->gravity);
+    nav->surface_pressure = cfg->surface_pressure;
+    nav->surface_depth = cfg->surface_depth;
+    nav->max_consecutive_rejections = cfg->max_consecutive_rejections;
+    nav->gps_start = cfg->gps_start;
+    memcpy(nav->lever, cfg->dvl_lever, sizeof nav->lever);
+    auvid_rotation(cfg->dvl_euler[0], cfg->dvl_euler[1], cfg->dvl_euler[2], nav->mount);
     nav->ready = NAV_READY;
     return AUVID_OK;
 }

@@ -27,15 +27,15 @@
 /* Costs closer than this many units in the last place are indistinguishable. */
 #define SPREAD_ULPS AUVID_C(4.0)
 
-void auvid_crs_defaults(auvid_crs_config_t *config, uint8_t n)
+void auvid_crs_defaults(auvid_crs_config_t *cfg, uint8_t n)
 {
-    if (config == NULL) {
+    if (cfg == NULL) {
         return;
     }
-    memset(config, 0, sizeof *config);
-    config->n = n;
-    config->epsilon = AUVID_C(1e-2);
-    config->seed = 1u;
+    memset(cfg, 0, sizeof *cfg);
+    cfg->n = n;
+    cfg->epsilon = AUVID_C(1e-2);
+    cfg->seed = 1u;
 }
 
 static uint32_t crs_default_population(uint32_t n)
@@ -44,9 +44,9 @@ static uint32_t crs_default_population(uint32_t n)
     return m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
 }
 
-auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
+auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg)
 {
-    const auvid_crs_config_t *c = config;
+    const auvid_crs_config_t *c = cfg;
     if (c == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -77,19 +77,19 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *config)
     return AUVID_OK;
 }
 
-auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *config)
+auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg)
 {
     auvid_rng_t rng;
-    if (crs == NULL || config == NULL) {
+    if (crs == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_crs_check(config);
+    auvid_status_t status = auvid_crs_check(cfg);
     if (status != AUVID_OK) {
         return status;
     }
     memset(crs, 0, sizeof *crs);
-    crs->config = *config;
-    auvid_crs_config_t *c = &crs->config;
+    crs->cfg = *cfg;
+    auvid_crs_config_t *c = &crs->cfg;
     if (c->population == 0) {
         c->population = (uint16_t)crs_default_population(c->n);
     }
@@ -133,16 +133,16 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta)
     if (crs->state != CRS_FRESH) {
         return AUVID_ERR_STATE;
     }
-    if (crs->known == crs->config.population) {
+    if (crs->known == crs->cfg.population) {
         return AUVID_ERR_POPULATION;
     }
-    if (!auvid_all_finite(theta, crs->config.n)) {
+    if (!auvid_all_finite(theta, crs->cfg.n)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!crs_inside(&crs->config, theta)) {
+    if (!crs_inside(&crs->cfg, theta)) {
         return AUVID_ERR_RANGE;
     }
-    memcpy(crs->theta[crs->known++], theta, crs->config.n * sizeof *theta);
+    memcpy(crs->theta[crs->known++], theta, crs->cfg.n * sizeof *theta);
     return AUVID_OK;
 }
 
@@ -158,8 +158,8 @@ static uint8_t crs_next_state(const auvid_crs_t *crs)
     if (high - low <= limit) {
         return CRS_FINISHED;
     }
-    if (crs->evaluations - crs->extra_evaluations >= crs->config.max_evaluations ||
-        crs->rejections >= crs->config.max_rejections) {
+    if (crs->evaluations - crs->extra_evaluations >= crs->cfg.max_evaluations ||
+        crs->rejections >= crs->cfg.max_rejections) {
         return CRS_CAPPED;
     }
     return CRS_SEARCH;
@@ -168,7 +168,7 @@ static uint8_t crs_next_state(const auvid_crs_t *crs)
 /* (5) The best is updated with each cost; the worst needs a scan when it is replaced. */
 static void crs_find_worst(auvid_crs_t *crs)
 {
-    const auvid_real_t *worst = crs->cost, *end = worst + crs->config.population;
+    const auvid_real_t *worst = crs->cost, *end = worst + crs->cfg.population;
     auvid_real_t high = *worst;
     for (const auvid_real_t *cost = worst + 1; cost < end; ++cost) {
         if (*cost > high) {
@@ -183,15 +183,14 @@ static void crs_find_worst(auvid_crs_t *crs)
 static void crs_complete_population(auvid_crs_t *crs)
 {
     auvid_real_t low = crs->cost[crs->best], high = low;
-    for (uint16_t k = 0; k < crs->config.population; ++k) {
+    for (uint16_t k = 0; k < crs->cfg.population; ++k) {
         if (crs->cost[k] < AUVID_CRS_COST_FAILED && crs->cost[k] > high) {
             high = crs->cost[k];
         }
     }
     crs->initial_spread = auvid_max(high - low, SPREAD_MIN);
     if (!crs->reevaluating) {
-        crs->last_spread =
-            auvid_max(crs->config.epsilon, crs->config.reduction * crs->initial_spread);
+        crs->last_spread = auvid_max(crs->cfg.epsilon, crs->cfg.reduction * crs->initial_spread);
         crs->last_spread = auvid_max(crs->last_spread, SPREAD_MIN);
     }
     crs_find_worst(crs);
@@ -214,7 +213,7 @@ typedef struct {
 static void crs_draw(auvid_crs_t *crs, auvid_real_t phi, crs_simplex_t *f)
 {
     const auvid_real_t low = crs->cost[crs->best];
-    const uint32_t n = crs->config.n, m = crs->config.population;
+    const uint32_t n = crs->cfg.n, m = crs->cfg.population;
     auvid_real_t sum = AUVID_C(0.0), d_worst = AUVID_C(-1.0);
     uint32_t worst = 0, bits = 0;
     auvid_rng_t rng;
@@ -276,10 +275,10 @@ static void crs_combine_one(const crs_simplex_t *f, size_t n, size_t i, auvid_re
 static bool crs_reflect(auvid_crs_t *crs)
 {
     crs_simplex_t f;
-    const size_t n = crs->config.n;
+    const size_t n = crs->cfg.n;
     const auvid_real_t d = crs->cost[crs->worst] - crs->cost[crs->best];
     const auvid_real_t ratio = auvid_min(d / crs->initial_spread, RATIO_MAX);
-    const auvid_real_t phi = auvid_max(crs->config.omega * d * ratio, AUVID_EPSILON * d);
+    const auvid_real_t phi = auvid_max(crs->cfg.omega * d * ratio, AUVID_EPSILON * d);
 
     crs_draw(crs, phi, &f);
     const auvid_real_t mean = (auvid_real_t)(int32_t)(n + 1u) / f.sum - phi;
@@ -293,7 +292,7 @@ static bool crs_reflect(auvid_crs_t *crs)
     for (; i < n; ++i) {
         crs_combine_one(&f, n, i, factor, crs->trial);
     }
-    return crs_inside(&crs->config, crs->trial);
+    return crs_inside(&crs->cfg, crs->trial);
 }
 
 /* (12) Make a trial. If it is outside the box, the next ask makes another one. */
@@ -317,7 +316,7 @@ static auvid_status_t crs_make_trial(auvid_crs_t *crs)
 static uint16_t crs_fill_index(const auvid_crs_t *crs)
 {
     uint32_t k = (uint32_t)crs->first + crs->filled;
-    return (uint16_t)(k < crs->config.population ? k : k - crs->config.population);
+    return (uint16_t)(k < crs->cfg.population ? k : k - crs->cfg.population);
 }
 
 auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
@@ -347,7 +346,7 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta)
         }
         crs->asked = true;
     }
-    memcpy(theta, crs->trial, crs->config.n * sizeof *theta);
+    memcpy(theta, crs->trial, crs->cfg.n * sizeof *theta);
     return AUVID_OK;
 }
 
@@ -369,7 +368,7 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost)
         crs->cost[k] = cost;
         crs->best = crs->filled == 0 || cost < crs->cost[crs->best] ? k : crs->best;
         crs->extra_evaluations += crs->reevaluating ? 1u : 0u;
-        if (++crs->filled == crs->config.population) {
+        if (++crs->filled == crs->cfg.population) {
             crs_complete_population(crs);
         }
         return AUVID_OK;

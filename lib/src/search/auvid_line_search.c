@@ -24,16 +24,16 @@
 /* Largest step of a parameter for which all products are finite in float32. */
 #define MAGNITUDE_MAX AUVID_C(1e18)
 
-void auvid_line_search_defaults(auvid_line_search_config_t *config, uint8_t n)
+void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n)
 {
-    if (config == NULL) {
+    if (cfg == NULL) {
         return;
     }
-    memset(config, 0, sizeof *config);
-    config->n = n;
-    config->restarts = 1;
-    config->delta = AUVID_C(2.0);
-    config->gamma = AUVID_C(1e-6);
+    memset(cfg, 0, sizeof *cfg);
+    cfg->n = n;
+    cfg->restarts = 1;
+    cfg->delta = AUVID_C(2.0);
+    cfg->gamma = AUVID_C(1e-6);
 }
 
 static auvid_status_t line_search_check_box(const auvid_line_search_config_t *c)
@@ -89,26 +89,26 @@ static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
 
 static void line_search_raise_steps(auvid_line_search_t *ls, auvid_real_t alpha)
 {
-    for (size_t i = 0; i < 2u * ls->config.n; ++i) {
+    for (size_t i = 0; i < 2u * ls->cfg.n; ++i) {
         ls->alpha[i] = auvid_max(ls->alpha[i], alpha);
     }
 }
 
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
-                                      const auvid_line_search_config_t *config)
+                                      const auvid_line_search_config_t *cfg)
 {
-    if (ls == NULL || config == NULL) {
+    if (ls == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
     auvid_real_t step[3];
-    line_search_resolve_steps(config, step);
-    auvid_status_t status = line_search_check(config, step);
+    line_search_resolve_steps(cfg, step);
+    auvid_status_t status = line_search_check(cfg, step);
     if (status != AUVID_OK) {
         return status;
     }
-    auvid_line_search_config_t *c = &ls->config;
+    auvid_line_search_config_t *c = &ls->cfg;
     memset(ls, 0, sizeof *ls);
-    *c = *config;
+    *c = *cfg;
     c->alpha0 = step[0];
     c->sigma = step[1];
     c->epsilon = step[2];
@@ -136,7 +136,7 @@ static void line_search_begin_line(auvid_line_search_t *ls, uint8_t direction)
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(ls) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
-    if (line_search_is_pattern(ls) || line_search_is_paper(&ls->config)) {
+    if (line_search_is_pattern(ls) || line_search_is_paper(&ls->cfg)) {
         return;
     }
     if (line_search_parameter(ls) == ls->built) {
@@ -150,31 +150,31 @@ static void line_search_begin_line(auvid_line_search_t *ls, uint8_t direction)
 /* (3-6) At the end of a sweep, and before the first. */
 static void line_search_begin_sweep(auvid_line_search_t *ls)
 {
-    const bool first = !line_search_is_paper(&ls->config) &&
-                       ls->restarts_left == ls->config.restarts && ls->state == LINE_SEARCH;
-    auvid_real_t longest = AUVID_C(0.0), last = ls->config.epsilon;
-    for (size_t i = 0; i < 2u * ls->config.n; ++i) {
+    const bool first = !line_search_is_paper(&ls->cfg) && ls->restarts_left == ls->cfg.restarts &&
+                       ls->state == LINE_SEARCH;
+    auvid_real_t longest = AUVID_C(0.0), last = ls->cfg.epsilon;
+    for (size_t i = 0; i < 2u * ls->cfg.n; ++i) {
         longest = auvid_max(longest, ls->alpha[i]);
     }
     if (first && ls->restarts_left > 0) {
-        last = RESTART_STEP * ls->config.alpha0; /* the restart does the rest */
+        last = RESTART_STEP * ls->cfg.alpha0; /* the restart does the rest */
     }
-    if (ls->plain && ls->previous_cost - ls->cost > ls->config.gamma) {
+    if (ls->plain && ls->previous_cost - ls->cost > ls->cfg.gamma) {
         ls->built = 0; /* the directions are no longer conjugate */
-        ls->restarts_left = ls->config.restarts;
-        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
+        ls->restarts_left = ls->cfg.restarts;
+        line_search_raise_steps(ls, RESTART_STEP * ls->cfg.alpha0);
     } else if (longest <= last) {
         if (ls->restarts_left == 0) {
             ls->state = LINE_FINISHED;
             return;
         }
         --ls->restarts_left;
-        line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
-        ls->built = ls->config.n; /* now along e_i */
+        line_search_raise_steps(ls, RESTART_STEP * ls->cfg.alpha0);
+        ls->built = ls->cfg.n; /* now along e_i */
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
     }
-    ls->plain = ls->built == ls->config.n && !line_search_is_paper(&ls->config);
+    ls->plain = ls->built == ls->cfg.n && !line_search_is_paper(&ls->cfg);
     ls->state = LINE_SEARCH;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
@@ -185,8 +185,8 @@ static void line_search_begin_sweep(auvid_line_search_t *ls)
  * +d_i. */
 static void line_search_next_line(auvid_line_search_t *ls)
 {
-    const uint8_t pattern = (uint8_t)(2u * ls->config.n);
-    const bool fast = !line_search_is_paper(&ls->config);
+    const uint8_t pattern = (uint8_t)(2u * ls->cfg.n);
+    const bool fast = !line_search_is_paper(&ls->cfg);
     uint8_t next = (uint8_t)(ls->direction + 1u);
     auvid_real_t t_far = AUVID_C(0.0);
     if (fast && !line_search_is_pattern(ls)) {
@@ -228,7 +228,7 @@ static bool line_search_aim_parabola(auvid_line_search_t *ls)
         ls->curvature[line_search_parameter(ls)] = c;
     }
     ls->t = (ls->t_near - near / c) * AUVID_C(0.5);
-    return auvid_abs(ls->t) > ls->config.epsilon && auvid_abs(ls->t) <= MAGNITUDE_MAX;
+    return auvid_abs(ls->t) > ls->cfg.epsilon && auvid_abs(ls->t) <= MAGNITUDE_MAX;
 }
 
 /* Make d_i: evaluate the cost along e_i, then the probes, then compare with e_i. Returns false if
@@ -278,7 +278,7 @@ static void line_search_take_cost(auvid_line_search_t *ls, auvid_real_t cost)
     }
     const auvid_real_t t = ls->t;
     const bool along = !line_search_is_pattern(ls), extra = ls->move == MOVE_PARABOLA;
-    const auvid_real_t min_decrease = along && !extra ? ls->config.gamma * t * t : AUVID_C(0.0);
+    const auvid_real_t min_decrease = along && !extra ? ls->cfg.gamma * t * t : AUVID_C(0.0);
     const bool accepted = cost < (ls->move == MOVE_POLL ? ls->base_cost : before) &&
                           (extra || cost <= ls->base_cost - min_decrease);
     if (accepted) {
@@ -300,13 +300,13 @@ static void line_search_take_cost(auvid_line_search_t *ls, auvid_real_t cost)
     if (along && accepted) { /* (12); a step cut at the box does not shorten alpha */
         ls->alpha[ls->direction] = auvid_max(ls->alpha[ls->direction], t);
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
-        ls->alpha[ls->direction] *= ls->config.sigma;
+        ls->alpha[ls->direction] *= ls->cfg.sigma;
     }
-    if (!line_search_is_paper(&ls->config) && line_search_aim_parabola(ls)) {
+    if (!line_search_is_paper(&ls->cfg) && line_search_aim_parabola(ls)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
-        ls->t = ls->config.delta * t;
+        ls->t = ls->cfg.delta * t;
     } else {
         line_search_next_line(ls);
     }
@@ -324,7 +324,7 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         if (ls->state == LINE_FINISHED) {
             return AUVID_FINISHED;
         }
-        if (ls->state == LINE_CAPPED || ls->evaluations >= ls->config.max_evaluations) {
+        if (ls->state == LINE_CAPPED || ls->evaluations >= ls->cfg.max_evaluations) {
             ls->state = LINE_CAPPED;
             return AUVID_EVALUATION_LIMIT;
         }
@@ -338,7 +338,7 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
         }
         ls->asked = true;
     }
-    memcpy(theta, ls->trial, ls->config.n * sizeof *theta);
+    memcpy(theta, ls->trial, ls->cfg.n * sizeof *theta);
     return AUVID_OK;
 }
 
@@ -373,10 +373,10 @@ auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls)
         return AUVID_ERR_STATE;
     }
     ls->asked = false;
-    line_search_raise_steps(ls, RESTART_STEP * ls->config.alpha0);
+    line_search_raise_steps(ls, RESTART_STEP * ls->cfg.alpha0);
     ls->plain = false;
-    if (!line_search_is_paper(&ls->config)) {
-        ls->restarts_left = ls->config.restarts;
+    if (!line_search_is_paper(&ls->cfg)) {
+        ls->restarts_left = ls->cfg.restarts;
     }
     ls->state = LINE_EVALUATE;
     return AUVID_OK;

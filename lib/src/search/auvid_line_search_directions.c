@@ -30,7 +30,7 @@ bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_r
 /* Component of d_i along parameter k <= i [parameter's unit]. */
 static auvid_real_t line_search_component(const auvid_line_search_t *ls, size_t i, size_t k)
 {
-    const auvid_real_t unit = ls->config.scale[k];
+    const auvid_real_t unit = ls->cfg.scale[k];
     return k == i ? unit : unit * ls->shear[AUVID_SHEAR(i) + k];
 }
 
@@ -40,11 +40,11 @@ static bool line_search_place_probe(auvid_line_search_t *ls)
     const size_t i = line_search_parameter(ls);
     for (int side = 0; side < 2; ++side) {
         memcpy(ls->trial, ls->base, i * sizeof *ls->trial);
-        ls->trial[i] = ls->base[i] + ls->axis_step * ls->config.scale[i];
+        ls->trial[i] = ls->base[i] + ls->axis_step * ls->cfg.scale[i];
         for (size_t k = 0; k <= ls->probe; ++k) {
             ls->trial[k] += ls->t * line_search_component(ls, ls->probe, k);
         }
-        if (auvid_line_search_inside(&ls->config, ls->trial)) {
+        if (auvid_line_search_inside(&ls->cfg, ls->trial)) {
             return true;
         }
         ls->t = -ls->t;
@@ -55,7 +55,7 @@ static bool line_search_place_probe(auvid_line_search_t *ls)
 /* trial = base + t d_i; the box limits t. Returns false if the trial equals the iterate. */
 static bool line_search_place_along(auvid_line_search_t *ls)
 {
-    const auvid_line_search_config_t *c = &ls->config;
+    const auvid_line_search_config_t *c = &ls->cfg;
     const size_t i = line_search_parameter(ls), first = line_search_is_paper(c) ? i : 0;
     const auvid_real_t sign = line_search_sign(ls);
     auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
@@ -82,7 +82,7 @@ static bool line_search_place_along(auvid_line_search_t *ls)
 /* The same with d the displacement of the sweep. */
 static bool line_search_place_pattern(auvid_line_search_t *ls)
 {
-    const auvid_line_search_config_t *c = &ls->config;
+    const auvid_line_search_config_t *c = &ls->cfg;
     bool moved = false;
     for (size_t k = 0; k < c->n; ++k) {
         const auvid_real_t x = ls->base[k] + ls->t * (ls->base[k] - ls->previous[k]);
@@ -102,7 +102,7 @@ bool auvid_line_search_place(auvid_line_search_t *ls)
 
 void auvid_line_search_release(auvid_line_search_t *ls)
 {
-    const auvid_line_search_config_t *c = &ls->config;
+    const auvid_line_search_config_t *c = &ls->cfg;
     const size_t i = line_search_parameter(ls);
     for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
         const auvid_real_t d = line_search_sign(ls) * line_search_component(ls, i, k);

@@ -26,20 +26,20 @@ static inline bool line_search_is_paper(const auvid_line_search_config_t *c)
 
 static inline bool line_search_is_pattern(const auvid_line_search_t *ls)
 {
-    return ls->direction == 2u * ls->config.n;
+    return ls->direction == 2u * ls->cfg.n;
 }
 
 /** Parameter of the direction: paper +e_1..+e_n, -e_1..-e_n; else +d_1, -d_1, +d_2, -d_2 .. */
 static inline size_t line_search_parameter(const auvid_line_search_t *ls)
 {
-    const size_t n = ls->config.n, d = ls->direction;
-    return !line_search_is_paper(&ls->config) ? d / 2u : (d < n ? d : d - n);
+    const size_t n = ls->cfg.n, d = ls->direction;
+    return !line_search_is_paper(&ls->cfg) ? d / 2u : (d < n ? d : d - n);
 }
 
 static inline auvid_real_t line_search_sign(const auvid_line_search_t *ls)
 {
     const bool minus =
-        line_search_is_paper(&ls->config) ? ls->direction >= ls->config.n : ls->direction % 2u != 0;
+        line_search_is_paper(&ls->cfg) ? ls->direction >= ls->cfg.n : ls->direction % 2u != 0;
     return minus ? AUVID_C(-1.0) : AUVID_C(1.0);
 }
 

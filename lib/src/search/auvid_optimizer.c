@@ -15,48 +15,48 @@
 #define OMEGA AUVID_C(2.0)
 #define REDUCTION AUVID_C(0.05)
 
-void auvid_optimizer_defaults(auvid_optimizer_config_t *config, uint8_t n)
+void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n)
 {
-    if (config == NULL) {
+    if (cfg == NULL) {
         return;
     }
-    memset(config, 0, sizeof *config);
-    auvid_crs_defaults(&config->crs, n);
-    auvid_line_search_defaults(&config->line_search, n);
+    memset(cfg, 0, sizeof *cfg);
+    auvid_crs_defaults(&cfg->crs, n);
+    auvid_line_search_defaults(&cfg->line_search, n);
 }
 
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
-                                    const auvid_optimizer_config_t *config)
+                                    const auvid_optimizer_config_t *cfg)
 {
-    if (optimizer == NULL || config == NULL) {
+    if (optimizer == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_optimizer_config_t copy = *config;
+    auvid_optimizer_config_t copy = *cfg;
     return auvid_optimizer_begin(optimizer, &copy);
 }
 
-auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimizer_config_t *config)
+auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimizer_config_t *cfg)
 {
-    auvid_status_t status = auvid_crs_check(&config->crs);
+    auvid_status_t status = auvid_crs_check(&cfg->crs);
     if (status != AUVID_OK) {
         return status;
     }
-    auvid_line_search_config_t *local = &config->line_search;
-    local->n = config->crs.n;
-    memcpy(local->lower, config->crs.lower, sizeof local->lower);
-    memcpy(local->upper, config->crs.upper, sizeof local->upper);
-    memcpy(local->scale, config->scale, sizeof local->scale);
-    memcpy(local->start, config->crs.lower, sizeof local->start); /* until a better one is known */
+    auvid_line_search_config_t *local = &cfg->line_search;
+    local->n = cfg->crs.n;
+    memcpy(local->lower, cfg->crs.lower, sizeof local->lower);
+    memcpy(local->upper, cfg->crs.upper, sizeof local->upper);
+    memcpy(local->scale, cfg->scale, sizeof local->scale);
+    memcpy(local->start, cfg->crs.lower, sizeof local->start); /* until a better one is known */
     status = auvid_line_search_init(&optimizer->line_search, local); /* only to check it */
     if (status != AUVID_OK) {
         return status;
     }
     optimizer->local = *local;
     optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
-    status = auvid_crs_init(&optimizer->crs, &config->crs);
-    if (!local->paper && !(config->crs.omega > AUVID_C(0.0))) {
-        optimizer->crs.config.omega = OMEGA;
-        optimizer->crs.config.reduction = auvid_max(config->crs.reduction, REDUCTION);
+    status = auvid_crs_init(&optimizer->crs, &cfg->crs);
+    if (!local->paper && !(cfg->crs.omega > AUVID_C(0.0))) {
+        optimizer->crs.cfg.omega = OMEGA;
+        optimizer->crs.cfg.reduction = auvid_max(cfg->crs.reduction, REDUCTION);
     }
     return status;
 }

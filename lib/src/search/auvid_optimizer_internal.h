@@ -8,8 +8,7 @@
 #include "auvid/optimizer.h"
 
 /** As auvid_optimizer_init, without a copy: copies the members that both phases share into
- * config->line_search. No pointer may be NULL. */
-auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer,
-                                     auvid_optimizer_config_t *config);
+ * cfg->line_search. No pointer may be NULL. */
+auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimizer_config_t *cfg);
 
 #endif

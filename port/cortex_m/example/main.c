@@ -28,7 +28,7 @@ static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick
 static bool configure(void)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    auvid_identifier_config_t *cfg = &node.id.config; /* undefined after auvid_node_init */
+    auvid_identifier_config_t *cfg = &node.id.cfg; /* undefined after auvid_node_init */
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
     bus.excite = true; /* false (default): listen and identify, never command a thruster */

@@ -37,14 +37,14 @@ static void set_control(uint32_t bits)
 }
 #endif
 
-static auvid_identifier_config_t config;
+static auvid_identifier_config_t cfg;
 static auvid_node_config_t bus;
 static auvid_node_t node;
 
 void setUp(void)
 {
-    auvid_identifier_defaults(&config, &auvid_girona500);
-    config.allocation = auvid_allocation_girona500;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.allocation = auvid_allocation_girona500;
     auvid_node_defaults(&bus);
 }
 
@@ -54,8 +54,8 @@ void tearDown(void)
 
 static void test_init_accepts_this_machine(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&node.id, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&node.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg));
 }
 
 #if defined(SETTABLE)
@@ -65,9 +65,9 @@ static void check_refused(uint32_t bits)
     auvid_output_t out;
     uint32_t before = control();
     set_control(before | bits);
-    auvid_status_t identifier = auvid_identifier_init(&node.id, &config);
+    auvid_status_t identifier = auvid_identifier_init(&node.id, &cfg);
     auvid_status_t step = (memset(&in, 0, sizeof in), auvid_identifier_step(&node.id, &in, &out));
-    auvid_status_t whole = auvid_node_init(&node, &bus, &config);
+    auvid_status_t whole = auvid_node_init(&node, &bus, &cfg);
     set_control(before);
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, identifier);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, step);

@@ -16,13 +16,13 @@
 #define ORDER (H < 2 ? 2 : 3)
 
 static auvid_smoother_t smoother;
-static auvid_smoother_config_t config;
+static auvid_smoother_config_t cfg;
 
 void setUp(void)
 {
-    auvid_smoother_defaults(&config);
-    config.half_width = H;
-    config.order = ORDER;
+    auvid_smoother_defaults(&cfg);
+    cfg.half_width = H;
+    cfg.order = ORDER;
 }
 
 void tearDown(void)
@@ -71,12 +71,12 @@ static auvid_status_t init_with(int half_width, int order, int derivative, auvid
 static void test_defaults_are_the_documented_ones_and_are_accepted(void)
 {
     auvid_smoother_defaults(NULL);
-    auvid_smoother_defaults(&config);
-    TEST_ASSERT_EQUAL_INT(AUVID_MAX_HALF_WIDTH < 25 ? AUVID_MAX_HALF_WIDTH : 25, config.half_width);
-    TEST_ASSERT_EQUAL_INT(ORDER, config.order);
-    TEST_ASSERT_EQUAL_INT(0, config.derivative);
-    TEST_ASSERT_TRUE(config.dt_s == AUVID_C(0.02));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&smoother, &config));
+    auvid_smoother_defaults(&cfg);
+    TEST_ASSERT_EQUAL_INT(AUVID_MAX_HALF_WIDTH < 25 ? AUVID_MAX_HALF_WIDTH : 25, cfg.half_width);
+    TEST_ASSERT_EQUAL_INT(ORDER, cfg.order);
+    TEST_ASSERT_EQUAL_INT(0, cfg.derivative);
+    TEST_ASSERT_TRUE(cfg.dt_s == AUVID_C(0.02));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&smoother, &cfg));
 }
 
 static void test_known_table_of_savitzky_and_golay_is_reproduced(void)
@@ -172,7 +172,7 @@ static void test_polynomials_of_its_order_pass_unchanged_edges_included(void)
 static void test_nothing_is_ready_before_the_first_window_is_full(void)
 {
     auvid_real_t y = AUVID_C(7.0);
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     for (int i = 0; i < N - 1; ++i) {
         TEST_ASSERT_EQUAL_INT(AUVID_EMPTY, auvid_smoother_push(&smoother, signal(i)));
         TEST_ASSERT_EQUAL_INT(AUVID_EMPTY, auvid_smoother_take(&smoother, NULL, &y));
@@ -184,7 +184,7 @@ static void test_nothing_is_ready_before_the_first_window_is_full(void)
 static void test_the_first_window_gives_its_edge_and_middle_then_each_sample_gives_one_output(void)
 {
     auvid_real_t y[POINTS];
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     TEST_ASSERT_EQUAL_UINT32(H + 1, run(&smoother, 0, N, y));
     TEST_ASSERT_EQUAL_UINT32(1u, run(&smoother, N, 1, y));
     TEST_ASSERT_EQUAL_UINT32(20u, run(&smoother, N + 1, 20, y));
@@ -197,7 +197,7 @@ static void test_an_output_not_taken_is_lost_and_the_next_has_its_own_sample(voi
     auvid_real_t all[POINTS];
     auvid_real_t y;
     uint64_t sample = 0;
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     run(&smoother, 0, 30, all);
     auvid_smoother_reset(&smoother);
     for (int i = 0; i < 30; ++i) {
@@ -214,7 +214,7 @@ static void test_a_record_in_two_parts_gives_the_bits_of_one_run(void)
     auvid_real_t one[POINTS];
     auvid_real_t two[POINTS];
     auvid_smoother_t copy;
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     size_t n = run(&smoother, 0, 100, one);
     n += finish(&smoother, &one[n]);
     for (int cut = 0; cut <= 100; ++cut) {
@@ -233,15 +233,15 @@ static void test_streaming_gives_what_the_coefficients_give(void)
 {
     auvid_real_t y[POINTS];
     auvid_real_t c[N];
-    config.derivative = 1;
-    auvid_smoother_init(&smoother, &config);
+    cfg.derivative = 1;
+    auvid_smoother_init(&smoother, &cfg);
     size_t n = run(&smoother, 0, 40, y);
     finish(&smoother, &y[n]);
     for (int i = 0; i < 40; ++i) {
         int first = i < H ? 0 : (i > 39 - H ? 40 - N : i - H);
         double sum = 0.0;
         double scale = 0.0;
-        auvid_smoother_coefficients(H, ORDER, 1, config.dt_s, (int16_t)(i - first - H), c);
+        auvid_smoother_coefficients(H, ORDER, 1, cfg.dt_s, (int16_t)(i - first - H), c);
         for (int k = 0; k < N; ++k) {
             sum += (double)c[k] * (double)signal(first + k);
             scale += fabs((double)c[k]);
@@ -256,12 +256,12 @@ static void test_two_smoothers_do_not_interact(void)
     auvid_real_t beside[POINTS];
     auvid_real_t other_y[POINTS];
     auvid_smoother_t other;
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     size_t n = run(&smoother, 0, 50, single);
     auvid_smoother_reset(&smoother);
-    config.half_width = 1;
-    config.order = 1;
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&other, &config));
+    cfg.half_width = 1;
+    cfg.order = 1;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_init(&other, &cfg));
     size_t m = 0;
     for (int i = 0; i < 50; ++i) {
         m += run(&smoother, i, 1, &beside[m]);
@@ -275,7 +275,7 @@ static void test_reset_discards_the_record(void)
 {
     auvid_real_t first[POINTS];
     auvid_real_t again[POINTS];
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     size_t n = run(&smoother, 0, 23, first);
     finish(&smoother, &first[n]);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_reset(&smoother));
@@ -288,7 +288,7 @@ static void test_a_sample_that_is_not_finite_is_refused_and_changes_nothing(void
     volatile auvid_real_t zero = AUVID_C(0.0);
     const auvid_real_t bad[] = {AUVID_C(1.0) / zero, AUVID_C(-1.0) / zero, zero / zero};
     auvid_real_t y[POINTS];
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     run(&smoother, 0, 12, y);
     auvid_smoother_t before = smoother;
     for (int i = 0; i < 3; ++i) {
@@ -300,7 +300,7 @@ static void test_a_sample_that_is_not_finite_is_refused_and_changes_nothing(void
 static void test_only_take_and_reset_are_accepted_after_the_end(void)
 {
     auvid_real_t y[POINTS];
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     run(&smoother, 0, 12, y);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_smoother_end(&smoother));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_smoother_end(&smoother));
@@ -311,7 +311,7 @@ static void test_only_take_and_reset_are_accepted_after_the_end(void)
 static void test_a_record_shorter_than_the_window_has_no_output(void)
 {
     auvid_real_t y[POINTS];
-    auvid_smoother_init(&smoother, &config);
+    auvid_smoother_init(&smoother, &cfg);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NO_DATA, auvid_smoother_end(&smoother));
     TEST_ASSERT_EQUAL_UINT32(0u, run(&smoother, 0, N - 1, y));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NO_DATA, auvid_smoother_end(&smoother));
@@ -351,7 +351,7 @@ static void test_a_position_outside_the_window_is_refused_and_writes_nothing(voi
 static void test_null_pointers_are_refused(void)
 {
     auvid_real_t y;
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_smoother_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_smoother_init(NULL, &cfg));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_smoother_init(&smoother, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_smoother_reset(NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_smoother_push(NULL, AUVID_C(1.0)));

@@ -79,7 +79,7 @@ static void thrusters_act(chain_t *chain, auvid_input_t *in, bool frames)
         message[i].kind = i == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
         for (int j = 0; j < 4; ++j) {
             int n = 4 * i + j;
-            auvid_real_t force = n < allocation.config.thrusters ? result.force_N[n] : 0;
+            auvid_real_t force = n < allocation.cfg.thrusters ? result.force_N[n] : 0;
             thrust[j] = force / (auvid_real_t)LARGEST_N;
         }
         if (frames) {
@@ -87,11 +87,11 @@ static void thrusters_act(chain_t *chain, auvid_input_t *in, bool frames)
         }
     }
     memset(chain->wrench, 0, sizeof chain->wrench);
-    for (int n = 0; n < allocation.config.thrusters; ++n) {
+    for (int n = 0; n < allocation.cfg.thrusters; ++n) {
         auvid_real_t force =
             message[n / 4].as.thruster_command_a.thrust[n % 4] * (auvid_real_t)LARGEST_N;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            chain->wrench[j] += allocation.config.thruster[n].wrench[j] * force;
+            chain->wrench[j] += allocation.cfg.thruster[n].wrench[j] * force;
         }
     }
     memcpy(in->applied.wrench, chain->wrench, sizeof chain->wrench);
@@ -117,11 +117,11 @@ static struct {
 static double mean_square(uint64_t seed, double disturbance_N, chain_before_t before)
 {
     static chain_t chain;
-    chain_config_t config;
-    chain_defaults(&config, seed, SETS, disturbance_N);
-    chain_set_driver(&config);
-    config.before = before;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    chain_config_t cfg;
+    chain_defaults(&cfg, seed, SETS, disturbance_N);
+    chain_set_driver(&cfg);
+    cfg.before = before;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, 1000, 6000) <= 6000);
     return chain_mean_square(&chain);
 }

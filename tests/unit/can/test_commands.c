@@ -25,15 +25,15 @@ typedef struct {
 } seen_t;
 
 static world_t world;
-static world_config_t config;
+static world_config_t cfg;
 static seen_t seen[FRAMES];
 static int frames;
 
 void setUp(void)
 {
-    memset(&config, 0, sizeof config);
-    config.seed = 1;
-    config.sets = SETS;
+    memset(&cfg, 0, sizeof cfg);
+    cfg.seed = 1;
+    cfg.sets = SETS;
 }
 
 void tearDown(void)
@@ -72,7 +72,7 @@ static bool run(uint32_t abort, uint32_t arm_from)
 {
     bool commanding = false;
     frames = 0;
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    TEST_ASSERT_TRUE(world_begin(&world, &cfg));
     for (uint32_t tick = 1; tick <= TICKS; ++tick) {
         if (tick == abort) {
             commanding = world.node[0].commanding;
@@ -114,8 +114,8 @@ static int first(auvid_can_kind_t kind)
 
 static void test_a_passive_node_sends_no_command_in_a_whole_run(void)
 {
-    config.passive = true;
-    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+    cfg.passive = true;
+    for (cfg.seed = 1; cfg.seed <= 4; ++cfg.seed) {
         (void)run(NEVER, NEVER);
         TEST_ASSERT_TRUE(count(AUVID_CAN_ARM, 0) > 60); /* every second, because it is not obeyed */
         TEST_ASSERT_TRUE(count(AUVID_CAN_HEARTBEAT, 0) > 100);
@@ -125,8 +125,8 @@ static void test_a_passive_node_sends_no_command_in_a_whole_run(void)
 
 static void test_without_an_arm_frame_a_whole_run_has_no_command(void)
 {
-    config.no_arm = true;
-    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+    cfg.no_arm = true;
+    for (cfg.seed = 1; cfg.seed <= 4; ++cfg.seed) {
         (void)run(NEVER, NEVER);
         TEST_ASSERT_EQUAL(0, count(AUVID_CAN_ARM, 0));
         TEST_ASSERT_TRUE(count(AUVID_CAN_HEARTBEAT, 0) > 100);
@@ -136,7 +136,7 @@ static void test_without_an_arm_frame_a_whole_run_has_no_command(void)
 
 static void test_commands_begin_after_the_arm_frame_and_end_with_one_of_zero(void)
 {
-    for (config.seed = 1; config.seed <= 4; ++config.seed) {
+    for (cfg.seed = 1; cfg.seed <= 4; ++cfg.seed) {
         (void)run(NEVER, NEVER);
         int arm = first(AUVID_CAN_ARM);
         TEST_ASSERT_EQUAL_UINT32(ARM_TICK, seen[arm].tick);
@@ -162,7 +162,7 @@ static void test_after_an_abort_there_is_at_most_one_command_and_it_is_zero(void
                                      /* in the fade-out, near its end, and after it */
                                      3045, 3050, 3051, 3052, 3053, 3054, 3300};
     int zeros = 0;
-    for (config.seed = 1; config.seed <= 3; ++config.seed) {
+    for (cfg.seed = 1; cfg.seed <= 3; ++cfg.seed) {
         for (size_t k = 0; k < sizeof ticks / sizeof ticks[0]; ++k) {
             bool commanding = run(ticks[k], ticks[k]);
             int abort = first(AUVID_CAN_ABORT);

@@ -194,7 +194,7 @@ static double rms(const auvid_node_t *n)
 {
     double sum = 0.0;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double truth = vehicle_sim.sim.config.parameter[i];
+        double truth = vehicle_sim.sim.cfg.parameter[i];
         double e = (double)n->id.estimate.pi[i] / truth - 1.0;
         sum += e * e;
     }
@@ -628,10 +628,10 @@ static void test_the_configuration_may_be_inside_the_node(void)
     memset(&inside, 0x5A, sizeof inside);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.allocation = auvid_allocation_girona500;
-    inside.id.config = cfg;
+    inside.id.cfg = cfg;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&separate, &bus, &cfg));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&inside, &bus, &inside.id.config));
-    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&inside, &bus, &inside.id.cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, cfg));
     TEST_ASSERT_EQUAL_MEMORY(&separate.cfg, &inside.cfg,
                              sizeof separate - offsetof(auvid_node_t, cfg));
 }

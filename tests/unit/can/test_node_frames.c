@@ -13,7 +13,7 @@ enum { NAVIGATED = 100 };
 static auvid_node_t node, copy;
 static vehicle_sim_t vehicle_sim;
 static auvid_identifier_config_t identifier;
-static auvid_node_config_t config;
+static auvid_node_config_t cfg;
 static auvid_can_sender_t sender;
 static auvid_can_frame_t sent[AUVID_NODE_FRAMES];
 static int count;
@@ -28,8 +28,8 @@ void setUp(void)
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
-    auvid_node_defaults(&config);
-    config.excite = true;
+    auvid_node_defaults(&cfg);
+    cfg.excite = true;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
 
@@ -39,7 +39,7 @@ void tearDown(void)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &identifier));
 }
 
 static auvid_status_t give(const auvid_can_message_t *m)
@@ -498,7 +498,7 @@ static void test_a_sensor_frame_of_zeros_is_refused(void)
 {
     for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
         auvid_can_frame_t frame = {.length = AUVID_CAN_BYTES};
-        frame.id = auvid_can_id(&config.ids, (auvid_can_kind_t)kind);
+        frame.id = auvid_can_id(&cfg.ids, (auvid_can_kind_t)kind);
         begin();
         TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
         TEST_ASSERT_EQUAL_UINT32(1, node.counters.refused);
@@ -532,8 +532,8 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
     uint64_t t_us = 1000000;
     auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
     begin();
-    config.ids.slow = config.ids.fast;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &config, &identifier));
+    cfg.ids.slow = cfg.ids.fast;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &identifier));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, give(&m));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, &t_us, sent, &count));
     TEST_ASSERT_EQUAL(0, count);
@@ -552,23 +552,23 @@ static void test_one_to_eight_thrusters_are_accepted(void)
         identifier.allocation.thrusters = thrusters;
         bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
         TEST_ASSERT_EQUAL(some ? AUVID_OK : AUVID_ERR_SIZE,
-                          auvid_node_init(&node, &config, &identifier));
+                          auvid_node_init(&node, &cfg, &identifier));
         TEST_ASSERT_EQUAL(some, node.ready);
     }
 }
 
 static void test_null_and_overlapping_identifiers_are_refused(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &cfg, &identifier));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, NULL, &identifier));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &config, NULL));
-    config.ids.slow = config.ids.fast;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &cfg, NULL));
+    cfg.ids.slow = cfg.ids.fast;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &identifier));
     TEST_ASSERT_FALSE(node.ready);
-    memset(&config, 0xFF, sizeof config);
-    auvid_node_defaults(&config);
-    TEST_ASSERT_FALSE(config.excite || config.answer);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+    memset(&cfg, 0xFF, sizeof cfg);
+    auvid_node_defaults(&cfg);
+    TEST_ASSERT_FALSE(cfg.excite || cfg.answer);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &identifier));
 }
 
 static void test_after_init_there_is_no_sample(void)
@@ -794,7 +794,7 @@ static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction
 /* The application may arm the identifier and command the thrusters itself. */
 static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
 {
-    config.excite = false;
+    cfg.excite = false;
     begin();
     go(NAVIGATED);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&node.id));

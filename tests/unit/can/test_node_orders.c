@@ -29,7 +29,7 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     static auvid_identifier_config_t identifier;
-    auvid_node_config_t config;
+    auvid_node_config_t cfg;
     vehicle_sim_config_t vehicle;
     memset(p, 0, sizeof *p);
     vehicle_sim_defaults(&vehicle);
@@ -38,9 +38,9 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
     auvid_identifier_defaults(&identifier, &auvid_girona500);
     identifier.allocation = auvid_allocation_girona500;
     (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, seed);
-    auvid_node_defaults(&config);
-    config.excite = excite;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&p->node, &config, &identifier));
+    auvid_node_defaults(&cfg);
+    cfg.excite = excite;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&p->node, &cfg, &identifier));
 }
 
 /* Passes the commands to the vehicle. */
@@ -83,8 +83,8 @@ static auvid_can_frame_t order_frame(uint32_t action, unsigned counter)
     auvid_can_message_t m = {.kind = AUVID_CAN_ARM};
     m.as.arm.action = action;
     m.as.arm.key = AUVID_CAN_ARM_KEY;
-    operator.counter[AUVID_CAN_ARM] = (uint8_t)(counter % 16u);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, &m, &frame));
+    operator.counter[AUVID_CAN_ARM] =(uint8_t)(counter % 16u);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, & m, &frame));
     return frame;
 }
 
@@ -98,7 +98,7 @@ static void abort_run(pair_t *p)
 {
     auvid_can_frame_t frame;
     auvid_can_message_t m = {.kind = AUVID_CAN_ABORT};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, &m, &frame));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&operator, & m, &frame));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&p->node, &frame));
 }
 
@@ -160,8 +160,7 @@ static void reach(situation_t situation)
         tick(&now);
     } else if (situation == AFTER_BREACH) {
         auvid_guard_t *guard = &now.node.id.guard;
-        TEST_ASSERT_EQUAL(AUVID_OK,
-                          auvid_guard_abort_for(guard, now.node.t_us, AUVID_GUARD_ROLL));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort_for(guard, now.node.t_us, AUVID_GUARD_ROLL));
         tick(&now);
     }
 }
@@ -464,8 +463,8 @@ static auvid_can_frame_t foreign_command(auvid_can_kind_t kind)
 static void test_one_foreign_command_of_either_half_aborts(void)
 {
     for (int half = 0; half < 2; ++half) {
-        auvid_can_frame_t frame = foreign_command(
-            half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B);
+        auvid_can_frame_t frame = foreign_command(half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A
+                                                            : AUVID_CAN_THRUSTER_COMMAND_B);
         now = exciting;
         hear(&now, &frame, 1);
         TEST_ASSERT_EQUAL(AUVID_GUARD_FOREIGN_COMMAND, cause(&now));

@@ -14,7 +14,7 @@ enum { THRUSTERS = 5, TICK_US = 20000, ARMED = 200 };
 
 static auvid_node_t node;
 static auvid_identifier_t id;
-static auvid_identifier_config_t config;
+static auvid_identifier_config_t cfg;
 static auvid_node_config_t node_config;
 static auvid_input_t in; /* of the reference identifier */
 static auvid_output_t out;
@@ -39,12 +39,12 @@ void setUp(void)
     run.altitude_m = 20;
     run.depth_m = 5;
     auvid_rng_seed(&rng, 1);
-    auvid_identifier_defaults(&config, &auvid_girona500);
-    config.allocation = auvid_allocation_girona500;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.allocation = auvid_allocation_girona500;
     for (int i = 0; i < THRUSTERS; ++i) { /* each has a different, smaller force backwards */
-        config.allocation.thruster[i].min_N *= AUVID_C(0.5) + AUVID_C(0.07) * (auvid_real_t)i;
+        cfg.allocation.thruster[i].min_N *= AUVID_C(0.5) + AUVID_C(0.07) * (auvid_real_t)i;
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, amplitude, 20, 2, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, amplitude, 20, 2, 1));
     auvid_node_defaults(&node_config);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
@@ -55,8 +55,8 @@ void tearDown(void)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node_config, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node_config, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }
 
 static bool chance(double p)
@@ -76,9 +76,7 @@ static auvid_status_t give(auvid_can_message_t *m)
 /* Mostly small, sometimes too old for any use, sometimes unknown. */
 static uint32_t draw_age(void)
 {
-    return chance(0.02)   ? AUVID_CAN_AGE_UNKNOWN
-           : chance(0.02) ? 1022u
-                          : auvid_rng_below(&rng, 10);
+    return chance(0.02) ? AUVID_CAN_AGE_UNKNOWN : chance(0.02) ? 1022u : auvid_rng_below(&rng, 10);
 }
 
 /* Returns true if the sample is used; sets its time for the call. */
@@ -93,11 +91,10 @@ static void imu(double t)
 {
     auvid_can_message_t a = {.kind = AUVID_CAN_IMU_ATTITUDE}, r = {.kind = AUVID_CAN_IMU_RATES};
     uint32_t age = auvid_rng_below(&rng, 10);
-    a.as.imu_attitude = (auvid_can_imu_attitude_t){
-        .phi = (auvid_real_t)(0.03 * sin(0.9 * t)),
-        .theta = (auvid_real_t)(0.02 * cos(0.7 * t)),
-        .psi = (auvid_real_t)(0.5 * sin(0.2 * t)),
-        .age = age};
+    a.as.imu_attitude = (auvid_can_imu_attitude_t){.phi = (auvid_real_t)(0.03 * sin(0.9 * t)),
+                                                   .theta = (auvid_real_t)(0.02 * cos(0.7 * t)),
+                                                   .psi = (auvid_real_t)(0.5 * sin(0.2 * t)),
+                                                   .age = age};
     r.as.imu_rates = (auvid_can_imu_rates_t){.p = (auvid_real_t)(0.027 * cos(0.9 * t)),
                                              .q = (auvid_real_t)(-0.014 * sin(0.7 * t)),
                                              .r = (auvid_real_t)(0.1 * cos(0.2 * t)),
@@ -203,7 +200,7 @@ static void apply(uint64_t before_us)
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
     auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
     for (int i = 0; i < THRUSTERS; ++i) {
-        const auvid_thruster_t *t = &config.allocation.thruster[i];
+        const auvid_thruster_t *t = &cfg.allocation.thruster[i];
         force_N[i] = thrust[i] > 0 ? thrust[i] * t->max_N : -thrust[i] * t->min_N;
         if (i < AUVID_MAX_COMMANDS) {
             command[i] = thrust[i];
@@ -227,12 +224,12 @@ static void check_commands(const auvid_can_frame_t *frame, int count)
             double part = (double)m.as.thruster_command_a.thrust[i - 4 * half];
             run.largest = fmax(run.largest, fabs(part));
             TEST_ASSERT_TRUE(i < THRUSTERS || part == 0.0);
-            const auvid_thruster_t *t = &config.allocation.thruster[i < THRUSTERS ? i : 0];
+            const auvid_thruster_t *t = &cfg.allocation.thruster[i < THRUSTERS ? i : 0];
             force_N[i] = part > 0.0 ? part * (double)t->max_N : -part * (double)t->min_N;
         }
     }
     for (int i = 0; i < THRUSTERS; ++i) { /* half a step of 1/4000 */
-        double step_N = (double)config.allocation.thruster[i].max_N / 7999.0;
+        double step_N = (double)cfg.allocation.thruster[i].max_N / 7999.0;
         TEST_ASSERT_TRUE(fabs(force_N[i] - (double)out.thruster_N[i]) <= step_N);
     }
 }
@@ -341,7 +338,7 @@ static void test_frames_have_the_effect_of_calls_with_their_samples(void)
 
 static void test_frames_have_the_effect_of_calls_with_water_lock(void)
 {
-    config.velocity = AUVID_VELOCITY_WATER;
+    cfg.velocity = AUVID_VELOCITY_WATER;
     begin();
     go(3000);
     TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);

@@ -179,7 +179,7 @@ static void test_within_the_excursion_limit_the_wrench_is_unchanged(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, girona500, 10, 4, 3));
     begin();
     free = e;
-    memset(free.config.excursion_limit, 0, sizeof free.config.excursion_limit);
+    memset(free.cfg.excursion_limit, 0, sizeof free.cfg.excursion_limit);
     for (uint64_t t_us = 0; t_us < 40 * S; t_us += S / 50) {
         auvid_real_t expected[6];
         const auvid_real_t far[6] = {1000, 1000, 1000, 1000, 1000, 1000};

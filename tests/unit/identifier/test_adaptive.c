@@ -100,7 +100,7 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.abandoned);
     /* at once: with the fade and two ticks */
-    const double fade_s = (double)chain.id.excitation.config.fade_s;
+    const double fade_s = (double)chain.id.excitation.cfg.fade_s;
     TEST_ASSERT_TRUE(seen.rest_s > 0.0 && seen.rest_s <= seen.done_s + fade_s + 0.04);
     TEST_ASSERT_FALSE(seen.over);
     TEST_ASSERT_FALSE(seen.outside);

@@ -14,7 +14,7 @@
 enum { LYING_SET = 8, SEEDS = 6 };
 
 static chain_t chain;
-static chain_config_t config;
+static chain_config_t cfg;
 
 /* Results by number of the set. */
 typedef struct {
@@ -70,10 +70,10 @@ static void test_the_next_set_corrects_a_set_with_an_unmodelled_force(void)
     double later = 0.0;
     for (uint64_t seed = 21; seed < 21 + SEEDS; ++seed) {
         memset(&story, 0, sizeof story);
-        chain_defaults(&config, seed, LYING_SET + 2, 1.0);
-        config.budget = 2000;
-        config.after = push;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, LYING_SET + 2));
+        chain_defaults(&cfg, seed, LYING_SET + 2, 1.0);
+        cfg.budget = 2000;
+        cfg.after = push;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LYING_SET + 2));
         printf("  seed %d, rms error before %.2f %%, with the set %.2f %%, one later %.2f %%, two "
                "later %.2f %%\n",
                (int)seed, 100.0 * sqrt(story.square[LYING_SET - 1]),
@@ -116,10 +116,10 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 
 static void test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn(void)
 {
-    chain_defaults(&config, 31, 6, 1.0);
-    config.budget = 2000;
-    config.after = spoil;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 6));
+    chain_defaults(&cfg, 31, 6, 1.0);
+    cfg.budget = 2000;
+    cfg.after = spoil;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 6));
     for (int set = 1; set < 6; ++set) {
         TEST_ASSERT_FALSE(story.events[set] & AUVID_EVENT_RESTORED);
     }
@@ -141,7 +141,7 @@ typedef struct {
 
 static void watch_restored(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    restored_t *w = c->config.context;
+    restored_t *w = c->cfg.context;
     const auvid_estimate_t *e = &c->id.estimate;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_RESTORED) {
@@ -160,12 +160,12 @@ static void excite_in_turns(uint64_t seed, double disturbance_N, restored_t *wat
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     static const unsigned others[] = {1, 1 | 32, 1 | 2 | 32, 1 | 2 | 4 | 32};
-    chain_defaults(&config, seed, 10, disturbance_N);
-    config.budget = 2000;
-    config.after = watch_restored;
-    config.context = watch;
-    chain_set_driver(&config);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, seed, 10, disturbance_N);
+    cfg.budget = 2000;
+    cfg.after = watch_restored;
+    cfg.context = watch;
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (unsigned k = 0; k < 10; ++k) {
         /* one DoF is added after the other; with odd seeds, at random */
         unsigned random = (unsigned)(seed * 2654435761u >> (3 * k)) * 2246822519u >> 16;
@@ -174,9 +174,9 @@ static void excite_in_turns(uint64_t seed, double disturbance_N, restored_t *wat
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             some[j] = (dofs >> j & 1u) != 0 ? amplitude[j] : 0;
         }
-        TEST_ASSERT_EQUAL(
-            AUVID_OK, auvid_excitation_plan(&config.driver, some, CHAIN_SET_S, 1, 100 * seed + k));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &config.driver));
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_excitation_plan(&cfg.driver, some, CHAIN_SET_S, 1, 100 * seed + k));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &cfg.driver));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
         chain_run(&chain, CHAIN_SET_S);
     }
@@ -198,9 +198,9 @@ static void test_a_restored_estimate_lacks_no_degree_of_freedom(void)
 
 static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
 {
-    chain_defaults(&config, 41, 3, 0.0);
-    config.budget = 2000;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 3));
+    chain_defaults(&cfg, 41, 3, 0.0);
+    cfg.budget = 2000;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 3));
     const auvid_change_test_t *to = &chain.id.change_test;
     TEST_ASSERT_EQUAL_UINT32(3, to->set);
     TEST_ASSERT_EQUAL_UINT32(2, to->estimate);
@@ -249,10 +249,10 @@ static void test_sets_validated_during_a_search_keep_everything_consistent(void)
 {
     static const uint32_t budget[] = {3, 20, 60};
     for (size_t k = 0; k < sizeof budget / sizeof budget[0]; ++k) {
-        chain_defaults(&config, 51, 9, 1.0);
-        config.budget = budget[k];
-        config.after = stay_consistent;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 9));
+        chain_defaults(&cfg, 51, 9, 1.0);
+        cfg.budget = budget[k];
+        cfg.after = stay_consistent;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 9));
         TEST_ASSERT_TRUE(chain_finish(&chain, 100, 100000) <= 100000);
         TEST_ASSERT_EQUAL(AUVID_OK, chain.work);
         TEST_ASSERT_FALSE(chain.over_budget);
@@ -264,9 +264,9 @@ static void test_sets_validated_during_a_search_keep_everything_consistent(void)
 /* Seven sets; the work for each is complete before the next one begins. */
 static void work_through(uint32_t budget)
 {
-    chain_defaults(&config, 61, 7, 1.0);
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 61, 7, 1.0);
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (uint32_t set = 1; set <= 7; ++set) {
         while (chain.id.metric.sets_recorded < set) {
             chain_tick(&chain);
@@ -307,9 +307,9 @@ static void test_any_budget_gives_the_same_bits_of_estimate_and_change_test(void
  * evidence about the three parameters of each DoF. Five sets give none. */
 static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
 {
-    chain_defaults(&config, 61, 6, 1.0);
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 61, 6, 1.0);
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (uint32_t set = 1; set <= 6; ++set) {
         auvid_real_t max_change = 0;
         while (chain.id.metric.sets_recorded < set) {

@@ -14,16 +14,16 @@
 
 enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SET_ROWS };
 
-static auvid_identifier_config_t config;
+static auvid_identifier_config_t cfg;
 static auvid_identifier_t id, other;
 static uint8_t saved[AUVID_CHECKPOINT_MAX(ROWS)], again[AUVID_CHECKPOINT_MAX(ROWS)];
 static uint32_t bytes;
 
 void setUp(void)
 {
-    auvid_identifier_defaults(&config, &auvid_girona500);
-    config.metric.set_rows = SET_ROWS;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.metric.set_rows = SET_ROWS;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }
 
 void tearDown(void)
@@ -90,7 +90,7 @@ static void make(void)
     }
     TEST_ASSERT_TRUE(id.searching);
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }
 
 static void check_refused(auvid_status_t status, const uint8_t *checkpoint, uint32_t size)
@@ -158,8 +158,8 @@ static void test_an_identifier_continues_where_it_was_saved(void)
 static void test_nothing_is_left_of_the_previous_state(void)
 {
     static auvid_identifier_t twin;
-    config.search.lower[0] = AUVID_C(-900.1); /* the first number saved */
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &config));
+    cfg.search.lower[0] = AUVID_C(-900.1); /* the first number saved */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &cfg));
     move_from_to(&twin, 1, 9);
     bytes = save(&twin, saved, sizeof saved);
     for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
@@ -182,14 +182,14 @@ static void test_a_prior_record_is_part_of_it(void)
     static uint8_t record[AUVID_PRIOR_BYTES];
     move_from_to(&id, 1, 240);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&id, record));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&id, record, sizeof record));
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
     TEST_ASSERT_TRUE(other.metric.apply_prior == id.metric.apply_prior &&
                      id.metric.apply_prior != NULL);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config)); /* and restore an empty one */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg)); /* and restore an empty one */
     bytes = save(&id, saved, sizeof saved);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
     TEST_ASSERT_TRUE(other.metric.apply_prior == NULL);
@@ -287,18 +287,18 @@ static void test_one_of_another_version_or_other_sizes_is_refused(void)
 static void test_one_of_another_model_is_refused(void)
 {
     make();
-    config.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     check_refused(AUVID_ERR_MODEL, saved, bytes);
-    config.metric.free = 0;
-    auvid_identifier_defaults(&config, &auvid_girona500_decoupled);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.metric.free = 0;
+    auvid_identifier_defaults(&cfg, &auvid_girona500_decoupled);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     check_refused(AUVID_ERR_MODEL, saved, bytes);
     static auvid_vehicle_t nameless;
     nameless = auvid_girona500;
     nameless.name = NULL;
-    auvid_identifier_defaults(&config, &nameless);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    auvid_identifier_defaults(&cfg, &nameless);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
@@ -307,13 +307,13 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     static auvid_row_t store[2][ROWS];
     static auvid_vehicle_t vehicle;
     vehicle = by_residual_girona500();
-    config.vehicle = &vehicle;
-    config.metric.rows = store[0];
-    config.metric.sets = 8;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.vehicle = &vehicle;
+    cfg.metric.rows = store[0];
+    cfg.metric.sets = 8;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     make(); /* with the same contents of its storage */
-    config.metric.rows = store[1];
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.metric.rows = store[1];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     TEST_ASSERT_EQUAL_PTR(store[1], id.metric.cfg.rows);
     TEST_ASSERT_EQUAL_UINT64(store[0][SET_ROWS].sample.t_us, store[1][SET_ROWS].sample.t_us);
@@ -321,11 +321,11 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(store[0][1].late, store[1][1].late, sizeof store[0][1].late);
     TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, 100));
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
-    config.metric.sets = 7;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.metric.sets = 7;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     check_refused(AUVID_ERR_SIZE, saved, bytes);
-    config.vehicle = &auvid_girona500;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    cfg.vehicle = &auvid_girona500;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
@@ -334,11 +334,11 @@ static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 {
     for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
         bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
         id.guard.state = (auvid_guard_state_t)state;
         id.starting = id.excitation.running = id.excitation.stopping = watched;
         bytes = save(&id, saved, sizeof saved);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
         TEST_ASSERT_EQUAL(watched ? AUVID_GUARD_DISARMED : state, id.guard.state);
         TEST_ASSERT_FALSE(id.starting || id.excitation.running || id.excitation.stopping);
@@ -352,13 +352,13 @@ static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 static void test_plan_thrusters_and_limits_are_those_of_init(void)
 {
     const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, strong, 30, 2, 1));
-    config.guard.distance_max_m = 300;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, strong, 30, 2, 1));
+    cfg.guard.distance_max_m = 300;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.excitation, weak, 30, 2, 1));
-    config.guard.distance_max_m = 30;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, weak, 30, 2, 1));
+    cfg.guard.distance_max_m = 30;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     auvid_real_t peak[AUVID_DOF_COUNT];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_peak(&id.excitation, peak));
@@ -389,7 +389,7 @@ static void check_good(void)
 
 static void test_impossible_values_are_refused(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &cfg));
     IMPOSSIBLE(phase = UINT8_MAX);
     IMPOSSIBLE(guard.state = (auvid_guard_state_t)17);
     IMPOSSIBLE(metric.cfg.sets = 0);
@@ -447,9 +447,9 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
         vehicle.columns[j] &= ~(1u << vehicle.parameters);
     }
     vehicle.free &= ~(1u << vehicle.parameters);
-    config.vehicle = &vehicle;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &config));
+    cfg.vehicle = &vehicle;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &cfg));
     good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
     good.accepted_estimate.confidence.note[0] = AUVID_NOTE_COMBINATION;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
@@ -522,7 +522,7 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
     TEST_ASSERT_TRUE(search->asked);
     TEST_ASSERT_TRUE(search->probe < search->direction / 2);
     IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->direction / 2));
-    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->config.n - 1));
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->cfg.n - 1));
     IMPOSSIBLE(optimizer.line_search.direction = 0);
     check_good();
 }

@@ -43,7 +43,7 @@ typedef struct {
 static moment_t moment[WORLDS][TAKEN];
 static uint32_t moments[WORLDS];
 static auvid_identifier_t fresh[WORLDS]; /* as in a program that restores */
-static chain_config_t config;
+static chain_config_t cfg;
 static chain_t chain;
 static auvid_row_t store[STORE];
 static auvid_vehicle_t vehicle;
@@ -73,21 +73,21 @@ static void delay_imu(chain_t *c, auvid_input_t *in)
 
 static void configure(world_t world)
 {
-    chain_defaults(&config, 1, 3, 1.0);
-    config.id.metric.set_rows = SET_ROWS;
+    chain_defaults(&cfg, 1, 3, 1.0);
+    cfg.id.metric.set_rows = SET_ROWS;
     if (is_slow(world)) {
-        config.epoch_us = 1000000;
-        config.before = delay_imu;
+        cfg.epoch_us = 1000000;
+        cfg.before = delay_imu;
     }
     if (world == RESIDUAL || world == SLOW_RESIDUAL) {
-        by_residual_surge(&config.id, &vehicle, store, SETS - 1);
+        by_residual_surge(&cfg.id, &vehicle, store, SETS - 1);
     }
 }
 
 static void begin(world_t world, auvid_identifier_t *id)
 {
     configure(world);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
     if (world == ADAPTIVE) {
         auvid_adaptive_config_t adaptive;
         auvid_adaptive_defaults(&adaptive);
@@ -121,7 +121,7 @@ static void run(world_t world, double seconds)
     static auvid_real_t sigma[AUVID_MAX_PARAMETERS];
     uint32_t count[KINDS] = {0}, usual = world == SLOW ? 30 : 120;
     begin(world, &fresh[world]);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.id = fresh[world];
     for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
         sigma[i] = AUVID_C(1e6);
@@ -130,7 +130,7 @@ static void run(world_t world, double seconds)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, guess, sigma));
     }
     for (int tick = 1; tick < (int)(50 * seconds); ++tick) {
-        chain.config.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
+        chain.cfg.budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain_tick(&chain);
         uint32_t kind = kind_of(&chain.id);
         bool first = count[kind] == 0, later = count[kind] == 1 && chain.id.estimate.number > 2;
@@ -281,7 +281,7 @@ static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
     auvid_real_t peak[AUVID_DOF_COUNT];
     (void)auvid_excitation_peak(&fresh[world].excitation, peak);
     for (uint32_t k = 0; k < ticks; ++k) {
-        c->config.budget = 1 + auvid_rng_below(&rng, 400);
+        c->cfg.budget = 1 + auvid_rng_below(&rng, 400);
         c->over_budget = false;
         chain_tick(c);
         TEST_ASSERT_FALSE_MESSAGE(c->over_budget, what);

@@ -49,7 +49,7 @@ typedef struct {
 
 static const char *self; /* this program */
 static char path[] = "/tmp/auvid_checkpoint_XXXXXX", saved_path[sizeof path + 2];
-static chain_config_t config;
+static chain_config_t cfg;
 static chain_t chain;
 static run_t run;
 static auvid_row_t store[STORE];
@@ -71,10 +71,10 @@ void tearDown(void)
 /* The same in both processes. */
 static void configure(bool residual)
 {
-    chain_defaults(&config, 1, CHAIN_SETS, 1.0);
-    config.id.metric.set_rows = SET_ROWS;
+    chain_defaults(&cfg, 1, CHAIN_SETS, 1.0);
+    cfg.id.metric.set_rows = SET_ROWS;
     if (residual) { /* only surge, with its delay */
-        by_residual_surge(&config.id, &vehicle, store, SETS - 1);
+        by_residual_surge(&cfg.id, &vehicle, store, SETS - 1);
     }
 }
 
@@ -159,7 +159,7 @@ static void begin(auvid_identifier_t *to)
 {
     configure(run.residual);
     memset(store, 0, sizeof store);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(to, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(to, &cfg.id));
     if (!run.residual) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(to, known, sizeof known));
     }
@@ -167,15 +167,15 @@ static void begin(auvid_identifier_t *to)
 
 static void record(bool residual)
 {
-    chain_defaults(&config, 3, 2, 1.0); /* the dive before */
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    chain_defaults(&cfg, 3, 2, 1.0); /* the dive before */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 2));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, known));
     configure(residual);
-    config.sim.seed = 2;
+    cfg.sim.seed = 2;
     memset(&run, 0, sizeof run);
     run.residual = residual;
-    config.before = note_input;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.before = note_input;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     begin(&chain.id);
     uint32_t seconds = CHAIN_SETS * CHAIN_SET_S + 4;
     for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
@@ -183,7 +183,7 @@ static void record(bool residual)
         /* so that some sets complete during a search, and a tick may end in any phase */
         uint32_t usual = residual ? 120 : 60;
         tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
-        chain.config.budget = tick->budget;
+        chain.cfg.budget = tick->budget;
         chain_tick(&chain);
         memcpy(tick->wrench, chain.wrench, sizeof tick->wrench);
         tick->answer = answer(&chain.id, &chain.out);
@@ -228,9 +228,9 @@ static int continue_run(const char *run_file, const char *saved_file, uint32_t f
         return -1;
     }
     configure(run.residual);
-    config.id.search.seed = 99; /* the checkpoint overrides it */
+    cfg.id.search.seed = 99; /* the checkpoint overrides it */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
-        auvid_identifier_init(&id, &config.id) != AUVID_OK ||
+        auvid_identifier_init(&id, &cfg.id) != AUVID_OK ||
         auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }

@@ -28,7 +28,7 @@ typedef enum {
     MODES
 } manner_t;
 
-static auvid_identifier_config_t config;
+static auvid_identifier_config_t cfg;
 static auvid_node_t node;
 static auvid_identifier_t id;
 static auvid_can_sender_t sender;
@@ -55,12 +55,12 @@ void setUp(void)
     state = 1;
     t_us = 0;
     tick = exciting = 0;
-    auvid_identifier_defaults(&config, &auvid_girona500);
-    config.allocation = auvid_allocation_girona500;
-    config.metric.set_rows = 12;
-    config.guard.off = AUVID_GUARD_SWITCHABLE;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.allocation = auvid_allocation_girona500;
+    cfg.metric.set_rows = 12;
+    cfg.guard.off = AUVID_GUARD_SWITCHABLE;
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&config.excitation, amplitude, 30, AUVID_MAX_SETS, 1));
+                      auvid_excitation_plan(&cfg.excitation, amplitude, 30, AUVID_MAX_SETS, 1));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
 
@@ -219,7 +219,7 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
     uint32_t end = ticks();
     auvid_node_defaults(&bus);
     bus.excite = bus.answer = true;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg));
     while (tick < end) {
         next_tick();
         give_sensors();
@@ -287,7 +287,7 @@ static void test_no_samples_make_an_identifier_use_more_than_its_budget(void)
     auvid_input_t in;
     auvid_output_t out;
     uint32_t end = ticks();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     while (tick < end) {
         uint32_t units = budget();
         next_tick();

@@ -21,7 +21,7 @@ static const uint32_t excited_dofs =
     1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW;
 
 static chain_t chain;
-static chain_config_t config;
+static chain_config_t cfg;
 
 void setUp(void)
 {
@@ -80,7 +80,7 @@ static void check_masses(void)
 /* Run config and work to the end. */
 static void identify(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     TEST_ASSERT_TRUE(chain_finish(&chain, 1000, 6000) <= 6000);
     TEST_ASSERT_EQUAL(AUVID_OK, chain.work);
     TEST_ASSERT_FALSE(chain.over_budget);
@@ -103,8 +103,8 @@ static void campaign(const char *name, uint32_t runs, double disturbance_N, doub
     mean_t square = {0, 0, 0};
     uint32_t mistaken = 0;
     for (uint64_t seed = 1; seed <= runs; ++seed) {
-        chain_defaults(&config, seed, SETS, disturbance_N);
-        config.sim.lag_s = lag_s;
+        chain_defaults(&cfg, seed, SETS, disturbance_N);
+        cfg.sim.lag_s = lag_s;
         identify();
         TEST_ASSERT_EQUAL_UINT32(SETS, chain.id.estimate.sets);
         TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
@@ -149,9 +149,9 @@ static void test_passive_use_finds_them_too(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
-        chain_defaults(&config, seed, SETS, 0.0);
-        chain_set_driver(&config);
-        config.after = is_not_exciting;
+        chain_defaults(&cfg, seed, SETS, 0.0);
+        chain_set_driver(&cfg);
+        cfg.after = is_not_exciting;
         identify();
         check_masses();
         draw(&square, chain_mean_square(&chain));
@@ -161,13 +161,12 @@ static void test_passive_use_finds_them_too(void)
 
 static void water_world(uint64_t seed)
 {
-    chain_defaults(&config, seed, SETS, 0.0);
-    config.sim.dvl_lock = SIM_LOCK_WATER;
-    config.id.guard.water_lock = true;
-    config.id.guard.off =
-        AUVID_GUARD_BIT(AUVID_GUARD_SPEED) | AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
-    config.sim.current[0] = 0.3;
-    config.sim.current[1] = -0.2;
+    chain_defaults(&cfg, seed, SETS, 0.0);
+    cfg.sim.dvl_lock = SIM_LOCK_WATER;
+    cfg.id.guard.water_lock = true;
+    cfg.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED) | AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    cfg.sim.current[0] = 0.3;
+    cfg.sim.current[1] = -0.2;
 }
 
 static void test_water_lock_suffices_in_a_current(void)
@@ -175,7 +174,7 @@ static void test_water_lock_suffices_in_a_current(void)
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
         water_world(seed);
-        config.id.velocity = AUVID_VELOCITY_WATER;
+        cfg.id.velocity = AUVID_VELOCITY_WATER;
         identify();
         check_masses();
         draw(&square, chain_mean_square(&chain));
@@ -186,14 +185,14 @@ static void test_water_lock_suffices_in_a_current(void)
 static void test_the_other_lock_is_not_taken_for_the_one_configured(void)
 {
     water_world(1);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config)); /* expects bottom lock */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg)); /* expects bottom lock */
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
 
-    chain_defaults(&config, 1, SETS, 0.0);
-    config.id.velocity = AUVID_VELOCITY_WATER; /* gets bottom lock */
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 1, SETS, 0.0);
+    cfg.id.velocity = AUVID_VELOCITY_WATER; /* gets bottom lock */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 40.0);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
@@ -215,11 +214,11 @@ static void test_drop_outs_cost_only_data(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(16); ++seed) {
-        chain_defaults(&config, seed, SETS, 0.0);
+        chain_defaults(&cfg, seed, SETS, 0.0);
         for (int i = 0; i < SIM_SENSORS; ++i) {
-            config.sim.sensor[i].dropout = 0.1;
+            cfg.sim.sensor[i].dropout = 0.1;
         }
-        config.after = arm_again;
+        cfg.after = arm_again;
         identify();
         TEST_ASSERT_TRUE(chain.id.estimate.sets >= SETS - 2);
         check_masses();
@@ -233,8 +232,8 @@ static void test_late_velocities_are_used_at_their_time(void)
 {
     mean_t square = {0, 0, 0};
     for (uint64_t seed = 1; seed <= runs_of(8); ++seed) {
-        chain_defaults(&config, seed, SETS, 0.0);
-        config.sim.sensor[SIM_DVL].age_s = 0.1 * (double)(1 + seed % 4);
+        chain_defaults(&cfg, seed, SETS, 0.0);
+        cfg.sim.sensor[SIM_DVL].age_s = 0.1 * (double)(1 + seed % 4);
         identify();
         TEST_ASSERT_TRUE(chain.id.nav.diagnostics[AUVID_NAV_DVL_BOTTOM].gated <= 2);
         check_masses();
@@ -245,7 +244,7 @@ static void test_late_velocities_are_used_at_their_time(void)
 
 static void test_the_estimate_says_what_it_is(void)
 {
-    chain_defaults(&config, 3, SETS, 0.0);
+    chain_defaults(&cfg, 3, SETS, 0.0);
     identify();
     const auvid_estimate_t *e = &chain.id.estimate;
     TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget suffices for one search a set */
@@ -272,8 +271,8 @@ static void test_the_estimate_says_what_it_is(void)
 
 static void test_each_estimate_is_reported_once(void)
 {
-    chain_defaults(&config, 4, 3, 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 3));
+    chain_defaults(&cfg, 4, 3, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 3));
     chain_run(&chain, 10.0);
     TEST_ASSERT_EQUAL_UINT32(3, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_UINT32(3, chain.estimates);
@@ -284,20 +283,20 @@ static void test_what_is_not_excited_is_not_identified(void)
 {
     const uint32_t surge = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
-    chain_defaults(&config, 5, 2, 0.0);
+    chain_defaults(&cfg, 5, 2, 0.0);
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 5));
+                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 5));
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        config.id.metric.fixed[i] = auvid_girona500_paper[i] + 7;
+        cfg.id.metric.fixed[i] = auvid_girona500_paper[i] + 7;
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 2));
     TEST_ASSERT_TRUE(chain_finish(&chain, 1000, 6000) <= 6000);
     const auvid_estimate_t *e = &chain.id.estimate;
     TEST_ASSERT_EQUAL_UINT32(2, e->sets);
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, e->excited);
     TEST_ASSERT_EQUAL_HEX32(surge, e->identified);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        TEST_ASSERT_TRUE((surge >> i & 1u) != 0 || e->pi[i] == config.id.metric.fixed[i]);
+        TEST_ASSERT_TRUE((surge >> i & 1u) != 0 || e->pi[i] == cfg.id.metric.fixed[i]);
     }
     TEST_ASSERT_TRUE(fabs(chain_error(&chain, SIM_M_U)) < 0.10);
 }
@@ -315,7 +314,7 @@ static const auvid_nav_sensor_t watched[2] = {AUVID_NAV_DVL_BOTTOM, AUVID_NAV_DE
 
 static void watch_nis(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    consistency_t *run = c->config.context;
+    consistency_t *run = c->cfg.context;
     (void)status;
     (void)out;
     for (int k = 0; k < 2; ++k) {
@@ -333,11 +332,11 @@ static void test_mean_nis_on_vehicle_motion_is_at_most_one(void)
     mean_t all[2] = {{0, 0, 0}, {0, 0, 0}};
     for (uint64_t seed = 1; seed <= runs_of(20); ++seed) {
         consistency_t run = {{0, 0}, {{0, 0, 0}, {0, 0, 0}}};
-        chain_defaults(&config, seed, SETS, 1.0);
-        config.budget = 0;
-        config.after = watch_nis;
-        config.context = &run;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+        chain_defaults(&cfg, seed, SETS, 1.0);
+        cfg.budget = 0;
+        cfg.after = watch_nis;
+        cfg.context = &run;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
         for (int k = 0; k < 2; ++k) {
             TEST_ASSERT_TRUE(run.nis[k].n > 1000.0);
             draw(&all[k], mean_of(&run.nis[k]));

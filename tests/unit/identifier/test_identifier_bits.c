@@ -17,7 +17,7 @@ void tearDown(void)
 
 static void test_same_inputs_give_the_same_bits(void)
 {
-    config.budget = 50;
+    cfg.budget = 50;
     run(&chain);
     run(&other);
     check_same_estimate();
@@ -28,11 +28,11 @@ static void test_interleaved_identifiers_do_not_interact(void)
     static chain_t single[2];
     chain_config_t second;
     chain_defaults(&second, 12, SETS, 0.0);
-    config.budget = 500;
+    cfg.budget = 500;
     second.budget = 1000;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[0], &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[0], &cfg, SETS));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&single[1], &second, SETS));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &second));
     while (chain.tick < single[0].tick) {
         chain_tick(&chain);
@@ -45,13 +45,13 @@ static void test_interleaved_identifiers_do_not_interact(void)
 
 static void test_a_copy_of_an_identifier_continues_identically(void)
 {
-    config.budget = 20;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.budget = 20;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 40.0); /* searching, exciting, recording */
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
     memcpy(&other, &chain, sizeof other);
     chain_run(&chain, 30.0);
-    memset(&chain.config.id, 0xFF, sizeof chain.config.id); /* no pointer refers to it */
+    memset(&chain.cfg.id, 0xFF, sizeof chain.cfg.id); /* no pointer refers to it */
     chain_run(&other, 30.0);
     TEST_ASSERT_EQUAL_MEMORY(&chain.id, &other.id, sizeof chain.id);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
@@ -66,9 +66,9 @@ static void give_applied_separately(chain_t *c, auvid_input_t *in)
 
 static void test_the_applied_wrench_may_come_with_the_step_or_separately(void)
 {
-    chain_set_driver(&config);
+    chain_set_driver(&cfg);
     run(&other);
-    config.before = give_applied_separately;
+    cfg.before = give_applied_separately;
     run(&chain);
     check_same_estimate();
 }
@@ -100,11 +100,11 @@ static void navigate_separately(chain_t *c, auvid_input_t *in)
 
 static void test_motion_from_another_source_gives_the_same_as_the_sensors_it_came_from(void)
 {
-    chain_set_driver(&config);
-    config.id.velocity_every_tick = true;
+    chain_set_driver(&cfg);
+    cfg.id.velocity_every_tick = true;
     run(&other);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &config.id.nav));
-    config.before = navigate_separately;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &cfg.id.nav));
+    cfg.before = navigate_separately;
     run(&chain);
     check_same_estimate();
 }
@@ -112,7 +112,7 @@ static void test_motion_from_another_source_gives_the_same_as_the_sensors_it_cam
 static void test_the_clock_may_begin_anywhere(void)
 {
     run(&other);
-    config.epoch_us = UINT64_C(1) << 60;
+    cfg.epoch_us = UINT64_C(1) << 60;
     run(&chain);
     TEST_ASSERT_EQUAL_MEMORY(other.id.estimate.pi, chain.id.estimate.pi,
                              sizeof chain.id.estimate.pi);

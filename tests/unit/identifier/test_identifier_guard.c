@@ -25,7 +25,7 @@ enum {
 };
 
 static chain_t chain;
-static chain_config_t config;
+static chain_config_t cfg;
 static unsigned wrong; /* the present failures */
 
 static void spoil(chain_t *c, auvid_input_t *in)
@@ -54,9 +54,9 @@ static void spoil(chain_t *c, auvid_input_t *in)
 
 void setUp(void)
 {
-    chain_defaults(&config, 3, 2, 1.0);
-    config.budget = 0;
-    config.before = spoil;
+    chain_defaults(&cfg, 3, 2, 1.0);
+    cfg.budget = 0;
+    cfg.before = spoil;
     wrong = 0;
 }
 
@@ -81,7 +81,7 @@ static bool is_zero(const auvid_output_t *out)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, BEFORE_S);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
     TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, chain.out.cause);
@@ -156,7 +156,7 @@ static void test_the_dvl_is_lost(void)
 static void test_the_dvl_loses_the_bottom(void)
 {
     begin();
-    chain.sim.config.dvl_lock = SIM_LOCK_WATER;
+    chain.sim.cfg.dvl_lock = SIM_LOCK_WATER;
     (void)check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
 }
 
@@ -164,13 +164,13 @@ static void test_the_dvl_loses_the_bottom(void)
  * dead reckoning is large. */
 static void check_one_axis_in_a_current(double current, double within_m, double within_m_s)
 {
-    config.sim.current[0] = current;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.sim.current[0] = current;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 3.0);
     wrong = HEAVE_ONLY;
     int ticks = check_aborts(AUVID_GUARD_VELOCITY_STALE, 2);
     TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
-    chain_begin(&chain, &config); /* again, to compare with the truth at the end */
+    chain_begin(&chain, &cfg); /* again, to compare with the truth at the end */
     wrong = 0;
     chain_run(&chain, 3.0);
     wrong = HEAVE_ONLY;
@@ -202,7 +202,7 @@ static void test_heave_must_be_measured_where_it_is_excited(void)
 static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
-    (void)auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    (void)auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
     begin();
     wrong = NO_HEAVE;
     chain_run(&chain, 20.0);
@@ -218,10 +218,10 @@ static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it
     auvid_adaptive_config_t adaptive;
     auvid_adaptive_defaults(&adaptive);
     memcpy(adaptive.amplitude, amplitude, sizeof amplitude);
-    (void)auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    (void)auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
     for (int heave = 0; heave < 2; ++heave) {
         wrong = 0;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         adaptive.amplitude[AUVID_HEAVE] = (auvid_real_t)(60 * heave);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &adaptive));
         chain_run(&chain, BEFORE_S);
@@ -233,16 +233,16 @@ static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it
 
 static void test_water_lock_leaves_speed_and_distance_over_ground_unknown(void)
 {
-    config.id.guard.water_lock = true;
+    cfg.id.guard.water_lock = true;
     begin();
     wrong = WATER;
     int ticks = check_aborts(AUVID_GUARD_SPEED, 2);
     TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
-    config.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED);
+    cfg.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED);
     begin();
     wrong = WATER;
     check_aborts(AUVID_GUARD_DISTANCE, 2);
-    config.id.guard.off |= AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    cfg.id.guard.off |= AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
     begin();
     wrong = WATER;
     chain_run(&chain, 20.0);
@@ -277,9 +277,9 @@ static void test_without_an_altimeter_all_goes_well(void)
 
 static void test_too_deep(void)
 {
-    config.sim.position[2] = 99.9;
-    config.sim.seabed_m = 150;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.sim.position[2] = 99.9;
+    cfg.sim.seabed_m = 150;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DEPTH_MAX, 60);
     TEST_ASSERT_TRUE(chain.id.guard.trip.value > 100);
@@ -288,11 +288,11 @@ static void test_too_deep(void)
 
 static void test_too_shallow(void)
 {
-    for (int i = 0; i < config.id.excitation.segments; ++i) { /* upwards where it went down */
-        config.id.excitation.segment[i].amplitude *= -1;
+    for (int i = 0; i < cfg.id.excitation.segments; ++i) { /* upwards where it went down */
+        cfg.id.excitation.segment[i].amplitude *= -1;
     }
-    config.sim.position[2] = 1.1;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.sim.position[2] = 1.1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DEPTH_MIN, 60);
     TEST_ASSERT_TRUE(chain.id.guard.trip.value < 1);
@@ -300,8 +300,8 @@ static void test_too_shallow(void)
 
 static void test_too_close_to_the_bottom(void)
 {
-    config.sim.seabed_m = 52.1;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.sim.seabed_m = 52.1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_ALTITUDE, 60);
     TEST_ASSERT_TRUE(chain.id.guard.trip.value < 2);
@@ -309,47 +309,47 @@ static void test_too_close_to_the_bottom(void)
 
 static void test_too_much_roll(void)
 {
-    config.id.guard.roll_max_rad = AUVID_C(0.03);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.roll_max_rad = AUVID_C(0.03);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_ROLL, 60);
 }
 
 static void test_too_much_pitch(void)
 {
-    config.id.guard.pitch_max_rad = AUVID_C(0.05);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.pitch_max_rad = AUVID_C(0.05);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_PITCH, 60);
 }
 
 static void test_too_fast(void)
 {
-    config.id.guard.speed_max = AUVID_C(0.4);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.speed_max = AUVID_C(0.4);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_SPEED, 60);
 }
 
 static void test_turning_too_fast(void)
 {
-    config.id.guard.yaw_rate_max = AUVID_C(0.3);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.yaw_rate_max = AUVID_C(0.3);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_YAW_RATE, 60);
 }
 
 static void test_too_far_away(void)
 {
-    config.id.guard.distance_max_m = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.distance_max_m = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DISTANCE, 60);
 }
 
 static void test_the_run_takes_too_long(void)
 {
-    config.id.guard.run_max_s = 20;
+    cfg.id.guard.run_max_s = 20;
     begin();
     (void)check_aborts(AUVID_GUARD_RUN_TIME, 9);
     TEST_ASSERT_DOUBLE_WITHIN(0.021, 20.01, (double)chain.id.guard.trip.value);
@@ -366,8 +366,8 @@ static void test_lasting_saturation_by_the_excitation_itself(void)
 {
     begin();
     for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
-        chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
-        chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
+        chain.id.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
+        chain.id.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
     }
     (void)check_aborts(AUVID_GUARD_SATURATION, 10);
 }
@@ -385,7 +385,7 @@ static void test_the_operator_aborts(void)
 
 static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
@@ -398,7 +398,7 @@ static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
 
 static void test_the_operators_heartbeat_stops(void)
 {
-    config.id.guard.heartbeat_timeout_us = 15000000;
+    cfg.id.guard.heartbeat_timeout_us = 15000000;
     begin();
     (void)check_aborts(AUVID_GUARD_LINK, 10);
 }
@@ -448,8 +448,8 @@ static void test_a_step_without_input_or_output(void)
 /* Armed or exciting; with or without a tick after that; all optional limits are off. */
 static void begin_unlimited(bool exciting, bool stepped)
 {
-    config.id.guard.off = AUVID_GUARD_SWITCHABLE;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.guard.off = AUVID_GUARD_SWITCHABLE;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
@@ -520,12 +520,12 @@ static void test_the_applied_wrench_is_not_recorded(void)
 
 static void test_arming_before_the_first_sensor_samples_is_refused_with_a_reason(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, chain.id.guard.refused.cause);
     TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)chain.id.guard.refused.value);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_tick(&chain);
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
@@ -539,9 +539,9 @@ static void test_arming_before_the_first_sensor_samples_is_refused_with_a_reason
 
 static void test_arming_beyond_a_limit_is_refused(void)
 {
-    config.sim.position[2] = 101;
-    config.sim.seabed_m = 150;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.sim.position[2] = 101;
+    cfg.sim.seabed_m = 150;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_MAX, chain.id.guard.refused.cause);
@@ -550,7 +550,7 @@ static void test_arming_beyond_a_limit_is_refused(void)
 
 static void test_a_breach_while_armed_keeps_it_from_exciting(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
@@ -580,8 +580,8 @@ static void test_saturation_ends_with_the_excitation(void)
 {
     begin();
     for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
-        chain.id.allocation.config.thruster[i].min_N = AUVID_C(-5.0);
-        chain.id.allocation.config.thruster[i].max_N = AUVID_C(5.0);
+        chain.id.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
+        chain.id.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
     }
     chain_tick(&chain);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
@@ -624,16 +624,15 @@ static void test_stop_fades_settles_and_is_done(void)
 static void test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_current(void)
 {
     for (int limited = 0; limited < 2; ++limited) {
-        chain_defaults(&config, 5, 8, 3.0);
-        config.budget = 0;
-        config.sim.current[0] = -0.2;
-        config.sim.current[1] = 0.2236;
-        config.id.guard.distance_max_m = 20;
+        chain_defaults(&cfg, 5, 8, 3.0);
+        cfg.budget = 0;
+        cfg.sim.current[0] = -0.2;
+        cfg.sim.current[1] = 0.2236;
+        cfg.id.guard.distance_max_m = 20;
         if (!limited) {
-            memset(config.id.excitation.excursion_limit, 0,
-                   sizeof config.id.excitation.excursion_limit);
+            memset(cfg.id.excitation.excursion_limit, 0, sizeof cfg.id.excitation.excursion_limit);
         }
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         chain_run(&chain, 239.0);
         TEST_ASSERT_EQUAL(limited ? AUVID_GUARD_EXCITING : AUVID_GUARD_ABORTED, chain.out.guard);
         TEST_ASSERT_EQUAL(limited ? AUVID_GUARD_NO_CAUSE : AUVID_GUARD_DISTANCE, chain.out.cause);
@@ -650,12 +649,12 @@ static auvid_output_t out;
  * The clock begins with the first tick. */
 static void begin_by_hand(uint32_t kept, uint64_t first_us)
 {
-    auvid_identifier_defaults(&config.id, &auvid_girona500);
-    config.id.excitation.segments = 1;
-    config.id.excitation.segment[0] = (auvid_segment_t){
+    auvid_identifier_defaults(&cfg.id, &auvid_girona500);
+    cfg.id.excitation.segments = 1;
+    cfg.id.excitation.segment[0] = (auvid_segment_t){
         .dof = AUVID_SURGE, .kind = AUVID_SEGMENT_STEP, .duration_s = 600, .amplitude = 10};
-    config.id.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    cfg.id.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
     memset(&in, 0, sizeof in);
     in.t_us = first_us - SIM_TICK_US; /* the first tick advances it to first_us */
 }
@@ -771,8 +770,8 @@ static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
     const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE);
     for (int water = 0; water < 2; ++water) {
         begin_by_hand(kept, 0);
-        config.id.guard.water_lock = true;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+        cfg.id.guard.water_lock = true;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
         in.dvl.present = water;
         in.dvl.sample.lock = AUVID_DVL_WATER;
         in.dvl.sample.valid = AUVID_DVL_ALL;
@@ -788,8 +787,8 @@ static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
 static void test_bottom_lock_counts_where_a_water_lock_was_before(void)
 {
     begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE), 1000000);
-    config.id.guard.water_lock = true;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &config.id));
+    cfg.id.guard.water_lock = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
     in.dvl.present = true;
     in.dvl.sample.lock = AUVID_DVL_WATER;
     in.dvl.sample.valid = AUVID_DVL_ALL;
@@ -831,7 +830,7 @@ static void test_an_identifier_without_sensors_takes_nothing_from_another_one(vo
 {
     static auvid_identifier_t blind;
     begin_by_hand(0, 1000000);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&blind, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&blind, &cfg.id));
     in.dvl.present = true;
     in.dvl.sample.valid = AUVID_DVL_ALL;
     in.dvl.sample.velocity[0] = AUVID_C(0.5);
@@ -877,7 +876,7 @@ static void check_altitude(uint64_t now_us, uint64_t ahead_us, double altitude, 
 /* The minimum altitude for arming is 2 m. */
 static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 {
-    uint64_t future_us = config.id.nav.future_us;
+    uint64_t future_us = cfg.id.nav.future_us;
     TEST_ASSERT_TRUE(future_us > 0);
     for (uint64_t now_us = 0; now_us <= 1000000; now_us += 1000000) {
         check_altitude(now_us, 0, 0.5, true);
@@ -890,7 +889,7 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 
 static void test_impossible_altitudes_are_dropped(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     memset(&in, 0, sizeof in);
     in.t_us = 1000000;
     in.altitude.present = true;
@@ -914,9 +913,9 @@ static void test_impossible_altitudes_are_dropped(void)
 /* The abort comes during a search, 20 s into the second set. */
 static void test_an_abort_loses_neither_the_search_nor_the_data(void)
 {
-    config.budget = 20;
-    config.id.search.has_good = false;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.budget = 20;
+    cfg.id.search.has_good = false;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 52.0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);

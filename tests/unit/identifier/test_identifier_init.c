@@ -19,81 +19,81 @@ void tearDown(void)
 
 static void check_init(auvid_status_t status)
 {
-    TEST_ASSERT_EQUAL(status, auvid_identifier_init(&chain.id, &config.id));
-    chain_defaults(&config, 11, SETS, 0.0);
+    TEST_ASSERT_EQUAL(status, auvid_identifier_init(&chain.id, &cfg.id));
+    chain_defaults(&cfg, 11, SETS, 0.0);
 }
 
 static void test_bounds_reversed_or_equal_are_refused(void)
 {
-    config.id.search.lower[3] = 10;
-    config.id.search.upper[3] = -10;
+    cfg.id.search.lower[3] = 10;
+    cfg.id.search.upper[3] = -10;
     check_init(AUVID_ERR_BOUNDS);
-    config.id.search.lower[3] = config.id.search.upper[3];
+    cfg.id.search.lower[3] = cfg.id.search.upper[3];
     check_init(AUVID_ERR_BOUNDS);
-    config.id.search.lower[3] = (auvid_real_t)NAN;
+    cfg.id.search.lower[3] = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.search.upper[3] = (auvid_real_t)INFINITY;
+    cfg.id.search.upper[3] = (auvid_real_t)INFINITY;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.search.upper[3] = AUVID_C(1e30);
+    cfg.id.search.upper[3] = AUVID_C(1e30);
     check_init(AUVID_ERR_RANGE);
-    config.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not checked */
-    config.id.search.upper[AUVID_G500_X_0] = -10;
+    cfg.id.search.lower[AUVID_G500_X_0] = 10; /* not free: not checked */
+    cfg.id.search.upper[AUVID_G500_X_0] = -10;
     check_init(AUVID_OK);
 }
 
 static void test_a_dry_mass_that_no_mass_within_the_bounds_exceeds_is_refused(void)
 {
-    config.id.dry_mass_kg = 300;
-    config.id.search.upper[AUVID_G500_M_V] = 301;
+    cfg.id.dry_mass_kg = 300;
+    cfg.id.search.upper[AUVID_G500_M_V] = 301;
     check_init(AUVID_OK);
-    config.id.dry_mass_kg = 300;
-    config.id.search.upper[AUVID_G500_M_V] = 300;
+    cfg.id.dry_mass_kg = 300;
+    cfg.id.search.upper[AUVID_G500_M_V] = 300;
     check_init(AUVID_ERR_DRY_MASS);
-    config.id.dry_mass_kg = 300;
-    config.id.search.upper[AUVID_G500_M_R] = 100; /* an inertia */
+    cfg.id.dry_mass_kg = 300;
+    cfg.id.search.upper[AUVID_G500_M_R] = 100; /* an inertia */
     check_init(AUVID_OK);
-    config.id.dry_mass_kg = 300;
-    config.id.search.upper[AUVID_G500_M_W] = 200;
-    config.id.metric.free &= ~(1u << AUVID_G500_M_W); /* not free: not checked */
+    cfg.id.dry_mass_kg = 300;
+    cfg.id.search.upper[AUVID_G500_M_W] = 200;
+    cfg.id.metric.free &= ~(1u << AUVID_G500_M_W); /* not free: not checked */
     check_init(AUVID_OK);
-    config.id.search.upper[AUVID_G500_M_U] = -1; /* no dry mass is known */
+    cfg.id.search.upper[AUVID_G500_M_U] = -1; /* no dry mass is known */
     check_init(AUVID_OK);
 }
 
 static void test_a_dry_mass_below_zero_or_not_finite_is_refused(void)
 {
-    config.id.dry_mass_kg = -1;
+    cfg.id.dry_mass_kg = -1;
     check_init(AUVID_ERR_RANGE);
-    config.id.dry_mass_kg = (auvid_real_t)NAN;
+    cfg.id.dry_mass_kg = (auvid_real_t)NAN;
     check_init(AUVID_ERR_RANGE);
-    config.id.dry_mass_kg = (auvid_real_t)INFINITY;
+    cfg.id.dry_mass_kg = (auvid_real_t)INFINITY;
     check_init(AUVID_ERR_DRY_MASS);
 }
 
 static void test_a_population_too_small_or_too_large_is_refused(void)
 {
-    config.id.search.population = 13; /* 13 parameters need 14 */
+    cfg.id.search.population = 13; /* 13 parameters need 14 */
     check_init(AUVID_ERR_POPULATION);
-    config.id.search.population = AUVID_MAX_POPULATION + 1;
+    cfg.id.search.population = AUVID_MAX_POPULATION + 1;
     check_init(AUVID_ERR_POPULATION);
-    config.id.search.population = 14;
+    cfg.id.search.population = 14;
     check_init(AUVID_OK);
-    config.id.search.population = AUVID_MAX_POPULATION;
+    cfg.id.search.population = AUVID_MAX_POPULATION;
     check_init(AUVID_OK);
 }
 
 static void test_an_impossible_omega_or_good_point_is_refused(void)
 {
-    config.id.search.omega = (auvid_real_t)NAN;
+    cfg.id.search.omega = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.search.omega = AUVID_C(1e12);
+    cfg.id.search.omega = AUVID_C(1e12);
     check_init(AUVID_ERR_RANGE);
-    config.id.search.omega = -1;
+    cfg.id.search.omega = -1;
     check_init(AUVID_ERR_RANGE);
-    config.id.search.has_good = true;
-    config.id.search.good[12] = (auvid_real_t)NAN;
+    cfg.id.search.has_good = true;
+    cfg.id.search.good[12] = (auvid_real_t)NAN;
     check_init(AUVID_ERR_NOT_FINITE);
-    config.id.search.good[12] = (auvid_real_t)NAN; /* not used */
+    cfg.id.search.good[12] = (auvid_real_t)NAN; /* not used */
     check_init(AUVID_OK);
 }
 
@@ -116,19 +116,19 @@ static void test_too_many_parameters_or_none_are_refused(void)
                                .parameter = parameter,
                                .columns = {[AUVID_SURGE] = (1u << AUVID_MAX_PARAMETERS) - 1},
                                .residual = no_residual};
-    auvid_identifier_defaults(&config.id, &vehicle);
+    auvid_identifier_defaults(&cfg.id, &vehicle);
     check_init(AUVID_ERR_PARAMETERS);
     for (int delay = 0; delay < 2; ++delay) { /* the delay is one more parameter */
         vehicle.parameters = AUVID_MAX_PARAMETERS;
-        auvid_identifier_defaults(&config.id, &vehicle);
-        config.id.metric.sets = 1;
-        config.id.metric.rows = row;
-        config.id.metric.estimate_delay = delay;
+        auvid_identifier_defaults(&cfg.id, &vehicle);
+        cfg.id.metric.sets = 1;
+        cfg.id.metric.rows = row;
+        cfg.id.metric.estimate_delay = delay;
         check_init(delay ? AUVID_ERR_PARAMETERS : AUVID_OK);
     }
-    config.id.metric.free = 1u << 31;
+    cfg.id.metric.free = 1u << 31;
     check_init(AUVID_ERR_PARAMETERS);
-    config.id.vehicle = NULL;
+    cfg.id.vehicle = NULL;
     check_init(AUVID_ERR_NULL);
 }
 
@@ -136,42 +136,42 @@ static void test_an_excitation_above_the_thrusters_limit_is_refused(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {400, 0, 0, 0, 0, 0};
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
-    chain_config_t wanted = config;
+                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
+    chain_config_t wanted = cfg;
     check_init(AUVID_ERR_LIMIT);
-    config = wanted;
-    config.id.allocation.thrusters = 0; /* no thrusters known: no limit */
+    cfg = wanted;
+    cfg.id.allocation.thrusters = 0; /* no thrusters known: no limit */
     check_init(AUVID_OK);
 }
 
 static void test_what_the_modules_refuse_is_refused(void)
 {
-    config.id.nav.sigma_dvl = 0;
+    cfg.id.nav.sigma_dvl = 0;
     check_init(AUVID_ERR_RANGE);
-    config.id.recorder.cell_us = 10;
+    cfg.id.recorder.cell_us = 10;
     check_init(AUVID_ERR_RANGE);
-    config.id.metric.passes = 0;
+    cfg.id.metric.passes = 0;
     check_init(AUVID_ERR_RANGE);
-    config.id.excitation.segments = AUVID_MAX_SEGMENTS + 1;
+    cfg.id.excitation.segments = AUVID_MAX_SEGMENTS + 1;
     check_init(AUVID_ERR_SIZE);
-    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1;
+    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1;
     check_init(AUVID_ERR_SIZE);
 }
 
 static void test_another_arithmetic_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(0, fesetround(FE_UPWARD));
-    auvid_status_t status = auvid_identifier_init(&chain.id, &config.id);
+    auvid_status_t status = auvid_identifier_init(&chain.id, &cfg.id);
     TEST_ASSERT_EQUAL_INT(0, fesetround(FE_TONEAREST));
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, status);
 }
 
 static void test_an_impossible_velocity_source_is_refused(void)
 {
-    config.id.velocity = (auvid_velocity_source_t)2;
+    cfg.id.velocity = (auvid_velocity_source_t)2;
     check_init(AUVID_ERR_RANGE);
-    config.id.velocity = AUVID_VELOCITY_WATER;
-    config.id.velocity_every_tick = true;
+    cfg.id.velocity = AUVID_VELOCITY_WATER;
+    cfg.id.velocity_every_tick = true;
     check_init(AUVID_ERR_RANGE);
 }
 
@@ -205,19 +205,19 @@ static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
     memset(&chain.id, 0, sizeof chain.id);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    config.id.search.omega = -1; /* the first check */
+    cfg.id.search.omega = -1; /* the first check */
     check_init(AUVID_ERR_RANGE);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    config.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* the last check */
+    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* the last check */
     check_init(AUVID_ERR_SIZE);
     check_refuses_all();
 }
 
 static void test_the_metric_has_the_recorders_cell(void)
 {
-    config.id.recorder.cell_us = 50000;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    cfg.id.recorder.cell_us = 50000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL_UINT32(50000, chain.id.metric.cfg.cell_us);
 }
 

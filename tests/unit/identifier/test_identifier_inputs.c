@@ -141,7 +141,7 @@ static void spoil_sensor(const spoiler_t *s, auvid_input_t *in)
 /* Spoil the sample periodically, or omit it. */
 static void spoil(chain_t *c, auvid_input_t *in)
 {
-    spoiler_t *s = c->config.context;
+    spoiler_t *s = c->cfg.context;
     uint32_t event = expected_event[s->what];
     if (c->tick % SPOILT_EVERY != 0) {
         return;
@@ -166,7 +166,7 @@ static void spoil(chain_t *c, auvid_input_t *in)
 /* The event comes in the same tick, and only that one; all else is as without the sample. */
 static void expect_event(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    const spoiler_t *s = c->config.context;
+    const spoiler_t *s = c->cfg.context;
     bool now = c->tick % SPOILT_EVERY == 0 && !s->absent;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     TEST_ASSERT_EQUAL_HEX32(now ? expected_event[s->what] : 0, out->events & ALL_DROPPED);
@@ -176,10 +176,10 @@ static void check_spoilt(spoil_t what, auvid_real_t value)
 {
     spoiler_t s = {what, value, false, 0, 0};
     two_sets_defaults();
-    chain_set_driver(&config);
-    config.before = spoil;
-    config.after = expect_event;
-    config.context = &s;
+    chain_set_driver(&cfg);
+    cfg.before = spoil;
+    cfg.after = expect_event;
+    cfg.context = &s;
     run(&chain);
     TEST_ASSERT_TRUE(s.spoilt > 10);
     s.absent = true;
@@ -293,9 +293,9 @@ static void repeat_steps(chain_t *c, auvid_status_t status, const auvid_output_t
 
 static void test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing(void)
 {
-    chain_set_driver(&config); /* during an excitation the guard would abort */
+    chain_set_driver(&cfg); /* during an excitation the guard would abort */
     run(&other);
-    config.after = repeat_steps;
+    cfg.after = repeat_steps;
     run(&chain);
     check_same_estimate();
 }
@@ -305,7 +305,7 @@ static void test_a_step_of_zero_dt_at_the_very_beginning_is_refused(void)
     auvid_input_t in;
     auvid_output_t out;
     memset(&in, 0, sizeof in);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out)); /* time 0 is valid */
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_step(&chain.id, &in, &out));
 }
@@ -314,8 +314,8 @@ static void test_events_wait_for_the_next_accepted_step(void)
 {
     auvid_input_t in;
     auvid_output_t out;
-    chain_set_driver(&config);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 20.0);
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
     memset(&in, 0, sizeof in);
@@ -330,7 +330,7 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
 {
     static auvid_identifier_t before;
     auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0}, tau[AUVID_DOF_COUNT] = {0};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1000, tau, NULL));
     before = chain.id;
@@ -358,7 +358,7 @@ static void test_motion_is_refused_as_a_whole_if_one_half_is(void)
     static auvid_identifier_t before;
     const auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0};
     for (int ahead = 0; ahead < 2; ++ahead) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
         if (ahead) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&chain.id.recorder, 3000, nu, 7u));
@@ -392,7 +392,7 @@ typedef struct {
 /* The IMU's sample of five ticks ago. */
 static void delay_imu(chain_t *c, auvid_input_t *in)
 {
-    late_t *late = c->config.context;
+    late_t *late = c->cfg.context;
     auvid_input_t now = *in;
     int slot = (int)(c->tick % LATE_TICKS);
     late->dvl += in->dvl.present;
@@ -409,10 +409,10 @@ static void delay_imu(chain_t *c, auvid_input_t *in)
 static void test_an_imu_that_is_100_ms_late_loses_no_sample_of_the_others(void)
 {
     late_t late = {0};
-    config.before = delay_imu;
-    config.context = &late;
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.before = delay_imu;
+    cfg.context = &late;
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.15); /* before the first IMU sample no other is accepted */
     chain.events = late.dvl = 0;
     chain_run(&chain, 30.1);
@@ -446,7 +446,7 @@ static uint32_t step_at(uint64_t t_us, uint64_t imu_us, uint64_t dvl_us, double 
 
 static void test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to_it(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1000000, 1000000, 1000000, 0) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1100000, 1020000, 1100000, 2.9) & ALL_DROPPED);
     TEST_ASSERT_EQUAL_HEX32(0, step_at(1120000, 1040000, 0, 0) & ALL_DROPPED);
@@ -460,8 +460,8 @@ static void test_a_held_sample_that_is_refused_is_an_event_when_the_imu_comes_to
 static void test_a_held_sample_and_the_next_one_are_both_recorded(void)
 {
     uint32_t events = 0;
-    config.id.recorder.gap_us = 150000;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    cfg.id.recorder.gap_us = 150000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     for (uint64_t k = 0; k <= 5; ++k) {
         uint64_t t = 1000000 + 100000 * k;
         (void)step_at(t, t, t, 0);
@@ -482,7 +482,7 @@ typedef enum { GAP_DVL, GAP_IMU, GAP_INPUT, GAP_ALL, GAPS } gap_t;
 /* No samples from 20 s to 25 s. */
 static void drop_all_samples(chain_t *c, auvid_input_t *in)
 {
-    gap_t gap = *(const gap_t *)c->config.context;
+    gap_t gap = *(const gap_t *)c->cfg.context;
     if (c->tick >= 1000 && c->tick < 1250) {
         in->dvl.present = in->dvl.present && gap != GAP_DVL && gap != GAP_ALL;
         in->imu.present = in->imu.present && gap != GAP_IMU && gap != GAP_ALL;
@@ -507,11 +507,11 @@ static void test_a_gap_of_5_s_breaks_the_record_and_identification_continues(voi
 {
     for (gap_t gap = GAP_DVL; gap < GAPS; ++gap) {
         auvid_real_t r2[AUVID_DOF_COUNT];
-        chain_defaults(&config, 11, SETS + 1, 0.0);
-        chain_set_driver(&config);
-        config.before = drop_all_samples;
-        config.context = &gap;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        chain_defaults(&cfg, 11, SETS + 1, 0.0);
+        chain_set_driver(&cfg);
+        cfg.before = drop_all_samples;
+        cfg.context = &gap;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         attach();
         chain_run(&chain, 19.0);
         TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_GAP);
@@ -538,9 +538,9 @@ static void test_a_gap_of_5_s_breaks_the_record_and_identification_continues(voi
 static void test_ticks_left_out_for_5_s_are_a_gap(void)
 {
     sim_output_t seen;
-    const double hover[AUVID_DOF_COUNT] = {0, 0, -config.sim.parameter[SIM_WB], 0, 0, 0};
-    chain_defaults(&config, 11, SETS + 1, 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    const double hover[AUVID_DOF_COUNT] = {0, 0, -cfg.sim.parameter[SIM_WB], 0, 0, 0};
+    chain_defaults(&cfg, 11, SETS + 1, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 20.0);
     for (int k = 0; k < 250; ++k) {
         sim_step(&chain.sim, NULL, hover, &seen);
@@ -563,12 +563,12 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
     auvid_output_t out;
     memset(&in, 0, sizeof in);
     in.t_us = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     other = chain;
     auvid_identifier_defaults(NULL, &auvid_girona500);
     auvid_identifier_literal(NULL);
     auvid_identifier_attach(NULL, NULL);
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(NULL, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(NULL, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&chain.id, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_excite(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_stop(NULL));
@@ -598,7 +598,7 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
 
 static void count_cells(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    uint32_t *last = c->config.context;
+    uint32_t *last = c->cfg.context;
     (void)status;
     (void)out;
     TEST_ASSERT_TRUE(cells.cells - *last <= AUVID_CELLS_PER_STEP);
@@ -609,12 +609,12 @@ static void count_cells(chain_t *c, auvid_status_t status, const auvid_output_t 
 static void test_a_step_takes_no_more_cells_than_it_says(void)
 {
     uint32_t last = 0;
-    chain_set_driver(&config);
-    config.sim.sensor[SIM_DVL].rate_hz = 2.5;
-    config.sim.sensor[SIM_DVL].age_s = 0.1;
-    config.after = count_cells;
-    config.context = &last;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_set_driver(&cfg);
+    cfg.sim.sensor[SIM_DVL].rate_hz = 2.5;
+    cfg.sim.sensor[SIM_DVL].age_s = 0.1;
+    cfg.after = count_cells;
+    cfg.context = &last;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     attach();
     chain_run(&chain, 30.0);
     TEST_ASSERT_TRUE(cells.cells > 270); /* it keeps up: of 300, less both ends */

@@ -21,7 +21,7 @@ void tearDown(void)
 static void test_an_empty_set_cannot_be_closed(void)
 {
     static auvid_identifier_t before;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_close(&chain.id));
     chain_run(&chain, 2.0); /* cells, but no row yet */
     before = chain.id;
@@ -33,7 +33,7 @@ static void test_an_empty_set_cannot_be_closed(void)
 
 static void test_a_set_may_be_closed_early(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 25.0);
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
     finish(&chain);
@@ -59,8 +59,8 @@ static void check_idle_set(void)
 
 static void test_sets_without_excitation_are_not_searched(void)
 {
-    auvid_excitation_defaults(&config.id.excitation); /* hovers */
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    auvid_excitation_defaults(&cfg.id.excitation); /* hovers */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_idle_set();
     chain_run(&chain, 25.0);
     TEST_ASSERT_EQUAL(AUVID_SET_IDLE, auvid_identifier_close(&chain.id));
@@ -68,7 +68,7 @@ static void test_sets_without_excitation_are_not_searched(void)
 
 static void test_an_idle_vehicle_keeps_its_estimate(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     chain_run(&chain, 40.0); /* the set in which the excitation ends */
     finish(&chain);
     for (int k = 0; k <= AUVID_MAX_SETS; ++k) {
@@ -82,11 +82,11 @@ static void test_an_idle_vehicle_keeps_its_estimate(void)
 
 static void test_excitation_without_a_free_parameter_is_not_searched(void)
 {
-    config.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* only of yaw */
-    config.id.excitation.segments = 2;                                   /* only surge */
-    TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[0].dof);
-    TEST_ASSERT_EQUAL(AUVID_SURGE, config.id.excitation.segment[1].dof);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* only of yaw */
+    cfg.id.excitation.segments = 2;                                   /* only surge */
+    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.id.excitation.segment[0].dof);
+    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.id.excitation.segment[1].dof);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_idle_set();
 }
 
@@ -99,8 +99,8 @@ static void stand_still(chain_t *c, auvid_input_t *in)
 static void test_a_velocity_stuck_at_zero_identifies_nothing(void)
 {
     const uint32_t yaw = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R | 1u << AUVID_G500_N_RR;
-    config.before = stand_still;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+    cfg.before = stand_still;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
     finish(&chain);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable & ~yaw);
@@ -110,7 +110,7 @@ static void test_a_velocity_stuck_at_zero_identifies_nothing(void)
 
 static void test_excitation_is_zero_until_it_is_requested(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
@@ -148,10 +148,10 @@ static void test_stop_fades_the_excitation_out(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, 2, 1));
-    double fade_s = (double)config.id.excitation.fade_s, tick_s = 1e-6 * SIM_TICK_US;
+                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 1));
+    double fade_s = (double)cfg.id.excitation.fade_s, tick_s = 1e-6 * SIM_TICK_US;
     double steepest = tick_s * (3.1416 / 2.0 / fade_s + 2.0 * 3.1416 * 0.28);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 40.0); /* in the sines of the second set */
     TEST_ASSERT_FALSE(is_zero(&chain.out));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_stop(&chain.id));
@@ -173,7 +173,7 @@ static void test_stop_fades_the_excitation_out(void)
 
 static void test_the_excitation_ends_by_itself(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, SETS * CHAIN_SET_S - 1.0);
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_EXCITATION_DONE);
     chain_run(&chain, 2.0);
@@ -184,8 +184,8 @@ static void test_the_excitation_ends_by_itself(void)
 
 static void test_a_passive_identifier_cannot_excite(void)
 {
-    chain_set_driver(&config);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
@@ -196,9 +196,9 @@ static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(voi
     auvid_real_t wrench[AUVID_DOF_COUNT];
     double roll = 0.0;
     /* a side thruster above the centre: sway causes roll */
-    config.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
-    config.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
+    cfg.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (int k = 0; k < 1000; ++k) {
         chain_tick(&chain);
         TEST_ASSERT_EQUAL(

@@ -13,7 +13,7 @@ static const uint32_t budgets[] = {1, 7, 200, 100000};
 enum { BUDGETS = sizeof budgets / sizeof budgets[0] };
 
 static chain_t chain, recorded;
-static chain_config_t config;
+static chain_config_t cfg;
 
 void setUp(void)
 {
@@ -63,8 +63,8 @@ static void finish(uint32_t budget, uint32_t units)
 /* Record `sets` sets without work. */
 static void record(uint32_t sets)
 {
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, sets));
     TEST_ASSERT_EQUAL_UINT32(sets, chain.id.metric.sets_recorded);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
 }
@@ -101,9 +101,9 @@ static void check_optimum(void)
 static void test_work_keeps_to_its_budget_in_every_tick(void)
 {
     for (int k = 0; k < BUDGETS; ++k) {
-        chain_defaults(&config, 1, 2, 0.0);
-        config.budget = budgets[k];
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+        chain_defaults(&cfg, 1, 2, 0.0);
+        cfg.budget = budgets[k];
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 2));
         TEST_ASSERT_FALSE(chain.over_budget);
         TEST_ASSERT_TRUE(chain.max_units <= budgets[k]);
         TEST_ASSERT_TRUE(budgets[k] > 200 || chain.max_units == budgets[k]); /* all used */
@@ -116,7 +116,7 @@ static void test_work_keeps_to_its_budget_in_every_tick(void)
 static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
 {
     auvid_estimate_t once;
-    chain_defaults(&config, 2, 3, 0.0);
+    chain_defaults(&cfg, 2, 3, 0.0);
     record(3);
     recorded = chain;
     for (int k = 0; k < BUDGETS; ++k) {
@@ -134,7 +134,7 @@ static void test_the_result_does_not_depend_on_how_work_is_portioned(void)
 static void test_rows_and_trial_points_are_counted(void)
 {
     uint32_t units = 0, turns = 0;
-    chain_defaults(&config, 2, 1, 0.0);
+    chain_defaults(&cfg, 2, 1, 0.0);
     record(1);
     while (chain.id.phase != AUVID_WORK_ASK) {
         finish_turn(&turns, 1000000);
@@ -155,7 +155,7 @@ static void test_rows_and_trial_points_are_counted(void)
 
 static void test_a_budget_of_zero_does_nothing_and_reports_waiting_work(void)
 {
-    chain_defaults(&config, 2, 1, 0.0);
+    chain_defaults(&cfg, 2, 1, 0.0);
     record(1);
     recorded = chain;
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 0));
@@ -166,7 +166,7 @@ static void test_a_budget_of_zero_does_nothing_and_reports_waiting_work(void)
 
 static void test_the_default_budget_searches_in_about_ten_seconds(void)
 {
-    chain_defaults(&config, 3, 8, 1.0);
+    chain_defaults(&cfg, 3, 8, 1.0);
     record(8);
     uint32_t calls = chain_finish(&chain, AUVID_DEFAULT_BUDGET, 10000);
     TEST_ASSERT_TRUE(calls <= 10 * 50);
@@ -178,9 +178,9 @@ static void test_the_default_budget_searches_in_about_ten_seconds(void)
 static void box(double low, double high)
 {
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double a = low * config.sim.parameter[i], b = high * config.sim.parameter[i];
-        config.id.search.lower[i] = (auvid_real_t)fmin(a, b);
-        config.id.search.upper[i] = (auvid_real_t)fmax(a, b);
+        double a = low * cfg.sim.parameter[i], b = high * cfg.sim.parameter[i];
+        cfg.id.search.lower[i] = (auvid_real_t)fmin(a, b);
+        cfg.id.search.upper[i] = (auvid_real_t)fmax(a, b);
     }
 }
 
@@ -189,10 +189,10 @@ static void check_in_box(void)
 {
     auvid_real_t near[AUVID_MAX_PARAMETERS] = {0};
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        auvid_real_t truth = (auvid_real_t)config.sim.parameter[i], x = chain.id.estimate.pi[i];
-        TEST_ASSERT_TRUE(x >= config.id.search.lower[i] && x <= config.id.search.upper[i]);
-        near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)config.id.search.lower[i]),
-                                     (double)config.id.search.upper[i]);
+        auvid_real_t truth = (auvid_real_t)cfg.sim.parameter[i], x = chain.id.estimate.pi[i];
+        TEST_ASSERT_TRUE(x >= cfg.id.search.lower[i] && x <= cfg.id.search.upper[i]);
+        near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)cfg.id.search.lower[i]),
+                                     (double)cfg.id.search.upper[i]);
     }
     double tolerance = 1e-3 * (double)chain.id.metric.constant;
     TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tolerance);
@@ -202,9 +202,9 @@ static void search_in_box(double low, double high, uint16_t population)
 {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
         for (int k = 0; k < BUDGETS; ++k) {
-            chain_defaults(&config, seed, 2, 0.0);
+            chain_defaults(&cfg, seed, 2, 0.0);
             box(low, high);
-            config.id.search.population = population;
+            cfg.id.search.population = population;
             if (k == 0) {
                 record(2);
                 recorded = chain;
@@ -240,15 +240,14 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
 {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
         for (int kind = 0; kind < 4; ++kind) {
-            chain_defaults(&config, seed, 2, 0.0);
-            config.id.search.has_good = kind > 0;
+            chain_defaults(&cfg, seed, 2, 0.0);
+            cfg.id.search.has_good = kind > 0;
             for (int i = 0; i < SIM_PARAMETERS; ++i) {
-                double truth = config.sim.parameter[i];
+                double truth = cfg.sim.parameter[i];
                 /* within a tenth; a distant corner; far outside the box: clipped to it */
-                config.id.search.good[i] =
-                    (auvid_real_t)(kind == 1   ? 1.1 * truth
-                                   : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
-                                               : -1e30);
+                cfg.id.search.good[i] = (auvid_real_t)(kind == 1   ? 1.1 * truth
+                                                       : kind == 2 ? (truth > 0 ? -1000.0 : 1000.0)
+                                                                   : -1e30);
             }
             record(2);
             finish(200, units_of_13(52));
@@ -273,27 +272,27 @@ static void ask_first(void)
 
 static void test_the_good_point_clipped_to_the_box_is_tried_first(void)
 {
-    chain_defaults(&config, 1, 1, 0.0);
+    chain_defaults(&cfg, 1, 1, 0.0);
     box(0.5, 1.5);
-    config.id.search.has_good = true;
+    cfg.id.search.has_good = true;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        config.id.search.good[i] = (auvid_real_t)((i % 2 ? 1.1 : 2.0) * config.sim.parameter[i]);
+        cfg.id.search.good[i] = (auvid_real_t)((i % 2 ? 1.1 : 2.0) * cfg.sim.parameter[i]);
     }
     record(1);
     ask_first();
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        double expected = (i % 2 ? 1.1 : 1.5) * config.sim.parameter[i];
+        double expected = (i % 2 ? 1.1 : 1.5) * cfg.sim.parameter[i];
         TEST_ASSERT_TRUE(chain.id.candidate[i] == (auvid_real_t)expected);
     }
 }
 
 static void test_the_last_estimate_is_tried_first(void)
 {
-    chain_defaults(&config, 1, 2, 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 1, 2, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 55.0);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
-    chain.config.budget = 0;
+    chain.cfg.budget = 0;
     chain_run(&chain, 15.0);
     ask_first();
     TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, chain.id.candidate, sizeof chain.id.candidate);
@@ -301,15 +300,15 @@ static void test_the_last_estimate_is_tried_first(void)
 
 static void test_the_search_is_the_one_configured(void)
 {
-    chain_defaults(&config, 1, 1, 0.0);
-    config.id.search.population = 20;
-    config.id.search.omega = 500;
-    config.id.search.paper = true;
-    config.id.search.scale_by_bounds = true;
+    chain_defaults(&cfg, 1, 1, 0.0);
+    cfg.id.search.population = 20;
+    cfg.id.search.omega = 500;
+    cfg.id.search.paper = true;
+    cfg.id.search.scale_by_bounds = true;
     record(1);
     ask_first();
-    TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.config.population);
-    TEST_ASSERT_TRUE(chain.id.optimizer.crs.config.omega == 500);
+    TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.cfg.population);
+    TEST_ASSERT_TRUE(chain.id.optimizer.crs.cfg.omega == 500);
     TEST_ASSERT_TRUE(chain.id.optimizer.local.paper);
     TEST_ASSERT_TRUE(chain.id.optimizer.local.scale[0] == 0); /* half the width of the box */
 }
@@ -327,7 +326,7 @@ typedef struct {
 static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
     static auvid_metric_t began;
-    watch_t *w = c->config.context;
+    watch_t *w = c->cfg.context;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     if (out->events & AUVID_EVENT_VALIDATED) {
@@ -366,11 +365,11 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
     for (size_t k = 0; k < sizeof tiny / sizeof tiny[0]; ++k) {
         uint32_t sets = tiny[k] == 1 ? 40 : tiny[k] == 3 ? 16 : 12;
         watch_t watch = {0};
-        chain_defaults(&config, k + 1, sets, 0.0);
-        config.budget = tiny[k];
-        config.after = watch_searches;
-        config.context = &watch;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, sets));
+        chain_defaults(&cfg, k + 1, sets, 0.0);
+        cfg.budget = tiny[k];
+        cfg.after = watch_searches;
+        cfg.context = &watch;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, sets));
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
         TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
@@ -391,12 +390,12 @@ static void test_a_newly_excited_dof_is_searched(void)
 {
     const auvid_real_t surge[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_config_t full;
-    chain_defaults(&config, 3, 1, 0.0);
-    full = config;
-    config.budget = 0;
-    chain_set_driver(&config);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&config.driver, surge, CHAIN_SET_S, 1, 1));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
+    chain_defaults(&cfg, 3, 1, 0.0);
+    full = cfg;
+    cfg.budget = 0;
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.driver, surge, CHAIN_SET_S, 1, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 1));
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000));
     TEST_ASSERT_TRUE(chain.id.searching);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.id.excitation));
@@ -437,10 +436,10 @@ static bool is_there(catch_t where)
 static void test_no_cost_of_an_earlier_vehicle_survives(void)
 {
     for (catch_t where = IN_MERGE; where < CATCHES; ++where) {
-        chain_defaults(&config, 7, 4, 0.0);
-        config.id.metric.sets = 1;
-        config.budget = 0;
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        chain_defaults(&cfg, 7, 4, 0.0);
+        cfg.id.metric.sets = 1;
+        cfg.budget = 0;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         while (chain.id.metric.sets_recorded == 0) {
             chain_tick(&chain);
         }
@@ -449,7 +448,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
         }
         TEST_ASSERT_TRUE(is_there(where));
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
-            chain.sim.config.parameter[i] *= i == SIM_WB ? 1.0 : 1.5;
+            chain.sim.cfg.parameter[i] *= i == SIM_WB ? 1.0 : 1.5;
         }
         while (chain.id.metric.sets_recorded < 3) {
             chain_tick(&chain);
@@ -465,12 +464,12 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
 
 static void test_an_estimate_stays_whole_until_the_next_is_ready(void)
 {
-    chain_defaults(&config, 8, 3, 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    chain_defaults(&cfg, 8, 3, 0.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 50.0);
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     auvid_estimate_t before = chain.id.estimate;
-    chain.config.budget = 0;
+    chain.cfg.budget = 0;
     chain_run(&chain, 20.0);
     for (int k = 0; k < 100000 && chain.id.estimate.number == 1; ++k) {
         before.accepted = chain.id.estimate.accepted; /* that concerns the next set */
@@ -522,16 +521,16 @@ static auvid_row_t store[(USER_SETS + 1) * USER_ROWS];
 static void configure_user(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
-    chain_defaults(&config, 9, USER_SETS, 0.0);
-    auvid_excitation_config_t excitation = config.id.excitation;
+    chain_defaults(&cfg, 9, USER_SETS, 0.0);
+    auvid_excitation_config_t excitation = cfg.id.excitation;
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&excitation, amplitude, CHAIN_SET_S, USER_SETS, 9));
-    auvid_identifier_defaults(&config.id, &user_vehicle);
-    config.id.search.seed = 9;
-    config.id.excitation = excitation;
-    config.id.metric.rows = store;
-    config.id.metric.sets = USER_SETS;
-    config.id.metric.set_rows = USER_ROWS;
+    auvid_identifier_defaults(&cfg.id, &user_vehicle);
+    cfg.id.search.seed = 9;
+    cfg.id.excitation = excitation;
+    cfg.id.metric.rows = store;
+    cfg.id.metric.sets = USER_SETS;
+    cfg.id.metric.set_rows = USER_ROWS;
 }
 
 /* As finish(). The user's function takes the time: a call of it is at least one unit. */
@@ -566,7 +565,7 @@ static void test_a_users_model_keeps_to_the_budget_and_ends(void)
     TEST_ASSERT_EQUAL_HEX32(7, once.identified);
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_SURGE, once.excited);
     TEST_ASSERT_FALSE(once.not_converged);
-    TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U], (double)once.pi[USER_M]);
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, cfg.sim.parameter[SIM_M_U], (double)once.pi[USER_M]);
     TEST_ASSERT_TRUE(once.r2_force[AUVID_SURGE] > AUVID_C(0.98));
     TEST_ASSERT_TRUE((double)once.cost == cost_of(once.pi));
 }
@@ -576,7 +575,7 @@ static auvid_row_t began_rows[sizeof store / sizeof store[0]];
 
 static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *out)
 {
-    watch_t *w = c->config.context;
+    watch_t *w = c->cfg.context;
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
@@ -602,12 +601,12 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     watch_t watch = {0};
     configure_user();
-    TEST_ASSERT_EQUAL(
-        AUVID_OK, auvid_excitation_plan(&config.id.excitation, amplitude, CHAIN_SET_S, LONG, 9));
-    config.budget = 5;
-    config.after = watch_rows;
-    config.context = &watch;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, LONG));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, LONG, 9));
+    cfg.budget = 5;
+    cfg.after = watch_rows;
+    cfg.context = &watch;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LONG));
     uint32_t kept = chain.id.metric.sets_recorded * USER_ROWS + chain.id.metric.rows;
     TEST_ASSERT_TRUE(watch.ended >= 1);
     TEST_ASSERT_TRUE(chain.id.metric.sets_recorded < LONG);
@@ -617,7 +616,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
     TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
     TEST_ASSERT_FALSE(chain.id.estimate.not_converged);
-    TEST_ASSERT_DOUBLE_WITHIN(12.0, config.sim.parameter[SIM_M_U],
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, cfg.sim.parameter[SIM_M_U],
                               (double)chain.id.estimate.pi[USER_M]);
 }
 

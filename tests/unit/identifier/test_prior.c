@@ -13,13 +13,13 @@
 
 enum { N = 13, SETS = 8, LATER = 4 };
 
-static chain_config_t config;
+static chain_config_t cfg;
 static chain_t chain;
 static uint8_t record[AUVID_PRIOR_BYTES];
 
 void setUp(void)
 {
-    chain_defaults(&config, 1, 2, 1.0);
+    chain_defaults(&cfg, 1, 2, 1.0);
 }
 
 void tearDown(void)
@@ -29,7 +29,7 @@ void tearDown(void)
 /* A dive of two sets leaves a record. */
 static void dive(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 2));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 2));
     memset(record, 0xFF, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
     TEST_ASSERT_EQUAL_MEMORY("avw1", record, 4); /* the same on any machine, in any build */
@@ -49,7 +49,7 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
     dive();
     static auvid_estimate_t known;
     known = chain.id.estimate;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(known.identified, chain.id.estimate.identified);
@@ -79,17 +79,17 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
 {
     static auvid_real_t plain[N], dvl[N];
     dive();
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     memcpy(plain, chain.id.metric.prior.sigma, sizeof plain);
-    config.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
-    config.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
+    cfg.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
+    cfg.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
     dive();
     memcpy(dvl, chain.id.estimate.confidence.dvl_error, sizeof dvl);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     const auvid_confidence_t *c = &chain.id.estimate.confidence;
-    TEST_ASSERT_EQUAL_MEMORY(&config.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
+    TEST_ASSERT_EQUAL_MEMORY(&cfg.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
         double prior = (double)chain.id.metric.prior.sigma[i];
@@ -99,7 +99,7 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, hypot(hypot(prior, scale), (double)dvl[i]),
                                   (double)c->sigma[i]);
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, auvid_girona500_paper, plain));
     for (int i = 0; i < N; ++i) {
         TEST_ASSERT_TRUE(c->sigma[i] == plain[i] && c->thrust_error[i] == 0);
@@ -110,7 +110,7 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
 static void next_dive(const auvid_identifier_t *dived)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(dived, record));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
 }
 
@@ -213,7 +213,7 @@ static void test_a_prior_by_itself_is_not_saved_again(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
     dive();
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, again));
     TEST_ASSERT_EQUAL_MEMORY(zeros, again, sizeof again);
@@ -222,7 +222,7 @@ static void test_a_prior_by_itself_is_not_saved_again(void)
 static void test_every_damaged_byte_is_detected(void)
 {
     dive();
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (int k = 0; k < AUVID_PRIOR_BYTES; ++k) {
         for (int change = 1; change < 256; ++change) {
             record[k] = (uint8_t)(record[k] ^ change);
@@ -241,13 +241,13 @@ static void test_every_damaged_byte_is_detected(void)
 static void test_a_record_of_another_model_is_refused(void)
 {
     dive();
-    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
-    config.id.metric.fixed[AUVID_G500_M_R] = 80;
+    cfg.id.metric.fixed[AUVID_G500_M_R] = 80;
     dive(); /* a record with a fixed inertia of yaw */
-    config.id.metric.fixed[AUVID_G500_M_R] = 81;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.metric.fixed[AUVID_G500_M_R] = 81;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
 }
 
@@ -257,8 +257,8 @@ static void test_a_model_without_a_name_is_another_model(void)
     dive();
     nameless = auvid_girona500;
     nameless.name = NULL;
-    config.id.vehicle = &nameless;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.vehicle = &nameless;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_refused(AUVID_ERR_MODEL, record, sizeof record);
 }
 
@@ -267,18 +267,18 @@ static void test_calls_out_of_order_are_refused(void)
     memset(&chain.id, 0, sizeof chain.id);
     check_refused(AUVID_ERR_STATE, record, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_prior_save(&chain.id, record));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_prior_save(&chain.id, record));
     dive();
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* it has an estimate of its own */
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_refused(AUVID_ERR_SIZE, record, sizeof record - 1);
     check_refused(AUVID_ERR_NULL, NULL, sizeof record);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_load(NULL, record, sizeof record));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_save(NULL, record));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_save(&chain.id, NULL));
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 1));
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 1));
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
 }
@@ -293,8 +293,8 @@ static void choose_path(bool residual)
     static auvid_row_t rows[(AUVID_MAX_SETS + 1) * 60];
     static auvid_vehicle_t vehicle;
     vehicle = residual ? by_residual_girona500() : auvid_girona500;
-    config.id.vehicle = &vehicle;
-    config.id.metric.rows = residual ? rows : NULL;
+    cfg.id.vehicle = &vehicle;
+    cfg.id.metric.rows = residual ? rows : NULL;
 }
 
 static void correct_checksum(void)
@@ -318,7 +318,7 @@ static void test_a_record_of_impossible_numbers_is_refused_with_and_without_regr
     dive();
     for (int residual = 0; residual < 2; ++residual) {
         choose_path(residual != 0);
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         check_forged(AUVID_ERR_CHECKSUM, 0, 0x32777661u); /* "avw2": of another version */
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, nan);
         check_forged(AUVID_ERR_NOT_FINITE, VALUE + 4 * AUVID_G500_X_U, infinite);
@@ -376,7 +376,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
     for (uint32_t n = 0; n < forgeries; ++n) {
         if (n % 1000 == 0) {
             choose_path(n / 1000 % 2 == 1);
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
         }
         memcpy(record, genuine, sizeof record);
         forge(&rng);
@@ -387,7 +387,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
         if (++taken % stride == 1 && chain.id.metric.cfg.vehicle->regressor != NULL) {
             ++run_through;
-            TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
             while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
                 chain_tick(&chain);
@@ -395,7 +395,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
             }
             TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
         }
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     }
     printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
            (unsigned)taken, (unsigned)run_through);
@@ -423,7 +423,7 @@ static void test_known_parameters_are_the_first_estimate(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     tank(pi, sigma);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
@@ -443,7 +443,7 @@ static void test_known_parameters_are_the_first_estimate(void)
 static void test_impossible_known_parameters_are_refused(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_set(NULL, pi, sigma));
     check_unknown(AUVID_ERR_NULL, NULL, sigma);
     check_unknown(AUVID_ERR_NULL, pi, NULL);
@@ -465,9 +465,9 @@ static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
 {
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     tank(pi, sigma);
-    config.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
-    config.id.metric.fixed[AUVID_G500_M_R] = 80;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    cfg.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
+    cfg.id.metric.fixed[AUVID_G500_M_R] = 80;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
 }
@@ -478,7 +478,7 @@ static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t 
     tank(pi, sigma);
     pi[3] = value;
     sigma[3] = error;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
 }
 
@@ -499,7 +499,7 @@ static void test_known_parameters_are_accepted_up_to_the_limits_of_the_header(vo
 static void test_an_impossible_prior_is_refused(void)
 {
     auvid_prior_t prior = {.known = 1};
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     auvid_metric_t *metric = &chain.id.metric;
     prior.sigma[0] = prior.variance_inflation[AUVID_SURGE] = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &prior));
@@ -532,12 +532,12 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
     auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
     uint32_t seen = start == COLD ? 0 : 1;
     bool all = false;
-    chain_defaults(&config, 1000 + seed, LATER, 1.0);
+    chain_defaults(&cfg, 1000 + seed, LATER, 1.0);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        config.sim.parameter[i] *= i == SIM_WB ? 1.0 : heavier;
+        cfg.sim.parameter[i] *= i == SIM_WB ? 1.0 : heavier;
     }
     tank(pi, sigma);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     if (start == RECORD) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
     } else if (start == TANK) {
@@ -547,7 +547,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
     while (chain.id.metric.sets_recorded < LATER || chain.work == AUVID_PENDING) {
         chain_tick(&chain);
         for (int i = 0; i < N && e->sets == 1 && e->number == seen + 1; ++i) {
-            worth->square += pow((double)e->pi[i] / config.sim.parameter[i] - 1.0, 2);
+            worth->square += pow((double)e->pi[i] / cfg.sim.parameter[i] - 1.0, 2);
         }
         seen = e->number;
         all = all || e->confidence.identifiable == (1u << N) - 1u;
@@ -564,8 +564,8 @@ static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *w
     memset(warm, 0, sizeof *warm);
     for (uint32_t seed = 1; seed <= dives; ++seed) {
         if (start == RECORD) {
-            chain_defaults(&config, seed, SETS, 1.0);
-            TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, SETS));
+            chain_defaults(&cfg, seed, SETS, 1.0);
+            TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
         }
         dive_again(seed, COLD, heavier, cold);

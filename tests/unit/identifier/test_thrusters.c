@@ -52,7 +52,7 @@ enum { SETS = 8, ROW_CELLS = 2, LONGEST_S = 60, PERIOD_US = 20000 };
 enum { SLOTS = AUVID_THRUSTERS_SLOTS(SETS, LONGEST_S * 1000000u, PERIOD_US) };
 static int16_t commands[2 * SLOTS];
 static auvid_row_t store[(SETS + 1) * LONGEST_S * 10 / ROW_CELLS];
-static auvid_thrusters_config_t config;
+static auvid_thrusters_config_t cfg;
 static auvid_identifier_config_t id_config;
 static auvid_thrusters_t thrusters;
 static auvid_identifier_t id, ideal;
@@ -60,13 +60,13 @@ static auvid_identifier_t id, ideal;
 /* Two thrusters at the stern with the same command. */
 void setUp(void)
 {
-    auvid_thrusters_defaults(&config);
-    config.hull = &hull;
-    config.thrusters = 1;
-    config.matrix[AUVID_SURGE][0] = 2;
-    config.gain_max = 300;
-    config.log = commands;
-    config.slots = SLOTS;
+    auvid_thrusters_defaults(&cfg);
+    cfg.hull = &hull;
+    cfg.thrusters = 1;
+    cfg.matrix[AUVID_SURGE][0] = 2;
+    cfg.gain_max = 300;
+    cfg.log = commands;
+    cfg.slots = SLOTS;
 }
 
 void tearDown(void)
@@ -85,7 +85,7 @@ static void defaults(uint16_t row_cells, uint16_t set_s)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(ROW_CELLS, 30);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
 }
@@ -154,7 +154,7 @@ static void test_the_mean_thrust_of_a_row_is_that_of_the_lag_solved_in_double(vo
 static void test_moments_have_equal_weights_over_the_row(void)
 {
     static const double group_pi[] = {70, 55, 0.1, 0.2};
-    config.matrix[AUVID_YAW][0] = 2;
+    cfg.matrix[AUVID_YAW][0] = 2;
     begin();
     fill(12.0);
     check_thrust(group_pi, 0, AUVID_YAW);
@@ -169,9 +169,9 @@ static void test_a_mirrored_thruster_uses_the_gains_of_the_opposite_direction(vo
     fill(8.0);
     memcpy(pi + HULL, there, sizeof there);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters, 7000000, pi, one));
-    config.thrusters = 2;
-    config.matrix[AUVID_SURGE][0] = 0;
-    config.matrix[AUVID_SURGE][1] = -2;
+    cfg.thrusters = 2;
+    cfg.matrix[AUVID_SURGE][0] = 0;
+    cfg.matrix[AUVID_SURGE][1] = -2;
     begin();
     fill(8.0);
     memcpy(pi + HULL, back, sizeof back);
@@ -275,45 +275,45 @@ static void test_after_a_long_gap_rows_do_not_read_the_commands_before_it(void)
 
 static void test_init_refuses_values_out_of_range(void)
 {
-    auvid_thrusters_config_t good = config;
+    auvid_thrusters_config_t good = cfg;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, NULL));
-    config.log = NULL;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.thrusters = AUVID_MAX_COMMANDS + 1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.group[0] = 1; /* and none is 0 */
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.lag_max_s = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.command_max = (auvid_real_t)1e-7;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
-    config.hull = &thrusters.vehicle; /* it would call itself */
-    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &config));
-    config = good;
-    config.thrusters = 2; /* the second acts on nothing */
-    config.group[1] = 1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &config));
-    config.thrusters = 4;
+    cfg.log = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.thrusters = AUVID_MAX_COMMANDS + 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.group[0] = 1; /* and none is 0 */
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.lag_max_s = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.command_max = (auvid_real_t)1e-7;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    cfg.hull = &thrusters.vehicle; /* it would call itself */
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
+    cfg.thrusters = 2; /* the second acts on nothing */
+    cfg.group[1] = 1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg));
+    cfg.thrusters = 4;
     for (int i = 1; i < 4; ++i) {
-        config.group[i] = (uint8_t)i;
-        config.matrix[AUVID_SURGE][i] = 1;
+        cfg.group[i] = (uint8_t)i;
+        cfg.matrix[AUVID_SURGE][i] = 1;
     }
     TEST_ASSERT_EQUAL(HULL + 4 * 4 <= AUVID_MAX_PARAMETERS ? AUVID_OK : AUVID_ERR_PARAMETERS,
-                      auvid_thrusters_init(&thrusters, &config));
+                      auvid_thrusters_init(&thrusters, &cfg));
 }
 
 static void test_masses_drags_and_gains_must_not_all_be_free(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(ROW_CELLS, 30);
     id_config.metric.free = 0; /* all */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
@@ -331,7 +331,7 @@ static void test_masses_drags_and_gains_must_not_all_be_free(void)
 
 static void test_a_log_too_short_for_the_ring_is_refused(void)
 {
-    config.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
+    cfg.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
     begin();
     defaults(ROW_CELLS, 40);
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_configure(&thrusters, &id_config));
@@ -350,8 +350,8 @@ static void test_thrusters_refused_by_init_are_refused_and_do_nothing(void)
     const auvid_real_t command[AUVID_MAX_COMMANDS] = {1}, pi[AUVID_MAX_PARAMETERS] = {0};
     auvid_real_t wrench[AUVID_DOF_COUNT] = {1};
     memset(&thrusters, 0, sizeof thrusters);
-    config.thrusters = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &config));
+    cfg.thrusters = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
     defaults(ROW_CELLS, 30);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
@@ -369,7 +369,7 @@ static void test_commands_before_configure_are_not_logged(void)
 {
     const auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
     static auvid_thrusters_t before;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     before = thrusters;
     auvid_thrusters_command(&thrusters, 1000000, command);
     TEST_ASSERT_EQUAL_MEMORY(&before, &thrusters, sizeof before);
@@ -397,16 +397,16 @@ static void begin_expensive(void)
     counted = hull;
     counted.regressor = NULL;
     counted.residual = counting_residual;
-    config.hull = &counted;
-    config.thrusters = MANY;
+    cfg.hull = &counted;
+    cfg.thrusters = MANY;
     for (int i = 0; i < MANY; ++i) {
-        config.matrix[AUVID_SURGE][i] = 1;
+        cfg.matrix[AUVID_SURGE][i] = 1;
     }
-    config.lag_max_s = 2;
-    config.period_us = SHORT_US;
-    config.log = short_log;
-    config.slots = SHORT_SLOTS;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    cfg.lag_max_s = 2;
+    cfg.period_us = SHORT_US;
+    cfg.log = short_log;
+    cfg.slots = SHORT_SLOTS;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(5, 5);
     id_config.metric.sets = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
@@ -480,8 +480,8 @@ static void test_rows_too_expensive_for_work_are_refused(void)
     defaults(5000, 0); /* rows of 500 s */
     id_config.metric.sets = 1;
     id_config.metric.set_rows = 1;
-    config.slots = 4000000; /* the log is not accessed */
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    cfg.slots = 4000000; /* the log is not accessed */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
 }
@@ -524,7 +524,7 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1}; /* of the command */
     auvid_identifier_config_t plain;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(row_cells, set_s);
     auvid_identifier_defaults(&plain, &hull);
     plain.metric.set_rows = (uint16_t)(set_s * 2);
@@ -714,9 +714,8 @@ static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
             continue;
         }
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&without, t_us, pi, whole));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(&thrusters,
-                                                           t_us + (later ? pause_us : 0), pi,
-                                                           wrench));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_wrench(
+                                        &thrusters, t_us + (later ? pause_us : 0), pi, wrench));
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)whole[AUVID_SURGE], (double)wrench[AUVID_SURGE]);
     }
     for (int k = 2; k < AUVID_MAX_SETS + 5; ++k) {
@@ -731,7 +730,7 @@ static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
  * drops them, and the estimate uses only that set. */
 static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void)
 {
-    config.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
+    cfg.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
     identify(1, 0.0, 30, 5, UINT32_MAX);
     TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.dof_rows[AUVID_SURGE]);
     const auvid_real_t still[AUVID_DOF_COUNT] = {0};

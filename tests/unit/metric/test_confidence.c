@@ -233,20 +233,19 @@ static void test_the_cost_of_eight_sets_is_what_the_header_says(void)
 static void test_an_estimated_delay_widens_the_masses(void)
 {
     static chain_t chain;
-    static chain_config_t config;
+    static chain_config_t cfg;
     double widened[2][COUNT];
     for (int known = 0; known < 2; ++known) {
-        chain_defaults(&config, 3, 4, 1.0);
-        config.sim.lag_s = 0.15;
-        config.budget = 0;
-        config.id.uncertainty.delay_s = 0; /* a given delay has none */
-        if (known) {                       /* as it was estimated */
-            memcpy(config.id.metric.delay_s, chain.id.estimate.delay_s,
-                   sizeof config.id.metric.delay_s);
-            config.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
-            config.id.metric.estimate_delay = false;
+        chain_defaults(&cfg, 3, 4, 1.0);
+        cfg.sim.lag_s = 0.15;
+        cfg.budget = 0;
+        cfg.id.uncertainty.delay_s = 0; /* a given delay has none */
+        if (known) {                    /* as it was estimated */
+            memcpy(cfg.id.metric.delay_s, chain.id.estimate.delay_s, sizeof cfg.id.metric.delay_s);
+            cfg.id.metric.first_order_lag = chain.id.estimate.first_order_lag;
+            cfg.id.metric.estimate_delay = false;
         }
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 4));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 4));
         TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
         for (int i = 0; i < COUNT; ++i) {
             widened[known][i] = (double)chain.id.estimate.confidence.sigma[i];

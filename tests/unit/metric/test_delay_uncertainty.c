@@ -315,11 +315,11 @@ static void test_the_metric_refuses_delays_and_uncertainties_out_of_range(void)
 static void test_the_identifier_passes_its_uncertainty_to_the_metric(void)
 {
     static auvid_identifier_t id;
-    static auvid_identifier_config_t config;
-    auvid_identifier_defaults(&config, &auvid_girona500);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.1, (double)config.uncertainty.delay_s);
-    config.uncertainty.delay_s = AUVID_C(0.25);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &config));
+    static auvid_identifier_config_t cfg;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.1, (double)cfg.uncertainty.delay_s);
+    cfg.uncertainty.delay_s = AUVID_C(0.25);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_DOUBLE_WITHIN(0, 0.25, (double)id.metric.cfg.delay_sigma_s);
 }
 

@@ -430,40 +430,40 @@ static void test_a_linear_combination_is_covered_as_often_as_its_standard_error_
 /* ---- the identifier ---- */
 
 static chain_t chain;
-static chain_config_t config;
+static chain_config_t cfg;
 
 static void test_an_uncertainty_out_of_range_is_refused(void)
 {
-    chain_defaults(&config, 1, 2, 0.0);
+    chain_defaults(&cfg, 1, 2, 0.0);
     for (int k = 0; k < 3; ++k) {
-        auvid_uncertainty_t *supplied = &config.id.uncertainty;
+        auvid_uncertainty_t *supplied = &cfg.id.uncertainty;
         auvid_real_t *one = k == 0   ? &supplied->thrust_scale
                             : k == 1 ? &supplied->dvl_scale
                                      : &supplied->delay_s;
         *one = (auvid_real_t)NAN;
-        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_init(&chain.id, &cfg.id));
         *one = AUVID_C(-0.01);
-        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &cfg.id));
         *one = AUVID_C(1.01);
-        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&chain.id, &cfg.id));
         *one = AUVID_C(1.0);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &config.id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     }
 }
 
 static void test_five_per_cent_of_thrust_and_half_of_the_dvl_are_the_default(void)
 {
-    auvid_identifier_defaults(&config.id, &auvid_girona500);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.05, (double)config.id.uncertainty.thrust_scale);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.005, (double)config.id.uncertainty.dvl_scale);
+    auvid_identifier_defaults(&cfg.id, &auvid_girona500);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.05, (double)cfg.id.uncertainty.thrust_scale);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.005, (double)cfg.id.uncertainty.dvl_scale);
 }
 
 static void test_an_estimate_carries_covariance_and_considered_errors(void)
 {
-    chain_defaults(&config, 1, 4, 1.0);
-    config.id.uncertainty = uncertainty;
-    config.budget = 0;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &config, 4));
+    chain_defaults(&cfg, 1, 4, 1.0);
+    cfg.id.uncertainty = uncertainty;
+    cfg.budget = 0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 4));
     TEST_ASSERT_TRUE(chain_finish(&chain, UINT32_MAX, 10) <= 10);
     const auvid_estimate_t *e = &chain.id.estimate;
     TEST_ASSERT_EQUAL_MEMORY(&uncertainty, &e->confidence.uncertainty, sizeof uncertainty);

@@ -23,20 +23,20 @@ void tearDown(void)
 static double identify(uint64_t seed, double dvl_s, double imu_s)
 {
     static const options_t as_told; /* no uncertainty of thrust and DVL */
-    const world_config_t config = {.options = &as_told,
-                                   .seed = seed,
-                                   .sets = 8,
-                                   .disturbance_N = 1,
-                                   .dvl_arm_m = {0.4, 0.3, 0},
-                                   .age_s = {[SIM_DVL] = dvl_s, [SIM_IMU] = imu_s}};
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    const world_config_t cfg = {.options = &as_told,
+                                .seed = seed,
+                                .sets = 8,
+                                .disturbance_N = 1,
+                                .dvl_arm_m = {0.4, 0.3, 0},
+                                .age_s = {[SIM_DVL] = dvl_s, [SIM_IMU] = imu_s}};
+    TEST_ASSERT_TRUE(world_begin(&world, &cfg));
     const auvid_identifier_t *id = &world.node[0].id;
     bool busy = true;
-    while ((busy || id->metric.sets_recorded < config.sets) && world_time_s(&world) < 600) {
+    while ((busy || id->metric.sets_recorded < cfg.sets) && world_time_s(&world) < 600) {
         world_tick(&world);
         busy = world_work(&world, UINT32_MAX);
     }
-    TEST_ASSERT_EQUAL(config.sets, id->metric.sets_recorded);
+    TEST_ASSERT_EQUAL(cfg.sets, id->metric.sets_recorded);
     TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, id->guard.trip.cause);
     TEST_ASSERT_EQUAL(AUVID_G500_FREE, id->estimate.confidence.identifiable);
     double sum = 0;

@@ -7,15 +7,15 @@
 #include "unity.h"
 
 static auvid_crs_t crs;
-static auvid_crs_config_t config;
+static auvid_crs_config_t cfg;
 static auvid_real_t theta[AUVID_MAX_PARAMETERS];
 
 static void box(uint8_t n, auvid_real_t half)
 {
-    auvid_crs_defaults(&config, n);
+    auvid_crs_defaults(&cfg, n);
     for (int i = 0; i < n; ++i) {
-        config.lower[i] = -half;
-        config.upper[i] = half;
+        cfg.lower[i] = -half;
+        cfg.upper[i] = half;
     }
 }
 
@@ -32,7 +32,7 @@ void tearDown(void)
 static auvid_real_t sphere(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
+    for (int i = 0; i < cfg.n; ++i) {
         sum += (x[i] - 1) * (x[i] - 1);
     }
     return sum;
@@ -41,8 +41,8 @@ static auvid_real_t sphere(const auvid_real_t *x)
 static auvid_real_t corner(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
-        sum += config.upper[i] - x[i];
+    for (int i = 0; i < cfg.n; ++i) {
+        sum += cfg.upper[i] - x[i];
     }
     return sum;
 }
@@ -72,13 +72,13 @@ static auvid_real_t on_a_high_floor(const auvid_real_t *x)
 /* Run to the end; fails if that takes more asks than the caps allow. */
 static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
 {
-    uint64_t m = crs.config.population;
-    uint64_t max_asks = (uint64_t)crs.config.max_evaluations * (crs.config.max_rejections + 1u) + m;
+    uint64_t m = crs.cfg.population;
+    uint64_t max_asks = (uint64_t)crs.cfg.max_evaluations * (crs.cfg.max_rejections + 1u) + m;
     for (uint64_t k = 0; k <= max_asks + 1u; ++k) {
         auvid_status_t status = auvid_crs_ask(&crs, theta);
         if (status == AUVID_OK) {
-            for (int i = 0; i < config.n; ++i) {
-                TEST_ASSERT_TRUE(theta[i] >= config.lower[i] && theta[i] <= config.upper[i]);
+            for (int i = 0; i < cfg.n; ++i) {
+                TEST_ASSERT_TRUE(theta[i] >= cfg.lower[i] && theta[i] <= cfg.upper[i]);
             }
             TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_tell(&crs, cost(theta)));
         } else if (status != AUVID_PENDING) {
@@ -91,7 +91,7 @@ static auvid_status_t run(auvid_real_t (*cost)(const auvid_real_t *))
 
 static void init(void)
 {
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&crs, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&crs, &cfg));
 }
 
 static void refuse(auvid_status_t expected)
@@ -99,7 +99,7 @@ static void refuse(auvid_status_t expected)
     auvid_crs_t before;
     memset(&crs, 0x5a, sizeof crs);
     memcpy(&before, &crs, sizeof crs);
-    TEST_ASSERT_EQUAL_INT(expected, auvid_crs_init(&crs, &config));
+    TEST_ASSERT_EQUAL_INT(expected, auvid_crs_init(&crs, &cfg));
     TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &crs, sizeof crs));
     setUp();
 }
@@ -107,44 +107,44 @@ static void refuse(auvid_status_t expected)
 static void test_init_names_what_is_wrong_and_changes_nothing(void)
 {
     auvid_crs_defaults(NULL, 3);
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(NULL, &cfg));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(&crs, NULL));
-    config.n = 0;
+    cfg.n = 0;
     refuse(AUVID_ERR_PARAMETERS);
-    config.n = AUVID_MAX_PARAMETERS + 1;
+    cfg.n = AUVID_MAX_PARAMETERS + 1;
     refuse(AUVID_ERR_PARAMETERS);
-    config.population = 4;
+    cfg.population = 4;
     refuse(AUVID_ERR_POPULATION);
-    config.population = AUVID_MAX_POPULATION + 1;
+    cfg.population = AUVID_MAX_POPULATION + 1;
     refuse(AUVID_ERR_POPULATION);
-    config.epsilon = (auvid_real_t)NAN;
+    cfg.epsilon = (auvid_real_t)NAN;
     refuse(AUVID_ERR_NOT_FINITE);
-    config.upper[3] = (auvid_real_t)INFINITY;
+    cfg.upper[3] = (auvid_real_t)INFINITY;
     refuse(AUVID_ERR_NOT_FINITE);
-    config.upper[3] = config.lower[3];
+    cfg.upper[3] = cfg.lower[3];
     refuse(AUVID_ERR_BOUNDS);
-    config.upper[3] = AUVID_C(2e18);
+    cfg.upper[3] = AUVID_C(2e18);
     refuse(AUVID_ERR_RANGE);
-    config.epsilon = -1;
+    cfg.epsilon = -1;
     refuse(AUVID_ERR_RANGE);
-    config.omega = AUVID_C(2e9);
+    cfg.omega = AUVID_C(2e9);
     refuse(AUVID_ERR_RANGE);
-    config.reduction = 1;
+    cfg.reduction = 1;
     refuse(AUVID_ERR_RANGE);
-    config.reduction = (auvid_real_t)NAN;
+    cfg.reduction = (auvid_real_t)NAN;
     refuse(AUVID_ERR_NOT_FINITE);
 }
 
 static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
 {
     init();
-    TEST_ASSERT_EQUAL_INT(16, crs.config.population);
-    TEST_ASSERT_TRUE(crs.config.omega == 4);
-    TEST_ASSERT_EQUAL_UINT32(640, crs.config.max_evaluations);
-    TEST_ASSERT_EQUAL_UINT32(800, crs.config.max_rejections);
+    TEST_ASSERT_EQUAL_INT(16, crs.cfg.population);
+    TEST_ASSERT_TRUE(crs.cfg.omega == 4);
+    TEST_ASSERT_EQUAL_UINT32(640, crs.cfg.max_evaluations);
+    TEST_ASSERT_EQUAL_UINT32(800, crs.cfg.max_rejections);
     box(1, 1);
     init();
-    TEST_ASSERT_EQUAL_INT(4, crs.config.population);
+    TEST_ASSERT_EQUAL_INT(4, crs.cfg.population);
 }
 
 static void test_calls_out_of_order_are_refused(void)
@@ -174,7 +174,7 @@ static void test_asking_twice_gives_the_same_point_and_counts_once(void)
         }
         uint32_t attempts = crs.attempts;
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_ask(&crs, again));
-        TEST_ASSERT_EQUAL_INT(0, memcmp(theta, again, config.n * sizeof *theta));
+        TEST_ASSERT_EQUAL_INT(0, memcmp(theta, again, cfg.n * sizeof *theta));
         TEST_ASSERT_EQUAL_UINT32(attempts, crs.attempts);
         auvid_crs_tell(&crs, sphere(theta));
     }
@@ -208,8 +208,8 @@ static void test_the_trial_is_the_weighted_reflection_of_algorithm_1(void)
 {
     int trials = 0;
     uint32_t turns = 0;
-    config.population = 20;
-    config.epsilon = AUVID_C(1e-3);
+    cfg.population = 20;
+    cfg.epsilon = AUVID_C(1e-3);
     init();
     double spread0 = 0.0;
     while (trials < 300) {
@@ -262,8 +262,8 @@ static void test_every_point_is_drawn_equally_often(void)
 {
     enum { M = 16, TRIALS = 20000 };
     int count[M] = {0};
-    config.max_rejections = TRIALS;
-    config.max_evaluations = 2 * TRIALS;
+    cfg.max_rejections = TRIALS;
+    cfg.max_evaluations = 2 * TRIALS;
     init();
     for (int k = 0; k < M; ++k) {
         auvid_crs_ask(&crs, theta);
@@ -312,8 +312,8 @@ static void test_the_population_is_the_best_m_points_ever_evaluated(void)
 
 static void test_it_finishes_when_the_spread_is_epsilon(void)
 {
-    config.omega = AUVID_C(4e6);
-    config.max_evaluations = 100000;
+    cfg.omega = AUVID_C(4e6);
+    cfg.max_evaluations = 100000;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
     auvid_real_t low = crs.cost[0], high = low;
@@ -321,15 +321,15 @@ static void test_it_finishes_when_the_spread_is_epsilon(void)
         low = crs.cost[k] < low ? crs.cost[k] : low;
         high = crs.cost[k] > high ? crs.cost[k] : high;
     }
-    TEST_ASSERT_TRUE(high - low <= config.epsilon);
+    TEST_ASSERT_TRUE(high - low <= cfg.epsilon);
     TEST_ASSERT_TRUE(low < AUVID_C(0.1));
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_crs_ask(&crs, theta));
 }
 
 static void test_it_finishes_when_the_spread_is_reduced_as_configured(void)
 {
-    config.reduction = AUVID_C(0.1);
-    config.epsilon = 0;
+    cfg.reduction = AUVID_C(0.1);
+    cfg.epsilon = 0;
     init();
     auvid_real_t spread = 0, first = 0;
     for (uint32_t turns = 0; auvid_crs_ask(&crs, theta) != AUVID_FINISHED;) {
@@ -361,9 +361,9 @@ static void test_it_ends_whatever_the_cost_and_the_population(void)
                     continue;
                 }
                 box(n, 10);
-                config.seed = seed;
-                config.population = seed % 2 ? 0 : (uint16_t)(n + 1);
-                config.epsilon = seed % 4 < 2 ? AUVID_C(1e-2) : 0;
+                cfg.seed = seed;
+                cfg.population = seed % 2 ? 0 : (uint16_t)(n + 1);
+                cfg.epsilon = seed % 4 < 2 ? AUVID_C(1e-2) : 0;
                 init();
                 (void)run(costs[c]);
                 TEST_ASSERT_NOT_NULL(auvid_crs_best(&crs, NULL));
@@ -376,9 +376,9 @@ static void test_consecutive_rejections_are_capped(void)
 {
     bool met = false;
     for (uint64_t seed = 0; seed < 50 && !met; ++seed) {
-        config.population = 5;
-        config.max_rejections = 37;
-        config.seed = seed;
+        cfg.population = 5;
+        cfg.max_rejections = 37;
+        cfg.seed = seed;
         init();
         met = run(corner) == AUVID_EVALUATION_LIMIT && crs.rejections == 37;
         TEST_ASSERT_TRUE(crs.max_rejections_seen <= 37);
@@ -423,8 +423,8 @@ static void test_a_trial_of_the_same_cost_as_the_worst_is_not_accepted(void)
 
 static void test_evaluations_are_capped(void)
 {
-    config.max_evaluations = 30;
-    config.epsilon = 0;
+    cfg.max_evaluations = 30;
+    cfg.epsilon = 0;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, run(sphere));
     TEST_ASSERT_EQUAL_UINT32(30, crs.evaluations);
@@ -443,10 +443,10 @@ static void test_a_plateau_converges_and_a_model_that_always_fails_does_not(void
 
 static void test_points_where_the_model_fails_leave_the_population(void)
 {
-    config.epsilon = AUVID_C(1e-4);
-    config.population = 60; /* 4 n = 16 points may collapse early: phase 2 handles that */
-    config.omega = AUVID_C(4e6);
-    config.max_evaluations = 100000;
+    cfg.epsilon = AUVID_C(1e-4);
+    cfg.population = 60; /* 4 n = 16 points may collapse early: phase 2 handles that */
+    cfg.omega = AUVID_C(4e6);
+    cfg.max_evaluations = 100000;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(fails_on_one_side));
     for (int i = 0; i < 4; ++i) {
@@ -499,7 +499,7 @@ static void test_same_seed_same_bits_and_another_seed_another_population(void)
 {
     static auvid_crs_t other;
     init();
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &cfg));
     (void)run(sphere);
     for (int k = 0; k < 100000; ++k) {
         auvid_status_t status = auvid_crs_ask(&other, theta);
@@ -510,11 +510,11 @@ static void test_same_seed_same_bits_and_another_seed_another_population(void)
         }
     }
     TEST_ASSERT_EQUAL_INT(0, memcmp(&crs, &other, sizeof crs));
-    config.seed = 2;
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &config));
+    cfg.seed = 2;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_init(&other, &cfg));
     init();
     TEST_ASSERT_EQUAL_INT(0, memcmp(&crs, &other, sizeof crs));
-    config.seed = 3;
+    cfg.seed = 3;
     init();
     TEST_ASSERT_TRUE(memcmp(crs.theta, other.theta, sizeof crs.theta) != 0);
 }

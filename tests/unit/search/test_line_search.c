@@ -9,15 +9,15 @@
 typedef auvid_real_t (*cost_t)(const auvid_real_t *);
 
 static auvid_line_search_t ls;
-static auvid_line_search_config_t config;
+static auvid_line_search_config_t cfg;
 static auvid_real_t theta[AUVID_MAX_PARAMETERS];
 
 static void box(uint8_t n, auvid_real_t half)
 {
-    auvid_line_search_defaults(&config, n);
+    auvid_line_search_defaults(&cfg, n);
     for (int i = 0; i < n; ++i) {
-        config.lower[i] = -half;
-        config.upper[i] = half;
+        cfg.lower[i] = -half;
+        cfg.upper[i] = half;
     }
 }
 
@@ -35,7 +35,7 @@ void tearDown(void)
 static auvid_real_t chain(const auvid_real_t *x, auvid_real_t k)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
+    for (int i = 0; i < cfg.n; ++i) {
         auvid_real_t e = x[i] - 1 + (i > 0 ? k * x[i - 1] : 0);
         sum += e * e;
     }
@@ -55,7 +55,7 @@ static auvid_real_t strongly_coupled(const auvid_real_t *x)
 static auvid_real_t absolute(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
+    for (int i = 0; i < cfg.n; ++i) {
         auvid_real_t e = x[i] - AUVID_C(0.3) * (auvid_real_t)(i + 1);
         sum += e < 0 ? -e : e;
     }
@@ -66,7 +66,7 @@ static auvid_real_t absolute(const auvid_real_t *x)
 static auvid_real_t dead_band(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
+    for (int i = 0; i < cfg.n; ++i) {
         auvid_real_t e = (x[i] < 0 ? -x[i] : x[i]) - AUVID_C(0.5);
         sum += e > 0 ? e * e + e : 0;
     }
@@ -82,8 +82,8 @@ static auvid_real_t rosenbrock(const auvid_real_t *x)
 static auvid_real_t corner(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
-    for (int i = 0; i < config.n; ++i) {
-        sum += (auvid_real_t)(i + 1) * (config.upper[i] - x[i]);
+    for (int i = 0; i < cfg.n; ++i) {
+        sum += (auvid_real_t)(i + 1) * (cfg.upper[i] - x[i]);
     }
     return sum;
 }
@@ -115,17 +115,17 @@ static auvid_real_t fails_beyond(const auvid_real_t *x)
 
 static void init(void)
 {
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_init(&ls, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_init(&ls, &cfg));
 }
 
 static auvid_status_t run(cost_t cost)
 {
     auvid_real_t best = 0, last = AUVID_LARGEST;
-    for (uint32_t k = 0; k < 40u * ls.config.max_evaluations + 10000u; ++k) {
+    for (uint32_t k = 0; k < 40u * ls.cfg.max_evaluations + 10000u; ++k) {
         auvid_status_t status = auvid_line_search_ask(&ls, theta);
         if (status == AUVID_OK) {
-            for (int i = 0; i < config.n; ++i) {
-                TEST_ASSERT_TRUE(theta[i] >= config.lower[i] && theta[i] <= config.upper[i]);
+            for (int i = 0; i < cfg.n; ++i) {
+                TEST_ASSERT_TRUE(theta[i] >= cfg.lower[i] && theta[i] <= cfg.upper[i]);
             }
             TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_tell(&ls, cost(theta)));
             TEST_ASSERT_NOT_NULL(auvid_line_search_best(&ls, &best));
@@ -141,7 +141,7 @@ static auvid_status_t run(cost_t cost)
 
 static void near(const double *expected, double tolerance)
 {
-    for (int i = 0; i < config.n; ++i) {
+    for (int i = 0; i < cfg.n; ++i) {
         TEST_ASSERT_TRUE(fabs((double)auvid_line_search_best(&ls, NULL)[i] - expected[i]) <=
                          tolerance);
     }
@@ -152,7 +152,7 @@ static void refuse(auvid_status_t expected)
     auvid_line_search_t before;
     memset(&ls, 0x5a, sizeof ls);
     memcpy(&before, &ls, sizeof ls);
-    TEST_ASSERT_EQUAL_INT(expected, auvid_line_search_init(&ls, &config));
+    TEST_ASSERT_EQUAL_INT(expected, auvid_line_search_init(&ls, &cfg));
     TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &ls, sizeof ls));
     setUp();
 }
@@ -160,22 +160,21 @@ static void refuse(auvid_status_t expected)
 static void test_init_names_what_is_wrong_and_changes_nothing(void)
 {
     auvid_line_search_defaults(NULL, 3);
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(NULL, &cfg));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_line_search_init(&ls, NULL));
-    config.n = 0;
+    cfg.n = 0;
     refuse(AUVID_ERR_PARAMETERS);
-    config.n = AUVID_MAX_PARAMETERS + 1;
+    cfg.n = AUVID_MAX_PARAMETERS + 1;
     refuse(AUVID_ERR_PARAMETERS);
-    config.sigma = (auvid_real_t)NAN;
+    cfg.sigma = (auvid_real_t)NAN;
     refuse(AUVID_ERR_NOT_FINITE);
-    config.scale[2] = (auvid_real_t)INFINITY;
+    cfg.scale[2] = (auvid_real_t)INFINITY;
     refuse(AUVID_ERR_NOT_FINITE);
-    config.lower[0] = config.upper[0];
+    cfg.lower[0] = cfg.upper[0];
     refuse(AUVID_ERR_BOUNDS);
-    auvid_real_t *const fields[] = {&config.epsilon,  &config.epsilon, &config.alpha0,
-                                    &config.sigma,    &config.sigma,   &config.delta,
-                                    &config.delta,    &config.gamma,   &config.gamma,
-                                    &config.start[1], &config.scale[1]};
+    auvid_real_t *const fields[] = {&cfg.epsilon, &cfg.epsilon,  &cfg.alpha0,  &cfg.sigma,
+                                    &cfg.sigma,   &cfg.delta,    &cfg.delta,   &cfg.gamma,
+                                    &cfg.gamma,   &cfg.start[1], &cfg.scale[1]};
     const auvid_real_t values[] = {-1, AUVID_C(1.1e-3), AUVID_C(3e-6), -1, 1, 1, 101, 1, -1, 9, -1};
     for (size_t k = 0; k < sizeof values / sizeof *values; ++k) {
         *fields[k] = values[k];
@@ -186,12 +185,12 @@ static void test_init_names_what_is_wrong_and_changes_nothing(void)
 static void test_zeros_of_the_configuration_mean_what_the_header_says(void)
 {
     init();
-    TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.35) && ls.config.sigma == AUVID_C(0.09) &&
-                     ls.config.epsilon == AUVID_C(3e-6) && ls.config.scale[0] == 8);
-    config.paper = true;
+    TEST_ASSERT_TRUE(ls.cfg.alpha0 == AUVID_C(0.35) && ls.cfg.sigma == AUVID_C(0.09) &&
+                     ls.cfg.epsilon == AUVID_C(3e-6) && ls.cfg.scale[0] == 8);
+    cfg.paper = true;
     init();
-    TEST_ASSERT_TRUE(ls.config.alpha0 == AUVID_C(0.05) && ls.config.sigma == AUVID_C(0.5) &&
-                     ls.config.epsilon == AUVID_C(3e-5));
+    TEST_ASSERT_TRUE(ls.cfg.alpha0 == AUVID_C(0.05) && ls.cfg.sigma == AUVID_C(0.5) &&
+                     ls.cfg.epsilon == AUVID_C(3e-5));
 }
 
 static void test_calls_out_of_order_are_refused(void)
@@ -258,13 +257,13 @@ static void test_paper_asks_for_the_points_of_algorithm_2(void)
     const cost_t costs[] = {coupled, absolute, dead_band};
     for (size_t c = 0; c < 3; ++c) {
         box(4, AUVID_C(1024.0));
-        config.paper = true;
-        config.restarts = 0;
-        config.alpha0 = AUVID_C(0.5);
-        config.gamma = AUVID_C(0.25);
-        config.epsilon = AUVID_C(0.0009765625);
+        cfg.paper = true;
+        cfg.restarts = 0;
+        cfg.alpha0 = AUVID_C(0.5);
+        cfg.gamma = AUVID_C(0.25);
+        cfg.epsilon = AUVID_C(0.0009765625);
         for (int i = 0; i < 4; ++i) {
-            config.scale[i] = 1;
+            cfg.scale[i] = 1;
         }
         int count = algorithm_2(costs[c], visited, 2000), k = 0;
         init();
@@ -282,7 +281,7 @@ static void test_it_finds_the_optimum_of_coupled_quadratics(void)
 {
     const double optimum[4] = {1.0, 0.5, 0.75, 0.625};
     for (int literal = 0; literal < 2; ++literal) {
-        config.paper = literal != 0;
+        cfg.paper = literal != 0;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
         near(optimum, 1e-3);
@@ -296,7 +295,7 @@ static void test_pattern_step_and_parabola_save_evaluations_if_parameters_are_co
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
     near(optimum, 1e-4);
     uint32_t accelerated = ls.evaluations;
-    config.paper = true;
+    cfg.paper = true;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
     near(optimum, 1e-2);
@@ -338,9 +337,9 @@ static void test_it_finds_the_optimum_of_costs_with_kinks(void)
 {
     const double optimum[4] = {0.3, 0.6, 0.9, 1.2};
     for (int literal = 0; literal < 2; ++literal) {
-        config.paper = literal != 0;
-        config.start[0] = -6;
-        config.start[3] = 7;
+        cfg.paper = literal != 0;
+        cfg.start[0] = -6;
+        cfg.start[3] = 7;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(absolute));
         near(optimum, 8 * 3e-5);
@@ -356,9 +355,9 @@ static void test_it_follows_a_curved_valley(void)
 {
     const double optimum[2] = {1.0, 1.0};
     box(2, 2);
-    config.start[0] = AUVID_C(-1.2);
-    config.start[1] = 1;
-    config.max_evaluations = 20000;
+    cfg.start[0] = AUVID_C(-1.2);
+    cfg.start[1] = 1;
+    cfg.max_evaluations = 20000;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rosenbrock));
     near(optimum, 0.02);
@@ -367,13 +366,13 @@ static void test_it_follows_a_curved_valley(void)
 static void test_a_step_is_cut_at_the_box_so_that_a_corner_is_reached_exactly(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
-        config.paper = literal != 0;
-        config.start[1] = AUVID_C(0.1);
-        config.start[2] = config.lower[2];
+        cfg.paper = literal != 0;
+        cfg.start[1] = AUVID_C(0.1);
+        cfg.start[2] = cfg.lower[2];
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(corner));
         for (int i = 0; i < 4; ++i) {
-            TEST_ASSERT_TRUE(ls.theta[i] == config.upper[i]);
+            TEST_ASSERT_TRUE(ls.theta[i] == cfg.upper[i]);
         }
         const double optimum[4] = {8.0, 2.0, 0.0, 0.0};
         init();
@@ -389,8 +388,8 @@ static void test_units_of_the_parameters_do_not_matter(void)
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
     uint32_t evaluations = ls.evaluations;
     for (int i = 0; i < 4; ++i) {
-        config.lower[i] *= unit[i];
-        config.upper[i] *= unit[i];
+        cfg.lower[i] *= unit[i];
+        cfg.upper[i] *= unit[i];
     }
     init();
     auvid_real_t x[4];
@@ -413,11 +412,11 @@ static void test_units_of_the_parameters_do_not_matter(void)
 
 static void test_the_last_steps_are_no_longer_than_epsilon(void)
 {
-    config.epsilon = AUVID_C(1e-3);
+    cfg.epsilon = AUVID_C(1e-3);
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(coupled));
     for (int i = 0; i < 8; ++i) {
-        TEST_ASSERT_TRUE(ls.alpha[i] > 0 && ls.alpha[i] <= config.epsilon);
+        TEST_ASSERT_TRUE(ls.alpha[i] > 0 && ls.alpha[i] <= cfg.epsilon);
     }
     TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, auvid_line_search_ask(&ls, theta));
 }
@@ -436,7 +435,7 @@ static void test_plateaus_and_failing_models_end(void)
 
 static void test_evaluations_are_capped(void)
 {
-    config.max_evaluations = 17;
+    cfg.max_evaluations = 17;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, run(coupled));
     TEST_ASSERT_EQUAL_UINT32(17, ls.evaluations);
@@ -448,9 +447,9 @@ static void test_each_restart_reduces_the_steps_again(void)
 {
     for (int literal = 0; literal < 2; ++literal) {
         uint32_t evaluations[4];
-        config.paper = literal != 0;
+        cfg.paper = literal != 0;
         for (uint8_t restarts = 0; restarts < 4; ++restarts) {
-            config.restarts = restarts;
+            cfg.restarts = restarts;
             init();
             TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
             evaluations[restarts] = ls.evaluations;

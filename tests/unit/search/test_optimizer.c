@@ -10,17 +10,17 @@
 typedef auvid_real_t (*cost_t)(const auvid_real_t *);
 
 static auvid_optimizer_t optimizer, other;
-static auvid_optimizer_config_t config;
+static auvid_optimizer_config_t cfg;
 static auvid_real_t theta[AUVID_MAX_PARAMETERS];
 static int n;
 
 static void box(int parameters, auvid_real_t half)
 {
     n = parameters;
-    auvid_optimizer_defaults(&config, (uint8_t)n);
+    auvid_optimizer_defaults(&cfg, (uint8_t)n);
     for (int i = 0; i < n; ++i) {
-        config.crs.lower[i] = -half;
-        config.crs.upper[i] = half;
+        cfg.crs.lower[i] = -half;
+        cfg.crs.upper[i] = half;
     }
 }
 
@@ -77,7 +77,7 @@ static auvid_real_t corner(const auvid_real_t *x)
 {
     auvid_real_t sum = 0;
     for (int i = 0; i < n; ++i) {
-        sum += i % 2 ? x[i] - config.crs.lower[i] : config.crs.upper[i] - x[i];
+        sum += i % 2 ? x[i] - cfg.crs.lower[i] : cfg.crs.upper[i] - x[i];
     }
     return sum;
 }
@@ -117,7 +117,7 @@ static auvid_real_t rastrigin(const auvid_real_t *x)
 
 static void init(void)
 {
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &cfg));
 }
 
 /* Up to `max_asks` asks; the best cost must never rise. @return AUVID_PENDING: not ended */
@@ -128,7 +128,7 @@ static auvid_status_t steps(auvid_optimizer_t *o, cost_t cost, long max_asks)
         auvid_status_t status = auvid_optimizer_ask(o, x);
         if (status == AUVID_OK) {
             for (int i = 0; i < n; ++i) {
-                TEST_ASSERT_TRUE(x[i] >= config.crs.lower[i] && x[i] <= config.crs.upper[i]);
+                TEST_ASSERT_TRUE(x[i] >= cfg.crs.lower[i] && x[i] <= cfg.crs.upper[i]);
             }
             auvid_real_t j = cost(x);
             TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_tell(o, j));
@@ -158,18 +158,18 @@ static double best_at(int i)
 static void test_init_checks_both_phases_and_changes_nothing_when_it_refuses(void)
 {
     auvid_optimizer_defaults(NULL, 3);
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(NULL, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(NULL, &cfg));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_init(&optimizer, NULL));
     memset(&optimizer, 0x5a, sizeof optimizer);
     memcpy(&other, &optimizer, sizeof other);
-    config.crs.population = 3;
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_POPULATION, auvid_optimizer_init(&optimizer, &config));
-    config.crs.population = 0;
-    config.line_search.sigma = 2;
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &config));
-    config.line_search.sigma = AUVID_C(0.5);
-    config.scale[2] = -1;
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &config));
+    cfg.crs.population = 3;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_POPULATION, auvid_optimizer_init(&optimizer, &cfg));
+    cfg.crs.population = 0;
+    cfg.line_search.sigma = 2;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &cfg));
+    cfg.line_search.sigma = AUVID_C(0.5);
+    cfg.scale[2] = -1;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &cfg));
     TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &optimizer, sizeof other));
 }
 
@@ -193,19 +193,19 @@ static void test_calls_out_of_order_are_refused(void)
 static void test_the_global_phase_is_short_unless_configured_otherwise(void)
 {
     init();
-    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 2);
-    TEST_ASSERT_TRUE(optimizer.crs.config.reduction == AUVID_C(0.05));
-    config.crs.reduction = AUVID_C(0.2);
+    TEST_ASSERT_TRUE(optimizer.crs.cfg.omega == 2);
+    TEST_ASSERT_TRUE(optimizer.crs.cfg.reduction == AUVID_C(0.05));
+    cfg.crs.reduction = AUVID_C(0.2);
     init();
-    TEST_ASSERT_TRUE(optimizer.crs.config.reduction == AUVID_C(0.2));
-    config.crs.reduction = 0;
-    config.crs.omega = 7;
+    TEST_ASSERT_TRUE(optimizer.crs.cfg.reduction == AUVID_C(0.2));
+    cfg.crs.reduction = 0;
+    cfg.crs.omega = 7;
     init();
-    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 7 && optimizer.crs.config.reduction == 0);
-    config.crs.omega = 0;
-    config.line_search.paper = true;
+    TEST_ASSERT_TRUE(optimizer.crs.cfg.omega == 7 && optimizer.crs.cfg.reduction == 0);
+    cfg.crs.omega = 0;
+    cfg.line_search.paper = true;
     init();
-    TEST_ASSERT_TRUE(optimizer.crs.config.omega == 5 && optimizer.crs.config.reduction == 0);
+    TEST_ASSERT_TRUE(optimizer.crs.cfg.omega == 5 && optimizer.crs.cfg.reduction == 0);
 }
 
 static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void)
@@ -232,7 +232,7 @@ static void test_the_local_phase_begins_at_the_best_point_of_the_global_one(void
 static void test_work_counts_every_evaluation_and_every_point_made(void)
 {
     uint32_t received = 0, asked = 0;
-    config.crs.population = 6; /* n + 1: many rejections */
+    cfg.crs.population = 6; /* n + 1: many rejections */
     init();
     for (uint32_t turns = 0;;) {
         auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
@@ -256,7 +256,7 @@ static void test_work_counts_every_evaluation_and_every_point_made(void)
 static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
 {
     init();
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &cfg));
     (void)run(ill_scaled);
     for (int k = 0; k < 1000; ++k) { /* ticks of 1-7 asks that end between an ask and its tell */
         (void)steps(&other, ill_scaled, 1 + k % 7);
@@ -269,12 +269,12 @@ static void test_a_split_run_and_a_single_run_give_the_same_bits(void)
 static void test_two_instances_do_not_interact(void)
 {
     static auvid_optimizer_t single;
-    auvid_optimizer_config_t second = config;
+    auvid_optimizer_config_t second = cfg;
     second.crs.seed = 99;
     init();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&other, &second));
     memset(&single, 0, sizeof single);
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&single, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&single, &cfg));
     (void)steps(&single, kinks, 1000000);
     for (int k = 0; k < 3000; ++k) {
         (void)steps(&optimizer, kinks, 1);
@@ -292,8 +292,8 @@ static void test_it_finds_smooth_and_kinked_optima_in_all_sizes(void)
         for (uint64_t seed = 0; seed < 25; ++seed) {
             for (int literal = 0; literal < 2; ++literal) {
                 box(sizes[s], 10);
-                config.crs.seed = seed;
-                config.line_search.paper = literal != 0;
+                cfg.crs.seed = seed;
+                cfg.line_search.paper = literal != 0;
                 init();
                 TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
                 for (int i = 0; i < n; ++i) {
@@ -313,7 +313,7 @@ static void test_it_finds_an_ill_scaled_optimum(void)
 {
     for (uint64_t seed = 0; seed < 50; ++seed) {
         double expected = 1.0;
-        config.crs.seed = seed;
+        cfg.crs.seed = seed;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(ill_scaled));
         for (int i = 0; i < n; ++i) {
@@ -327,7 +327,7 @@ static void test_it_finds_the_end_of_rosenbrocks_valley(void)
 {
     for (uint64_t seed = 0; seed < 50; ++seed) {
         box(2, 2);
-        config.crs.seed = seed;
+        cfg.crs.seed = seed;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rosenbrock));
         TEST_ASSERT_TRUE(fabs(best_at(0) - 1.0) <= 0.02 && fabs(best_at(1) - 1.0) <= 0.04);
@@ -343,10 +343,10 @@ static void test_it_finds_the_global_minimum_among_many(void)
     int found = 0;
     for (uint64_t seed = 0; seed < SEEDS; ++seed) {
         box(2, AUVID_C(5.12));
-        config.crs.seed = seed;
-        config.crs.population = 68;
-        config.crs.omega = AUVID_C(2e6);
-        config.crs.max_evaluations = 20000;
+        cfg.crs.seed = seed;
+        cfg.crs.population = 68;
+        cfg.crs.omega = AUVID_C(2e6);
+        cfg.crs.max_evaluations = 20000;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(rastrigin));
         found += fabs(best_at(0) - 0.7) < 0.01 && fabs(best_at(1) - 0.7) < 0.01;
@@ -358,8 +358,8 @@ static void test_it_reaches_an_optimum_in_a_corner_exactly(void)
 {
     for (uint64_t seed = 0; seed < 50; ++seed) {
         box(5, 10);
-        config.crs.seed = seed;
-        config.crs.population = seed % 2 ? 6 : 0;
+        cfg.crs.seed = seed;
+        cfg.crs.population = seed % 2 ? 6 : 0;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(corner));
         for (int i = 0; i < n; ++i) {
@@ -371,7 +371,7 @@ static void test_it_reaches_an_optimum_in_a_corner_exactly(void)
 static void test_it_ends_on_plateaus_and_where_the_model_fails(void)
 {
     for (uint64_t seed = 0; seed < 20; ++seed) {
-        config.crs.seed = seed;
+        cfg.crs.seed = seed;
         init();
         TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(plateau));
         init();
@@ -414,7 +414,7 @@ static void test_a_change_of_data_in_any_phase_leads_to_the_new_optimum(void)
 static void test_a_local_phase_that_cannot_begin_ends_the_search_at_the_global_best(void)
 {
     auvid_real_t cost = 0;
-    auvid_status_t status = auvid_optimizer_init(&optimizer, &config);
+    auvid_status_t status = auvid_optimizer_init(&optimizer, &cfg);
     optimizer.local.delta = AUVID_C(0.5);
     for (int k = 0; k < 100000 && status >= 0; ++k) {
         status = auvid_optimizer_ask(&optimizer, theta);

@@ -34,22 +34,22 @@ typedef enum { NOTHING, GOOD, BAD } known_t;
 
 static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, known_t known)
 {
-    auvid_optimizer_config_t config;
+    auvid_optimizer_config_t cfg;
     auvid_real_t theta[AUVID_MAX_PARAMETERS], last = AUVID_LARGEST, best = 0;
     p->evaluations = 0;
-    auvid_optimizer_defaults(&config, LS_N);
-    config.crs.seed = seed + 1u;
-    config.line_search.paper = literal;
-    config.line_search.epsilon = literal ? AUVID_C(1e-5) : config.line_search.epsilon;
+    auvid_optimizer_defaults(&cfg, LS_N);
+    cfg.crs.seed = seed + 1u;
+    cfg.line_search.paper = literal;
+    cfg.line_search.epsilon = literal ? AUVID_C(1e-5) : cfg.line_search.epsilon;
     for (int i = 0; i < LS_N; ++i) {
         double off = 0.3 * sin(1.0 + 7.0 * (double)seed + 3.0 * i);
-        config.crs.lower[i] = -1000;
-        config.crs.upper[i] = 1000;
-        config.scale[i] = column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
+        cfg.crs.lower[i] = -1000;
+        cfg.crs.upper[i] = 1000;
+        cfg.scale[i] = column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
         theta[i] = known == GOOD ? (auvid_real_t)fmin(1000.0, p->optimum[i] * (1.0 + off))
                                  : (auvid_real_t)copysign(1000.0, -p->optimum[i]);
     }
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &config));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &cfg));
     if (known != NOTHING) {
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_add_point(&optimizer, theta));
     }

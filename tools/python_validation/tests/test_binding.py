@@ -55,5 +55,5 @@ def test_an_identification_runs_from_python(lib):
     lib.chain_defaults(config, 1, 4, 0.0)
     assert lib.chain_run_sets(chain, config, 4) == 0
     lib.chain_finish(chain, 1000, 100_000)
-    errors = values(chain.id.estimate.pi)[:13] / values(chain.sim.config.parameter) - 1
+    errors = values(chain.id.estimate.pi)[:13] / values(chain.sim.cfg.parameter) - 1
     assert np.sqrt((errors**2).mean()) < 0.03
