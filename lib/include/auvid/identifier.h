@@ -402,7 +402,7 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
 /** Check the arithmetic (selftest.h) and the configuration, and start.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC (the self-test failed);
- * AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty); AUVID_ERR_LIMIT (the
+ * AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty); AUVID_ERR_CAPACITY (the
  * excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in
  * every tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not
  * below the upper bound of a free mass, which could not be plausible); for the search over the free

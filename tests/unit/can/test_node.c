@@ -395,12 +395,12 @@ static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
     uint32_t good = node.counters.frames;
     TEST_ASSERT_EQUAL_UINT32(taken_count, good);
     auvid_can_frame_t frame = taken[taken_count - 1];                      /* a tick frame */
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame)); /* repeated */
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, auvid_node_take(&node, &frame));
     frame.data[4] ^= 1u;
     TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
     frame = taken[taken_count - 1];
     frame.length = 7;
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_node_take(&node, &frame));
     TEST_ASSERT_EQUAL_UINT32(3, node.counters.refused);
     frame.id = 0x123;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_node_take(&node, &frame));
@@ -504,8 +504,8 @@ static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
     auvid_can_frame_t first = tick_frame(&from, 1), second = tick_frame(&from, 2);
     auvid_can_frame_t third = tick_frame(&from, 3);
     TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &second));
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &first));
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &second));
+    TEST_ASSERT_EQUAL(AUVID_ERR_COUNTER_JUMP, auvid_node_take(&node, &first));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_node_take(&node, &second));
     TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &third));
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
     TEST_ASSERT_EQUAL_UINT32(2, node.counters.refused);

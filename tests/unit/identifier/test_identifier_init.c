@@ -138,7 +138,7 @@ static void test_an_excitation_above_the_thrusters_limit_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
     chain_config_t wanted = cfg;
-    check_init(AUVID_ERR_LIMIT);
+    check_init(AUVID_ERR_CAPACITY);
     cfg = wanted;
     cfg.id.allocation.thrusters = 0; /* no thrusters known: no limit */
     check_init(AUVID_OK);
