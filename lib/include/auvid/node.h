@@ -126,12 +126,13 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
 /** Initialises the node.
+ * After an error every other function returns AUVID_ERR_STATE.
  * @param identifier configuration of the identifier. It must include the allocation: the bus
  * carries thrusts, not wrenches. It may be node->id.cfg, which saves memory; its contents are
  * undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
- * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.
- * After an error every other function returns AUVID_ERR_STATE. */
+ * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
+ * auvid_identifier_init. */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_identifier_config_t *identifier);
 

@@ -21,9 +21,11 @@
 #pragma GCC optimize("O2", "fp-contract=fast")
 #pragma GCC target("fma")
 #endif
+#pragma push_macro("auvid_selftest")
+#undef auvid_selftest
 #define auvid_selftest contracted_selftest
 #include "base/auvid_selftest.c"
-#undef auvid_selftest
+#pragma pop_macro("auvid_selftest")
 #if defined(__clang__)
 #pragma clang attribute pop
 #else

@@ -136,6 +136,7 @@ static void test_a_wrong_length_or_range_counts_as_invalid(void)
     auvid_can_frame_t frame = depth_frame(0);
     frame.length = 7;
     TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_receiver_status(&receiver, now));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.invalid);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.checksum);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.good);
@@ -520,6 +521,29 @@ static void test_wrong_calls_return_their_statuses_and_no_thrust(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_status(NULL, 0));
 }
 
+static void test_a_bad_command_is_refused_with_its_cause(void)
+{
+    auvid_can_frame_t frame = half_frame(0, 0);
+    start_driving();
+    auvid_can_message_t m = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &frame));
+    frame.t_us = now;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, auvid_can_command_take(&command, &frame));
+    frame.length = 7;
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_command_take(&command, &frame));
+    frame.length = AUVID_CAN_BYTES;
+    frame.data[7] ^= 1u;
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_can_command_take(&command, &frame));
+    memset(frame.data + 2, 0xFE, 6); /* thrusts out of range, with a right checksum */
+    frame.data[0] = auvid_can_crc(frame.data, AUVID_CAN_THRUSTER_COMMAND_A + 1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_can_receiver_init(&receiver, AUVID_CAN_THRUSTER_COMMAND_A, 0, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_receiver_status(&receiver, now));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -556,5 +580,6 @@ int main(void)
     RUN_TEST(test_one_to_eight_thrusters_need_one_half_per_four);
     RUN_TEST(test_random_frames_are_good_at_the_expected_rate);
     RUN_TEST(test_wrong_calls_return_their_statuses_and_no_thrust);
+    RUN_TEST(test_a_bad_command_is_refused_with_its_cause);
     return UNITY_END();
 }
