@@ -67,8 +67,9 @@ def print_header(texts):
     print('#include "tests/statuses/statuses.h"')
     for at, name in enumerate(texts):
         sized = re.search(rf"#define {name}\b[\s\\]*(AUVID_SIZED\w*\([^)]*\))", headers)
+        real = sized[1] if sized else name
         print(f"#undef {name}")
-        print(f"#define {name}(...) statuses_note({at}, {sized[1] if sized else name}(__VA_ARGS__))")
+        print(f"#define {name}(...) statuses_note({at}, {real}(__VA_ARGS__))")
 
 
 def check(texts, files):

@@ -85,7 +85,8 @@ void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
  * @param optimizer  state to start; need not be zeroed.
  * @param cfg     copied.
  * @return AUVID_OK; the errors of auvid_crs_init, the errors of auvid_line_search_init, in that
- *         order. After an error *optimizer is unchanged. Cost: that of auvid_crs_init. Stack: 0.9 KiB.
+ *         order. After an error *optimizer is unchanged.
+ * Cost: that of auvid_crs_init. Stack: 0.9 KiB.
  */
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
                                     const auvid_optimizer_config_t *cfg);
