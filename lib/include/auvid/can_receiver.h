@@ -80,8 +80,8 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
  * @param message written if the frame is authentic: good, repeated or counter jump
  * @return AUVID_OK (good); AUVID_UNUSED (a frame of another message: no-op); AUVID_ERR_NULL
  * (no-op); AUVID_ERR_REPEATED and AUVID_ERR_COUNTER_JUMP (authentic, not good; the first frame of a
- * command counts as a jump); AUVID_ERR_LENGTH, AUVID_ERR_CHECKSUM, AUVID_ERR_RANGE (not authentic, see
- * auvid_can_unpack). */
+ * command counts as a jump); AUVID_ERR_LENGTH, AUVID_ERR_CHECKSUM, AUVID_ERR_RANGE (not authentic,
+ * see auvid_can_unpack). */
 auvid_status_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
                                        const auvid_can_frame_t *frame,
                                        auvid_can_message_t *message);

@@ -405,13 +405,13 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
- * AUVID_ERR_CAPACITY (the excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in
- * every tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not
- * below the upper bound of a free mass, which could not be plausible); for the search over the free
- * parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper with
- * AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
- * errors of auvid_recorder_init, the errors of auvid_metric_init, the errors of auvid_guard_init, the
- * errors of auvid_allocation_init, the errors of auvid_excitation_init. */
+ * AUVID_ERR_CAPACITY (the excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity:
+ * unknown, or water lock in every tick; dry mass below zero; an uncertainty below zero or above 1);
+ * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
+ * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
+ * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
+ * errors of auvid_recorder_init, the errors of auvid_metric_init, the errors of auvid_guard_init,
+ * the errors of auvid_allocation_init, the errors of auvid_excitation_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_arm AUVID_SIZED(auvid_identifier_arm)
