@@ -21,6 +21,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "auvid/config.h"
 
@@ -119,11 +120,19 @@ typedef struct {
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
 
-/** Returns true if x is neither NaN nor infinite. Needs no library. No accepted compiler flag
- * breaks it. */
+/** Returns true if x is neither NaN nor infinite: not all bits of its exponent are set. Needs no
+ * library. No accepted compiler flag breaks it. */
 static inline bool auvid_is_finite(auvid_real_t x)
 {
-    return x - x <= AUVID_C(0.0); /* NaN if x is not finite */
+#ifdef AUVID_REAL_DOUBLE
+    const uint64_t exponent = (uint64_t)0x7FF << 52;
+    uint64_t bits;
+#else
+    const uint32_t exponent = (uint32_t)0xFF << 23;
+    uint32_t bits;
+#endif
+    memcpy(&bits, &x, sizeof bits);
+    return (bits & exponent) != exponent;
 }
 
 #ifdef __cplusplus

@@ -409,7 +409,7 @@ static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
     TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
     frame.id = 0x123;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_node_take(&node, &frame));
-    TEST_ASSERT_EQUAL_UINT42(3, node.counters.refused);
+    TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
     TEST_ASSERT_EQUAL_UINT32(good, node.counters.frames);
     go(10);
     TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
