@@ -26,8 +26,12 @@ void auvid_node_defaults(auvid_node_config_t *cfg)
 static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
 {
     auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
-    for (int i = 0; i < AUVID_NODE_KINDS && status >= 0; ++i) {
-        status = auvid_can_receiver_init(&node->receiver[i], (auvid_can_kind_t)i, 0, &cfg->ids);
+    for (int i = 0; i < AUVID_CAN_KINDS && status >= 0; ++i) {
+        auvid_can_kind_t kind = (auvid_can_kind_t)i;
+        auvid_can_node_kind_t received = auvid_can_node_kind(kind);
+        if (received != AUVID_CAN_NODE_KINDS) {
+            status = auvid_can_receiver_init(&node->receiver[received], kind, 0, &cfg->ids);
+        }
     }
     return status;
 }
@@ -196,11 +200,10 @@ static void node_take_foreign_command(auvid_node_t *node)
 /* Is this message obeyed? A message that takes thrust away is obeyed with any counter. */
 static bool node_obeys(auvid_can_state_t state, const auvid_can_message_t *m)
 {
-    _Static_assert(AUVID_NODE_KINDS <= 32, "a bit of `kinds` for each message");
-    const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
-                           1u << AUVID_CAN_THRUSTER_COMMAND_B;
+    bool command =
+        m->kind == AUVID_CAN_THRUSTER_COMMAND_A || m->kind == AUVID_CAN_THRUSTER_COMMAND_B;
     bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
-    return state == AUVID_CAN_GOOD || (kinds >> m->kind & 1u) != 0 || disarms;
+    return state == AUVID_CAN_GOOD || m->kind == AUVID_CAN_ABORT || command || disarms;
 }
 
 static auvid_status_t node_take_message(auvid_node_t *node, const auvid_can_message_t *m,
@@ -247,14 +250,15 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         return AUVID_ERR_STATE;
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
-    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE ||
-        node_is_echo(node, kind, frame)) {
+    auvid_can_node_kind_t received = auvid_can_node_kind(kind);
+    if (received == AUVID_CAN_NODE_KINDS || node_is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
-    auvid_can_state_t state = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
+    auvid_can_state_t state =
+        auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
     if (state == AUVID_CAN_BAD || !node_obeys(state, &message)) {
         ++node->counters.refused;
         return AUVID_ERR_CHECKSUM;
