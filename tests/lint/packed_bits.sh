@@ -42,8 +42,8 @@ many() {
     seq -f 'EXTRA_%g,' "$1" | tr '\n' ' '
 }
 public=include/auvid
-sensor='s/(AUVID_NAV_SENSOR_COUNT) = 4/AUVID_NAV_EXTRA = 4, \1 = 5/'
-refused '1 << sensor' navigation/auvid_nav.c "$sensor" $public/nav.h
+refused 'a row for each sensor' navigation/auvid_nav.c \
+    's/(AUVID_NAV_SENSOR_COUNT) = 4/AUVID_NAV_EXTRA = 4, \1 = 5/' $public/nav.h
 refused 'auvid_nav_t.holding' navigation/auvid_nav_late.c \
     's/(AUVID_NAV_SENSOR_COUNT) = 4/\1 = 9/' $public/nav.h
 refused 'auvid_nav_t.flags' navigation/auvid_nav.c \
