@@ -248,6 +248,16 @@ def compare_crcs(codec, rng):
     return "10000 CRCs"
 
 
+def node_receives_what_the_dbc_says(codec, _):
+    """Its messages are numbered from 0, in the order of their identifiers."""
+    received = [m for m in MESSAGES if "node" in m.signals[0].receivers]
+    for kind, message in enumerate(MESSAGES):
+        expected = received.index(message) if message in received else len(received)
+        assert codec.library.auvid_can_node_kind(kind) == expected, message.name
+    assert codec.library.auvid_can_node_kind(len(MESSAGES)) == len(received)
+    return f"{len(received)} of {len(MESSAGES)} messages"
+
+
 def nan_is_refused(codec, _):
     tried = 0
     for kind, message in enumerate(MESSAGES):
@@ -288,6 +298,7 @@ def main():
         for name, check in (("values packed as by cantools", compare_values),
                             ("payloads unpacked as by cantools", compare_payloads),
                             ("CRC as by autosar-e2e and crccheck", compare_crcs),
+                            ("a node receives what the DBC says", node_receives_what_the_dbc_says),
                             ("NaN refused in every signal", nan_is_refused),
                             ("+1.5, -2 and infinity limited in every signal", limits_hold)):
             try:

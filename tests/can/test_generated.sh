@@ -54,6 +54,9 @@ check "two messages with one data id are refused" touched 2 's/("AuvidDataId" BO
 check "a message without a data id is refused" touched 2 '/"AuvidDataId" BO_ 1031/d'
 check "overlapping signals are refused" touched 2 's/theta : 26/theta : 25/'
 check "a signal without comment is refused" touched 2 '/CM_ SG_ 1031 depth/d'
+check "two receivers of one message are refused" touched 2 's/(depth : .*) node/\1 vehicle/'
+check "an age that is not the last signal is refused" touched 2 \
+    's/altitude : 12\|20/altitude : 22|20/; /^BO_ 1030/,/^$/s/age : 54/age : 12/'
 check "a scale that is not 1/n is refused" touched 2 's/(phi : [^(]*\()0.0004/\10.0003/'
 check "a signal without a value for not available is refused" touched 2 '/VAL_ 1031 depth/d'
 check "a crc in another place is refused" touched 2 's/(gps_crc : )0/\11/'
@@ -127,12 +130,21 @@ refused "the last message removed" "/^BO_ $last/,/^\$/d; / $last /d" ': .* remov
 refused "messages that exchange their identifiers" \
     '/^BA_ /!{s/\<1041\>/last/; s/\<1042\>/1041/; s/\<last\>/1042/}' "drag: the $changed"
 next=$((last + 1))
-accepted "a message at the end" \
-    "/^BO_ $last/i BO_ $next extra: 8 node\\n SG_ extra_crc : 0|8@1+ (1,0) [0|255] \"\" vehicle\\
- SG_ extra_counter : 8|4@1+ (1,0) [0|15] \"\" vehicle\\
- SG_ n : 12|8@1+ (1,0) [0|255] \"\" vehicle\\n
-     /^BA_DEF_ BO_ \"Gen/i CM_ BO_ $next \"Extra.\";\\nCM_ SG_ $next n \"Number.\";
-     \$a BA_ \"AuvidDataId\" BO_ $next $(($(grep -c '^BO_ ' "$ROOT/$DBC") + 1));"
+# extra ID DATA_ID RECEIVER: sed that adds a message.
+extra() {
+    printf '%s\n' "/^BO_ $last/i BO_ $1 extra: 8 node\\n\\" \
+        " SG_ extra_crc : 0|8@1+ (1,0) [0|255] \"\" $3\\n\\" \
+        " SG_ extra_counter : 8|4@1+ (1,0) [0|15] \"\" $3\\n\\" \
+        " SG_ n : 12|8@1+ (1,0) [0|255] \"\" $3\\n" \
+        "/^BA_DEF_ BO_ \"Gen/i CM_ BO_ $1 \"Extra.\";\\nCM_ SG_ $1 n \"Number.\";" \
+        "\$a BA_ \"AuvidDataId\" BO_ $1 $2;"
+}
+next_data_id=$(($(grep -c '^BO_ ' "$ROOT/$DBC") + 1))
+accepted "a message at the end of the second block" "$(extra $next $next_data_id vehicle)"
+accepted "a message at the end of the first block" "$(extra 70 246 vehicle)"
+accepted "a message that a node receives" "$(extra $next $next_data_id node)"
+check "a message behind a gap is refused" touched 2 "$(extra $((next + 1)) $next_data_id node)"
+check "a message with another data id is refused" touched 2 "$(extra 70 $next_data_id node)"
 accepted "another comment" 's/Positive down/Positive upwards/'
 accepted "another cycle time" 's/("GenMsgCycleTime" BO_ 1031) 100/\1 50/'
 accepted "a signal renamed" 's/\<altitude :/height :/; s/1030 altitude/1030 height/' \

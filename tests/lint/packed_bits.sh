@@ -42,8 +42,8 @@ many() {
     seq -f 'EXTRA_%g,' "$1" | tr '\n' ' '
 }
 public=include/auvid
-sensor='s/(AUVID_NAV_SENSOR_COUNT) = 4/AUVID_NAV_EXTRA = 4, \1 = 5/'
-refused '1 << sensor' navigation/auvid_nav.c "$sensor" $public/nav.h
+refused 'a row for each sensor' navigation/auvid_nav.c \
+    's/(AUVID_NAV_SENSOR_COUNT) = 4/AUVID_NAV_EXTRA = 4, \1 = 5/' $public/nav.h
 refused 'auvid_nav_t.holding' navigation/auvid_nav_late.c \
     's/(AUVID_NAV_SENSOR_COUNT) = 4/\1 = 9/' $public/nav.h
 refused 'auvid_nav_t.flags' navigation/auvid_nav.c \
@@ -74,8 +74,6 @@ refused 'drag.point' can/auvid_node_report.c \
     's/AUVID_C\(0\.3\), AUVID_C\(0\.6\)/AUVID_C(0.2), &/' src/can/auvid_node_report.c
 refused 'a bit of `used`' identifier/auvid_thrusters.c \
     's/(AUVID_THRUSTERS_GROUPS) 4/\1 32/' $public/thrusters.h
-refused 'a bit of `kinds`' can/auvid_node.c \
-    's/(AUVID_NODE_KINDS) .*/\1 33/' $public/node.h
 refused 'AUVID_CAN_DATA_ID' can/auvid_can.c 's/(AUVID_CAN_KINDS) = .*/\1 = 256/' \
     $public/can_messages.h
 refused 'auvid_checkpoint_row_t.parts' identifier/auvid_checkpoint_locate.c \

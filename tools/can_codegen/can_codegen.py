@@ -136,7 +136,6 @@ class Message:
         self.cycle_ms = message.cycle_time or 0
         need("AuvidDataId" in message.dbc.attributes, self.name, "no AuvidDataId")
         self.data_id = message.dbc.attributes["AuvidDataId"].value
-        need(self.data_id == index + 1, self.name, f"AuvidDataId {self.data_id}, not {index + 1}")
         need(self.comment, self.name, "no comment")
         need(not message.is_extended_frame, self.name, "extended identifier")
         need(message.length == 8, self.name, "not 8 bytes")
@@ -150,6 +149,15 @@ class Message:
         for s in self.signals:
             need(s.start >= end, self.name, s.name, "overlap")
             end = s.start + s.length
+        need(len({tuple(sorted(s.receivers)) for s in signals}) == 1, self.name,
+             "its signals have different receivers")
+        self.to_node = "node" in signals[0].receivers
+        ages = [i for i, s in enumerate(self.signals) if s.name == "age"]
+        # The node copies the values of a sample as an array.
+        need(not ages or ages[0] == len(self.signals) - 1 and
+             all(s.may_be_absent for s in self.signals[:-1]), self.name,
+             "the age is not the last signal, after real numbers only")
+        self.values = ages[0] if ages else 0
         layout = repr((self.id, message.length, self.data_id, [s.layout for s in self.signals]))
         self.digest = hashlib.sha256(layout.encode()).hexdigest()[:16]
 
@@ -182,6 +190,9 @@ def load(path):
     for i, m in enumerate(messages):
         expected = FAST + i if m in fast else SLOW + i - len(fast)
         need(m.id == expected, m.name, f"identifier 0x{m.id:03X}, 0x{expected:03X} expected")
+        # As AUVID_CAN_DATA_ID: a message at the end of either block moves no other.
+        data_id = i - len(fast) + 7 if i >= len(fast) else i + (1 if i < 6 else 240)
+        need(m.data_id == data_id, m.name, f"AuvidDataId {m.data_id}, {data_id} expected")
     need(len(fast) <= 16, "more than 16 identifiers from 0x040 on")
     need(bus_load(messages)[1] <= LARGEST_LOAD, "bus load", f"{100 * bus_load(messages)[1]:.1f} %")
     return messages, database.dbc.attributes["AuvidProtocol"].value
@@ -254,9 +265,10 @@ def cycle(m):
 
 def header(messages, protocol):
     fast = sum(m.id < SLOW for m in messages)
-    kinds = []
-    for m in messages:
-        kinds.append(f"    AUVID_CAN_{m.name.upper()} = {m.index},")
+    kinds = [f"    AUVID_CAN_{m.name.upper()} = {m.index}," for m in messages]
+    to_node = [m for m in messages if m.to_node]
+    node_kinds = [f"    AUVID_CAN_NODE_{m.name.upper()} = {i}," for i, m in enumerate(to_node)]
+    values = enum([f"AUVID_CAN_{m.name.upper()}_VALUES = {m.values}" for m in messages if m.values])
     structs = "\n\n".join(struct(m) for m in messages)
     union = "\n".join(f"        auvid_can_{m.name}_t {m.name};" for m in messages)
     return f"""/**
@@ -290,6 +302,15 @@ typedef enum {{
 {chr(10).join(kinds)}
     AUVID_CAN_KINDS = {len(messages)}
 }} auvid_can_kind_t;
+
+/** The messages that a node receives, in the order of their identifiers. */
+typedef enum {{
+{chr(10).join(node_kinds)}
+    AUVID_CAN_NODE_KINDS = {len(to_node)} /**< no message that a node receives */
+}} auvid_can_node_kind_t;
+
+/** Samples of sensors: number of real values before `age`. */
+{values}
 
 {constants(messages)}
 
@@ -334,6 +355,9 @@ def table(messages):
     need(len(signal_rows) < 256 and len(types) <= 32, "more than 255 signals or 32 types")
     need(all(len(m.signals) <= 8 for m in messages), "more than 8 signals in a message")
 
+    to_node = [m for m in messages if m.to_node]
+    node_kinds = [to_node.index(m) if m.to_node else len(to_node) for m in messages]
+
     def numbers(values):
         return textwrap.fill(", ".join(map(str, values)), 96,
                              initial_indent="    ", subsequent_indent="    ")
@@ -359,6 +383,10 @@ const auvid_can_signal_t auvid_can_signals[] = {{
 
 const uint8_t auvid_can_first[AUVID_CAN_KINDS] = {{
 {numbers(starts)},
+}};
+
+const uint8_t auvid_can_node_kinds[AUVID_CAN_KINDS] = {{
+{numbers(node_kinds)},
 }};
 
 const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS] = {{

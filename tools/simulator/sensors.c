@@ -10,6 +10,19 @@
 
 #define PI 3.14159265358979323846
 
+#define POSITION(name, input, event, kind, axis, axes, config, noise_mm, surface, start)           \
+    SIM_IF_##kind([SIM_##name] = {axis, axes, surface, noise_mm / 1000.0,                          \
+                                  offsetof(sim_config_t, config##_m)}, )
+const sim_position_t sim_positions[SIM_SENSORS] = {AUVID_SENSORS(POSITION)};
+enum { NOISE_AND_ARM = 4 };
+
+static bool position_is_good(const sim_config_t *c, const sim_position_t *p)
+{
+    double own[NOISE_AND_ARM];
+    memcpy(own, (const char *)c + p->at, sizeof own);
+    return own[0] >= 0.0 && isfinite(own[0] + own[1] + own[2] + own[3]);
+}
+
 bool sim_sensors_init(sim_t *sim)
 {
     const sim_config_t *cfg = &sim->cfg;
@@ -24,11 +37,12 @@ bool sim_sensors_init(sim_t *sim)
             !(c->phase_s >= 0.0 && c->phase_s < 1e6) ||
             !(c->age_s >= 0.0 && c->age_s * c->rate_hz < SIM_QUEUE - 1) ||
             !(c->dropout >= 0.0 && c->dropout <= 1.0) || c->age_s > 1e6 ||
+            (sim_positions[i].axes > 0 && !position_is_good(cfg, &sim_positions[i])) ||
             (c->rate_hz > 0.0 && c->rate_hz < 1e-3)) {
             return false;
         }
-        sim_rng_seed(&s->noise, sim->cfg.seed, 2 * (uint64_t)i);
-        sim_rng_seed(&s->loss, sim->cfg.seed, 2 * (uint64_t)i + 1);
+        sim_rng_seed(&s->noise, sim->cfg.seed, SIM_STREAM(i));
+        sim_rng_seed(&s->loss, sim->cfg.seed, SIM_STREAM(i) + 1);
         s->period_us = c->rate_hz > 0.0 ? (uint64_t)(1e6 / c->rate_hz + 0.5) : 0;
         s->age_us = (uint64_t)(c->age_s * 1e6 + 0.5);
         s->next_us = c->phase_s > 0.0 ? (uint64_t)(c->phase_s * 1e6 + 0.5) : s->period_us;
@@ -96,27 +110,34 @@ static void lose_axes(const sim_config_t *c, sim_sensor_t *s, sim_measurement_t 
     }
 }
 
-static void depth(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+static void position(const sim_config_t *c, const sim_position_t *p, const moment_t *at,
+                     sim_rng_t *noise, sim_measurement_t *m)
 {
-    const double *a = c->depth_arm_m;
-    double r[3][3];
+    double r[3][3], own[NOISE_AND_ARM];
+    memcpy(own, (const char *)c + p->at, sizeof own);
     sim_rotation(at->euler, r);
-    m->value[0] = at->position[2] + r[2][0] * a[0] + r[2][1] * a[1] + r[2][2] * a[2] +
-                  c->depth_m * sim_rng_gauss(noise);
+    for (int i = 0; i < p->axes; ++i) {
+        const double *row = r[p->axis + i];
+        m->value[i] = at->position[p->axis + i] + row[0] * own[1] + row[1] * own[2] +
+                      row[2] * own[3] + own[0] * sim_rng_gauss(noise);
+    }
+    m->has = !p->surface || at->position[2] <= c->surface_m;
 }
 
-static void gps(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+static void measure(const sim_config_t *c, int sensor, const moment_t *at, sim_rng_t *noise,
+                    sim_measurement_t *m)
 {
-    m->value[0] = at->position[0] + c->gps_m * sim_rng_gauss(noise);
-    m->value[1] = at->position[1] + c->gps_m * sim_rng_gauss(noise);
-    m->has = at->position[2] <= c->gps_depth_m;
+    if (sensor == SIM_IMU) {
+        imu(c, at, noise, m);
+    } else if (sensor == SIM_DVL) {
+        dvl(c, at, noise, m);
+    } else {
+        position(c, &sim_positions[sensor], at, noise, m);
+    }
 }
 
 void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t *now)
 {
-    static void (*const measure[SIM_SENSORS])(const sim_config_t *, const moment_t *, sim_rng_t *,
-                                              sim_measurement_t *) = {
-        [SIM_IMU] = imu, [SIM_DVL] = dvl, [SIM_DEPTH] = depth, [SIM_GPS] = gps};
     for (int i = 0; i < SIM_SENSORS; ++i) {
         sim_sensor_t *s = &sim->sensor[i];
         while (s->period_us > 0 && s->next_us <= now->t_us) {
@@ -127,7 +148,7 @@ void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t
             between(at.euler, before->euler, now->euler, part, 3);
             between(at.nu, before->nu, now->nu, part, 6);
             between(at.ground, before->ground, now->ground, part, 3);
-            measure[i](&sim->cfg, &at, &s->noise, &m);
+            measure(&sim->cfg, i, &at, &s->noise, &m);
             bool lost = sim_rng_uniform(&s->loss) < sim->cfg.sensor[i].dropout;
             if (i == SIM_DVL) {
                 lose_axes(&sim->cfg, s, &m);

@@ -134,9 +134,12 @@ void sim_defaults(sim_config_t *cfg)
                       .dvl_m_s = 0.007,
                       .dvl_partial_run = 1.0,
                       .dvl_range_m = 40.0,
-                      .depth_m = 0.015,
-                      .gps_m = 1.5,
-                      .gps_depth_m = 0.5};
+                      .surface_m = 0.5};
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        if (sim_positions[i].axes > 0) {
+            memcpy((char *)&c + sim_positions[i].at, &sim_positions[i].noise_m, sizeof(double));
+        }
+    }
     memcpy(c.parameter, paper, sizeof paper);
     memcpy(c.thruster_matrix, thrusters, sizeof thrusters);
     *cfg = c;
@@ -209,13 +212,12 @@ static bool thrusters_are_good(const sim_config_t *c)
 
 static bool config_is_good(const sim_config_t *c)
 {
-    const double not_negative[] = {c->thruster_max_N, c->thruster_back_N, c->hold_Nm_rad,
-                                   c->hold_Nms_rad,   c->lag_s,           c->disturbance_N,
-                                   c->disturbance_Nm, c->imu_angle_rad,   c->imu_rate_rad_s,
-                                   c->dvl_m_s,        c->depth_m,         c->gps_m};
+    const double not_negative[] = {
+        c->thruster_max_N, c->thruster_back_N, c->hold_Nm_rad,   c->hold_Nms_rad,   c->lag_s,
+        c->disturbance_N,  c->disturbance_Nm,  c->imu_angle_rad, c->imu_rate_rad_s, c->dvl_m_s};
     const double finite[] = {c->tilt_linear, c->tilt_quadratic, c->tilt_righting, c->roll_arm_m,
                              c->pitch_arm_m, c->munk,           c->seabed_m,      c->dvl_yaw_rad,
-                             c->dvl_range_m, c->gps_depth_m};
+                             c->dvl_range_m, c->surface_m};
     for (size_t i = 0; i < sizeof not_negative / sizeof not_negative[0]; ++i) {
         if (!isfinite(not_negative[i]) || not_negative[i] < 0.0) {
             return false;
@@ -223,9 +225,9 @@ static bool config_is_good(const sim_config_t *c)
     }
     return all_finite(finite, sizeof finite / sizeof finite[0]) && all_finite(c->position, 3) &&
            all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
-           all_finite(c->dvl_arm_m, 3) && all_finite(c->depth_arm_m, 3) && vehicle_is_good(c) &&
-           thrusters_are_good(c) && isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 &&
-           isfinite(c->disturbance_s) && c->disturbance_s > 0.0;
+           all_finite(c->dvl_arm_m, 3) && vehicle_is_good(c) && thrusters_are_good(c) &&
+           isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
+           c->disturbance_s > 0.0;
 }
 
 static double disturbance_rms(const sim_config_t *cfg, int dof)
@@ -267,7 +269,7 @@ bool sim_init(sim_t *sim, const sim_config_t *cfg)
     memcpy(fresh.truth.position, cfg->position, sizeof cfg->position);
     memcpy(fresh.truth.euler, cfg->euler, sizeof cfg->euler);
     memcpy(fresh.truth.nu, cfg->nu, sizeof cfg->nu);
-    sim_rng_seed(&fresh.disturbance, cfg->seed, SIM_SENSORS * 2);
+    sim_rng_seed(&fresh.disturbance, cfg->seed, SIM_STREAM_DISTURBANCE);
     for (int i = 0; i < 6; ++i) { /* in its stationary distribution from the start */
         fresh.truth.disturbance[i] = disturbance_rms(cfg, i) * sim_rng_gauss(&fresh.disturbance);
     }

@@ -19,9 +19,10 @@
  *
  * Eq. 13 is printed with m_w w q; energy and Fossen have m_w w p, the default here.
  *
- * Sensors: IMU, DVL, depth, GPS; each with rate, phase, noise, age on arrival and drop-outs, each
- * with separate random streams: switching one off does not change the noise of the others. The same
- * seed gives the same numbers (to the last digits of the C library's sin and log).
+ * Sensors: IMU, DVL, and those of the library's table (auvid_sensors_internal.h) that measure a
+ * position; each with rate, phase, noise, age on arrival and drop-outs, each with separate random
+ * streams: switching one off does not change the noise of the others. The same seed gives the same
+ * numbers (to the last digits of the C library's sin and log).
  *
  * No globals, no heap: sim_t is a plain struct and may be copied to branch a run.
  */
@@ -29,7 +30,10 @@
 #define SIMULATOR_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+
+#include "navigation/auvid_sensors_internal.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -74,7 +78,12 @@ typedef struct {
     double linear[6], quadratic[6]; /**< drag; positive dissipates */
 } sim_fossen_t;
 
-typedef enum { SIM_IMU, SIM_DVL, SIM_DEPTH, SIM_GPS, SIM_SENSORS } sim_sensor_id_t;
+/** SIM_DEPTH, SIM_GPS, ..: the rows of the library's table that measure a position. SIM_IF_<kind>
+ * expands to its arguments in such a row. */
+#define SIM_IF_VELOCITY(...)
+#define SIM_IF_POSITION(...) __VA_ARGS__
+#define SIM_ID(name, input, event, kind, ...) SIM_IF_##kind(SIM_##name, )
+typedef enum { SIM_IMU, SIM_DVL, AUVID_SENSORS(SIM_ID) SIM_SENSORS } sim_sensor_id_t;
 
 /** Target of the DVL lock. */
 typedef enum {
@@ -126,8 +135,9 @@ typedef struct {
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
     double seabed_m;       /**< depth of the bottom [m]; default 80 */
 
-    sim_sensor_config_t sensor[SIM_SENSORS]; /**< defaults 50, 5, 10, 1 Hz; no age, no drop-outs */
-    double imu_angle_rad;                    /**< rms noise of each angle; default 0.2 degrees */
+    /** Defaults 50, 5, 10, 1 Hz, the others off; no age, no drop-outs. */
+    sim_sensor_config_t sensor[SIM_SENSORS];
+    double imu_angle_rad;   /**< rms noise of each angle; default 0.2 degrees */
     double imu_rate_rad_s;  /**< rms noise of each rate; default 0.1 degrees per second */
     double dvl_m_s;         /**< rms noise of each component; default 0.007 */
     double dvl_arm_m[3];    /**< of the DVL from the body's origin [m]; default 0 */
@@ -138,10 +148,12 @@ typedef struct {
                                  axes; >= 1, default 1 */
     sim_lock_t dvl_lock;    /**< default SIM_LOCK_BOTTOM */
     double dvl_range_m;     /**< for SIM_LOCK_ALTITUDE; default 40 */
-    double depth_m;         /**< rms noise; default 0.015 */
-    double depth_arm_m[3];  /**< of the pressure sensor; default 0 */
-    double gps_m;           /**< rms noise of north and of east; default 1.5 */
-    double gps_depth_m;     /**< no fix below this depth; default 0.5 */
+    /** depth_m, gps_m, ..: rms noise of each axis of a position sensor; default as in the table.
+     * depth_arm_m, gps_arm_m, ..: its place from the body's origin [m]; default 0. */
+#define SIM_MEMBERS(name, input, event, kind, axis, axes, config, ...)                             \
+    SIM_IF_##kind(double config##_m; double config##_arm_m[3];)
+    AUVID_SENSORS(SIM_MEMBERS)
+    double surface_m; /**< no sample of a sensor for the surface below this depth; default 0.5 */
 } sim_config_t;
 
 /** xoshiro256** and the second of a pair of Gaussians. */
@@ -151,13 +163,29 @@ typedef struct {
     bool has_spare;
 } sim_rng_t;
 
+/** A sensor that measures axes of the position. */
+typedef struct {
+    int axis, axes; /**< axes 0: not such a sensor */
+    bool surface;   /**< at the surface only */
+    double noise_m; /**< default of its noise */
+    size_t at;      /**< offset in sim_config_t: noise, then arm */
+} sim_position_t;
+
+/** By sim_sensor_id_t. */
+extern const sim_position_t sim_positions[SIM_SENSORS];
+
+/** Streams of random numbers: two of each sensor, and that of the disturbance, which was numbered
+ * behind the first four sensors. */
+#define SIM_STREAM_DISTURBANCE 8
+#define SIM_STREAM(sensor) (2 * (uint64_t)(sensor) + ((sensor) < 4 ? 0 : 1))
+
 /** One measurement. */
 typedef struct {
     bool has;      /**< a sample arrived in this tick; else the rest is zero */
     uint64_t t_us; /**< time of sampling (not of arrival) */
     /** IMU: phi theta psi [rad, psi in -pi..pi], p q r [rad/s]. DVL: velocity of the instrument in
-     * its own axes [m/s], then its altitude [m] (with bottom lock; else 0). Depth: down [m].
-     * GPS: north, east [m]. */
+     * its own axes [m/s], then its altitude [m] (with bottom lock; else 0). Position:
+     * the axes of the sensor, NED [m]. */
     double value[6];
     bool bottom;  /**< DVL: over ground (else through the water) */
     uint8_t axes; /**< DVL: bit i: axis i was measured, else value[i] is zero */

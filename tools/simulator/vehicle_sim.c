@@ -181,27 +181,36 @@ static void send_dvl(sending_t *s, const sim_measurement_t *dvl)
     send(s, &m);
 }
 
+#define KIND(name, input, event, kind, ...) SIM_IF_##kind([SIM_##name] = AUVID_CAN_##name, )
+static const auvid_can_kind_t position_kind[SIM_SENSORS] = {AUVID_SENSORS(KIND)};
+
+/* A message of the axes and their age. */
+static void send_position(sending_t *s, int sensor)
+{
+    const sim_measurement_t *position = &s->vehicle->seen.sensor[sensor];
+    auvid_can_message_t m = {.kind = position_kind[sensor]};
+    auvid_real_t value[3];
+    uint32_t age = age_ms(s->vehicle, position);
+    size_t bytes = (size_t)sim_positions[sensor].axes * sizeof value[0];
+    copy(value, position->value, sim_positions[sensor].axes);
+    memcpy(&m.as, value, bytes);
+    memcpy((char *)&m.as + bytes, &age, sizeof age);
+    send(s, &m);
+}
+
 static void send_sensors(sending_t *s)
 {
     const sim_measurement_t *sensor = s->vehicle->seen.sensor;
-    auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
     if (sensor[SIM_IMU].has) {
         send_imu(s, &sensor[SIM_IMU]);
     }
     if (sensor[SIM_DVL].has) {
         send_dvl(s, &sensor[SIM_DVL]);
     }
-    if (sensor[SIM_DEPTH].has) {
-        m.as.depth.depth = (auvid_real_t)sensor[SIM_DEPTH].value[0];
-        m.as.depth.age = age_ms(s->vehicle, &sensor[SIM_DEPTH]);
-        send(s, &m);
-    }
-    if (sensor[SIM_GPS].has) {
-        m.kind = AUVID_CAN_GPS;
-        m.as.gps.x = (auvid_real_t)sensor[SIM_GPS].value[0];
-        m.as.gps.y = (auvid_real_t)sensor[SIM_GPS].value[1];
-        m.as.gps.age = age_ms(s->vehicle, &sensor[SIM_GPS]);
-        send(s, &m);
+    for (int i = 0; i < SIM_SENSORS; ++i) {
+        if (sim_positions[i].axes > 0 && sensor[i].has) {
+            send_position(s, i);
+        }
     }
 }
 

@@ -98,6 +98,10 @@ auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_fram
  * @param ids NULL: defaults */
 auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id);
 
+/** Returns the number of a message among those that a node receives, or AUVID_CAN_NODE_KINDS if a
+ * node does not receive it, or there is no such message. May be called from an interrupt. */
+auvid_can_node_kind_t auvid_can_node_kind(auvid_can_kind_t kind);
+
 /** Returns the identifier of a message, or 0xFFFF if there is no such message.
  * @param ids NULL: defaults */
 uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind);

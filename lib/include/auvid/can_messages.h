@@ -54,6 +54,36 @@ typedef enum {
     AUVID_CAN_KINDS = 25
 } auvid_can_kind_t;
 
+/** The messages that a node receives, in the order of their identifiers. */
+typedef enum {
+    AUVID_CAN_NODE_ABORT = 0,
+    AUVID_CAN_NODE_TICK = 1,
+    AUVID_CAN_NODE_THRUSTER_COMMAND_A = 2,
+    AUVID_CAN_NODE_THRUSTER_COMMAND_B = 3,
+    AUVID_CAN_NODE_ARM = 4,
+    AUVID_CAN_NODE_IMU_ATTITUDE = 5,
+    AUVID_CAN_NODE_IMU_RATES = 6,
+    AUVID_CAN_NODE_THRUSTER_FEEDBACK_A = 7,
+    AUVID_CAN_NODE_THRUSTER_FEEDBACK_B = 8,
+    AUVID_CAN_NODE_DVL_BOTTOM = 9,
+    AUVID_CAN_NODE_DVL_WATER = 10,
+    AUVID_CAN_NODE_DVL_ALTITUDE = 11,
+    AUVID_CAN_NODE_DEPTH = 12,
+    AUVID_CAN_NODE_GPS = 13,
+    AUVID_CAN_NODE_KINDS = 14 /**< no message that a node receives */
+} auvid_can_node_kind_t;
+
+/** Samples of sensors: number of real values before `age`. */
+enum {
+    AUVID_CAN_IMU_ATTITUDE_VALUES = 3,
+    AUVID_CAN_IMU_RATES_VALUES = 3,
+    AUVID_CAN_DVL_BOTTOM_VALUES = 3,
+    AUVID_CAN_DVL_WATER_VALUES = 3,
+    AUVID_CAN_DVL_ALTITUDE_VALUES = 1,
+    AUVID_CAN_DEPTH_VALUES = 1,
+    AUVID_CAN_GPS_VALUES = 2
+};
+
 #define AUVID_CAN_AGE_UNKNOWN 1023u
 #define AUVID_CAN_ARM_KEY 0xA55Au
 

@@ -161,6 +161,10 @@ typedef struct {
     uint8_t measured;         /**< bit i: velocity[i] was measured; else it is predicted */
 } auvid_nav_velocity_sample_t;
 
+/** Bit of auvid_nav_state_t.flags: a sample of this sensor was accepted within stale_us. Sensors
+ * from the fifth on have the bits from 16 on, which the frame nav_position does not carry. */
+#define AUVID_NAV_FRESH(sensor) (1u << ((sensor) < 4 ? (sensor) : (sensor) + 12))
+
 /** Bits of auvid_nav_state_t.flags. */
 enum {
     AUVID_NAV_FRESH_BOTTOM = 1 << AUVID_NAV_DVL_BOTTOM, /**< accepted within stale_us */
@@ -304,6 +308,18 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  *
  * A sample that is not applied changes only the diagnostics of its sensor. AUVID_ERR_NULL and
  * AUVID_ERR_STATE change nothing. */
+
+#define auvid_nav_update AUVID_SIZED0(auvid_nav_update)
+/** Correct with a sample of any sensor. The functions below call it.
+ * @param sensor DVL: see auvid_nav_dvl(); DEPTH, GPS: see auvid_nav_depth(), auvid_nav_gps().
+ * @param t_us time of measurement [us].
+ * @param value the sensor's axes: velocity [3] of a DVL [m/s], depth [1], north and east [2] of a
+ *        GPS [m], |.| <= 1e5.
+ * @param valid of a DVL: its axes, AUVID_DVL_X | ...; else not read.
+ * @return the common statuses, and those of the sensor's function; AUVID_ERR_RANGE, not counted, if
+ *         there is no such sensor. Cost: see the top of the file. */
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, auvid_nav_sensor_t sensor, uint64_t t_us,
+                                const auvid_real_t *value, unsigned valid);
 
 #define auvid_nav_dvl AUVID_SIZED0(auvid_nav_dvl)
 /** Correct with a DVL sample, with any subset of its axes. The function rotates it into the body

@@ -67,9 +67,6 @@ extern "C" {
 /** Maximum number of frames from one call of step or halt. */
 #define AUVID_NODE_COMMANDS 3
 
-/** Number of messages that a node receives: the first ones of auvid_can_kind_t. */
-#define AUVID_NODE_KINDS (AUVID_CAN_GPS + 1)
-
 /** Configuration, written by the user. auvid_node_init copies it. */
 typedef struct {
     bool excite;         /**< obey arm frames and command thrusters; default false: passive */
@@ -98,7 +95,7 @@ typedef struct {
     auvid_node_config_t cfg;
     auvid_node_counters_t counters;
     auvid_can_sender_t sender;
-    auvid_can_receiver_t receiver[AUVID_NODE_KINDS];
+    auvid_can_receiver_t receiver[AUVID_CAN_NODE_KINDS];
     auvid_input_t in; /* samples since the last tick; a t_us holds the age until the next step */
     uint64_t attitude_us, rates_us; /* of the halves of the IMU's sample; age until the next step */
     auvid_real_t thrust[AUVID_CAN_THRUSTERS]; /* of the last feedback */

@@ -147,6 +147,12 @@ auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id)
                                        : AUVID_CAN_KINDS;
 }
 
+auvid_can_node_kind_t auvid_can_node_kind(auvid_can_kind_t kind)
+{
+    return (uint32_t)kind < AUVID_CAN_KINDS ? (auvid_can_node_kind_t)auvid_can_node_kinds[kind]
+                                            : AUVID_CAN_NODE_KINDS;
+}
+
 uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind)
 {
     ids = ids != NULL ? ids : &can_default_ids;

@@ -34,14 +34,20 @@ typedef struct {
     uint16_t last : 1;  /**< the last signal of its message */
 } auvid_can_signal_t;
 
-/** Data id of a message for E2E profile 2; the ids start at 1. */
-#define AUVID_CAN_DATA_ID(kind) ((uint8_t)((uint32_t)(kind) + 1u))
+/** Data id of a message for E2E profile 2: 1 to 6 for the first six of the first block, 7.. for the
+ * second block, 246.. for what joins the first block. So a message at the end of either block moves
+ * no other. */
+#define AUVID_CAN_DATA_ID(kind)                                                                    \
+    ((uint8_t)((uint32_t)(kind) >= AUVID_CAN_FAST_KINDS                                            \
+                   ? (uint32_t)(kind) - AUVID_CAN_FAST_KINDS + 7u                                  \
+                   : (uint32_t)(kind) + ((uint32_t)(kind) < 6u ? 1u : 240u)))
 
-_Static_assert(AUVID_CAN_KINDS <= UINT8_MAX, "AUVID_CAN_DATA_ID");
+_Static_assert(AUVID_CAN_KINDS < 245, "AUVID_CAN_DATA_ID");
 
 extern const auvid_can_type_t auvid_can_types[];
 extern const auvid_can_signal_t auvid_can_signals[];
 extern const uint8_t auvid_can_first[AUVID_CAN_KINDS];      /**< first signal of each message */
+extern const uint8_t auvid_can_node_kinds[AUVID_CAN_KINDS]; /**< auvid_can_node_kind_t */
 extern const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS]; /**< 0: on event */
 
 #endif

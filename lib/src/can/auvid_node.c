@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../identifier/auvid_input_internal.h"
+#include "../navigation/auvid_sensors_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* If the clock of the tick advances by more than this [us], it was set. Time then advances by this
@@ -26,8 +28,12 @@ void auvid_node_defaults(auvid_node_config_t *cfg)
 static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
 {
     auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
-    for (int i = 0; i < AUVID_NODE_KINDS && status >= 0; ++i) {
-        status = auvid_can_receiver_init(&node->receiver[i], (auvid_can_kind_t)i, 0, &cfg->ids);
+    for (int i = 0; i < AUVID_CAN_KINDS && status >= 0; ++i) {
+        auvid_can_kind_t kind = (auvid_can_kind_t)i;
+        auvid_can_node_kind_t received = auvid_can_node_kind(kind);
+        if (received != AUVID_CAN_NODE_KINDS) {
+            status = auvid_can_receiver_init(&node->receiver[received], kind, 0, &cfg->ids);
+        }
     }
     return status;
 }
@@ -71,22 +77,38 @@ static uint64_t node_age_us(uint32_t age_ms)
     return (uint64_t)age_ms * 1000u;
 }
 
-static void node_take_dvl(auvid_node_t *node, const auvid_can_message_t *m)
+/* The message of each sample of auvid_input_t. */
+#define NODE_SAMPLE(name, ...) [AUVID_NAV_##name] = AUVID_CAN_NODE_##name,
+static const uint8_t node_samples[AUVID_INPUT_SAMPLES] = {
+    AUVID_SENSORS(NODE_SAMPLE)[AUVID_INPUT_ALTITUDE] = AUVID_CAN_NODE_DVL_ALTITUDE};
+#define NODE_VALUES(name, input, event, kind, axis, axes, ...)                                     \
+    _Static_assert(AUVID_CAN_##name##_VALUES == axes, "values of message " #name);
+AUVID_SENSORS(NODE_VALUES)
+
+static void node_take_sample(auvid_node_t *node, const auvid_can_message_t *m)
 {
-    bool bottom = m->kind == AUVID_CAN_DVL_BOTTOM;
-    const auvid_can_dvl_bottom_t *b = &m->as.dvl_bottom; /* dvl_water is laid out alike */
-    auvid_dvl_sample_t *sample = bottom ? &node->in.dvl.sample : &node->in.dvl_water.sample;
-    if (!node_has_age(node, b->age)) {
+    auvid_can_node_kind_t received = auvid_can_node_kind(m->kind);
+    auvid_input_sample_t sample = {.present = true};
+    uint32_t age_ms;
+    int i = 0;
+    while (i < AUVID_INPUT_ALTITUDE && node_samples[i] != received) {
+        ++i;
+    }
+    bool bottom = i == AUVID_NAV_DVL_BOTTOM, dvl = bottom || i == AUVID_NAV_DVL_WATER;
+    size_t bytes = auvid_input_places[i].values * sizeof(auvid_real_t);
+    memcpy(sample.value, &m->as, bytes);
+    memcpy(&age_ms, (const unsigned char *)&m->as + bytes, sizeof age_ms);
+    if ((m->absent != 0 && !dvl) || !node_has_age(node, age_ms)) {
         return;
     }
-    *(bottom ? &node->in.dvl.present : &node->in.dvl_water.present) = true;
-    sample->t_us = node_age_us(b->age);
-    sample->velocity[0] = b->u;
-    sample->velocity[1] = b->v;
-    sample->velocity[2] = b->w;
-    sample->lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
-    /* AUVID_DVL_X, _Y, _Z in the order of the signals */
-    sample->valid = (uint8_t)(~m->absent & 7u);
+    sample.t_us = node_age_us(age_ms);
+    auvid_input_set(&node->in, i, &sample);
+    if (dvl) {
+        auvid_dvl_sample_t *s = bottom ? &node->in.dvl.sample : &node->in.dvl_water.sample;
+        s->lock = bottom ? AUVID_DVL_BOTTOM : AUVID_DVL_WATER;
+        /* AUVID_DVL_X, _Y, _Z in the order of the signals */
+        s->valid = (uint8_t)(~m->absent & 7u);
+    }
 }
 
 static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
@@ -110,25 +132,6 @@ static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
         node->in.imu.rates[2] = r->r;
         node->rates_us = node_age_us(age);
         node->rates = node->new_rates = true;
-    }
-}
-
-static void node_take_scalar(auvid_node_t *node, const auvid_can_message_t *m)
-{
-    if (m->kind == AUVID_CAN_DEPTH && m->absent == 0 && node_has_age(node, m->as.depth.age)) {
-        node->in.depth.present = true;
-        node->in.depth.t_us = node_age_us(m->as.depth.age);
-        node->in.depth.depth_m = m->as.depth.depth;
-    } else if (m->kind == AUVID_CAN_GPS && m->absent == 0 && node_has_age(node, m->as.gps.age)) {
-        node->in.gps.present = true;
-        node->in.gps.t_us = node_age_us(m->as.gps.age);
-        node->in.gps.x_m = m->as.gps.x;
-        node->in.gps.y_m = m->as.gps.y;
-    } else if (m->kind == AUVID_CAN_DVL_ALTITUDE && m->absent == 0 &&
-               node_has_age(node, m->as.dvl_altitude.age)) {
-        node->in.altitude.present = true;
-        node->in.altitude.t_us = node_age_us(m->as.dvl_altitude.age);
-        node->in.altitude.altitude_m = m->as.dvl_altitude.altitude;
     }
 }
 
@@ -196,46 +199,47 @@ static void node_take_foreign_command(auvid_node_t *node)
 /* Is this message obeyed? A message that takes thrust away is obeyed with any counter. */
 static bool node_obeys(auvid_status_t status, const auvid_can_message_t *m)
 {
-    _Static_assert(AUVID_NODE_KINDS <= 32, "a bit of `kinds` for each message");
-    const uint32_t kinds = 1u << AUVID_CAN_ABORT | 1u << AUVID_CAN_THRUSTER_COMMAND_A |
-                           1u << AUVID_CAN_THRUSTER_COMMAND_B;
     if (status != AUVID_ERR_REPEATED && status != AUVID_ERR_COUNTER_JUMP) {
         return status == AUVID_OK; /* else not authentic: *m is not written */
     }
+    bool command =
+        m->kind == AUVID_CAN_THRUSTER_COMMAND_A || m->kind == AUVID_CAN_THRUSTER_COMMAND_B;
     bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
-    return (kinds >> m->kind & 1u) != 0 || disarms;
+    return m->kind == AUVID_CAN_ABORT || command || disarms;
 }
 
+#define NODE_CASE(name, ...) case AUVID_CAN_NODE_##name:
+
+/* A message that the DBC gives to a node and that has no case here does not compile quietly. */
 static auvid_status_t node_take_message(auvid_node_t *node, const auvid_can_message_t *m,
                                         bool fresh)
 {
-    switch ((int)m->kind) {
-    case AUVID_CAN_ABORT: /* a pending arm frame then finds the guard ABORTED */
+    switch (auvid_can_node_kind(m->kind)) {
+    case AUVID_CAN_NODE_ABORT: /* a pending arm frame then finds the guard ABORTED */
         (void)auvid_identifier_abort(&node->id);
         break;
-    case AUVID_CAN_ARM:
+    case AUVID_CAN_NODE_ARM:
         auvid_node_order(node, m->as.arm.action, fresh);
         break;
-    case AUVID_CAN_THRUSTER_COMMAND_A:
-    case AUVID_CAN_THRUSTER_COMMAND_B:
+    case AUVID_CAN_NODE_THRUSTER_COMMAND_A:
+    case AUVID_CAN_NODE_THRUSTER_COMMAND_B:
         node_take_foreign_command(node);
         break;
-    case AUVID_CAN_TICK:
+    case AUVID_CAN_NODE_TICK:
         return node_take_tick(node, &m->as.tick);
-    case AUVID_CAN_IMU_ATTITUDE:
-    case AUVID_CAN_IMU_RATES:
+    case AUVID_CAN_NODE_IMU_ATTITUDE:
+    case AUVID_CAN_NODE_IMU_RATES:
         node_take_imu(node, m);
         break;
-    case AUVID_CAN_DVL_BOTTOM:
-    case AUVID_CAN_DVL_WATER:
-        node_take_dvl(node, m);
-        break;
-    case AUVID_CAN_THRUSTER_FEEDBACK_A:
-    case AUVID_CAN_THRUSTER_FEEDBACK_B:
+    case AUVID_CAN_NODE_THRUSTER_FEEDBACK_A:
+    case AUVID_CAN_NODE_THRUSTER_FEEDBACK_B:
         node_take_feedback(node, m);
         break;
-    default:
-        node_take_scalar(node, m);
+        AUVID_SENSORS(NODE_CASE)
+    case AUVID_CAN_NODE_DVL_ALTITUDE:
+        node_take_sample(node, m);
+        break;
+    case AUVID_CAN_NODE_KINDS:
         break;
     }
     return AUVID_OK;
@@ -250,14 +254,15 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
         return AUVID_ERR_STATE;
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
-    if ((unsigned)kind >= AUVID_NODE_KINDS || kind == AUVID_CAN_TICK_DONE ||
-        node_is_echo(node, kind, frame)) {
+    auvid_can_node_kind_t received = auvid_can_node_kind(kind);
+    if (received == AUVID_CAN_NODE_KINDS || node_is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
-    auvid_status_t status = auvid_can_receiver_take(&node->receiver[kind], &at_tick, &message);
+    auvid_status_t status =
+        auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
     if (!node_obeys(status, &message)) {
         ++node->counters.refused;
         return status;

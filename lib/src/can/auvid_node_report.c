@@ -26,7 +26,7 @@ static void node_report_position(auvid_node_t *node, const auvid_nav_state_t *st
     auvid_can_message_t m = {.kind = AUVID_CAN_NAV_POSITION};
     m.as.nav_position.x = state->position[0];
     m.as.nav_position.y = state->position[1];
-    m.as.nav_position.flags = node_min(state->flags, 1023u);
+    m.as.nav_position.flags = state->flags & 1023u;
     auvid_node_send(node, &m, frame, count);
     m = (auvid_can_message_t){.kind = AUVID_CAN_NAV_DEPTH};
     m.as.nav_depth.z = state->position[2];

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../identifier/auvid_input_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* Maximum time between the two halves of one IMU sample [us]. */
@@ -87,11 +88,13 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
 {
     auvid_input_t *in = &node->in;
     in->t_us = tick_us;
-    node_age_to_time(&in->dvl.sample.t_us, in->dvl.present, tick_us);
-    node_age_to_time(&in->dvl_water.sample.t_us, in->dvl_water.present, tick_us);
-    node_age_to_time(&in->depth.t_us, in->depth.present, tick_us);
-    node_age_to_time(&in->gps.t_us, in->gps.present, tick_us);
-    node_age_to_time(&in->altitude.t_us, in->altitude.present, tick_us);
+    for (int i = 0; i < AUVID_INPUT_SAMPLES; ++i) {
+        auvid_input_sample_t sample;
+        if (auvid_input_get(in, i, &sample)) {
+            node_age_to_time(&sample.t_us, true, tick_us);
+            auvid_input_set(in, i, &sample);
+        }
+    }
     node_age_to_time(&node->attitude_us, node->new_attitude, tick_us);
     node_age_to_time(&node->rates_us, node->new_rates, tick_us);
     node->new_attitude = node->new_rates = false;
@@ -171,11 +174,12 @@ static void node_open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t 
 
 static void node_count_drops(auvid_node_t *node, uint32_t events)
 {
-    static const uint32_t dropped[] = {AUVID_EVENT_IMU_DROPPED,   AUVID_EVENT_DVL_DROPPED,
-                                       AUVID_EVENT_DEPTH_DROPPED, AUVID_EVENT_GPS_DROPPED,
-                                       AUVID_EVENT_INPUT_DROPPED, AUVID_EVENT_ALTITUDE_DROPPED};
-    for (size_t i = 0; i < sizeof dropped / sizeof dropped[0]; ++i) {
-        node->counters.samples_dropped += (events & dropped[i]) != 0;
+    uint32_t dropped = AUVID_EVENT_IMU_DROPPED | AUVID_EVENT_INPUT_DROPPED;
+    for (int i = 0; i < AUVID_INPUT_SAMPLES; ++i) {
+        dropped |= auvid_input_places[i].event;
+    }
+    for (dropped &= events; dropped != 0; dropped &= dropped - 1u) {
+        ++node->counters.samples_dropped;
     }
 }
 

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../navigation/auvid_nav_internal.h"
+#include "auvid_input_internal.h"
 
 _Static_assert(AUVID_EVENT_END - 1u <= 1u << 30, "an enumerator of C11 is an int");
 
@@ -58,11 +60,9 @@ static void identifier_flag_rejected(auvid_identifier_t *id, auvid_status_t stat
 /* Flag the rejected ones among the samples that waited for the IMU. */
 static void identifier_flag_held(auvid_identifier_t *id)
 {
-    const unsigned dvl = 1u << AUVID_NAV_DVL_BOTTOM | 1u << AUVID_NAV_DVL_WATER;
-    unsigned rejected = id->nav.held_rejected;
-    id->events |= (rejected & dvl) != 0 ? AUVID_EVENT_DVL_DROPPED : 0u;
-    id->events |= (rejected >> AUVID_NAV_DEPTH & 1u) != 0 ? AUVID_EVENT_DEPTH_DROPPED : 0u;
-    id->events |= (rejected >> AUVID_NAV_GPS & 1u) != 0 ? AUVID_EVENT_GPS_DROPPED : 0u;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        id->events |= (id->nav.held_rejected >> i & 1) != 0 ? auvid_input_places[i].event : 0u;
+    }
     identifier_record_velocity(id); /* another update may follow in this step */
 }
 
@@ -87,14 +87,13 @@ static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
         identifier_flag_rejected(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample),
                                  AUVID_EVENT_DVL_DROPPED);
     }
-    if (in->depth.present) {
-        identifier_flag_rejected(id, auvid_nav_depth(&id->nav, in->depth.t_us, in->depth.depth_m),
-                                 AUVID_EVENT_DEPTH_DROPPED);
-    }
-    if (in->gps.present) {
-        identifier_flag_rejected(id,
-                                 auvid_nav_gps(&id->nav, in->gps.t_us, in->gps.x_m, in->gps.y_m),
-                                 AUVID_EVENT_GPS_DROPPED);
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        auvid_input_sample_t sample;
+        if (auvid_nav_rows[i].kind == NAV_POSITION && auvid_input_get(in, i, &sample)) {
+            identifier_flag_rejected(
+                id, auvid_nav_update(&id->nav, (auvid_nav_sensor_t)i, sample.t_us, sample.value, 0),
+                auvid_input_places[i].event);
+        }
     }
 }
 

@@ -5,6 +5,23 @@
 
 #include "auvid_nav_internal.h"
 
+#define NAV_SENSOR(name, input, event, kind, axis, axes, config, noise_mm, surface, start)         \
+    [AUVID_NAV_##name] = {offsetof(auvid_nav_config_t, sigma_##config),                            \
+                          offsetof(auvid_nav_config_t, config##_max_age_us),                       \
+                          noise_mm,                                                                \
+                          NAV_##kind,                                                              \
+                          axis,                                                                    \
+                          axes,                                                                    \
+                          surface,                                                                 \
+                          NAV_START_##start},
+const auvid_nav_row_t auvid_nav_rows[AUVID_NAV_SENSOR_COUNT] = {AUVID_SENSORS(NAV_SENSOR)};
+
+#define NAV_ONE(...) +1
+_Static_assert(AUVID_SENSORS(NAV_ONE) == AUVID_NAV_SENSOR_COUNT, "a row for each sensor");
+#define NAV_MEDIAN(name, input, event, kind, axis, axes, config, noise_mm, surface, start)         \
+    +(NAV_START_##start == NAV_START_MEDIAN)
+_Static_assert(AUVID_SENSORS(NAV_MEDIAN) <= 1, "gps_start, gps_count, gps_offset: of one sensor");
+
 void auvid_nav_defaults(auvid_nav_config_t *cfg)
 {
     if (cfg == NULL) {
@@ -15,10 +32,7 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
         cfg->sigma_acceleration[i] = AUVID_C(1.0);
     }
     cfg->reference_tick = AUVID_C(0.02);
-    cfg->sigma_dvl = AUVID_C(0.007);
     cfg->sigma_current = AUVID_C(0.3);
-    cfg->sigma_depth = AUVID_C(0.015);
-    cfg->sigma_gps = AUVID_C(1.5);
     cfg->sigma_position = AUVID_C(1.0);
     cfg->sigma_velocity = AUVID_C(1.0);
     cfg->gate = AUVID_C(16.0);
@@ -28,9 +42,12 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
     cfg->gravity = AUVID_C(9.80665);
     cfg->surface_pressure = AUVID_C(101325.0);
     cfg->surface_depth = AUVID_C(0.5);
-    cfg->dvl_max_age_us = 500000;
-    cfg->depth_max_age_us = 500000;
-    cfg->gps_max_age_us = 500000;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        const uint32_t max_age_us = 500000;
+        auvid_real_t sigma = (auvid_real_t)auvid_nav_rows[i].noise_mm / AUVID_C(1000.0);
+        memcpy((char *)cfg + auvid_nav_rows[i].sigma, &sigma, sizeof sigma);
+        memcpy((char *)cfg + auvid_nav_rows[i].max_age, &max_age_us, sizeof max_age_us);
+    }
     cfg->future_us = 20000;
     cfg->stale_us = 1000000;
     cfg->gap_us = 1000000;
@@ -41,18 +58,15 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
 /* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
 #define FIELD(name, n, low, high)                                                                  \
     {                                                                                              \
-        (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \
+        offsetof(auvid_nav_config_t, name), n, low, high                                           \
     }
 static const struct {
-    uint8_t offset, n;
+    uint16_t offset, n;
     auvid_real_t low, high;
 } nav_ranges[] = {
     FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
     FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    FIELD(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
     FIELD(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
-    FIELD(sigma_depth, 1, AUVID_C(1e-3), AUVID_C(1e3)),
-    FIELD(sigma_gps, 1, AUVID_C(1e-3), AUVID_C(1e3)),
     FIELD(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
     FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
     FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
@@ -67,22 +81,46 @@ static const struct {
     FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
 };
 
+static auvid_real_t nav_real_at(const auvid_nav_config_t *c, size_t offset)
+{
+    auvid_real_t x;
+    memcpy(&x, (const char *)c + offset, sizeof x);
+    return x;
+}
+
+static uint32_t nav_max_age_us(const auvid_nav_config_t *c, int sensor)
+{
+    uint32_t max_age_us;
+    memcpy(&max_age_us, (const char *)c + auvid_nav_rows[sensor].max_age, sizeof max_age_us);
+    return max_age_us;
+}
+
+static auvid_status_t nav_check_real(auvid_real_t x, auvid_real_t low, auvid_real_t high)
+{
+    if (!(x >= low && x <= high)) {
+        return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+    }
+    return AUVID_OK;
+}
+
 static auvid_status_t nav_check_config(const auvid_nav_config_t *c)
 {
+    auvid_status_t status = AUVID_OK;
     for (size_t i = 0; i < sizeof nav_ranges / sizeof nav_ranges[0]; ++i) {
-        for (size_t k = 0; k < nav_ranges[i].n; ++k) {
-            auvid_real_t x;
-            memcpy(&x, (const char *)c + nav_ranges[i].offset + k * sizeof x, sizeof x);
-            if (!(x >= nav_ranges[i].low && x <= nav_ranges[i].high)) {
-                return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-            }
+        for (size_t k = 0; k < nav_ranges[i].n && status == AUVID_OK; ++k) {
+            status = nav_check_real(nav_real_at(c, nav_ranges[i].offset + k * sizeof(auvid_real_t)),
+                                    nav_ranges[i].low, nav_ranges[i].high);
         }
     }
-    const uint32_t max_us = NAV_LARGEST_AGE_US;
-    bool good = c->dvl_max_age_us <= max_us && c->depth_max_age_us <= max_us &&
-                c->gps_max_age_us <= max_us && c->future_us <= max_us && c->stale_us > 0 &&
+    bool good = c->future_us <= NAV_LARGEST_AGE_US && c->stale_us > 0 &&
                 c->gps_start <= AUVID_NAV_GPS_START_MAX;
-    return good ? AUVID_OK : AUVID_ERR_RANGE;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT && status == AUVID_OK; ++i) {
+        const auvid_nav_row_t *row = &auvid_nav_rows[i];
+        auvid_real_t low = row->kind == NAV_VELOCITY ? AUVID_C(1e-4) : AUVID_C(1e-3);
+        status = nav_check_real(nav_real_at(c, row->sigma), low, AUVID_C(1e3));
+        good = good && nav_max_age_us(c, i) <= NAV_LARGEST_AGE_US;
+    }
+    return status != AUVID_OK || good ? status : AUVID_ERR_RANGE;
 }
 
 static inline auvid_real_t nav_square(auvid_real_t x)
@@ -106,14 +144,11 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
         nav->pp[nav_packed[i][i]] = nav_square(cfg->sigma_position);
         nav->vv[nav_packed[i][i]] = nav_square(cfg->sigma_velocity);
     }
-    nav->r[AUVID_NAV_DVL_BOTTOM] = nav_square(cfg->sigma_dvl);
-    nav->r[AUVID_NAV_DVL_WATER] = nav_square(cfg->sigma_dvl) + nav_square(cfg->sigma_current);
-    nav->r[AUVID_NAV_DEPTH] = nav_square(cfg->sigma_depth);
-    nav->r[AUVID_NAV_GPS] = nav_square(cfg->sigma_gps);
-    nav->max_age_us[AUVID_NAV_DVL_BOTTOM] = cfg->dvl_max_age_us;
-    nav->max_age_us[AUVID_NAV_DVL_WATER] = cfg->dvl_max_age_us;
-    nav->max_age_us[AUVID_NAV_DEPTH] = cfg->depth_max_age_us;
-    nav->max_age_us[AUVID_NAV_GPS] = cfg->gps_max_age_us;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        nav->r[i] = nav_square(nav_real_at(cfg, auvid_nav_rows[i].sigma));
+        nav->max_age_us[i] = nav_max_age_us(cfg, i);
+    }
+    nav->r[AUVID_NAV_DVL_WATER] += nav_square(cfg->sigma_current);
     nav->future_us = cfg->future_us;
     nav->stale_us = cfg->stale_us;
     nav->gap_us = cfg->gap_us;
@@ -149,7 +184,7 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     }
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        state->flags |= nav_is_fresh(nav, i) ? 1u << i : 0u;
+        state->flags |= nav_is_fresh(nav, i) ? AUVID_NAV_FRESH(i) : 0u;
     }
     return AUVID_OK;
 }

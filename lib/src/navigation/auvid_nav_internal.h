@@ -7,6 +7,7 @@
 
 #include "auvid/nav.h"
 #include "../base/auvid_math_internal.h"
+#include "auvid_sensors_internal.h"
 
 /* auvid_nav_t.ready */
 enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
@@ -19,8 +20,6 @@ enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 /* Index of element (i, j) of a symmetric block in its six numbers. */
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-_Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) < AUVID_NAV_VELOCITY_KNOWN,
-               "1 << sensor in `flags` is below the other flags");
 _Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) <= UINT8_MAX, "auvid_nav_t.holding");
 _Static_assert(AUVID_NAV_FLAG_END - 1 <= UINT16_MAX, "auvid_nav_t.flags");
 
@@ -69,6 +68,20 @@ AUVID_INLINE void nav_move_position(auvid_nav_t *nav, int axis, auvid_real_t ste
     nav->position_lo[axis] = d - (sum - nav->position[axis]);
     nav->position[axis] = sum;
 }
+
+/* Kinds and starts of auvid_sensors_internal.h. */
+enum { NAV_VELOCITY, NAV_POSITION };
+enum { NAV_START_UPDATE, NAV_START_FIRST, NAV_START_MEDIAN };
+
+/** A sensor: see auvid_sensors_internal.h. */
+typedef struct {
+    uint16_t sigma, max_age; /* offsets in auvid_nav_config_t */
+    uint16_t noise_mm;
+    uint8_t kind, axis, axes, surface_only, start;
+} auvid_nav_row_t;
+
+/** By auvid_nav_sensor_t. */
+extern const auvid_nav_row_t auvid_nav_rows[AUVID_NAV_SENSOR_COUNT];
 
 /* A sample in the form of the filter. */
 typedef struct {
@@ -145,13 +158,6 @@ static inline void nav_record_accepted(auvid_nav_diagnostics_t *d, uint64_t t_us
  * for each one outside the gate. */
 uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
 
-/** Call auvid_nav_innovations(), then test the gate, with re-initialisation after repeated
- * rejections. Return AUVID_OK or AUVID_GATED. */
-auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m);
-
-/** Apply Eq. 6 to a sample that auvid_nav_gate() accepted, one scalar after the other. */
-void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m);
-
 /** Store the rates of the tick, unless the last stored ones are recent. After a step of dt_us
  * longer than any late sample's age, discard the earlier ones (only the lower halves of their times
  * are stored). */
@@ -164,22 +170,46 @@ void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[
 /** Internal status of a held sample; the public functions return AUVID_PENDING. */
 #define NAV_HELD AUVID_EMPTY
 
-/** Hold, accept or reject a sample whose age is outside 0..max_age. Return NAV_HELD, AUVID_UNUSED,
- * AUVID_ERR_STALE, or AUVID_OK if it is to be used as if it were of the last tick. */
-auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                              const auvid_real_t value[3], unsigned valid);
-
-/** Apply a sample of any sensor: `value` as measured, `valid` axes of a DVL. The public function of
- * the sensor has checked its own arguments. Return the statuses of auvid_nav_dvl(),
- * auvid_nav_depth() and auvid_nav_gps(). */
-auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                                const auvid_real_t value[3], unsigned valid);
-
 /** Apply the held samples whose time is reached. */
 void auvid_nav_release(auvid_nav_t *nav);
 
 /** Re-initialise one axis of the position: add `step`, set its variance, clear its correlations. */
 void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
                                 auvid_real_t variance);
+
+/** Reject a sample outside the accepted time window, hold one ahead of the filter, or set sensor
+ * and time of *m. Return AUVID_OK; NAV_HELD; AUVID_UNUSED; AUVID_ERR_STALE; AUVID_ERR_TIME_SAME;
+ * AUVID_ERR_TIME_BACK. */
+auvid_status_t auvid_nav_check_time(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                    const auvid_real_t *value, unsigned valid,
+                                    auvid_nav_measurement_t *m);
+
+/** Test the gate, with re-initialisation after repeated rejections. Then apply the sample, unless
+ * `hold_back`. @param applied a fast path has done both @return AUVID_OK or AUVID_GATED */
+auvid_status_t auvid_nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool hold_back,
+                                      bool applied);
+
+static inline void nav_set_flag(auvid_nav_t *nav, unsigned flag)
+{
+    nav->flags = (uint16_t)(nav->flags | flag);
+}
+
+/* Store innovation j; return whether it is within the gate. */
+AUVID_INLINE bool nav_within_gate(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j,
+                                  auvid_real_t nu, auvid_real_t s)
+{
+    d->innovation[j] = nu;
+    d->variance[j] = s;
+    return nu * nu <= nav->gate * s;
+}
+
+/** Apply a DVL sample: `v` along the instrument's axes, those of `valid`. Return the statuses of
+ * auvid_nav_dvl(). */
+auvid_status_t auvid_nav_update_velocity(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                         const auvid_real_t *v, unsigned valid);
+
+/** Apply a sample of the position: the sensor's axes. Return the statuses of auvid_nav_update(). */
+auvid_status_t auvid_nav_update_position(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                         const auvid_real_t *value);
 
 #endif

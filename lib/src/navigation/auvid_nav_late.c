@@ -42,8 +42,10 @@ void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[
     }
 }
 
-auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                              const auvid_real_t value[3], unsigned valid)
+/* Hold, accept or reject a sample whose age is outside 0..max_age. Return NAV_HELD, AUVID_UNUSED,
+ * AUVID_ERR_STALE, or AUVID_OK if it is to be used as if it were of the last tick. */
+static auvid_status_t nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                               const auvid_real_t *value, unsigned valid)
 {
     uint64_t ahead_us = t_us - nav->t_us; /* huge if it is older */
     bool beyond = nav->until_us != 0 && t_us > nav->until_us;
@@ -59,6 +61,28 @@ auvid_status_t auvid_nav_hold(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
     nav->holding = (uint8_t)(nav->holding | 1u << sensor);
     nav->held_us[sensor] = t_us;
     nav->held_valid[sensor] = (uint8_t)valid;
-    memcpy(nav->held[sensor], value, sizeof nav->held[sensor]);
+    memcpy(nav->held[sensor], value, auvid_nav_rows[sensor].axes * sizeof value[0]);
     return NAV_HELD;
+}
+
+auvid_status_t auvid_nav_check_time(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
+                                    const auvid_real_t *value, unsigned valid,
+                                    auvid_nav_measurement_t *m)
+{
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
+    uint64_t age_us = nav->t_us - t_us; /* huge if it is ahead */
+    if (age_us > nav->max_age_us[sensor]) {
+        auvid_status_t status = nav_hold(nav, sensor, t_us, value, valid);
+        if (status != AUVID_OK) {
+            return status;
+        }
+        age_us = 0;
+    }
+    if (d->innovation_count > 0 && t_us <= d->seen_us) {
+        return t_us < d->seen_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
+    }
+    m->t_us = t_us;
+    m->sensor = sensor;
+    m->age = (auvid_real_t)(uint32_t)age_us * AUVID_C(1e-6);
+    return AUVID_OK;
 }

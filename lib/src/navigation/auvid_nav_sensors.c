@@ -1,40 +1,8 @@
 /*
- * Navigation filter, third part: the sensors. Each converts its sample to the form of the filter
- * (auvid_nav_internal.h), or rejects it, and counts it. The two most frequent ones, a velocity
- * along all axes and a depth, both at the filter's time, take a fast path.
+ * Navigation filter, third part: the samples. It passes each to the update of its kind, and counts
+ * it.
  */
-#include <string.h>
-
 #include "auvid_nav_internal.h"
-
-/* Reject a sample outside the accepted time window, hold one ahead of the filter, or set the time
- * of *m. */
-AUVID_INLINE auvid_status_t nav_check_time(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                                           const auvid_real_t value[3], unsigned valid,
-                                           auvid_nav_measurement_t *m)
-{
-    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    uint64_t age_us = nav->t_us - t_us; /* huge if it is ahead */
-    if (age_us > nav->max_age_us[sensor]) {
-        auvid_status_t status = auvid_nav_hold(nav, sensor, t_us, value, valid);
-        if (status != AUVID_OK) {
-            return status;
-        }
-        age_us = 0;
-    }
-    if (d->innovation_count > 0 && t_us <= d->seen_us) {
-        return t_us < d->seen_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
-    }
-    m->t_us = t_us;
-    m->sensor = sensor;
-    m->age = (auvid_real_t)(uint32_t)age_us * AUVID_C(1e-6);
-    return AUVID_OK;
-}
-
-static void nav_set_flag(auvid_nav_t *nav, unsigned flag)
-{
-    nav->flags = (uint16_t)(nav->flags | flag);
-}
 
 /* Increment the counter of a status; return the status for the caller. */
 static auvid_status_t nav_count_unapplied(auvid_nav_diagnostics_t *d, auvid_status_t status)
@@ -70,296 +38,38 @@ static inline auvid_status_t nav_count_status(auvid_nav_diagnostics_t *d, auvid_
     return status;
 }
 
-/* Set z in the body frame, without the velocity of the lever arm: M v - omega x r. For a subset of
- * the axes: the directions h_j (columns of M) and v_j - h_j'(omega x r). */
-static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned valid,
-                            auvid_nav_measurement_t *m)
+auvid_status_t auvid_nav_update(auvid_nav_t *nav, auvid_nav_sensor_t sensor, uint64_t t_us,
+                                const auvid_real_t *value, unsigned valid)
 {
-    const auvid_real_t *w = nav->rates, *r = nav->lever;
-    auvid_real_t past[3];
-    if (m->age > AUVID_C(0.0)) {
-        auvid_nav_rates_at(nav, (uint32_t)(nav->t_us - m->t_us), past);
-        w = past;
+    if (nav == NULL || value == NULL) {
+        return AUVID_ERR_NULL;
     }
-    const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
-                                     w[0] * r[1] - w[1] * r[0]};
-    m->is_velocity = true;
-    m->directed = valid != AUVID_DVL_ALL;
-    if (!m->directed) {
-        m->z[0] = nav_dot(nav->mount[0], v) - turning[0];
-        m->z[1] = nav_dot(nav->mount[1], v) - turning[1];
-        m->z[2] = nav_dot(nav->mount[2], v) - turning[2];
-        m->n = 3;
-        return;
+    if (nav->ready != NAV_RUNNING) {
+        return AUVID_ERR_STATE;
     }
-    m->n = 0;
-    for (int j = 0; j < 3; ++j) {
-        if ((valid >> j & 1) != 0) {
-            for (int k = 0; k < 3; ++k) {
-                m->h[m->n][k] = nav->mount[k][j];
-            }
-            m->z[m->n] = v[j] - nav_dot(m->h[m->n], turning);
-            ++m->n;
-        }
+    if ((unsigned)sensor >= AUVID_NAV_SENSOR_COUNT) {
+        return AUVID_ERR_RANGE;
     }
-}
-
-/* Store innovation j; return whether it is within the gate. */
-AUVID_INLINE bool nav_within_gate(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, int j,
-                                  auvid_real_t nu, auvid_real_t s)
-{
-    d->innovation[j] = nu;
-    d->variance[j] = s;
-    return nu * nu <= nav->gate * s;
-}
-
-/* Set row i of Ppv = r W and correct axis i of the position; w: row i of W. */
-AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid_real_t r,
-                                                  const auvid_real_t w[3], const auvid_real_t e[3])
-{
-    nav->position_lo[i] += nav_dot(nav->pv[i], e);
-    nav->pv[i][0] = r * w[0];
-    nav->pv[i][1] = r * w[1];
-    nav->pv[i][2] = r * w[2];
-}
-
-/*
- * Apply all axes of a velocity at the filter's time: H = [0 I], R = r I, S = Pvv + r I. With
- * W = Ppv S^-1
- *
- *     e = S^-1 nu,   p += Ppv e,   v += nu - r e
- *     Ppp -= W Ppv',   Ppv = r W,   Pvv = r Pvv S^-1 = r (I - r S^-1)
- *
- * This equals three scalar updates for two thirds of the work. S^-1 comes from S = L D L',
- * L^-1 = [1; a 1; b c 1]. The last form of Pvv is used off the diagonal, where it needs no
- * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate.
- */
-static bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
-{
-    auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    const auvid_real_t v[6] = {nav->vv[0], nav->vv[1], nav->vv[2],
-                               nav->vv[3], nav->vv[4], nav->vv[5]};
-    auvid_real_t r = nav->r[m->sensor], e[3], w[3];
-    const auvid_real_t s[3] = {v[0] + r, v[3] + r, v[5] + r};
-    const auvid_real_t nu[3] = {m->z[0] - nav->velocity[0], m->z[1] - nav->velocity[1],
-                                m->z[2] - nav->velocity[2]};
-    if (!(nav_within_gate(nav, d, 0, nu[0], s[0]) && nav_within_gate(nav, d, 1, nu[1], s[1]) &&
-          nav_within_gate(nav, d, 2, nu[2], s[2]))) {
-        return false;
-    }
-    auvid_real_t d0 = AUVID_C(1.0) / s[0];
-    auvid_real_t a = -v[1] * d0, l2 = v[2] * d0;
-    auvid_real_t d1 = AUVID_C(1.0) / (s[1] + a * v[1]);
-    auvid_real_t f = v[4] + a * v[2], c = -f * d1;
-    auvid_real_t d2 = AUVID_C(1.0) / (s[2] - l2 * v[2] + c * f);
-    auvid_real_t b = c * a - l2;
-    auvid_real_t bd = b * d2, cd = c * d2, ad = a * d1;
-    const auvid_real_t inverse[6] = {d0 + a * ad + b * bd, ad + c * bd, bd, d1 + c * cd, cd, d2};
-    nav_times(inverse, nu, e);
-    d->nis = nav_dot(nu, e);
-    nav->velocity[0] = m->z[0] - r * e[0];
-    nav->velocity[1] = m->z[1] - r * e[1];
-    nav->velocity[2] = m->z[2] - r * e[2];
-    auvid_real_t rr = -r * r;
-    nav->vv[0] = r * (v[0] * inverse[0] + v[1] * inverse[1] + v[2] * inverse[2]);
-    nav->vv[1] = rr * inverse[1];
-    nav->vv[2] = rr * inverse[2];
-    nav->vv[3] = r * (v[1] * inverse[1] + v[3] * inverse[3] + v[4] * inverse[4]);
-    nav->vv[4] = rr * inverse[4];
-    nav->vv[5] = r * (v[2] * inverse[2] + v[4] * inverse[4] + v[5] * inverse[5]);
-    nav_times(inverse, nav->pv[0], w);
-    nav->pp[0] -= nav_dot(w, nav->pv[0]);
-    nav->pp[1] -= nav_dot(w, nav->pv[1]);
-    nav->pp[2] -= nav_dot(w, nav->pv[2]);
-    nav_update_cross_covariance_row(nav, 0, r, w, e);
-    nav_times(inverse, nav->pv[1], w);
-    nav->pp[3] -= nav_dot(w, nav->pv[1]);
-    nav->pp[4] -= nav_dot(w, nav->pv[2]);
-    nav_update_cross_covariance_row(nav, 1, r, w, e);
-    nav_times(inverse, nav->pv[2], w);
-    nav->pp[5] -= nav_dot(w, nav->pv[2]);
-    nav_update_cross_covariance_row(nav, 2, r, w, e);
-    return true;
-}
-
-/* Apply a depth at the filter's time. Return false, with the filter unchanged, if it does not pass
- * the gate. */
-static bool nav_apply_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
-{
-    auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_DEPTH];
-    const auvid_real_t c[6] = {nav->pp[2],    nav->pp[4],    nav->pp[5],
-                               nav->pv[2][0], nav->pv[2][1], nav->pv[2][2]};
-    auvid_real_t s = nav_variance(nav, m, c[2]);
-    auvid_real_t nu = (m->z[0] - nav->position[2]) - nav->position_lo[2];
-    if (!nav_within_gate(nav, d, 0, nu, s)) {
-        return false;
-    }
-    d->nis = nav_apply(nav, c, s, nu);
-    return true;
-}
-
-/* Apply a sample that passes the gate, unless `hold_back`. `applied`: the fast path has done so. */
-AUVID_INLINE auvid_status_t nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t *m,
-                                             bool hold_back, bool applied)
-{
-    auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    if (applied) {
-        d->innovation_count = m->n;
-        d->seen_us = m->t_us;
-        nav_record_accepted(d, m->t_us);
-    } else {
-        auvid_status_t status = auvid_nav_gate(nav, m);
-        if (status != AUVID_OK || hold_back) {
-            return status;
-        }
-        auvid_nav_apply(nav, m);
-    }
-    nav->last_update_us = nav->t_us;
-    return AUVID_OK;
-}
-
-/* Return the body axes in the span of the valid axes of the instrument: bit i. The component of
- * axis i outside the span is that along the invalid axes, M_ij. */
-static uint8_t nav_measured_axes(const auvid_nav_t *nav, unsigned valid)
-{
-    const auvid_real_t max_outside = AUVID_NAV_MEASURED_SINE * AUVID_NAV_MEASURED_SINE;
-    unsigned measured = 0;
-    if (valid == AUVID_DVL_ALL) {
-        return AUVID_DVL_ALL;
-    }
-    for (int i = 0; i < 3; ++i) {
-        auvid_real_t outside = AUVID_C(0.0);
-        for (int j = 0; j < 3; ++j) {
-            auvid_real_t part = (valid >> j & 1) != 0 ? AUVID_C(0.0) : nav->mount[i][j];
-            outside += part * part;
-        }
-        measured |= (unsigned)(outside <= max_outside) << i;
-    }
-    return (uint8_t)measured;
-}
-
-static void nav_store_sample(auvid_nav_velocity_sample_t *stored, uint64_t t_us,
-                             const auvid_real_t velocity[3], uint8_t measured)
-{
-    stored->measured = measured;
-    stored->t_us = t_us;
-    memcpy(stored->velocity, velocity, sizeof stored->velocity);
-    ++stored->sequence;
-}
-
-static auvid_status_t nav_update_dvl(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                                     const auvid_real_t v[3], unsigned valid)
-{
-    if (valid == 0) {
-        return AUVID_UNUSED;
-    }
-    auvid_real_t part[3];
-    if (valid != AUVID_DVL_ALL) {
-        for (int j = 0; j < 3; ++j) {
-            part[j] = (valid >> j & 1) != 0 ? v[j] : AUVID_C(0.0);
-        }
-        v = part;
-    }
-    auvid_nav_measurement_t m;
-    auvid_status_t status = nav_within(v, nav->speed_limit);
-    if (status == AUVID_OK) {
-        status = nav_check_time(nav, sensor, t_us, v, valid, &m);
-    }
-    if (status != AUVID_OK) {
-        return status;
-    }
-    nav_dvl_to_body(nav, v, valid, &m);
-    bool water = sensor == AUVID_NAV_DVL_WATER;
-    bool hold_back = water && nav_is_fresh(nav, AUVID_NAV_DVL_BOTTOM);
-    bool present = !hold_back && !m.directed && !(m.age > AUVID_C(0.0));
-    status = nav_apply_sample(nav, &m, hold_back, present && nav_apply_velocity(nav, &m));
-    if (status != AUVID_OK) {
-        return status;
-    }
-    if (water && !m.directed) {
-        nav_store_sample(&nav->water, m.t_us, m.z, AUVID_DVL_ALL);
-    }
-    if (hold_back) {
-        return AUVID_UNUSED;
-    }
-    nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_WATER_AIDED);
-    nav_set_flag(nav, AUVID_NAV_VELOCITY_KNOWN | (water ? AUVID_NAV_WATER_AIDED : 0u));
-    if (!water) {
-        uint8_t measured = nav_measured_axes(nav, valid);
-        nav_store_sample(&nav->ground, m.t_us, nav->velocity, measured);
-        if ((measured & 3u) == 3u) {
-            nav->horizontal_us = m.t_us;
-            nav->horizontal = true;
-        }
-        if (measured == AUVID_DVL_ALL) {
-            nav->complete_us = m.t_us;
-            nav->complete = true;
-        }
-    }
-    return AUVID_OK;
+    uint8_t i = (uint8_t)sensor;
+    return nav_count_status(&nav->diagnostics[i],
+                            auvid_nav_rows[i].kind == NAV_VELOCITY
+                                ? auvid_nav_update_velocity(nav, i, t_us, value, valid)
+                                : auvid_nav_update_position(nav, i, t_us, value));
 }
 
 auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
 {
-    if (nav == NULL || sample == NULL) {
+    if (sample == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (nav->ready != NAV_RUNNING) {
-        return AUVID_ERR_STATE;
-    }
-    uint8_t sensor = sample->lock == AUVID_DVL_WATER ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM;
-    if ((sample->lock != AUVID_DVL_WATER && sample->lock != AUVID_DVL_BOTTOM) ||
-        sample->valid > AUVID_DVL_ALL) {
-        return nav_count_status(&nav->diagnostics[sensor], AUVID_ERR_RANGE);
-    }
-    return auvid_nav_update(nav, sensor, sample->t_us, sample->velocity, sample->valid);
-}
-
-static auvid_status_t nav_check_position(const auvid_real_t *x, int n)
-{
-    for (int i = 0; i < n; ++i) {
-        if (!(x[i] >= -NAV_LARGEST_POSITION && x[i] <= NAV_LARGEST_POSITION)) {
-            return auvid_is_finite(x[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-        }
-    }
-    return AUVID_OK;
-}
-
-static auvid_status_t nav_update_depth(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
-{
-    auvid_nav_measurement_t m;
-    auvid_status_t status = nav_check_position(value, 1);
-    m.z[0] = value[0];
-    if (status == AUVID_OK) {
-        status = nav_check_time(nav, AUVID_NAV_DEPTH, t_us, value, 0, &m);
-    }
-    if (status != AUVID_OK) {
-        return status;
-    }
-    m.is_velocity = false;
-    m.first = 2;
-    m.n = 1;
-    if ((nav->flags & AUVID_NAV_DEPTH_KNOWN) == 0) {
-        (void)auvid_nav_innovations(nav, &m);
-        nav_record_accepted(&nav->diagnostics[AUVID_NAV_DEPTH], t_us);
-        auvid_nav_restart_position(nav, 2, nav->diagnostics[AUVID_NAV_DEPTH].innovation[0],
-                                   nav->r[AUVID_NAV_DEPTH]);
-        nav_set_flag(nav, AUVID_NAV_DEPTH_KNOWN);
-        return AUVID_OK;
-    }
-    return nav_apply_sample(nav, &m, false, !(m.age > AUVID_C(0.0)) && nav_apply_depth(nav, &m));
+    bool water = sample->lock == AUVID_DVL_WATER, known = water || sample->lock == AUVID_DVL_BOTTOM;
+    return auvid_nav_update(nav, water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM, sample->t_us,
+                            sample->velocity, known ? sample->valid : AUVID_DVL_ALL + 1u);
 }
 
 auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m)
 {
-    if (nav == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (nav->ready != NAV_RUNNING) {
-        return AUVID_ERR_STATE;
-    }
-    const auvid_real_t value[3] = {depth_m};
-    return auvid_nav_update(nav, AUVID_NAV_DEPTH, t_us, value, 0);
+    return auvid_nav_update(nav, AUVID_NAV_DEPTH, t_us, &depth_m, 0);
 }
 
 auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa)
@@ -371,85 +81,8 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
                            (pressure_pa - nav->surface_pressure) * nav->metres_per_pascal);
 }
 
-/* Store a fix for the start as its difference from the filter's position, each axis sorted. The
- * last fix initialises the position with the medians. */
-static auvid_status_t nav_collect_fix(auvid_nav_t *nav, const auvid_nav_diagnostics_t *d)
-{
-    for (int j = 0; j < 2; ++j) {
-        auvid_real_t *sorted = nav->gps_offset[j];
-        int i = nav->gps_count;
-        for (; i > 0 && sorted[i - 1] > d->innovation[j]; --i) {
-            sorted[i] = sorted[i - 1];
-        }
-        sorted[i] = d->innovation[j];
-    }
-    if (++nav->gps_count < nav->gps_start) {
-        return AUVID_PENDING;
-    }
-    for (int j = 0; j < 2; ++j) {
-        const auvid_real_t *sorted = nav->gps_offset[j];
-        int low = (nav->gps_start - 1) / 2, high = nav->gps_start / 2;
-        auvid_real_t median = AUVID_C(0.5) * (sorted[low] + sorted[high]);
-        auvid_nav_restart_position(nav, j, median, nav->r[AUVID_NAV_GPS]);
-    }
-    nav->gps_start = 0;
-    nav_set_flag(nav, AUVID_NAV_POSITION_KNOWN);
-    return AUVID_OK;
-}
-
-static auvid_status_t nav_update_gps(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t value[3])
-{
-    auvid_nav_measurement_t m;
-    auvid_status_t status = nav_check_position(value, 2);
-    m.z[0] = value[0];
-    m.z[1] = value[1];
-    if (status == AUVID_OK) {
-        status = nav_check_time(nav, AUVID_NAV_GPS, t_us, value, 0, &m);
-    }
-    if (status != AUVID_OK) {
-        return status;
-    }
-    if (nav->position[2] + nav->position_lo[2] > nav->surface_depth) {
-        return AUVID_UNUSED;
-    }
-    m.is_velocity = false;
-    m.first = 0;
-    m.n = 2;
-    if (nav->gps_start > 0) {
-        auvid_nav_diagnostics_t *d = &nav->diagnostics[AUVID_NAV_GPS];
-        (void)auvid_nav_innovations(nav, &m);
-        nav_record_accepted(d, t_us);
-        return nav_collect_fix(nav, d);
-    }
-    status = nav_apply_sample(nav, &m, false, false);
-    if (status == AUVID_OK) {
-        nav_set_flag(nav, AUVID_NAV_POSITION_KNOWN);
-    }
-    return status;
-}
-
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m)
 {
-    if (nav == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (nav->ready != NAV_RUNNING) {
-        return AUVID_ERR_STATE;
-    }
-    const auvid_real_t value[3] = {x_m, y_m};
+    const auvid_real_t value[2] = {x_m, y_m};
     return auvid_nav_update(nav, AUVID_NAV_GPS, t_us, value, 0);
-}
-
-auvid_status_t auvid_nav_update(auvid_nav_t *nav, uint8_t sensor, uint64_t t_us,
-                                const auvid_real_t value[3], unsigned valid)
-{
-    auvid_status_t status;
-    if (sensor == AUVID_NAV_DEPTH) {
-        status = nav_update_depth(nav, t_us, value);
-    } else if (sensor == AUVID_NAV_GPS) {
-        status = nav_update_gps(nav, t_us, value);
-    } else {
-        status = nav_update_dvl(nav, sensor, t_us, value, valid);
-    }
-    return nav_count_status(&nav->diagnostics[sensor], status);
 }

@@ -83,8 +83,8 @@ void auvid_nav_release(auvid_nav_t *nav)
             continue;
         }
         nav->holding = (uint8_t)(nav->holding & ~bit);
-        auvid_status_t status =
-            auvid_nav_update(nav, (uint8_t)i, nav->held_us[i], nav->held[i], nav->held_valid[i]);
+        auvid_status_t status = auvid_nav_update(nav, (auvid_nav_sensor_t)i, nav->held_us[i],
+                                                 nav->held[i], nav->held_valid[i]);
         if (status < 0 || status == AUVID_GATED) {
             nav->held_rejected = (uint8_t)(nav->held_rejected | bit);
         }

@@ -229,7 +229,8 @@ static uint8_t nav_beyond_max_acceleration(const auvid_nav_t *nav, const auvid_n
     return outside;
 }
 
-auvid_status_t auvid_nav_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m)
+/* Return AUVID_OK or AUVID_GATED. */
+static auvid_status_t nav_test_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     m->outside = auvid_nav_innovations(nav, m);
@@ -277,7 +278,8 @@ static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *
     }
 }
 
-void auvid_nav_apply(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+/* Apply Eq. 6 to a sample that passed the gate, one scalar after the other. */
+static void nav_apply_scalars(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_real_t nis = AUVID_C(0.0);
     for (int j = 0; m->outside != 0 && j < nav_scalar_count(m); ++j) {
@@ -305,4 +307,23 @@ void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
     }
     nav->pp[nav_packed[axis][axis]] = variance;
     nav->last_update_us = nav->t_us;
+}
+
+auvid_status_t auvid_nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool hold_back,
+                                      bool applied)
+{
+    auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
+    if (applied) {
+        d->innovation_count = m->n;
+        d->seen_us = m->t_us;
+        nav_record_accepted(d, m->t_us);
+    } else {
+        auvid_status_t status = nav_test_gate(nav, m);
+        if (status != AUVID_OK || hold_back) {
+            return status;
+        }
+        nav_apply_scalars(nav, m);
+    }
+    nav->last_update_us = nav->t_us;
+    return AUVID_OK;
 }

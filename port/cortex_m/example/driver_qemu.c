@@ -94,7 +94,7 @@ static void interrupt(void)
     }
     while (!at_end && clock_us >= due_us) {
         auvid_can_kind_t kind = auvid_can_kind(NULL, next_frame.id);
-        if (kind < AUVID_NODE_KINDS) {
+        if (auvid_can_node_kind(kind) != AUVID_CAN_NODE_KINDS) {
             (void)auvid_can_fifo_push(queue, &next_frame);
         }
         uint32_t before_us = (uint32_t)next_frame.t_us;

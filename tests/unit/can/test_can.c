@@ -353,26 +353,31 @@ static void test_a_float_that_is_not_finite_is_refused(void)
 
 static void test_both_blocks_can_be_moved(void)
 {
-    const auvid_can_ids_t ids = {0x100, 0x7ED};
+    const auvid_can_ids_t ids = {0x100, 0x800 - AUVID_CAN_SLOW_KINDS};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, &ids));
     pack_plain(AUVID_CAN_TICK);
     TEST_ASSERT_EQUAL_HEX16(0x101, frame.id);
     TEST_ASSERT_EQUAL(AUVID_UNUSED, unpack());
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(&ids, &frame, &back));
-    pack_plain(AUVID_CAN_DRAG_HALF_WIDTH);
+    pack_plain(AUVID_CAN_KINDS - 1);
     TEST_ASSERT_EQUAL_HEX16(0x7FF, frame.id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(&ids, &frame, &back));
-    TEST_ASSERT_EQUAL(AUVID_CAN_DRAG_HALF_WIDTH, back.kind);
+    TEST_ASSERT_EQUAL(AUVID_CAN_KINDS - 1, back.kind);
 }
 
 static void test_blocks_that_overlap_or_do_not_fit_are_refused(void)
 {
-    const auvid_can_ids_t bad[] = {{0, 0}, {0x40, 0x44}, {0x52, 0x40}, {0x7FC, 0}, {0, 0x7EE}};
+    enum { FAST = AUVID_CAN_FAST_KINDS, SLOW = AUVID_CAN_SLOW_KINDS };
+    const auvid_can_ids_t bad[] = {{0, 0},
+                                   {0x40, 0x40 + FAST - 1},
+                                   {0x40 + SLOW - 1, 0x40},
+                                   {0x801 - FAST, 0},
+                                   {0, 0x801 - SLOW}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_sender_init(&sender, &bad[i]));
         TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_ids_check(&bad[i]));
     }
-    const auvid_can_ids_t good = {0x53, 0x40};
+    const auvid_can_ids_t good = {0x40 + SLOW, 0x40};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_ids_check(&good));
 }
 

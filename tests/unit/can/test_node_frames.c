@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "auvid/node.h"
+#include "identifier/auvid_input_internal.h"
+#include "navigation/auvid_sensors_internal.h"
 #include "vehicle_sim.h"
 #include "unity.h"
 
@@ -461,6 +463,36 @@ static void test_a_node_s_own_tick_at_the_same_time_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, NULL, sent, &count));
 }
 
+/* ---- sensors ---- */
+
+static void test_a_sample_of_every_sensor_reaches_the_filter_with_its_values_and_age(void)
+{
+#define KIND(name, ...) [AUVID_NAV_##name] = AUVID_CAN_##name,
+    static const auvid_can_kind_t kind[AUVID_NAV_SENSOR_COUNT] = {AUVID_SENSORS(KIND)};
+    const auvid_real_t value[3] = {(auvid_real_t)0.1, (auvid_real_t)0.2, (auvid_real_t)0.3};
+    const uint32_t age_ms = 70;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        auvid_can_message_t m = {.kind = kind[i]};
+        auvid_input_sample_t sample;
+        size_t bytes = auvid_input_places[i].values * sizeof value[0];
+        memcpy(&m.as, value, bytes);
+        memcpy((char *)&m.as + bytes, &age_ms, sizeof age_ms);
+        begin();
+        TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+        TEST_ASSERT_TRUE(auvid_input_get(&node.in, i, &sample));
+        TEST_ASSERT_EQUAL_UINT64(70000, sample.t_us);
+        for (int j = 0; j < auvid_input_places[i].values; ++j) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.051, (double)value[j], (double)sample.value[j]);
+        }
+        give_imu(0, 0);
+        step_at(50);
+        const auvid_nav_diagnostics_t *d = &node.id.nav.diagnostics[i];
+        TEST_ASSERT_EQUAL_UINT32(1, d->accepted);
+        TEST_ASSERT_EQUAL_UINT64(930000, d->good_us);
+        TEST_ASSERT_EQUAL_UINT8(auvid_input_places[i].values, d->innovation_count);
+    }
+}
+
 /* ---- refused and unused frames ---- */
 
 static void test_a_message_that_a_node_does_not_receive_is_unused(void)
@@ -468,7 +500,7 @@ static void test_a_message_that_a_node_does_not_receive_is_unused(void)
     begin();
     for (int kind = 0; kind < AUVID_CAN_KINDS; ++kind) {
         auvid_can_message_t m = {.kind = (auvid_can_kind_t)kind};
-        if (kind == AUVID_CAN_TICK_DONE || kind >= AUVID_NODE_KINDS) {
+        if (auvid_can_node_kind(m.kind) == AUVID_CAN_NODE_KINDS) {
             TEST_ASSERT_EQUAL(AUVID_UNUSED, give(&m));
         }
     }
@@ -499,12 +531,14 @@ static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(vo
 /* It is no echo of a command either: none has been sent. */
 static void test_a_sensor_frame_of_zeros_is_refused(void)
 {
-    for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_NODE_KINDS; ++kind) {
+    for (int kind = AUVID_CAN_IMU_ATTITUDE; kind < AUVID_CAN_KINDS; ++kind) {
         auvid_can_frame_t frame = {.length = AUVID_CAN_BYTES};
         frame.id = auvid_can_id(&cfg.ids, (auvid_can_kind_t)kind);
         begin();
-        TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
-        TEST_ASSERT_EQUAL_UINT32(1, node.counters.refused);
+        bool received = auvid_can_node_kind((auvid_can_kind_t)kind) != AUVID_CAN_NODE_KINDS;
+        TEST_ASSERT_EQUAL(received ? AUVID_ERR_CHECKSUM : AUVID_UNUSED,
+                          auvid_node_take(&node, &frame));
+        TEST_ASSERT_EQUAL_UINT32(received, node.counters.refused);
     }
 }
 
@@ -989,6 +1023,7 @@ int main(void)
     RUN_TEST(test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts);
     RUN_TEST(test_a_node_s_own_clock_may_start_at_0);
     RUN_TEST(test_a_node_s_own_tick_at_the_same_time_is_refused);
+    RUN_TEST(test_a_sample_of_every_sensor_reaches_the_filter_with_its_values_and_age);
     RUN_TEST(test_a_message_that_a_node_does_not_receive_is_unused);
     RUN_TEST(test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused);
     RUN_TEST(test_a_sensor_frame_of_zeros_is_refused);

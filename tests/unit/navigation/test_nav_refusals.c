@@ -298,6 +298,8 @@ static void test_null_is_refused_everywhere(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_depth(NULL, now, 1));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_pressure(NULL, now, 1));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_gps(NULL, now, 1, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_update(NULL, AUVID_NAV_GPS, now, zero, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_update(&nav, AUVID_NAV_GPS, now, NULL, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_state(NULL, &state));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_state(&nav, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_covariance(NULL, p));
@@ -312,6 +314,27 @@ static void refuse(auvid_status_t status)
     auvid_nav_defaults(&cfg);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_init(&nav, &cfg));
     nav = before;
+}
+
+static void test_a_sensor_that_does_not_exist_is_refused_and_not_counted(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE,
+                          auvid_nav_update(&nav, AUVID_NAV_SENSOR_COUNT, now, zero, 0));
+    TEST_ASSERT_TRUE(memcmp(&before, &nav, sizeof nav) == 0);
+}
+
+static void test_update_by_number_is_that_of_the_sensor_s_function(void)
+{
+    const auvid_real_t value[3] = {real(0.9), real(0.1), real(0.2)};
+    auvid_dvl_sample_t water = {now, {value[0], value[1], value[2]}, AUVID_DVL_WATER, 3};
+    auvid_nav_t other = nav;
+    TEST_ASSERT_EQUAL_INT(auvid_nav_dvl(&other, &water),
+                          auvid_nav_update(&nav, AUVID_NAV_DVL_WATER, now, value, 3));
+    TEST_ASSERT_EQUAL_INT(auvid_nav_depth(&other, now, value[0]),
+                          auvid_nav_update(&nav, AUVID_NAV_DEPTH, now, value, 0));
+    TEST_ASSERT_EQUAL_INT(auvid_nav_gps(&other, now, value[0], value[1]),
+                          auvid_nav_update(&nav, AUVID_NAV_GPS, now, value, 0));
+    TEST_ASSERT_TRUE(memcmp(&other, &nav, sizeof nav) == 0);
 }
 
 static void test_every_real_of_the_configuration_must_be_finite(void)
@@ -401,6 +424,8 @@ int main(void)
     RUN_TEST(test_late_velocity_after_another_measurement_still_shrinks_the_variance);
     RUN_TEST(test_first_calls_must_come_in_their_order);
     RUN_TEST(test_null_is_refused_everywhere);
+    RUN_TEST(test_a_sensor_that_does_not_exist_is_refused_and_not_counted);
+    RUN_TEST(test_update_by_number_is_that_of_the_sensor_s_function);
     RUN_TEST(test_every_real_of_the_configuration_must_be_finite);
     RUN_TEST(test_settings_outside_their_range_are_refused);
     RUN_TEST(test_counters_stop_at_their_largest_value);

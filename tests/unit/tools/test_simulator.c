@@ -646,6 +646,20 @@ static void test_depth_sensor_ahead_of_the_origin_rises_with_the_bow(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50 - sin(0.1), out.sensor[SIM_DEPTH].value[0]);
 }
 
+static void test_gps_ahead_of_the_origin_turns_with_the_bow(void)
+{
+    without_noise();
+    cfg.position[2] = 0.2;
+    cfg.euler[2] = 0.5;
+    cfg.gps_arm_m[0] = 1;
+    cfg.sensor[SIM_GPS].rate_hz = 50;
+    begin();
+    run(0.02, NULL);
+    TEST_ASSERT_TRUE(out.sensor[SIM_GPS].has);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, cos(0.5), out.sensor[SIM_GPS].value[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, sin(0.5), out.sensor[SIM_GPS].value[1]);
+}
+
 static void test_imu_yaw_is_wrapped_and_the_truth_is_not(void)
 {
     without_losses();
@@ -745,6 +759,7 @@ int main(void)
     RUN_TEST(test_dvl_loses_the_bottom_above_its_range);
     RUN_TEST(test_dvl_mounting_adds_the_lever_arm_and_rotates_the_axes);
     RUN_TEST(test_depth_sensor_ahead_of_the_origin_rises_with_the_bow);
+    RUN_TEST(test_gps_ahead_of_the_origin_turns_with_the_bow);
     RUN_TEST(test_imu_yaw_is_wrapped_and_the_truth_is_not);
     RUN_TEST(test_the_same_seed_repeats_the_run_and_a_copy_continues_identically);
     RUN_TEST(test_init_refuses_invalid_values);
