@@ -103,8 +103,6 @@ typedef struct auvid_identifier_config {
     auvid_excitation_config_t excitation; /**< see excitation.h; no segments: passive */
     auvid_guard_config_t guard;           /**< limits, see guard.h; set them for your site */
     auvid_velocity_source_t velocity;     /**< default AUVID_VELOCITY_GROUND */
-    bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates;
-                                   for literal smoothing. Not with water lock. Default false */
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
@@ -324,7 +322,6 @@ typedef struct {
 typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
     auvid_velocity_source_t velocity;
-    bool velocity_every_tick;
     auvid_real_t dry_mass_kg;
     auvid_uncertainty_t uncertainty;
     auvid_nav_t nav;
@@ -393,11 +390,6 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. NULL is a no-op. */
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
-
-#define auvid_identifier_literal AUVID_SIZED(auvid_identifier_literal)
-/** Change *cfg to literal smoothing, as in the paper: smooth the states, record every tick, leave
- * the wrench raw. */
-void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
 /** Check the arithmetic (selftest.h) and the configuration, and start. After an error, and if *id

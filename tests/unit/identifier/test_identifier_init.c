@@ -191,9 +191,6 @@ static void test_an_impossible_velocity_source_is_refused(void)
 {
     cfg.id.velocity = (auvid_velocity_source_t)2;
     check_init(AUVID_ERR_RANGE);
-    cfg.id.velocity = AUVID_VELOCITY_WATER;
-    cfg.id.velocity_every_tick = true;
-    check_init(AUVID_ERR_RANGE);
 }
 
 static void check_refuses_all(void)

@@ -570,7 +570,6 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     other = chain;
     auvid_identifier_defaults(NULL, &auvid_girona500);
-    auvid_identifier_literal(NULL);
     auvid_identifier_attach(NULL, NULL);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(NULL, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&chain.id, NULL));

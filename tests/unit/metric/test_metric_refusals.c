@@ -51,11 +51,8 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[0] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[1] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.order = 6);
-    REFUSED(AUVID_ERR_RANGE, cfg.smoothing = (auvid_smoothing_t)2);
-    REFUSED(AUVID_ERR_RANGE, cfg.smoothing = AUVID_SMOOTH_STATES); /* with estimate_delay */
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(-0.21));
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(0.61));
-    REFUSED(AUVID_ERR_RANGE, (auvid_metric_literal(&cfg), cfg.order = 0)); /* no derivative */
 }
 
 static void test_init_refuses_numbers_that_are_not_finite_and_changes_nothing(void)
