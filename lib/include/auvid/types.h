@@ -94,7 +94,10 @@ typedef enum {
     AUVID_ERR_MODEL = -16,      /**< the vehicle model does not support the request */
     AUVID_ERR_LENGTH = -17,     /**< the frame's length is not that of its message */
     AUVID_ERR_CHECKSUM = -18,   /**< the frame's checksum is wrong */
-    AUVID_ERR_DRY_MASS = -19    /**< the dry mass is not below the upper bound of a mass */
+    AUVID_ERR_DRY_MASS = -19,   /**< the dry mass is not below the upper bound of a mass */
+    AUVID_ERR_ATTACHED = -20,   /**< such a part is attached already */
+    AUVID_ERR_DETACHED = -21,   /**< the function needs a part that is not attached */
+    AUVID_ERR_STARTED = -22     /**< too late: the identifier has stepped since init */
 } auvid_status_t;
 
 /** Returns a short English text for a status, never NULL; "unknown status" for any other value.

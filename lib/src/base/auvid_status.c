@@ -42,6 +42,9 @@ static const char *const error_text[] = {
     [-AUVID_ERR_LENGTH] = "the frame's length is not that of its message",
     [-AUVID_ERR_CHECKSUM] = "the frame's checksum is wrong",
     [-AUVID_ERR_DRY_MASS] = "the dry mass is not below the upper bound of a mass",
+    [-AUVID_ERR_ATTACHED] = "such a part is attached already",
+    [-AUVID_ERR_DETACHED] = "the function needs a part that is not attached",
+    [-AUVID_ERR_STARTED] = "too late, the identifier has stepped since init",
 };
 
 const char *auvid_status_str(auvid_status_t status)

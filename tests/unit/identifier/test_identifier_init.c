@@ -19,7 +19,7 @@ void tearDown(void)
 
 static void check_init(auvid_status_t status)
 {
-    TEST_ASSERT_EQUAL(status, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(status, chain_init(&chain, &cfg));
     chain_defaults(&cfg, 11, SETS, 0.0);
 }
 
@@ -136,11 +136,11 @@ static void test_an_excitation_above_the_thrusters_limit_is_refused(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {400, 0, 0, 0, 0, 0};
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
+                      auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 1, 1));
     chain_config_t wanted = cfg;
     check_init(AUVID_ERR_LIMIT);
     cfg = wanted;
-    cfg.id.allocation.thrusters = 0; /* no thrusters known: no limit */
+    cfg.thrusters.thrusters = 0; /* no thrusters known: no limit */
     check_init(AUVID_OK);
 }
 
@@ -152,9 +152,9 @@ static void test_what_the_modules_refuse_is_refused(void)
     check_init(AUVID_ERR_RANGE);
     cfg.id.metric.passes = 0;
     check_init(AUVID_ERR_RANGE);
-    cfg.id.excitation.segments = AUVID_MAX_SEGMENTS + 1;
+    cfg.acting.excitation.segments = AUVID_MAX_SEGMENTS + 1;
     check_init(AUVID_ERR_SIZE);
-    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1;
+    cfg.thrusters.thrusters = AUVID_MAX_THRUSTERS + 1;
     check_init(AUVID_ERR_SIZE);
 }
 
@@ -209,8 +209,8 @@ static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
     check_init(AUVID_ERR_RANGE);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* the last check */
-    check_init(AUVID_ERR_SIZE);
+    cfg.id.metric.passes = 0; /* the last check */
+    check_init(AUVID_ERR_RANGE);
     check_refuses_all();
 }
 
