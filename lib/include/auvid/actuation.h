@@ -64,15 +64,15 @@ void auvid_actuation_defaults(auvid_actuation_config_t *cfg);
 
 #define auvid_identifier_attach_actuation AUVID_SIZED(auvid_identifier_attach_actuation)
 /** Attach the acting half, once, between auvid_identifier_init and the first step. The guard is
- * DISARMED: nothing acts yet.
+ * DISARMED: nothing acts yet. After an error the identifier is as before, and the contents of
+ * *storage are undefined, unless it is attached already.
  * @param storage written; must outlive the identifier
  * @param cfg copied
  * @param allocation the thrusters; must outlive the identifier. NULL: no thruster limits
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (it has
- * an acting half already); AUVID_ERR_STARTED (it has stepped); AUVID_ERR_SIZE (an allocation
- * without thrusters: not initialised); AUVID_ERR_LIMIT (the excitation exceeds what the thrusters
- * give); those of auvid_guard_init and auvid_excitation_init. After an error the identifier is as
- * before, and the contents of *storage are undefined, unless it is attached already. */
+ * an acting half already); AUVID_ERR_STARTED (it has stepped); AUVID_ERR_SIZE (also an allocation
+ * without thrusters: not initialised); AUVID_ERR_CAPACITY (the excitation exceeds what the
+ * thrusters give); the errors of auvid_guard_init, the errors of auvid_excitation_init. */
 auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_actuation_t *storage,
                                                  const auvid_actuation_config_t *cfg,
                                                  const auvid_allocation_t *allocation);
@@ -81,31 +81,33 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
 /** Arm the guard: from now on it aborts on a breach. Arming needs a previous step with fresh
  * sensors: call it until it returns AUVID_OK, then call auvid_identifier_excite. Nothing acts by
  * itself later.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_DETACHED (no acting half, or not initialised);
- * AUVID_ERR_STATE (no excitation configured, or the guard is neither DISARMED nor DONE);
- * AUVID_ERR_STALE, AUVID_ERR_LIMIT (see auvid_guard_arm; the reason is in guard.refused). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no excitation configured, or
+ * the guard is neither DISARMED nor DONE); AUVID_ERR_DETACHED (no acting half); AUVID_ERR_STALE,
+ * AUVID_ERR_LIMIT (see auvid_guard_arm; the reason is in guard.refused). */
 auvid_status_t auvid_identifier_arm(auvid_identifier_t *id);
 
 #define auvid_identifier_excite AUVID_SIZED(auvid_identifier_excite)
 /** Begin the excitation with the next step.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_DETACHED (no acting half, or not initialised);
- * AUVID_ERR_STATE (the guard is not ARMED). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or the guard is not ARMED);
+ * AUVID_ERR_DETACHED (no acting half). */
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
 
 #define auvid_identifier_stop AUVID_SIZED(auvid_identifier_stop)
 /** End the excitation normally: it fades out, then the guard is SETTLING and finally DONE.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_DETACHED (no acting half, or not initialised);
- * AUVID_ERR_STATE (not exciting). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or not exciting);
+ * AUVID_ERR_DETACHED (no acting half). */
 auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
 
 #define auvid_identifier_abort AUVID_SIZED(auvid_identifier_abort)
 /** Emergency stop from any state: zero from the next step on, without a fade, latched.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_DETACHED (no acting half, or not initialised). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_DETACHED (no
+ * acting half). */
 auvid_status_t auvid_identifier_abort(auvid_identifier_t *id);
 
 #define auvid_identifier_disarm AUVID_SIZED(auvid_identifier_disarm)
 /** Return to DISARMED from any state and clear the latch. A running excitation ends without a fade.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_DETACHED (no acting half, or not initialised). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_DETACHED (no
+ * acting half). */
 auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id);
 
 #ifdef __cplusplus

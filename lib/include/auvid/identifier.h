@@ -72,7 +72,7 @@ typedef struct {
     uint64_t seed;        /**< of the search; default 1 */
 } auvid_search_config_t;
 
-/** A listener that keeps a log of commands (thrusters.h). */
+/** A listener that keeps a log of commands (thrusters.h). `command` and `set` are required. */
 typedef struct {
     /** A command is valid from t_us on; NULL: zeros. Called from step and applied. */
     void (*command)(void *context, uint64_t t_us, const auvid_real_t *command);
@@ -381,16 +381,17 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
 void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
-/** Check the arithmetic (selftest.h) and the configuration, and start.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC (the self-test failed);
- * AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty); AUVID_ERR_RANGE (velocity:
- * unknown, or water lock in every tick; dry mass below zero; an uncertainty below zero or above 1);
+/** Check the arithmetic (selftest.h) and the configuration, and start. After an error, and if *id
+ * is all zeros, every other function returns AUVID_ERR_STATE. Nothing is attached afterwards.
+ * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
+ * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
+ * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
+ * AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass below zero; an
+ * uncertainty below zero or above 1);
  * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
- * the search over the free parameters those of auvid_crs_check (AUVID_ERR_BOUNDS,
- * AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an
- * error, and if *id is all zeros, every other function returns AUVID_ERR_STATE. Nothing is attached
- * afterwards.
- * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards. */
+ * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
+ * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
+ * errors of auvid_recorder_init, the errors of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)

@@ -320,8 +320,7 @@ void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us);
 /** End the hold: all sets count again, and a set that waits in the residual path enters the ring.
  * @param resume_us residual path: where rows were dropped, rows whose middle is before this time
  * are also dropped
- * @return AUVID_OK; AUVID_SET_COMPLETE or AUVID_SET_IDLE (for the set that waited; see
- * auvid_metric_add); AUVID_ERR_NULL. */
+ * @return AUVID_OK; AUVID_SET_COMPLETE (the set that waited entered the ring); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
 
 #define auvid_metric_drop AUVID_SIZED(auvid_metric_drop)

@@ -91,7 +91,11 @@ static auvid_status_t identifier_check_uncertainty(const auvid_uncertainty_t *un
 
 static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
 {
+    const auvid_listener_t *listener = cfg->listener;
     auvid_status_t status = auvid_selftest();
+    if (listener != NULL && (listener->command == NULL || listener->set == NULL)) {
+        status = AUVID_ERR_NULL;
+    }
     if (status >= 0) {
         status = auvid_vehicle_check(cfg->vehicle);
     }

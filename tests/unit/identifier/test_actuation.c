@@ -2,6 +2,7 @@
  * The acting half is attached by one call. Without it an identifier is passive, and whoever wants
  * it to act gets a status that says why it does not.
  */
+#include <math.h>
 #include <string.h>
 
 #include "auvid/node.h"
@@ -128,18 +129,35 @@ static void test_thrusters_that_are_not_initialised_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
 }
 
+/* An identifier and a node refuse the same. */
+static void check_refused(auvid_status_t status)
+{
+    static auvid_node_t node;
+    auvid_node_config_t bus;
+    auvid_node_defaults(&bus);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg.thrusters, &cfg.id));
+    TEST_ASSERT_EQUAL(status, auvid_node_attach_actuation(&node, &storage, &cfg.acting));
+    TEST_ASSERT_TRUE(node.arm == NULL && node.id.actuation == NULL);
+    TEST_ASSERT_EQUAL(status, attach());
+    chain_defaults(&cfg, 1, 1, 0.0);
+}
+
 static void test_errors_of_the_parts_are_passed_on(void)
 {
-    chain_config_t good = cfg;
     cfg.acting.guard.depth_max_m = -1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
-    cfg = good;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.acting.guard.depth_min_m = cfg.acting.guard.depth_max_m + 1;
+    check_refused(AUVID_ERR_BOUNDS);
+    cfg.acting.guard.speed_max = (auvid_real_t)NAN;
+    check_refused(AUVID_ERR_NOT_FINITE);
     cfg.acting.excitation.fade_s = -1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
-    cfg = good;
+    check_refused(AUVID_ERR_RANGE);
+    cfg.acting.excitation.segments = AUVID_MAX_SEGMENTS + 1;
+    check_refused(AUVID_ERR_SIZE);
     cfg.acting.excitation.segment[0].amplitude = 1000; /* more than the thrusters give */
-    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, attach());
+    check_refused(AUVID_ERR_CAPACITY);
     check_orders(AUVID_ERR_DETACHED);
+    cfg.acting.excitation.segment[0].amplitude = 1000;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&chain.id, &storage, &cfg.acting,
                                                                   NULL)); /* no thruster limits */
 }
@@ -152,23 +170,26 @@ static void test_without_an_excitation_arming_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, storage.guard.state);
 }
 
-static void test_a_node_passes_the_errors_on_and_stays_passive(void)
+static void test_a_node_attaches_once_and_before_its_first_tick_only(void)
 {
     static auvid_node_t node;
+    const uint64_t t_us = 20000;
+    auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
     auvid_node_config_t bus;
+    int count;
     auvid_node_defaults(&bus);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_actuation(NULL, &storage, &cfg.acting));
     memset(&node, 0, sizeof node);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_attach_actuation(&node, &storage, &cfg.acting));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg.thrusters, &cfg.id));
-    cfg.acting.guard.depth_max_m = -1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_attach_actuation(&node, &storage, &cfg.acting));
-    TEST_ASSERT_TRUE(node.arm == NULL && node.id.actuation == NULL);
-    cfg.acting.guard.depth_max_m = 50;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &storage, &cfg.acting));
     TEST_ASSERT_EQUAL_PTR(&node.allocation, storage.allocation);
     TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED,
                       auvid_node_attach_actuation(&node, &storage, &cfg.acting));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg.thrusters, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, auvid_node_attach_actuation(&node, &storage, &cfg.acting));
+    TEST_ASSERT_TRUE(node.arm == NULL && node.id.actuation == NULL);
 }
 
 int main(void)
@@ -183,6 +204,6 @@ int main(void)
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_errors_of_the_parts_are_passed_on);
     RUN_TEST(test_without_an_excitation_arming_is_refused);
-    RUN_TEST(test_a_node_passes_the_errors_on_and_stays_passive);
+    RUN_TEST(test_a_node_attaches_once_and_before_its_first_tick_only);
     return UNITY_END();
 }
