@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "auvid/adaptive.h"
 #include "auvid/node.h"
 #include "chain.h"
 #include "unity.h"
@@ -42,20 +43,22 @@ static auvid_status_t attach(void)
 
 static void check_orders(auvid_status_t status)
 {
-    static auvid_status_t (*const order[])(auvid_identifier_t *) = {
-        auvid_identifier_arm, auvid_identifier_excite, auvid_identifier_stop,
-        auvid_identifier_abort, auvid_identifier_disarm};
     before = chain.id;
-    for (size_t i = 0; i < sizeof order / sizeof order[0]; ++i) {
-        TEST_ASSERT_EQUAL(AUVID_ERR_NULL, order[i](NULL));
-        TEST_ASSERT_EQUAL(status, order[i](&chain.id));
-    }
+    TEST_ASSERT_EQUAL(status, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(status, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(status, auvid_identifier_stop(&chain.id));
+    TEST_ASSERT_EQUAL(status, auvid_identifier_abort(&chain.id));
+    TEST_ASSERT_EQUAL(status, auvid_identifier_disarm(&chain.id));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
 static void test_orders_to_a_passive_identifier_are_refused(void)
 {
+    auvid_adaptive_config_t adaptive;
+    auvid_adaptive_defaults(&adaptive);
+    adaptive.amplitude[AUVID_SURGE] = 100;
     check_orders(AUVID_ERR_DETACHED);
+    TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED, auvid_adaptive_begin(&chain.id, &adaptive));
     memset(&chain.id, 0, sizeof chain.id);
     check_orders(AUVID_ERR_STATE); /* not initialised */
 }
