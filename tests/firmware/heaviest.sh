@@ -9,7 +9,7 @@ top=$PWD board=${1%-*} objects=build/firmware/$1 here=build/firmware/heaviest
 rm -rf "$here"
 mkdir -p "$here"
 ln -s ../bench/bus.log "$here/bus.log"
-sed "$([ "${3:-}" = passive ] && echo 's/excite = true/excite = false/')" \
+sed "$([ "${3:-}" = passive ] && echo 's/ || !configure_excitation()//')" \
     port/cortex_m/example/main.c >"$here/main.c"
 $(port/cortex_m/board.sh "$board" compile) "-${1#*-}" -std=c11 -ffp-contract=off -Ilib/include \
     -Iport/cortex_m/example "-DBUDGET=$2" -c -o "$here/main.o" "$here/main.c"

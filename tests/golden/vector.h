@@ -138,8 +138,8 @@ static inline void vector_look(const auvid_identifier_t *id, uint32_t events)
         golden_put("tick %u events %x\n", tick, (unsigned)events);
     }
     vector_events = events;
-    if ((int)id->guard.state != vector_guard) {
-        vector_state(&id->guard, tick);
+    if (id->actuation != NULL && (int)id->actuation->guard.state != vector_guard) {
+        vector_state(&id->actuation->guard, tick);
     }
     if (id->estimate.number != vector_number) {
         vector_number = id->estimate.number;
@@ -155,7 +155,9 @@ static inline void vector_look(const auvid_identifier_t *id, uint32_t events)
 static inline void vector_step(const auvid_identifier_t *id, const auvid_output_t *out)
 {
     vector_add(out->excitation, sizeof out->excitation);
-    vector_add(out->thruster_N, id->allocation.cfg.thrusters * sizeof out->thruster_N[0]);
+    const auvid_allocation_t *allocation = id->actuation->allocation;
+    size_t thrusters = allocation != NULL ? allocation->cfg.thrusters : 0;
+    vector_add(out->thruster_N, thrusters * sizeof out->thruster_N[0]);
     vector_look(id, out->events);
 }
 

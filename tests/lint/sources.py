@@ -45,7 +45,7 @@ PUBLIC = {
     "metric": "metric confidence validation",
     "search": "crs line_search optimizer",
     "excitation": "excitation allocation guard",
-    "identifier": "identifier adaptive checkpoint prior",
+    "identifier": "identifier actuation adaptive checkpoint prior",
     "can": "can can_messages can_receiver can_fifo",
     "node": "node",
 }

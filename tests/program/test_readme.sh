@@ -76,7 +76,7 @@ void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
 auvid_status_t configure_in_current(auvid_identifier_config_t *cfg);
 auvid_status_t my_thrusters(auvid_identifier_config_t *cfg);
-void plan(auvid_identifier_config_t *cfg);
+bool plan(void);
 bool begin(void);
 #include "example.c"
 
@@ -210,10 +210,9 @@ static int exciting(bool adaptive)
     static auvid_identifier_config_t cfg;
     bool begun = false;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    plan(&cfg);
     sim_init(&sim, &world);
     memset(pilot_wrench, 0, sizeof pilot_wrench);
-    if (auvid_identifier_init(&id, &cfg) < 0 || (adaptive && !plan_adaptive())) {
+    if (auvid_identifier_init(&id, &cfg) < 0 || !plan() || (adaptive && !plan_adaptive())) {
         return 1;
     }
     for (int k = 0; k < 300 * 50; ++k) {
@@ -223,8 +222,8 @@ static int exciting(bool adaptive)
         pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
         begun = begun || begin();
     }
-    printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(id.guard.state));
-    bool good = last.sets >= (adaptive ? 2 : 8) && id.guard.state == AUVID_GUARD_DONE;
+    printf("sets %u, guard %s\n", last.sets, auvid_guard_state_str(actuation.guard.state));
+    bool good = last.sets >= (adaptive ? 2 : 8) && actuation.guard.state == AUVID_GUARD_DONE;
     return good ? check_estimate() : 1;
 }
 
@@ -259,17 +258,22 @@ cat >six.c <<'END'
 
 #include "auvid/auvid.h"
 
-auvid_status_t configure_bluerov2(auvid_identifier_config_t *cfg);
+auvid_status_t configure_bluerov2(auvid_identifier_config_t *cfg, auvid_actuation_config_t *acting);
 #include "blocks.c"
 
 static auvid_identifier_t id;
+static auvid_actuation_t actuation;
+static auvid_allocation_t allocation;
 
 int main(void)
 {
-    return configure_bluerov2(&id.config) == AUVID_OK &&
-                   auvid_identifier_init(&id, &id.config) == AUVID_OK
-               ? 0
-               : 1;
+    auvid_actuation_config_t acting;
+    const auvid_allocation_config_t *to = &auvid_allocation_bluerov2_heavy;
+    bool good = configure_bluerov2(&id.cfg, &acting) == AUVID_OK &&
+                auvid_identifier_init(&id, &id.cfg) == AUVID_OK &&
+                auvid_allocation_init(&allocation, to) == AUVID_OK &&
+                auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation) == 0;
+    return good ? 0 : 1;
 }
 END
 blocks 1 >blocks.c

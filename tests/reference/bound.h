@@ -26,7 +26,7 @@
 #include <cmath>
 #include <vector>
 
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "simulator.h"
 
 extern "C" {
@@ -209,10 +209,16 @@ inline Run fly(const World &world)
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     auvid_identifier_config_t cfg;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, amplitude, 30, world.sets,
+    static auvid_allocation_t thrusters;
+    static auvid_actuation_t actuation;
+    auvid_actuation_config_t acting;
+    auvid_actuation_defaults(&acting);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&acting.excitation, amplitude, 30, world.sets,
                                                       world.excitation_seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&thrusters, &auvid_allocation_girona500));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&id, &actuation, &acting, &thrusters));
 
     sim_config_t config = simulator_defaults();
     config.seed = world.noise_seed;

@@ -110,7 +110,7 @@ static Watch fly(uint64_t seed, double disturbance_N, const Change *change, Plan
     w.moment_s = change == nullptr ? 0 : CHAIN_SET_S * (plan.changed - 1 + part);
     chain_defaults(&cfg, seed, plan.sets, disturbance_N);
     cfg.budget = plan.budget;
-    cfg.id.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
+    cfg.acting.guard.run_max_s = 2 * CHAIN_SET_S * plan.sets;
     cfg.before = maybe_change;
     cfg.after = look;
     cfg.context = &w;

@@ -53,8 +53,8 @@ static void identify(uint64_t seed, double disturbance_N, double lag_s, int idle
     if (idle >= 0) {
         amplitude[idle] = 0;
     }
-    TEST_ASSERT_EQUAL(
-        AUVID_OK, auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, SETS, seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.acting.excitation, amplitude,
+                                                      CHAIN_SET_S, SETS, seed));
     cfg.sim.lag_s = lag_s;
     cfg.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));

@@ -86,7 +86,6 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
 {
     static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
     static const auvid_real_t high[PARAMETERS] = {300, 300, auvid_real_t(0.5), 0, 0};
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; // of the command
     auvid_identifier_defaults(cfg, &vehicle);
     cfg->uncertainty = auvid_uncertainty_t(); // the supplied values are exact here
     cfg->metric.rows = store;
@@ -96,7 +95,19 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     std::memcpy(cfg->search.lower, low, sizeof low);
     std::memcpy(cfg->search.upper, high, sizeof high);
     cfg->search.seed = seed;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
+}
+
+static void begin(const auvid_identifier_config_t &cfg, uint64_t seed)
+{
+    static auvid_actuation_t actuation;
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; // of the command
+    auvid_actuation_config_t acting;
+    auvid_actuation_defaults(&acting);
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&id, &actuation, &acting, nullptr));
 }
 
 static void identify(uint64_t seed, double disturbance_N)
@@ -108,7 +119,7 @@ static void identify(uint64_t seed, double disturbance_N)
     auvid_real_t command = 0;
     bool excited = false;
     configure(&cfg, seed);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    begin(cfg, seed);
     sim_defaults(&world);
     world.seed = seed;
     world.disturbance_N = disturbance_N;

@@ -104,8 +104,8 @@ static Errors identify(const Scenario &s, uint64_t seed)
     chain_config_t cfg;
     Run run;
     chain_defaults(&cfg, seed, s.sets, s.disturbance_N);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.id.excitation, s.amplitude, CHAIN_SET_S,
-                                                      s.sets, seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.acting.excitation, s.amplitude,
+                                                      CHAIN_SET_S, s.sets, seed));
     cfg.sim.imu_angle_rad *= s.noise;
     cfg.sim.imu_rate_rad_s *= s.noise;
     cfg.sim.dvl_m_s *= s.noise;

@@ -18,19 +18,31 @@ void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double di
     cfg->sim.disturbance_N = disturbance_N;
     cfg->sim.disturbance_Nm = 0.4 * disturbance_N;
     auvid_identifier_defaults(&cfg->id, &auvid_girona500);
-    cfg->id.allocation = auvid_allocation_girona500;
+    auvid_actuation_defaults(&cfg->acting);
+    cfg->thrusters = auvid_allocation_girona500;
     cfg->id.search.seed = seed;
     memset(&cfg->id.uncertainty, 0, sizeof cfg->id.uncertainty); /* all is exact here */
-    (void)auvid_excitation_plan(&cfg->id.excitation, amplitude, CHAIN_SET_S, sets, seed);
+    (void)auvid_excitation_plan(&cfg->acting.excitation, amplitude, CHAIN_SET_S, sets, seed);
     cfg->budget = AUVID_DEFAULT_BUDGET;
 }
 
 void chain_set_driver(chain_config_t *cfg)
 {
     cfg->passive = true;
-    cfg->driver = cfg->id.excitation;
-    auvid_excitation_defaults(&cfg->id.excitation);
-    auvid_allocation_defaults(&cfg->id.allocation);
+    cfg->driver = cfg->acting.excitation;
+}
+
+auvid_status_t chain_init(chain_t *chain, const chain_config_t *cfg)
+{
+    bool limited = cfg->thrusters.thrusters > 0;
+    auvid_status_t status = auvid_identifier_init(&chain->id, &cfg->id);
+    if (status >= 0 && !cfg->passive && limited) {
+        status = auvid_allocation_init(&chain->allocation, &cfg->thrusters);
+    }
+    return status < 0 || cfg->passive
+               ? status
+               : auvid_identifier_attach_actuation(&chain->id, &chain->actuation, &cfg->acting,
+                                                   limited ? &chain->allocation : NULL);
 }
 
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
@@ -46,16 +58,37 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
         status = literal_identifier(cfg->literal, &chain->cfg.id);
         literal_attach(cfg->literal, &chain->id.metric);
     }
-    status = status < 0 ? status : auvid_identifier_init(&chain->id, &chain->cfg.id);
+    status = status < 0 ? status : chain_init(chain, &chain->cfg);
     if (status >= 0 && cfg->passive) {
         status = auvid_excitation_init(&chain->driver, &cfg->driver);
         if (status >= 0) {
             status = auvid_excitation_start(&chain->driver, cfg->epoch_us + SIM_TICK_US);
         }
-    } else if (status >= 0 && cfg->id.excitation.segments > 0) {
+    } else if (status >= 0 && cfg->acting.excitation.segments > 0) {
         chain->waiting = true;
     }
     return status;
+}
+
+void chain_copy(chain_t *to, const chain_t *from)
+{
+    *to = *from;
+    if (from->id.actuation != NULL) {
+        to->id.actuation = &to->actuation;
+        to->actuation.allocation = from->actuation.allocation != NULL ? &to->allocation : NULL;
+    }
+}
+
+bool chain_is_same(const chain_t *a, const chain_t *b)
+{
+    static auvid_identifier_t id;
+    static auvid_actuation_t actuation;
+    id = a->id;
+    actuation = a->actuation;
+    id.actuation = b->id.actuation;
+    actuation.allocation = b->actuation.allocation;
+    return memcmp(&id, &b->id, sizeof id) == 0 &&
+           memcmp(&actuation, &b->actuation, sizeof actuation) == 0;
 }
 
 static void copy(auvid_real_t *to, const double *from, int n)

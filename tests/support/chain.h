@@ -13,7 +13,7 @@
 #ifndef CHAIN_H
 #define CHAIN_H
 
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "literal.h"
 #include "simulator.h"
 
@@ -29,9 +29,11 @@ typedef struct {
     sim_config_t sim;
     auvid_identifier_config_t id;
     literal_t *literal; /**< literal smoothing of the paper, with this memory; NULL: none */
-    uint32_t budget;    /**< of work, a tick; 0: none until chain_finish */
-    uint64_t epoch_us;  /**< added to all times: a clock need not begin at zero */
-    bool passive;       /**< the driver excites, not the identifier */
+    auvid_actuation_config_t acting;
+    auvid_allocation_config_t thrusters; /**< none: no limits */
+    uint32_t budget;                     /**< of work, a tick; 0: none until chain_finish */
+    uint64_t epoch_us;                   /**< added to all times: a clock need not begin at zero */
+    bool passive;                        /**< the driver excites, not the identifier */
     auvid_excitation_config_t driver;
     chain_before_t before; /**< may be NULL */
     chain_after_t after;   /**< may be NULL */
@@ -42,6 +44,8 @@ typedef struct chain {
     chain_config_t cfg;
     sim_t sim;
     auvid_identifier_t id;
+    auvid_allocation_t allocation;
+    auvid_actuation_t actuation; /**< attached unless passive */
     auvid_excitation_t driver;
     uint32_t tick;                        /**< ticks so far */
     uint64_t t_us;                        /**< of the last one */
@@ -60,12 +64,22 @@ typedef struct chain {
  * +-1000. The disturbance is in N rms, and 0.4 of it in Nm. `seed` seeds everything. */
 void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double disturbance_N);
 
-/** Make the identifier passive: move the excitation of cfg->id to cfg->driver. */
+/** Make the identifier passive: move the excitation of cfg->acting to cfg->driver. */
 void chain_set_driver(chain_config_t *cfg);
 
 /** Start; the excitation begins when navigation is fresh, in 0.2 s.
- * @return the status of auvid_identifier_init; AUVID_ERR_RANGE if the simulator refuses. */
+ * @return the status of chain_init; AUVID_ERR_RANGE if the simulator refuses. */
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg);
+
+/** Initialise chain->id with cfg->id; unless passive, attach excitation and guard as chain_begin
+ * does. @return the status of the library. */
+auvid_status_t chain_init(chain_t *chain, const chain_config_t *cfg);
+
+/** Copy a chain with all that is attached. */
+void chain_copy(chain_t *to, const chain_t *from);
+
+/** Are the identifiers and what is attached to them equal, byte for byte? */
+bool chain_is_same(const chain_t *a, const chain_t *b);
 
 /** Convert the simulator's samples to the identifier's input. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);

@@ -55,13 +55,13 @@ static const auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
 
 enum { SETS = 8, SET_ROWS = 150 };
 static auvid_identifier_t id;
+static auvid_actuation_t actuation;
 static auvid_row_t store[(SETS + 1) * SET_ROWS];
 
 static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
 {
     static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
     static const auvid_real_t high[PARAMETERS] = {300, 300, AUVID_C(0.5), 0, 0};
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0}; /* in units of command */
     auvid_identifier_defaults(cfg, &vehicle);
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
@@ -70,10 +70,21 @@ static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     memcpy(cfg->search.lower, low, sizeof low);
     memcpy(cfg->search.upper, high, sizeof high);
     cfg->search.seed = seed;
+}
+
+/* Initialise the identifier and attach the excitation, in units of the command. */
+static inline void begin(const auvid_identifier_config_t *cfg, uint64_t seed)
+{
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1, 0, 0, 0, 0, 0};
+    auvid_actuation_config_t acting;
+    auvid_actuation_defaults(&acting);
     /* no depth sensor */
-    cfg->guard.off =
+    acting.guard.off =
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg->excitation, amplitude, 30, SETS, seed));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
 }
 
 /** Called at each step, before the work of its tick; may be NULL. */
@@ -97,7 +108,7 @@ static inline void identify(uint64_t seed, uint32_t sets, uint32_t budget, doubl
     }
     memset(past, 0, sizeof past);
     configure(&cfg, seed);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    begin(&cfg, seed);
     sim_defaults(&world);
     world.seed = seed;
     world.disturbance_N = disturbance_N;

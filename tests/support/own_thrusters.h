@@ -27,6 +27,7 @@ static auvid_row_t store[(SETS + 1) * SET_S * 2];
 static auvid_thrusters_t thrusters;
 static auvid_allocation_t allocation;
 static auvid_identifier_t id;
+static auvid_actuation_t actuation;
 static sim_config_t world;
 
 /** Called at each step, before the work of its tick; may be NULL. */
@@ -46,6 +47,7 @@ static inline void configure(uint64_t seed)
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     auvid_thrusters_config_t config;
     auvid_identifier_config_t cfg;
+    auvid_actuation_config_t acting;
     auvid_thrusters_defaults(&config);
     config.hull = &auvid_girona500;
     config.thrusters = THRUSTERS;
@@ -71,11 +73,13 @@ static inline void configure(uint64_t seed)
     cfg.metric.fixed[AUVID_G500_M_U] = (auvid_real_t)truth[AUVID_G500_M_U];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &cfg));
     cfg.search.seed = seed;
-    cfg.guard.distance_max_m = 1000;
-    cfg.guard.speed_max = 5;
+    auvid_actuation_defaults(&acting);
+    acting.guard.distance_max_m = 1000;
+    acting.guard.speed_max = 5;
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.excitation, amplitude, SET_S, SETS, seed));
+                      auvid_excitation_plan(&acting.excitation, amplitude, SET_S, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &auvid_allocation_girona500));
 }
 

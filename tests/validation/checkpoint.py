@@ -15,11 +15,12 @@ import sys
 from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies.
-DEAD = ("cfg", "metric.regressor", "confidence.regressor")
+DEAD = ("cfg.", "metric.regressor", "confidence.regressor")
 # Members that decide on forces stay those of init.
-KEPT = ("allocation.", "excitation.cfg.", "excitation.duration_us", "excitation.pause_us",
-        "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
-        "adaptive.excursion_limit", "guard.cfg.", "guard.ready")
+KEPT = tuple("actuation." + name for name in (
+    "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
+    "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
+    "adaptive.excursion_limit", "guard.cfg.", "guard.ready"))
 # Members of the model and its storage: a change may make the identifier refuse the checkpoint.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
@@ -29,7 +30,8 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
-FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "prediction.vehicle", "adapt")
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction.vehicle",
+            "actuation.adapt")
 SET_ROWS = 2
 ROOM = 1 << 18
 IMPOSSIBLE = -6
@@ -69,6 +71,10 @@ class Subject:
         config.metric.rows = ctypes.cast(room, type(config.metric.rows))
         self.id = lib.auvid_identifier_t()
         assert lib.auvid_identifier_init(self.id, config) == 0
+        acting = lib.auvid_actuation_config_t()
+        lib.auvid_actuation_defaults(acting)
+        self.actuation = lib.auvid_actuation_t()
+        assert lib.auvid_identifier_attach_actuation(self.id, self.actuation, acting, None) == 0
         self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
 
     def pose(self, phase, search):
@@ -128,7 +134,8 @@ def wrong(subject, whole, path, at, pointer):
 
 def main():
     subject, looked, bad = Subject(sys.argv[1]), 0, []
-    for whole, name in ((subject.id, ""), (subject.rows, "rows")):
+    for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
+                        (subject.rows, "rows")):
         for path, at, pointer in leaves(type(whole), name):
             if path.startswith(DEAD + KEPT) or path in FOLLOWED:
                 continue

@@ -29,6 +29,10 @@ static sim_t sim;
 static sim_config_t world;
 static auvid_identifier_t id;
 static auvid_identifier_config_t cfg;
+static auvid_actuation_config_t acting;
+static auvid_actuation_t actuation;
+static auvid_allocation_config_t thrusters;
+static auvid_allocation_t allocation;
 static auvid_averaged_t model;
 static double truth[SIM_FOSSEN_PARAMETERS];
 static double wrench_2[AUVID_DOF_COUNT], column_2[N]; /* sums of squares over a run */
@@ -54,19 +58,20 @@ static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
     sim_fossen_parameters(&world.fossen, truth);
     auvid_identifier_defaults(&cfg, vehicle);
     memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* thrust, DVL and delay are exact */
-    cfg.allocation = auvid_allocation_bluerov2_heavy;
+    thrusters = auvid_allocation_bluerov2_heavy;
+    auvid_actuation_defaults(&acting);
     cfg.search.seed = seed;
     cfg.metric.set_rows = 2 * SET_S;
     cfg.metric.half_width[1] = 4;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         cfg.metric.tau_max[j] = amplitude[j];
     }
-    cfg.guard.roll_max_rad = cfg.guard.pitch_max_rad = AUVID_C(1.2);
-    cfg.guard.yaw_rate_max = AUVID_C(3.0);
+    acting.guard.roll_max_rad = acting.guard.pitch_max_rad = AUVID_C(1.2);
+    acting.guard.yaw_rate_max = AUVID_C(3.0);
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.excitation, amplitude, SET_S, SETS, seed));
-    for (int i = 0; i < cfg.excitation.segments; ++i) {
-        auvid_segment_t *segment = &cfg.excitation.segment[i];
+                      auvid_excitation_plan(&acting.excitation, amplitude, SET_S, SETS, seed));
+    for (int i = 0; i < acting.excitation.segments; ++i) {
+        auvid_segment_t *segment = &acting.excitation.segment[i];
         if (segment->dof >= AUVID_ROLL) {
             segment->frequency_hz = AUVID_C(0.1);
             segment->frequency_high_hz = AUVID_C(0.8);
@@ -113,7 +118,7 @@ static void tick(const auvid_allocation_result_t *hover, double force[SIM_THRUST
         wrench[j] = (auvid_real_t)seen.wrench[j];
     }
     (void)auvid_identifier_applied(&id, in.t_us - SIM_TICK_US, wrench, NULL);
-    if (id.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
+    if (actuation.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
@@ -134,7 +139,10 @@ static void identify(uint64_t seed, const auvid_vehicle_t *vehicle)
     configure(seed, vehicle);
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&id.allocation, lift, &hover));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&allocation, lift, &hover));
     memset(wrench_2, 0, sizeof wrench_2);
     memset(column_2, 0, sizeof column_2);
     tilt = 0;

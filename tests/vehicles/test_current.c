@@ -256,7 +256,7 @@ static void finish(void)
         finish_work(&world.node[i].id, BUDGET);
         TEST_ASSERT_EQUAL_UINT32(SETS, world.node[i].id.estimate.sets);
     }
-    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, world.node[0].id.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, world.actuation.guard.state);
     estimate = &world.node[1].id.estimate;
 }
 

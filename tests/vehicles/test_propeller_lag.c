@@ -45,6 +45,10 @@ static sim_t sim;
 static sim_config_t world;
 static auvid_identifier_t id;
 static auvid_identifier_config_t cfg;
+static auvid_actuation_config_t acting;
+static auvid_actuation_t actuation;
+static auvid_allocation_config_t thrusters;
+static auvid_allocation_t allocation;
 static double truth[N];
 static double speed[SIM_THRUSTERS];        /* square root of the thrust, signed */
 static double largest[2][AUVID_DOF_COUNT]; /* velocity and acceleration of a run */
@@ -69,7 +73,7 @@ static void scale_girona500(int v, double k)
     sim_rng_t rng;
     sim_defaults(&world);
     sim_rng_seed(&rng, 77, (uint64_t)v);
-    cfg.allocation = auvid_allocation_girona500;
+    thrusters = auvid_allocation_girona500;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         double factor = v == GIRONA500 ? 1 : 0.75 + 0.5 * sim_rng_uniform(&rng);
         world.parameter[i] *= factor * pow(k, power[i]);
@@ -89,11 +93,11 @@ static void scale_girona500(int v, double k)
     world.pitch_arm_m *= cbrt(k);
     world.thruster_max_N *= force;
     for (int t = 0; t < world.thrusters; ++t) {
-        cfg.allocation.thruster[t].max_N *= (auvid_real_t)force;
-        cfg.allocation.thruster[t].min_N *= (auvid_real_t)force;
+        thrusters.thruster[t].max_N *= (auvid_real_t)force;
+        thrusters.thruster[t].min_N *= (auvid_real_t)force;
         for (int j = AUVID_ROLL; j < AUVID_DOF_COUNT; ++j) {
             world.thruster_matrix[j][t] *= cbrt(k);
-            cfg.allocation.thruster[t].wrench[j] *= (auvid_real_t)cbrt(k);
+            thrusters.thruster[t].wrench[j] *= (auvid_real_t)cbrt(k);
         }
     }
 }
@@ -106,16 +110,16 @@ static void make_bluerov2(void)
     world.hold_Nm_rad = world.hold_Nms_rad = 0;
     world.fossen.r_b[2] = -0.05;
     sim_fossen_parameters(&world.fossen, truth);
-    cfg.allocation = auvid_allocation_bluerov2_heavy;
+    thrusters = auvid_allocation_bluerov2_heavy;
     cfg.metric.half_width[1] = 4;
-    cfg.guard.roll_max_rad = cfg.guard.pitch_max_rad = AUVID_C(1.2);
-    cfg.guard.yaw_rate_max = AUVID_C(3.0);
+    acting.guard.roll_max_rad = acting.guard.pitch_max_rad = AUVID_C(1.2);
+    acting.guard.yaw_rate_max = AUVID_C(3.0);
 }
 
 static void shorten_tilt_periods(void)
 {
-    for (int i = 0; i < cfg.excitation.segments; ++i) {
-        auvid_segment_t *segment = &cfg.excitation.segment[i];
+    for (int i = 0; i < acting.excitation.segments; ++i) {
+        auvid_segment_t *segment = &acting.excitation.segment[i];
         if (segment->dof == AUVID_ROLL || segment->dof == AUVID_PITCH) {
             segment->frequency_hz = AUVID_C(0.1);
             segment->frequency_high_hz = AUVID_C(0.8);
@@ -130,6 +134,7 @@ static void make_vehicle(int v, uint64_t seed, const auvid_uncertainty_t *uncert
     static const double size[VEHICLES] = {1, 0.06, 0.18, 4.5, 0};
     static const auvid_real_t rov[AUVID_DOF_COUNT] = {40, 40, 35, 1.5, 1.5, 6};
     auvid_real_t amplitude[AUVID_DOF_COUNT] = {0};
+    auvid_actuation_defaults(&acting);
     auvid_identifier_defaults(&cfg, v == BLUEROV2 ? &auvid_bluerov2_heavy : &auvid_girona500);
     if (v == BLUEROV2) {
         make_bluerov2();
@@ -154,7 +159,7 @@ static void make_vehicle(int v, uint64_t seed, const auvid_uncertainty_t *uncert
         cfg.search.lower[i] = -cfg.search.upper[i];
     }
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.excitation, amplitude, set_s, SETS, seed));
+                      auvid_excitation_plan(&acting.excitation, amplitude, set_s, SETS, seed));
     if (v == BLUEROV2) {
         shorten_tilt_periods();
     }
@@ -195,8 +200,11 @@ static void begin(int v, auvid_allocation_result_t *hover)
     auvid_real_t lift[AUVID_DOF_COUNT] = {0};
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation));
     lift[AUVID_HEAVE] = (auvid_real_t)(-truth[v == BLUEROV2 ? (int)AUVID_FOSSEN_W_B : (int)SIM_WB]);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&id.allocation, lift, hover));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_solve(&allocation, lift, hover));
     memset(largest, 0, sizeof largest);
     for (int i = 0; i < world.thrusters; ++i) {
         double force = (double)hover->force_N[i];
@@ -238,7 +246,8 @@ static void identify(int v, uint64_t seed, const fault_t *fault,
         sim_step(&sim, acting, NULL, &seen);
         record_motion();
         chain_sense(&seen, 0, &in);
-        if (id.guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(&id) == AUVID_OK) {
+        if (actuation.guard.state == AUVID_GUARD_DISARMED &&
+            auvid_identifier_arm(&id) == AUVID_OK) {
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
         }
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));

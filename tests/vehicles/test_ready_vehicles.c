@@ -114,7 +114,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
         most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[0]));
         most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[1]));
     }
-    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, world.node[0].id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, world.actuation.guard.state);
     TEST_ASSERT_TRUE(most_rad > 0.3 && most_rad < (double)rov->tilt_max_rad);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double value = (double)e->pi[i];

@@ -22,6 +22,7 @@
 typedef struct {
     const options_t *options;
     auvid_node_t node;
+    auvid_actuation_t actuation;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
@@ -40,10 +41,9 @@ static int begin(run_t *run)
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
-    cfg.excite = o->excite;
     cfg.answer = o->lock_step || run->simulated;
-    auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
-    if (status < 0) {
+    if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
+        (o->excite && !world_excite(&run->node, &run->actuation, &world))) {
         return report_error("node: the identifier refused its configuration");
     }
     if (o->prior != NULL) {

@@ -20,6 +20,7 @@ enum { WAITING = 256 };
 typedef struct {
     const options_t *options;
     auvid_node_t node;
+    auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
     bus_candump_t log;
     csv_writer_t csv;
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
@@ -63,7 +64,7 @@ static void write_row(run_t *run)
 {
     auvid_nav_state_t state;
     const auvid_node_t *node = &run->node;
-    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
+    const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
     if (run->options->csv == NULL || !node->feedback ||
         auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {
@@ -73,7 +74,7 @@ static void write_row(run_t *run)
         auvid_real_t part = node->thrust[i];
         force_N[i] = part * (part > 0 ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N);
     }
-    (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
+    (void)auvid_allocation_wrench(&node->allocation, force_N, wrench);
     csv_row_t row = {.value = {[CSV_T] = 1e-6 * (double)node->t_us}};
     for (int i = 0; i < 3; ++i) {
         row.value[CSV_ATTITUDE + i] = (double)state.attitude[i];
@@ -143,8 +144,8 @@ static int begin(run_t *run)
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
-    cfg.excite = true; /* obey the logged orders; the commands go nowhere */
-    if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
+    if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
+        !world_excite(&run->node, &run->actuation, &world)) {
         return report_error("replay: the identifier refused its configuration");
     }
     if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {

@@ -122,7 +122,7 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
 /* Is the recording complete? */
 static bool is_over(const auvid_identifier_t *id, const options_t *options)
 {
-    return options->adaptive ? id->guard.state == AUVID_GUARD_DONE
+    return options->adaptive ? id->actuation->guard.state == AUVID_GUARD_DONE
                              : id->metric.sets_recorded >= options->sets;
 }
 
@@ -165,7 +165,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
                    PATIENCE_UNITS * TICK_S / options->budget;
     while (linger < options->vehicle->linger_ticks && world_time_s(world) < end_s) {
         world_tick(world);
-        exciting += world->node[0].id.guard.state == AUVID_GUARD_EXCITING;
+        exciting += world->actuation.guard.state == AUVID_GUARD_EXCITING;
         list_estimate(run);
         log_tick(&run->logger, world);
         bool busy = world_work(world, options->budget);
@@ -191,7 +191,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     run->simulated_s = world_time_s(world);
     if (options->adaptive) {
         result_t *result = &run->result[0];
-        const auvid_adaptive_t *adaptive = &world->node[0].id.adaptive;
+        const auvid_adaptive_t *adaptive = &world->actuation.adaptive;
         result->excited_s = TICK_S * exciting;
         result->given_up = adaptive->abandoned;
         result->still_missing = adaptive->missing & ~result->estimate.confidence.identifiable;

@@ -55,25 +55,18 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
 {
     const field_config_t *field = &config->field;
     double amplitude[6];
-    auvid_real_t peak[AUVID_DOF_COUNT];
     auvid_identifier_defaults(cfg, &auvid_girona500);
     field_amplitude(field->vehicle, amplitude);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        peak[j] = (auvid_real_t)amplitude[j];
-        cfg->metric.tau_max[j] = amplitude[j] > 0.0 ? peak[j] : cfg->metric.tau_max[j];
-    }
-    allocate(field->vehicle, &cfg->allocation);
-    if (field->driver == FIELD_EXCITED) {
-        (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, config->sets,
-                                    field->seed);
+        if (amplitude[j] > 0.0) {
+            cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j];
+        }
     }
     if (field->vehicle == FIELD_ROV20) {
         (void)auvid_averaged_init(averaged, &auvid_girona500, cfg->recorder.cell_us, DVL_US);
         cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         cfg->metric.half_width[1] = 4;
-        vehicle_use_fast_excitation(&cfg->excitation);
     }
-    cfg->guard.off = AUVID_GUARD_SWITCHABLE;
     cfg->search.seed = field->seed;
     const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};
     auvid_real_t *to[] = {&cfg->uncertainty.thrust_scale, &cfg->uncertainty.dvl_scale,
@@ -116,9 +109,40 @@ static void sense(const field_output_t *seen, auvid_input_t *in)
 /* Arms and starts the excitation once the filter runs. */
 static void begin(auvid_identifier_t *id)
 {
-    if (id->guard.state == AUVID_GUARD_DISARMED && auvid_identifier_arm(id) == AUVID_OK) {
+    if (id->actuation->guard.state == AUVID_GUARD_DISARMED &&
+        auvid_identifier_arm(id) == AUVID_OK) {
         (void)auvid_identifier_excite(id);
     }
+}
+
+void field_run_actuation(const field_run_config_t *config, auvid_actuation_config_t *cfg)
+{
+    const field_config_t *field = &config->field;
+    double amplitude[6];
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    field_amplitude(field->vehicle, amplitude);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        peak[j] = (auvid_real_t)amplitude[j];
+    }
+    auvid_actuation_defaults(cfg);
+    (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, config->sets,
+                                field->seed);
+    if (field->vehicle == FIELD_ROV20) {
+        vehicle_use_fast_excitation(&cfg->excitation);
+    }
+    cfg->guard.off = AUVID_GUARD_SWITCHABLE;
+}
+
+/* Attaches the excitation. Returns false if the library refuses it. */
+static bool excite(field_run_t *run, const field_run_config_t *config)
+{
+    auvid_allocation_config_t thrusters;
+    auvid_actuation_config_t cfg;
+    field_run_actuation(config, &cfg);
+    allocate(config->field.vehicle, &thrusters);
+    return auvid_allocation_init(&run->allocation, &thrusters) >= 0 &&
+           auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) >=
+               0;
 }
 
 /* Records until all sets are complete, or until a passive run ends. */
@@ -220,7 +244,8 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     auvid_identifier_config_t *cfg = &run->id.cfg;
     memset(run, 0, sizeof *run);
     field_run_identifier(config, &run->averaged, cfg);
-    if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0) {
+    if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0 ||
+        (config->field.driver == FIELD_EXCITED && !excite(run, config))) {
         return false;
     }
     record_motion(run, config);

@@ -10,7 +10,7 @@
 #define PROGRAM_FIELD_RUN_H
 
 #include "auvid/averaged.h"
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "field_projection.h"
 
 /** Length of a passive run [s]. */
@@ -59,6 +59,8 @@ typedef struct {
     field_t field;
     auvid_averaged_t averaged;
     auvid_identifier_t id;
+    auvid_allocation_t allocation;
+    auvid_actuation_t actuation;
     field_projection_t projection;
 } field_run_t;
 
@@ -69,6 +71,9 @@ void field_run_defaults(field_run_config_t *config);
  * @param averaged written for the ROV; must outlive the identifier */
 void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *averaged,
                           auvid_identifier_config_t *cfg);
+
+/** Writes the excitation of a run, with all limits of the guard off. */
+void field_run_actuation(const field_run_config_t *config, auvid_actuation_config_t *cfg);
 
 /** Does a run. Returns false if the simulator or the library refuses the configuration. */
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record);

@@ -36,6 +36,7 @@ int report_exit(const result_t *result)
 
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed)
 {
+    const auvid_actuation_t *a = id->actuation;
     *result = (result_t){.seed = seed,
                          .vehicle = id->metric.cfg.vehicle,
                          .free = id->metric.cfg.free,
@@ -43,9 +44,11 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .budget = AUVID_DEFAULT_BUDGET,
                          .max_work = id->max_work,
                          .change_test = id->change_test,
-                         .has_guard = id->excitation.cfg.segments > 0,
-                         .guard = id->guard.state,
-                         .trip = id->guard.trip};
+                         .has_guard = a != NULL && a->excitation.cfg.segments > 0,
+                         .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};
+    if (a != NULL) {
+        result->trip = a->guard.trip;
+    }
 }
 
 void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)

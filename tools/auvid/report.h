@@ -5,7 +5,7 @@
 #ifndef PROGRAM_REPORT_H
 #define PROGRAM_REPORT_H
 
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "vehicle_sim.h"
 #include "event_log.h"
 

@@ -59,7 +59,7 @@ static void log_excitation(scenario_run_t *run, const char *when, const double *
 
 static void log_guard(scenario_run_t *run)
 {
-    const auvid_guard_t *guard = &run->world.node[0].id.guard;
+    const auvid_guard_t *guard = &run->world.actuation.guard;
     const auvid_guard_trip_t *trip = &guard->trip;
     double t_s = world_time_s(&run->world);
     if (guard->state == AUVID_GUARD_EXCITING) {
@@ -119,14 +119,13 @@ static void log_estimate(scenario_run_t *run)
 
 static void log_events(scenario_run_t *run)
 {
-    const auvid_identifier_t *id = &run->world.node[0].id;
     uint32_t events = run->world.node[0].events;
     double t_s = world_time_s(&run->world);
     if (events & AUVID_EVENT_EXCITATION_DONE) {
         event_log_add(&run->log, t_s, "excitation done");
     }
-    if (id->guard.state != run->guard) {
-        run->guard = id->guard.state;
+    if (run->world.actuation.guard.state != run->guard) {
+        run->guard = run->world.actuation.guard.state;
         log_guard(run);
     }
     if ((events & AUVID_EVENT_VALIDATED) && run->log_change_tests) {
@@ -211,7 +210,7 @@ static bool aftermath(scenario_run_t *run, uint32_t number)
     event_log_add(&run->log, t_s + 15.0,
                   "largest excitation since the abort: %.1f; estimate %u is kept", run->after_abort,
                   (unsigned)id->estimate.number);
-    return !(run->after_abort > 0.0) && id->guard.state == AUVID_GUARD_ABORTED &&
+    return !(run->after_abort > 0.0) && run->world.actuation.guard.state == AUVID_GUARD_ABORTED &&
            id->estimate.number >= number;
 }
 

@@ -95,22 +95,30 @@ void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation)
     }
 }
 
-void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
-                        uint8_t idle, auvid_identifier_config_t *cfg)
+void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifier_config_t *cfg)
 {
-    auvid_real_t amplitude[AUVID_DOF_COUNT];
     auvid_identifier_defaults(cfg, vehicle->model);
-    cfg->allocation = *vehicle->allocation;
     cfg->search.seed = seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        amplitude[j] = (idle >> j & 1u) ? AUVID_C(0.0) : vehicle->amplitude[j];
         if (vehicle->amplitude[j] > 0) {
             cfg->metric.tau_max[j] = vehicle->amplitude[j];
         }
     }
-    (void)auvid_excitation_plan(&cfg->excitation, amplitude, set_s, sets, seed);
     if (vehicle->quick) {
         vehicle_use_averaged_model(cfg);
+    }
+}
+
+void vehicle_actuation(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
+                       uint8_t idle, auvid_actuation_config_t *cfg)
+{
+    auvid_real_t amplitude[AUVID_DOF_COUNT];
+    auvid_actuation_defaults(cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        amplitude[j] = (idle >> j & 1u) ? AUVID_C(0.0) : vehicle->amplitude[j];
+    }
+    (void)auvid_excitation_plan(&cfg->excitation, amplitude, set_s, sets, seed);
+    if (vehicle->quick) {
         vehicle_use_fast_excitation(&cfg->excitation);
     }
     if (vehicle->tilt_max_rad > 0) {

@@ -9,7 +9,7 @@
 #ifndef PROGRAM_VEHICLES_H
 #define PROGRAM_VEHICLES_H
 
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "vehicle_sim.h"
 
 typedef struct {
@@ -50,10 +50,13 @@ void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 /** Writes the configuration of its simulation. */
 void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *cfg);
 
-/** Writes the configuration of its identification, based on auvid_identifier_defaults.
+/** Writes the configuration of its identification, based on auvid_identifier_defaults. */
+void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifier_config_t *cfg);
+
+/** Writes the excitation and the limits of the guard, based on auvid_actuation_defaults.
  * @param sets number of sets of excitation, of set_s seconds each
  * @param idle bit j: DoF j is not excited */
-void vehicle_identifier(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
-                        uint8_t idle, auvid_identifier_config_t *cfg);
+void vehicle_actuation(const vehicle_t *vehicle, auvid_real_t set_s, uint32_t sets, uint64_t seed,
+                       uint8_t idle, auvid_actuation_config_t *cfg);
 
 #endif

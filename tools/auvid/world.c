@@ -16,9 +16,10 @@ static const vehicle_t *vehicle_of(const world_config_t *config)
 static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config)
 {
     auvid_adaptive_config_t cfg;
+    const auvid_excitation_t *plan = &id->actuation->excitation;
     auvid_adaptive_defaults(&cfg);
-    (void)auvid_excitation_peak(&id->excitation, cfg.amplitude);
-    memcpy(cfg.excursion_limit, id->excitation.cfg.excursion_limit, sizeof cfg.excursion_limit);
+    (void)auvid_excitation_peak(plan, cfg.amplitude);
+    memcpy(cfg.excursion_limit, plan->cfg.excursion_limit, sizeof cfg.excursion_limit);
     cfg.max_s = (auvid_real_t)(config->sets * WORLD_SET_S);
     cfg.seed = config->seed;
     return auvid_adaptive_begin(id, &cfg);
@@ -26,8 +27,7 @@ static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
 {
-    vehicle_identifier(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
-                       cfg);
+    vehicle_identifier(vehicle_of(config), config->seed, cfg);
     cfg->velocity = config->both_locks ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
     if (config->options != NULL) {
         options_uncertainty(config->options, &cfg->uncertainty);
@@ -43,6 +43,15 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
     }
 }
 
+bool world_excite(auvid_node_t *node, auvid_actuation_t *actuation, const world_config_t *config)
+{
+    auvid_actuation_config_t cfg;
+    vehicle_actuation(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
+                      &cfg);
+    return auvid_node_attach_actuation(node, actuation, &cfg) >= 0 &&
+           (!config->adaptive || adapt(&node->id, config) == AUVID_OK);
+}
+
 /* Starts the next node. */
 static bool begin_node(world_t *world, const auvid_node_config_t *node,
                        const auvid_identifier_config_t *config)
@@ -51,7 +60,7 @@ static bool begin_node(world_t *world, const auvid_node_config_t *node,
     int i = world->nodes++;
     bool good = !world->is_literal || literal_identifier(&world->literal[i], &cfg) == AUVID_OK;
     literal_attach(&world->literal[i], &world->node[i].id.metric);
-    return good && auvid_node_init(&world->node[i], node, &cfg) >= 0;
+    return good && auvid_node_init(&world->node[i], node, world->allocation, &cfg) >= 0;
 }
 
 bool world_begin(world_t *world, const world_config_t *config)
@@ -73,13 +82,13 @@ bool world_begin(world_t *world, const world_config_t *config)
         vehicle_sim.sim.sensor[i].age_s = config->age_s[i];
     }
     auvid_node_defaults(&node);
-    node.excite = !config->passive;
     world_identifier(&cfg, config);
     world->both_locks = config->both_locks;
     world->is_literal = config->literal;
+    world->allocation = vehicle_of(config)->allocation;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
            vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) && begin_node(world, &node, &cfg) &&
-           (!config->adaptive || adapt(&world->node[0].id, config) == AUVID_OK);
+           (config->passive || world_excite(&world->node[0], &world->actuation, config));
 }
 
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)

@@ -40,7 +40,7 @@ typedef struct {
     double age_s[SIM_SENSORS]; /**< time from sample to arrival, by sim_sensor_id_t [s] */
 } world_config_t;
 
-/** Nodes aboard: [0] excites the vehicle; an optional second one only listens. */
+/** Nodes aboard: [0] excites the vehicle, unless `passive`; an optional second one only listens. */
 enum { WORLD_NODES = 2 };
 
 /** Ends of the bus; the last one is for the second node, or for an observer. */
@@ -51,6 +51,8 @@ typedef struct {
     vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
     literal_t literal[WORLD_NODES]; /**< of each node, if chosen */
+    auvid_actuation_t actuation;    /**< of node[0]; all zeros if `passive` */
+    const auvid_allocation_config_t *allocation;
     int nodes;
     bool both_locks, is_literal;        /**< see world_config_t */
     double excitation[AUVID_DOF_COUNT]; /**< last commanded wrench [N, Nm] */
@@ -59,6 +61,10 @@ typedef struct {
 /** Writes the identifier configuration of this world, which may be changed for world_listen. A
  * world with literal smoothing changes it further. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
+
+/** Attaches the excitation and the guard of this world to a node. Returns false if the library
+ * refuses them. */
+bool world_excite(auvid_node_t *node, auvid_actuation_t *actuation, const world_config_t *config);
 
 /** Starts. The operator arms the node one second after it navigates.
  * Returns false if the library or the simulator refuses the configuration. */

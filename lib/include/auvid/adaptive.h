@@ -19,7 +19,7 @@
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned
  * after three sets if its uncertainty would remain more than 1.5 times too large at the end: with
- * all data that fit into the run and the ring. auvid_identifier_t.adaptive lists the
+ * all data that fit into the run and the ring. auvid_actuation_t.adaptive lists the
  * abandoned parameters; estimate.confidence holds the reason.
  *
  * Girona500, 100 N and 40 Nm, disturbance 1 N, 100 runs: all 13 parameters are identifiable after
@@ -28,7 +28,7 @@
  * soon as the data suffice, for vehicles with unknown time constants, and for weak thrusters.
  * Started with a prior record (prior.h) it ends after 62 s instead of 104 s, mean of ten dives.
  *
- * All else is as with a sequence: arm, excite, stop, abort and guard of identifier.h, peak within
+ * All else is as with a sequence: arm, excite, stop, abort and guard of actuation.h, peak within
  * the limits of the thrusters, amplitude never exceeded, excursion limit.
  *
  * A checkpoint (checkpoint.h) taken after auvid_adaptive_begin can only be restored into an
@@ -37,14 +37,14 @@
  *
  * The control task calls it. It is linked only if auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in a tick after an estimate 40 for each parameter. Memory:
- * sizeof(auvid_adaptive_t) within auvid_identifier_t.
+ * sizeof(auvid_adaptive_t) within auvid_actuation_t.
  *
  * Source: auvid's own.
  */
 #ifndef AUVID_ADAPTIVE_H
 #define AUVID_ADAPTIVE_H
 
-#include "auvid/identifier.h"
+#include "auvid/actuation.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -76,10 +76,11 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  * sequence, if any. A DoF that is not actuated is omitted.
  * @param cfg copied; need not outlive the call.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE if not initialised, or if the guard is neither
- *         DISARMED nor DONE; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a field is outside its range,
- *         or no amplitude > 0 is in an actuated DoF; AUVID_ERR_CAPACITY if an amplitude exceeds the
- *         thrusters; AUVID_ERR_SIZE if there are more DoFs than AUVID_MAX_SEGMENTS. On an error
- *         nothing changes.
+ *         DISARMED nor DONE; AUVID_ERR_DETACHED without acting half (actuation.h);
+ *         AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a field is outside its range, or no amplitude
+ *         > 0 is in an actuated DoF; AUVID_ERR_CAPACITY if an amplitude exceeds the thrusters;
+ *         AUVID_ERR_SIZE if there are more DoFs than AUVID_MAX_SEGMENTS. On an error nothing
+ *         changes.
  */
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg);
 

@@ -26,6 +26,7 @@
 #include "auvid/optimizer.h"
 #include "auvid/validation.h"
 #include "auvid/identifier.h"
+#include "auvid/actuation.h"
 #include "auvid/adaptive.h"
 #include "auvid/prior.h"
 #include "auvid/checkpoint.h"

@@ -20,8 +20,8 @@
  *     auvid_status_t status = auvid_checkpoint_next(&saving, page, &bytes);
  *     flash_write(page, bytes);                       until it is AUVID_OK
  *
- * For a model without regressor also copy its storage (metric.rows), and set copy.metric.cfg.rows
- * to the copy.
+ * Also copy an attached acting half (actuation.h), and set copy.actuation to the copy. For a model
+ * without regressor also copy its storage (metric.rows), and set copy.metric.cfg.rows to the copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F: 42 instructions a byte to save
  * (17k a page of 256), 110 to restore, and 27k to begin. Size: 20 to 26 KB with default sizes,
@@ -32,6 +32,7 @@
 #ifndef AUVID_CHECKPOINT_H
 #define AUVID_CHECKPOINT_H
 
+#include "auvid/actuation.h"
 #include "auvid/identifier.h"
 
 #ifdef __cplusplus
@@ -44,8 +45,8 @@ enum { AUVID_CHECKPOINT_HEAD = 24, AUVID_CHECKPOINT_TAIL = 4 };
 /** Upper bound of the size with `rows` rows of storage: (sets + 1) set_rows for a model without
  * regressor, else 0. */
 #define AUVID_CHECKPOINT_MAX(rows)                                                                 \
-    (AUVID_CHECKPOINT_HEAD + sizeof(auvid_identifier_t) + (rows) * sizeof(auvid_row_t) +           \
-     AUVID_CHECKPOINT_TAIL)
+    (AUVID_CHECKPOINT_HEAD + sizeof(auvid_identifier_t) + sizeof(auvid_actuation_t) +              \
+     (rows) * sizeof(auvid_row_t) + AUVID_CHECKPOINT_TAIL)
 
 /** Cursor of a checkpoint being saved. Only the functions below write it; `bytes` is public to
  * read. */
@@ -74,8 +75,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 #define auvid_checkpoint_restore AUVID_SIZED(auvid_checkpoint_restore)
 /** Restore a checkpoint into an identifier that init has accepted for the same model, with the same
- * storage for its rows. Prior records are part of the checkpoint. If adaptive excitation is part of
- * it, auvid_adaptive_begin must have been called for *id.
+ * storage for its rows. Prior records are part of the checkpoint. If an acting half or adaptive
+ * excitation is part of it, the same must be attached to *id.
  *
  * Restoring never acts. A guard that was ARMED, EXCITING or SETTLING becomes DISARMED, and the
  * sequence stops; a guard that was ABORTED stays so. The identifier keeps its pointers (model,
@@ -88,8 +89,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  *
  * Time must advance: a step before the saved `t_us` is rejected.
  * @param checkpoint [bytes]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or auvid_adaptive_begin was
- * called for only one of the two); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint);
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or only one of the two has an
+ * acting half, or adaptive excitation); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint);
  * AUVID_ERR_SIZE (of a library of another version or of other sizes, or of another number of rows
  * of storage); AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed
  * values); AUVID_ERR_RANGE (undamaged, but not written by auvid: a number is not finite, out of its

@@ -22,18 +22,13 @@
  * The start of a search, m n random numbers, takes 100 units.
  * Memory: only sizeof(auvid_identifier_t).
  *
- * The excitation acts only while the guard (guard.h) permits it: auvid_identifier_arm, then
- * auvid_identifier_excite. After a breach of a limit, a sensor timeout or a rejected step, the
- * excitation is zero in that same tick. It stays zero until auvid_identifier_disarm. Recording and
- * searching continue. The guard does not see what enters through auvid_identifier_motion, so
- * excitation needs sensors.
+ * An identifier is passive: the user or a controller drives. auvid_identifier_attach_actuation
+ * (actuation.h) adds excitation and guard. On any status < 0 of step the excitation is zero.
  */
 #ifndef AUVID_IDENTIFIER_H
 #define AUVID_IDENTIFIER_H
 
-#include "auvid/allocation.h"
 #include "auvid/confidence.h"
-#include "auvid/excitation.h"
 #include "auvid/guard.h"
 #include "auvid/metric.h"
 #include "auvid/nav.h"
@@ -92,17 +87,13 @@ typedef struct {
 
 /** Configuration; copied at init. Pointers within must outlive the identifier. */
 typedef struct auvid_identifier_config {
-    const auvid_vehicle_t *vehicle;       /**< required; set by defaults */
-    auvid_nav_config_t nav;               /**< see nav.h */
-    auvid_recorder_config_t recorder;     /**< see recorder.h; its cell is also the metric's */
-    auvid_metric_config_t metric;         /**< see metric.h; init sets vehicle and cell. In the
+    const auvid_vehicle_t *vehicle;   /**< required; set by defaults */
+    auvid_nav_config_t nav;           /**< see nav.h */
+    auvid_recorder_config_t recorder; /**< see recorder.h; its cell is also the metric's */
+    auvid_metric_config_t metric;     /**< see metric.h; init sets vehicle and cell. In the
                                                   residual path with estimate_delay off, delay_s[0]
                                                   is the delay of all DoF */
-    auvid_allocation_config_t allocation; /**< see allocation.h; without thrusters the excitation
-                                                  has no thruster limits */
-    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: passive */
-    auvid_guard_config_t guard;           /**< limits, see guard.h; set them for your site */
-    auvid_velocity_source_t velocity;     /**< default AUVID_VELOCITY_GROUND */
+    auvid_velocity_source_t velocity; /**< default AUVID_VELOCITY_GROUND */
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
@@ -142,7 +133,8 @@ typedef struct {
     struct {
         bool present;
         uint64_t t_us;
-        auvid_real_t altitude_m; /**< above the bottom, >= 0, e.g. of the DVL; for the guard */
+        auvid_real_t altitude_m; /**< above the bottom, >= 0, e.g. of the DVL; for the guard. Not
+                                     read if passive */
     } altitude;
     struct {
         bool present;
@@ -206,7 +198,7 @@ typedef struct {
                                                       Nm]; zero if not exciting, and on any
                                                       status < 0 */
     auvid_real_t thruster_N[AUVID_MAX_THRUSTERS]; /**< the excitation as thruster forces [N] */
-    auvid_guard_state_t guard;                    /**< after this step */
+    auvid_guard_state_t guard;                    /**< after this step; DISARMED if passive */
     auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
@@ -327,13 +319,7 @@ typedef struct auvid_identifier {
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
-    auvid_allocation_t allocation;
-    auvid_excitation_t excitation;
-    auvid_adaptive_t adaptive; /**< missing and abandoned are public to read */
-    void (*adapt)(struct auvid_identifier *id, auvid_real_t *wrench); /* NULL: play the sequence. A
-                                                       pointer, so that unused code is not linked */
-    /** state, trip and refused are public; auvid_guard_heartbeat may be called */
-    auvid_guard_t guard;
+    struct auvid_actuation *actuation;  /**< the acting half (actuation.h); NULL: passive */
     auvid_estimate_t estimate;          /**< the last result */
     auvid_estimate_t accepted_estimate; /* the last accepted one */
     auvid_change_test_t change_test;    /**< of the newest set */
@@ -355,14 +341,9 @@ typedef struct auvid_identifier {
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
     auvid_real_t delay_s;                         /* its delay, if the search includes it */
     bool started;
-    bool starting;               /* the excitation begins with the next step */
-    bool saturated;              /* the excitation's own allocation, in the last step */
-    auvid_guard_seen_t altitude; /* last sample taken */
-    auvid_guard_seen_t applied;  /* last wrench recorded */
-    auvid_real_t altitude_m;
-    auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
-    auvid_optimizer_work_t searched;    /* of the search that has ended */
-    auvid_real_t cost;                  /* of its result */
+    auvid_guard_seen_t applied;      /* last wrench recorded */
+    auvid_optimizer_work_t searched; /* of the search that has ended */
+    auvid_real_t cost;               /* of its result */
     uint8_t spent;    /* >= 1: all is merged; units spent of the search's start cost */
     uint8_t untested; /* completed sets still to be validated before the merge */
     bool set_pending, searching, not_converged;
@@ -393,47 +374,17 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
 /** Check the arithmetic (selftest.h) and the configuration, and start. After an error, and if *id
- * is all zeros, every other function returns AUVID_ERR_STATE.
+ * is all zeros, every other function returns AUVID_ERR_STATE. Nothing is attached afterwards.
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
- * AUVID_ERR_CAPACITY (the excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity:
- * unknown, or water lock in every tick; dry mass below zero; an uncertainty below zero or above 1);
+ * AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass below zero; an
+ * uncertainty below zero or above 1);
  * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
  * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
  * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
- * errors of auvid_recorder_init, the errors of auvid_metric_init, the errors of auvid_guard_init,
- * the errors of auvid_allocation_init, the errors of auvid_excitation_init. */
+ * errors of auvid_recorder_init, the errors of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
-
-#define auvid_identifier_arm AUVID_SIZED(auvid_identifier_arm)
-/** Arm the guard: from now on it aborts on a breach. Arming needs a previous step with fresh
- * sensors: call it until it returns AUVID_OK, then call auvid_identifier_excite. Nothing acts by
- * itself later.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no excitation configured, or
- * the guard is neither DISARMED nor DONE); AUVID_ERR_STALE, AUVID_ERR_LIMIT (see auvid_guard_arm;
- * the reason is in guard.refused). */
-auvid_status_t auvid_identifier_arm(auvid_identifier_t *id);
-
-#define auvid_identifier_excite AUVID_SIZED(auvid_identifier_excite)
-/** Begin the excitation with the next step.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (the guard is not ARMED). */
-auvid_status_t auvid_identifier_excite(auvid_identifier_t *id);
-
-#define auvid_identifier_stop AUVID_SIZED(auvid_identifier_stop)
-/** End the excitation normally: it fades out, then the guard is SETTLING and finally DONE.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not exciting). */
-auvid_status_t auvid_identifier_stop(auvid_identifier_t *id);
-
-#define auvid_identifier_abort AUVID_SIZED(auvid_identifier_abort)
-/** Emergency stop from any state: zero from the next step on, without a fade, latched.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
-auvid_status_t auvid_identifier_abort(auvid_identifier_t *id);
-
-#define auvid_identifier_disarm AUVID_SIZED(auvid_identifier_disarm)
-/** Return to DISARMED from any state and clear the latch. A running excitation ends without a fade.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
-auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)
 /** Run one control tick. A bad sensor sample is dropped and flagged in out->events; the tick

@@ -8,11 +8,11 @@
  *     auvid_node_report   navigation, estimates, progress, health, heartbeat
  *
  * By default the node is passive: it listens, identifies and reports. It never sends a thruster
- * command. With `excite` it obeys arm frames: it arms the guard and excites. It then sends a
- * command in every tick, starting with the tick of the arm frame, and none when it does not excite.
- * An abort frame or a trip of the guard ends this with one command of zero in the same tick. If the
- * node itself fails, the time-out of the receivers ends it. A vehicle with up to four thrusters has
- * thruster_command_a only.
+ * command. After auvid_node_attach_actuation it obeys arm frames: it arms the guard and excites. It
+ * then sends a command in every tick, starting with the tick of the arm frame, and none when it
+ * does not excite. An abort frame or a trip of the guard ends this with one command of zero in the
+ * same tick. If the node itself fails, the time-out of the receivers ends it. A vehicle with up to
+ * four thrusters has thruster_command_a only.
  *
  * The node obeys every authentic frame that takes thrust away: abort, disarm and stop. Authentic
  * means that length, checksum and ranges are right; the counter does not matter. So the node obeys
@@ -48,12 +48,16 @@
  * of all sources. Without it nothing can be identified: the thrusters may not have obeyed the
  * commands.
  *
+ * The bus carries thrusts, not wrenches, so every node has an allocation (allocation.h). A passive
+ * node only computes the wrench of the feedback with it.
+ *
  * Cost: take is one auvid_can_unpack; step and work as in identifier.h; report packs at most
- * AUVID_NODE_FRAMES frames. Memory: sizeof(auvid_node_t): the identifier and 1.4 KiB.
+ * AUVID_NODE_FRAMES frames. Memory: sizeof(auvid_node_t): the identifier and 2 KiB.
  */
 #ifndef AUVID_NODE_H
 #define AUVID_NODE_H
 
+#include "auvid/actuation.h"
 #include "auvid/can.h"
 #include "auvid/can_receiver.h"
 #include "auvid/identifier.h"
@@ -69,7 +73,6 @@ extern "C" {
 
 /** Configuration, written by the user. auvid_node_init copies it. */
 typedef struct {
-    bool excite;         /**< obey arm frames and command thrusters; default false: passive */
     bool answer;         /**< send tick_done after the work of each tick, so that a peer that waits
                               for it runs in lock step, faster than real time; default false */
     auvid_can_ids_t ids; /**< see can.h */
@@ -93,6 +96,9 @@ typedef struct {
 typedef struct {
     auvid_identifier_t id;
     auvid_node_config_t cfg;
+    auvid_allocation_t allocation;
+    auvid_status_t (*arm)(auvid_identifier_t *id); /* NULL: passive. A pointer, so that unused code
+                                                      is not linked */
     auvid_node_counters_t counters;
     auvid_can_sender_t sender;
     auvid_can_receiver_t receiver[AUVID_CAN_NODE_KINDS];
@@ -122,16 +128,26 @@ typedef struct {
 void auvid_node_defaults(auvid_node_config_t *cfg);
 
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
-/** Initialises the node.
+/** Initialises the node, which is passive.
  * After an error every other function returns AUVID_ERR_STATE.
- * @param identifier configuration of the identifier. It must include the allocation: the bus
- * carries thrusts, not wrenches. It may be node->id.cfg, which saves memory; its contents are
- * undefined afterwards
+ * @param allocation of the thrusters on the bus; copied
+ * @param identifier configuration of the identifier. It may be node->id.cfg, which saves memory;
+ * its contents are undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
- * auvid_identifier_init. */
+ * auvid_identifier_init, the errors of auvid_allocation_init. */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
+                               const auvid_allocation_config_t *allocation,
                                const auvid_identifier_config_t *identifier);
+
+#define auvid_node_attach_actuation AUVID_SIZED(auvid_node_attach_actuation)
+/** Makes the node obey arm frames and command the thrusters, within the limits of its allocation.
+ * Call it once, after auvid_node_init and before the first tick. After an error the node is as
+ * before.
+ * @param storage, cfg see auvid_identifier_attach_actuation
+ * @return as auvid_identifier_attach_actuation. */
+auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t *storage,
+                                           const auvid_actuation_config_t *cfg);
 
 #define auvid_node_take AUVID_SIZED(auvid_node_take)
 /** Takes a received frame. It does not read the time of arrival.

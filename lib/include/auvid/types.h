@@ -64,42 +64,45 @@ typedef enum {
  * the statuses that it returns.
  */
 typedef enum {
-    AUVID_OK = 0,                /**< done */
-    AUVID_PENDING = 1,           /**< more work remains: call again */
-    AUVID_FINISHED = 2,          /**< the procedure is complete */
-    AUVID_EMPTY = 3,             /**< nothing is available */
-    AUVID_GAP = 4,               /**< gap in the data: the record restarts here */
-    AUVID_SET_COMPLETE = 5,      /**< this sample completed a data set */
-    AUVID_GATED = 6,             /**< the innovation gate rejected the measurement */
-    AUVID_UNUSED = 7,            /**< valid measurement, not usable now (GPS under water, ...) */
-    AUVID_SATURATED = 8,         /**< limited to the thrusters' capacity or a frame's range */
-    AUVID_EVALUATION_LIMIT = 9,  /**< stopped at the evaluation limit, not converged */
-    AUVID_TICK = 10,             /**< a control tick is due: call the step function */
-    AUVID_SET_IDLE = 11,         /**< a data set was completed and discarded: no DoF with a free
+    AUVID_OK = 0,                 /**< done */
+    AUVID_PENDING = 1,            /**< more work remains: call again */
+    AUVID_FINISHED = 2,           /**< the procedure is complete */
+    AUVID_EMPTY = 3,              /**< nothing is available */
+    AUVID_GAP = 4,                /**< gap in the data: the record restarts here */
+    AUVID_SET_COMPLETE = 5,       /**< this sample completed a data set */
+    AUVID_GATED = 6,              /**< the innovation gate rejected the measurement */
+    AUVID_UNUSED = 7,             /**< valid measurement, not usable now (GPS under water, ...) */
+    AUVID_SATURATED = 8,          /**< limited to the thrusters' capacity or a frame's range */
+    AUVID_EVALUATION_LIMIT = 9,   /**< stopped at the evaluation limit, not converged */
+    AUVID_TICK = 10,              /**< a control tick is due: call the step function */
+    AUVID_SET_IDLE = 11,          /**< a data set was completed and discarded: no DoF with a free
                                   parameter was excited in it */
-    AUVID_ERR_NULL = -1,         /**< a required pointer is NULL */
-    AUVID_ERR_NOT_FINITE = -2,   /**< a value is NaN or infinite */
-    AUVID_ERR_TIME_BACK = -3,    /**< time went backwards */
-    AUVID_ERR_TIME_SAME = -4,    /**< time did not advance (zero dt) */
-    AUVID_ERR_STALE = -5,        /**< sample older than allowed, or from the future */
-    AUVID_ERR_RANGE = -6,        /**< a value or configuration field is outside its stated range */
-    AUVID_ERR_BOUNDS = -7,       /**< lower bound not below upper bound */
-    AUVID_ERR_POPULATION = -8,   /**< m < n + 1, or m > AUVID_MAX_POPULATION */
-    AUVID_ERR_PARAMETERS = -9,   /**< no parameter, or more than AUVID_MAX_PARAMETERS */
-    AUVID_ERR_SIZE = -10,        /**< another count exceeds its size in config.h */
-    AUVID_ERR_STATE = -11,       /**< call out of order (tell before ask, not initialised, ...) */
-    AUVID_ERR_NO_DATA = -12,     /**< no rows to work on: empty set, no DoF excited */
-    AUVID_ERR_SINGULAR = -13,    /**< the data or the matrix do not determine the result */
-    AUVID_ERR_LIMIT = -14,       /**< a limit of the guard is exceeded */
-    AUVID_ERR_ARITHMETIC = -15,  /**< selftest: this machine's arithmetic gives other bits */
-    AUVID_ERR_MODEL = -16,       /**< the vehicle model does not support the request */
-    AUVID_ERR_LENGTH = -17,      /**< the frame's length is not that of its message */
-    AUVID_ERR_CHECKSUM = -18,    /**< the frame's checksum is wrong */
-    AUVID_ERR_DRY_MASS = -19,    /**< the dry mass is not below the upper bound of a mass */
-    AUVID_ERR_CAPACITY = -20,    /**< the thrusters cannot give so much */
-    AUVID_ERR_FULL = -21,        /**< the queue is full */
-    AUVID_ERR_REPEATED = -22,    /**< the frame's counter is that of the last one */
-    AUVID_ERR_COUNTER_JUMP = -23 /**< the frame's counter jumped: too many frames are missing */
+    AUVID_ERR_NULL = -1,          /**< a required pointer is NULL */
+    AUVID_ERR_NOT_FINITE = -2,    /**< a value is NaN or infinite */
+    AUVID_ERR_TIME_BACK = -3,     /**< time went backwards */
+    AUVID_ERR_TIME_SAME = -4,     /**< time did not advance (zero dt) */
+    AUVID_ERR_STALE = -5,         /**< sample older than allowed, or from the future */
+    AUVID_ERR_RANGE = -6,         /**< a value or configuration field is outside its stated range */
+    AUVID_ERR_BOUNDS = -7,        /**< lower bound not below upper bound */
+    AUVID_ERR_POPULATION = -8,    /**< m < n + 1, or m > AUVID_MAX_POPULATION */
+    AUVID_ERR_PARAMETERS = -9,    /**< no parameter, or more than AUVID_MAX_PARAMETERS */
+    AUVID_ERR_SIZE = -10,         /**< another count exceeds its size in config.h */
+    AUVID_ERR_STATE = -11,        /**< call out of order (tell before ask, not initialised, ...) */
+    AUVID_ERR_NO_DATA = -12,      /**< no rows to work on: empty set, no DoF excited */
+    AUVID_ERR_SINGULAR = -13,     /**< the data or the matrix do not determine the result */
+    AUVID_ERR_LIMIT = -14,        /**< a limit of the guard is exceeded */
+    AUVID_ERR_ARITHMETIC = -15,   /**< selftest: this machine's arithmetic gives other bits */
+    AUVID_ERR_MODEL = -16,        /**< the vehicle model does not support the request */
+    AUVID_ERR_LENGTH = -17,       /**< the frame's length is not that of its message */
+    AUVID_ERR_CHECKSUM = -18,     /**< the frame's checksum is wrong */
+    AUVID_ERR_DRY_MASS = -19,     /**< the dry mass is not below the upper bound of a mass */
+    AUVID_ERR_CAPACITY = -20,     /**< the thrusters cannot give so much */
+    AUVID_ERR_FULL = -21,         /**< the queue is full */
+    AUVID_ERR_REPEATED = -22,     /**< the frame's counter is that of the last one */
+    AUVID_ERR_COUNTER_JUMP = -23, /**< the frame's counter jumped: too many frames are missing */
+    AUVID_ERR_ATTACHED = -24,     /**< such a part is attached already */
+    AUVID_ERR_DETACHED = -25,     /**< the function needs a part that is not attached */
+    AUVID_ERR_STARTED = -26       /**< too late: the identifier has stepped since init */
 } auvid_status_t;
 
 /** Returns a short English text for a status, never NULL; "unknown status" for any other value.

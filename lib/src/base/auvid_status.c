@@ -46,6 +46,9 @@ static const char *const error_text[] = {
     [-AUVID_ERR_FULL] = "the queue is full",
     [-AUVID_ERR_REPEATED] = "the frame's counter is that of the last one",
     [-AUVID_ERR_COUNTER_JUMP] = "the frame's counter jumped",
+    [-AUVID_ERR_ATTACHED] = "such a part is attached already",
+    [-AUVID_ERR_DETACHED] = "the function needs a part that is not attached",
+    [-AUVID_ERR_STARTED] = "too late, the identifier has stepped since init",
 };
 
 const char *auvid_status_str(auvid_status_t status)

@@ -39,12 +39,13 @@ static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_conf
 }
 
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
+                               const auvid_allocation_config_t *allocation,
                                const auvid_identifier_config_t *identifier)
 {
-    if (node == NULL || cfg == NULL || identifier == NULL) {
+    if (node == NULL || cfg == NULL || allocation == NULL || identifier == NULL) {
         return AUVID_ERR_NULL;
     }
-    int thrusters = identifier->allocation.thrusters;
+    int thrusters = allocation->thrusters;
     bool thrusters_fit = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
     /* all but the identifier, which may contain its configuration */
     memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
@@ -52,12 +53,29 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
     if (status >= 0) {
         status = auvid_identifier_init(&node->id, identifier);
     }
+    if (status >= 0) {
+        status = auvid_allocation_init(&node->allocation, allocation);
+    }
     if (status < 0) {
         memset(node, 0, sizeof *node);
         return status;
     }
     node->cfg = *cfg;
     node->ready = true;
+    return status;
+}
+
+auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t *storage,
+                                           const auvid_actuation_config_t *cfg)
+{
+    if (node == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status =
+        auvid_identifier_attach_actuation(&node->id, storage, cfg, &node->allocation);
+    if (status == AUVID_OK) {
+        node->arm = auvid_identifier_arm;
+    }
     return status;
 }
 
@@ -188,10 +206,11 @@ static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
 /* Another node commands the thrusters. */
 static void node_take_foreign_command(auvid_node_t *node)
 {
-    auvid_guard_t *guard = &node->id.guard;
+    auvid_guard_state_t state = auvid_node_guard_state(node);
     ++node->counters.foreign_commands;
-    if (guard->state == AUVID_GUARD_ARMED || guard->state == AUVID_GUARD_EXCITING) {
-        (void)auvid_guard_abort_for(guard, node->id.t_us, AUVID_GUARD_FOREIGN_COMMAND);
+    if (state == AUVID_GUARD_ARMED || state == AUVID_GUARD_EXCITING) {
+        (void)auvid_guard_abort_for(&node->id.actuation->guard, node->id.t_us,
+                                    AUVID_GUARD_FOREIGN_COMMAND);
         node->id.events |= AUVID_EVENT_ABORTED;
     }
 }

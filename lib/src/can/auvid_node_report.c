@@ -126,14 +126,16 @@ static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *
 static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_identifier_t *id = &node->id;
-    const auvid_guard_t *guard = &id->guard;
-    bool refused = guard->trip.cause == AUVID_GUARD_NO_CAUSE;
-    auvid_real_t part = auvid_excitation_progress(&id->excitation);
     auvid_can_message_t m = {.kind = AUVID_CAN_PROGRESS};
-    m.as.progress.guard = (uint32_t)guard->state;
+    if (id->actuation != NULL) {
+        const auvid_guard_t *guard = &id->actuation->guard;
+        bool refused = guard->trip.cause == AUVID_GUARD_NO_CAUSE;
+        auvid_real_t part = auvid_excitation_progress(&id->actuation->excitation);
+        m.as.progress.guard = (uint32_t)guard->state;
+        m.as.progress.cause = (uint32_t)(refused ? guard->refused.cause : guard->trip.cause);
+        m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
+    }
     m.as.progress.work = id->phase;
-    m.as.progress.cause = (uint32_t)(refused ? guard->refused.cause : guard->trip.cause);
-    m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
     m.as.progress.sets = id->metric.sets_recorded % 256u;
     m.as.progress.searches = id->searches % 256u;
     m.as.progress.excited = id->estimate.excited;

@@ -28,7 +28,7 @@ void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
  * no thrust. */
 static void node_abort_thrust(auvid_node_t *node)
 {
-    auvid_guard_state_t state = node->id.guard.state;
+    auvid_guard_state_t state = auvid_node_guard_state(node);
     node->arming = false;
     if (state != AUVID_GUARD_DISARMED && state != AUVID_GUARD_DONE) {
         (void)auvid_identifier_abort(&node->id);
@@ -37,7 +37,7 @@ static void node_abort_thrust(auvid_node_t *node)
 
 void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
 {
-    node->arming = action == AUVID_CAN_ACTION_ARM && node->cfg.excite;
+    node->arming = action == AUVID_CAN_ACTION_ARM && node->arm != NULL;
     if (action == AUVID_CAN_ACTION_STOP) {
         (void)auvid_identifier_stop(&node->id);
     } else if (action == AUVID_CAN_ACTION_DISARM && fresh) {
@@ -51,7 +51,7 @@ void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
  * frame give the cause of a refusal. */
 static void node_arm(auvid_node_t *node)
 {
-    if (node->arming && auvid_identifier_arm(&node->id) >= 0) {
+    if (node->arming && node->arm(&node->id) >= 0) {
         (void)auvid_identifier_excite(&node->id);
     }
     node->arming = false;
@@ -105,7 +105,7 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
  * input to save stack in this deep call. It is not marked present there, so the step ignores it. */
 static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 {
-    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
+    const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
     auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
     bool covers_tick = node->feedback && node->counters.ticks > 0; /* the previous tick is known */
@@ -121,7 +121,7 @@ static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
             command[i] = part;
         }
     }
-    (void)auvid_allocation_wrench(&node->id.allocation, force_N, wrench);
+    (void)auvid_allocation_wrench(&node->allocation, force_N, wrench);
     if (auvid_identifier_applied(&node->id, node->t_us, wrench, command) < 0) {
         ++node->counters.samples_dropped;
     }
@@ -133,7 +133,7 @@ static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 static void node_send_command(auvid_node_t *node, const auvid_real_t *force_N,
                               auvid_can_frame_t *frame, int *count)
 {
-    const auvid_allocation_config_t *cfg = &node->id.allocation.cfg;
+    const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t part[AUVID_CAN_THRUSTERS] = {AUVID_C(0.0)};
     for (int i = 0; i < cfg->thrusters && force_N != NULL; ++i) {
         auvid_real_t max_N =
@@ -154,7 +154,7 @@ static void node_send_command(auvid_node_t *node, const auvid_real_t *force_N,
 static void node_command_thrusters(auvid_node_t *node, const auvid_output_t *out,
                                    auvid_can_frame_t *frame, int *count)
 {
-    bool exciting = out->guard == AUVID_GUARD_EXCITING && node->cfg.excite;
+    bool exciting = out->guard == AUVID_GUARD_EXCITING && node->arm != NULL;
     if (exciting || node->commanding) {
         node_send_command(node, exciting ? out->thruster_N : NULL, frame, count);
     }

@@ -7,6 +7,12 @@
 
 #include "auvid/node.h"
 
+/** State of the guard; a passive node is DISARMED. */
+static inline auvid_guard_state_t auvid_node_guard_state(const auvid_node_t *node)
+{
+    return node->id.actuation == NULL ? AUVID_GUARD_DISARMED : node->id.actuation->guard.state;
+}
+
 /** Obeys an arm frame. @param fresh its counter is good, so a disarm may clear an abort */
 void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh);
 

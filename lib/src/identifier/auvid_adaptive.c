@@ -88,7 +88,8 @@ static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real
 /* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
 static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
 {
-    auvid_real_t limit = id->adaptive.excursion_limit[j], d = id->excitation.displacement[j];
+    auvid_real_t limit = id->actuation->adaptive.excursion_limit[j],
+                 d = id->actuation->excitation.displacement[j];
     auvid_real_t beyond = auvid_abs(d) - limit;
     if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
         return AUVID_C(0.0);
@@ -104,7 +105,7 @@ static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_param
     bool found = false;
     for (int i = 0; i < vehicle->parameters; ++i) {
         const auvid_parameter_t *p = &vehicle->parameter[i];
-        found |= (id->adaptive.missing >> i & 1u) && (int)p->dof == j &&
+        found |= (id->actuation->adaptive.missing >> i & 1u) && (int)p->dof == j &&
                  (kind == AUVID_PARAMETER_OTHER || p->kind == kind);
     }
     return found;
@@ -113,19 +114,19 @@ static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_param
 static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
-    (void)auvid_excitation_peak(&id->excitation, peak);
+    (void)auvid_excitation_peak(&id->actuation->excitation, peak);
     return peak[j];
 }
 
 /* Return the time since the start of the run. */
 static uint32_t adaptive_time_us(const auvid_identifier_t *id)
 {
-    return (uint32_t)(id->t_us - id->adaptive.run_us);
+    return (uint32_t)(id->t_us - id->actuation->adaptive.run_us);
 }
 
 static void adaptive_next_hold(auvid_identifier_t *id, int j)
 {
-    auvid_adaptive_t *a = &id->adaptive;
+    auvid_adaptive_t *a = &id->actuation->adaptive;
     auvid_rng_t rng;
     memcpy(rng.s, a->rng, sizeof rng.s);
     auvid_real_t part =
@@ -149,7 +150,7 @@ static void adaptive_next_hold(auvid_identifier_t *id, int j)
 
 static auvid_real_t adaptive_factor(auvid_identifier_t *id, int j)
 {
-    auvid_adaptive_t *a = &id->adaptive;
+    auvid_adaptive_t *a = &id->actuation->adaptive;
     if (adaptive_time_us(id) - a->from_us[j] >= a->hold_us[j]) {
         adaptive_next_hold(id, j);
     }
@@ -179,7 +180,8 @@ static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
 {
     const auvid_metric_config_t *m = &id->metric.cfg;
-    uint64_t left_us = id->excitation.start_us + id->excitation.run_us - id->t_us;
+    uint64_t left_us =
+        id->actuation->excitation.start_us + id->actuation->excitation.run_us - id->t_us;
     auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(m->cell_us * m->row_cells);
     auvid_real_t rows =
         (auvid_real_t)id->metric.dof_rows[j] + AUVID_C(1e-6) * (auvid_real_t)left_us / row_s;
@@ -190,7 +192,7 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
  * DoF if missing. */
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
-    auvid_adaptive_t *a = &id->adaptive;
+    auvid_adaptive_t *a = &id->actuation->adaptive;
     const auvid_estimate_t *e = &id->estimate;
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool known = (e->confidence.identifiable >> i & 1u) ||
@@ -221,8 +223,8 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
 /* Return whether the thrusters can produce these peaks at the same time. */
 static bool adaptive_thrusters_suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
-    return id->allocation.cfg.thrusters == 0 ||
-           auvid_allocation_check(&id->allocation, peak, NULL) >= 0;
+    return id->actuation->allocation == NULL ||
+           auvid_allocation_check(id->actuation->allocation, peak, NULL) >= 0;
 }
 
 /* Select the degrees of freedom that play: by need, as far as the thrusters suffice. */
@@ -230,7 +232,7 @@ static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *nee
 {
     auvid_real_t amplitude[AUVID_DOF_COUNT], peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     uint32_t asked = 0, playing = 0;
-    (void)auvid_excitation_peak(&id->excitation, amplitude);
+    (void)auvid_excitation_peak(&id->actuation->excitation, amplitude);
     for (int k = 0; k < AUVID_DOF_COUNT; ++k) {
         int neediest = -1;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -249,15 +251,15 @@ static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *nee
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool turns = ((playing ^ id->adaptive.playing) >> j & 1u) != 0;
-        id->adaptive.hold_us[j] = turns ? 0 : id->adaptive.hold_us[j];
+        bool turns = ((playing ^ id->actuation->adaptive.playing) >> j & 1u) != 0;
+        id->actuation->adaptive.hold_us[j] = turns ? 0 : id->actuation->adaptive.hold_us[j];
     }
-    id->adaptive.playing = (uint8_t)playing;
+    id->actuation->adaptive.playing = (uint8_t)playing;
 }
 
 static void adaptive_evaluate(auvid_identifier_t *id)
 {
-    auvid_adaptive_t *a = &id->adaptive;
+    auvid_adaptive_t *a = &id->actuation->adaptive;
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     const auvid_metric_t *m = &id->metric;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -277,16 +279,16 @@ static void adaptive_evaluate(auvid_identifier_t *id)
     }
     adaptive_select_dofs(id, need);
     if (a->missing == 0) {
-        (void)auvid_excitation_stop(&id->excitation, id->t_us);
+        (void)auvid_excitation_stop(&id->actuation->excitation, id->t_us);
     }
 }
 
 static void adaptive_begin_run(auvid_identifier_t *id)
 {
-    auvid_adaptive_t *a = &id->adaptive;
+    auvid_adaptive_t *a = &id->actuation->adaptive;
     auvid_rng_t rng;
-    auvid_rng_seed(&rng, id->excitation.cfg.seed);
-    uint64_t run_us = id->excitation.start_us;
+    auvid_rng_seed(&rng, id->actuation->excitation.cfg.seed);
+    uint64_t run_us = id->actuation->excitation.start_us;
     auvid_real_t limit[AUVID_DOF_COUNT];
     memcpy(limit, a->excursion_limit, sizeof limit);
     memset(a, 0, sizeof *a);
@@ -302,8 +304,8 @@ static void adaptive_begin_run(auvid_identifier_t *id)
 /* Hook of the identifier. wrench: in the envelope, out the excitation. */
 static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
 {
-    auvid_adaptive_t *a = &id->adaptive;
-    if (a->run_us != id->excitation.start_us) {
+    auvid_adaptive_t *a = &id->actuation->adaptive;
+    if (a->run_us != id->actuation->excitation.start_us) {
         adaptive_begin_run(id);
     } else if (a->estimate != id->estimate.number) {
         adaptive_evaluate(id);
@@ -351,7 +353,7 @@ static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adap
                                   int j)
 {
     return cfg->amplitude[j] > AUVID_C(0.0) &&
-           (id->allocation.cfg.thrusters == 0 || (id->allocation.actuated >> j & 1));
+           (id->actuation->allocation == NULL || (id->actuation->allocation->actuated >> j & 1));
 }
 
 /* Check that some DoF is excitable, and that the thrusters suffice for each of them. */
@@ -375,7 +377,7 @@ static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
 /* Configure the excitation with constant amplitudes. They are checked, so init cannot fail. */
 static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
-    auvid_excitation_config_t *to = &id->excitation.cfg;
+    auvid_excitation_config_t *to = &id->actuation->excitation.cfg;
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -387,7 +389,7 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
             s->amplitude = cfg->amplitude[j];
         }
     }
-    (void)auvid_excitation_init(&id->excitation, to);
+    (void)auvid_excitation_init(&id->actuation->excitation, to);
 }
 
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
@@ -395,8 +397,11 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!identifier_is_ready(id) ||
-        (id->guard.state != AUVID_GUARD_DISARMED && id->guard.state != AUVID_GUARD_DONE)) {
+    if (identifier_is_ready(id) && id->actuation == NULL) {
+        return AUVID_ERR_DETACHED;
+    }
+    if (!identifier_is_ready(id) || (id->actuation->guard.state != AUVID_GUARD_DISARMED &&
+                                     id->actuation->guard.state != AUVID_GUARD_DONE)) {
         return AUVID_ERR_STATE;
     }
     auvid_status_t status = adaptive_check_config(cfg);
@@ -405,13 +410,15 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
     }
     if (status == AUVID_OK) {
         adaptive_plan(id, cfg);
-        memset(&id->adaptive, 0, sizeof id->adaptive);
-        memcpy(id->adaptive.excursion_limit, cfg->excursion_limit,
-               sizeof id->adaptive.excursion_limit);
-        adaptive_shorten_limit(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SURGE]);
-        adaptive_shorten_limit(&id->guard.cfg, &id->adaptive.excursion_limit[AUVID_SWAY]);
-        id->adaptive.run_us = UINT64_MAX;
-        id->adapt = adaptive_apply;
+        memset(&id->actuation->adaptive, 0, sizeof id->actuation->adaptive);
+        memcpy(id->actuation->adaptive.excursion_limit, cfg->excursion_limit,
+               sizeof id->actuation->adaptive.excursion_limit);
+        adaptive_shorten_limit(&id->actuation->guard.cfg,
+                               &id->actuation->adaptive.excursion_limit[AUVID_SURGE]);
+        adaptive_shorten_limit(&id->actuation->guard.cfg,
+                               &id->actuation->adaptive.excursion_limit[AUVID_SWAY]);
+        id->actuation->adaptive.run_us = UINT64_MAX;
+        id->actuation->adapt = adaptive_apply;
     }
     return status;
 }

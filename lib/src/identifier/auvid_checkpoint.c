@@ -1,6 +1,7 @@
 /*
  * The checkpoint. Little-endian words, then the members listed in the tables of
- * auvid_checkpoint_layout.c, in their order, and for a model without regressor its rows:
+ * auvid_checkpoint_layout.c, in their order: of the identifier, of its acting half, and for a model
+ * without regressor of its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
@@ -8,7 +9,7 @@
  *         12  parts that are present, PART_..
  *         16  rows
  *         20  number of bytes, all
- *         24  the identifier, the rows
+ *         24  the identifier, the acting half, the rows
  *   last four CRC-32 of all bytes before
  *
  * The tables give the address of each byte of the stream from its position
@@ -51,11 +52,17 @@ static uint32_t checkpoint_layout_checksum(void)
     return c;
 }
 
+static bool checkpoint_adapts(const auvid_identifier_t *id)
+{
+    return id->actuation != NULL && id->actuation->adapt != NULL;
+}
+
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
     uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
     parts |= id->prediction.vehicle != NULL ? PART_SIMULATED : 0u;
-    parts |= id->adapt != NULL ? PART_ADAPTIVE : 0u;
+    parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
+    parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     if (id->phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
     } else if (id->searching) {
@@ -86,18 +93,26 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
 static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes,
                                   uint8_t *head)
 {
-    uint32_t rows = checkpoint_rows(id);
+    uint32_t rows = checkpoint_rows(id), bytes = AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL;
     auvid_checkpoint_measure(sizes, parts);
+    for (int root = 0; root < CHECKPOINT_ROOTS; ++root) {
+        bytes += auvid_checkpoint_root_bytes(sizes, root);
+    }
     auvid_put_word(head, HEAD_MAGIC);
     auvid_put_word(head + HEAD_LAYOUT, checkpoint_layout_checksum());
     auvid_put_word(head + HEAD_MODEL, checkpoint_model_checksum(id));
     auvid_put_word(head + HEAD_PARTS, parts);
     auvid_put_word(head + HEAD_ROWS, rows);
-    auvid_put_word(head + HEAD_BYTES, AUVID_CHECKPOINT_HEAD + sizes->of[TABLE_IDENTIFIER] +
-                                          rows * sizes->of[TABLE_ROW] + AUVID_CHECKPOINT_TAIL);
+    auvid_put_word(head + HEAD_BYTES, bytes + rows * sizes->of[TABLE_ROW]);
 }
 
 /* ---- the body ---- */
+
+/* The memory of an outermost struct other than the identifier. */
+static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
+{
+    return root == TABLE_ACTUATION ? (void *)id->actuation : (void *)id->metric.cfg.rows;
+}
 
 /* Save up to max_bytes bytes of the body from `at` on. @return how many, >= 1 */
 static uint32_t checkpoint_save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
@@ -105,7 +120,7 @@ static uint32_t checkpoint_save(const auvid_identifier_t *id, const sizes_t *siz
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
-    const void *from = run.stored ? (const void *)id->metric.cfg.rows : id;
+    const void *from = run.root == TABLE_IDENTIFIER ? id : checkpoint_attached(id, run.root);
     const uint8_t *memory = (const uint8_t *)from + run.offset;
     uint32_t done = 0;
     for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
@@ -123,7 +138,7 @@ static AUVID_NOINLINE uint32_t checkpoint_load(auvid_identifier_t *id, const siz
 {
     run_t run = auvid_checkpoint_locate(sizes, at);
     const row_t *row = run.row;
-    void *to = run.stored ? (void *)id->metric.cfg.rows : id;
+    void *to = run.root == TABLE_IDENTIFIER ? id : checkpoint_attached(id, run.root);
     uint8_t *memory = (uint8_t *)to + run.offset;
     uint32_t done = 0;
     for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
@@ -212,8 +227,9 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     }
     bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
-    bool adapts = (id->adapt != NULL) == ((sizes->parts & PART_ADAPTIVE) != 0);
-    return !whole ? AUVID_ERR_CHECKSUM : adapts ? AUVID_OK : AUVID_ERR_STATE;
+    const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE;
+    bool same = ((sizes->parts ^ checkpoint_parts(id)) & attached) == 0;
+    return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
 }
 
 auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,
@@ -249,12 +265,12 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
                                         uint32_t bytes)
 {
     auvid_status_t status = auvid_checkpoint_resume(id, checkpoint, bytes);
-    if (status == AUVID_OK) {
-        auvid_guard_state_t state = id->guard.state;
-        if (state != AUVID_GUARD_DONE && state != AUVID_GUARD_ABORTED) {
-            (void)auvid_guard_disarm(&id->guard);
+    auvid_actuation_t *a = status == AUVID_OK ? id->actuation : NULL;
+    if (a != NULL) {
+        if (a->guard.state != AUVID_GUARD_DONE && a->guard.state != AUVID_GUARD_ABORTED) {
+            (void)auvid_guard_disarm(&a->guard);
         }
-        id->excitation.running = id->excitation.stopping = id->starting = false;
+        a->excitation.running = a->excitation.stopping = a->starting = false;
     }
     return status;
 }

@@ -305,9 +305,6 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, nav, TABLE_NAV),
     STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),
     STRUCT(auvid_identifier_t, metric, TABLE_METRIC),
-    STRUCT(auvid_identifier_t, excitation, TABLE_EXCITATION),
-    STRUCT(auvid_identifier_t, adaptive, TABLE_ADAPTIVE),
-    STRUCT(auvid_identifier_t, guard, TABLE_GUARD),
     STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, accepted_estimate, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, change_test, TABLE_CHANGE_TEST),
@@ -318,16 +315,23 @@ static const row_t identifier[] = {
     BYTE(auvid_identifier_t, phase, parameter_of),
     SPAN(auvid_identifier_t, uint32_t, active, active),
     REALS(auvid_identifier_t, candidate, delay_s),
-    BYTE(auvid_identifier_t, started, saturated),
-    STRUCT(auvid_identifier_t, altitude, TABLE_SEEN),
+    BYTE(auvid_identifier_t, started, started),
     STRUCT(auvid_identifier_t, applied, TABLE_SEEN),
-    REALS(auvid_identifier_t, altitude_m, home),
     SPAN(auvid_identifier_t, uint32_t, searched, searched),
     REALS(auvid_identifier_t, cost, cost),
     BYTE(auvid_identifier_t, spent, cold_start),
     STRUCT_OF(auvid_identifier_t, optimizer, TABLE_OPTIMIZER, PART_GLOBAL | PART_LOCAL),
     STRUCT_OF(auvid_identifier_t, optimum, TABLE_OPTIMUM, PART_OPTIMUM),
     STRUCT_OF(auvid_identifier_t, confidence, TABLE_JOB, PART_CONFIDENCE),
+};
+
+static const row_t actuation[] = {
+    STRUCT(auvid_actuation_t, excitation, TABLE_EXCITATION),
+    STRUCT(auvid_actuation_t, guard, TABLE_GUARD),
+    STRUCT(auvid_actuation_t, adaptive, TABLE_ADAPTIVE),
+    STRUCT(auvid_actuation_t, altitude, TABLE_SEEN),
+    REALS(auvid_actuation_t, altitude_m, home),
+    BYTE(auvid_actuation_t, starting, saturated),
 };
 
 static const row_t row[] = {
@@ -366,5 +370,11 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_JOB] = TABLE(job),
     [TABLE_SEEN] = TABLE(seen),
     [TABLE_IDENTIFIER] = TABLE(identifier),
+    [TABLE_ACTUATION] = TABLE(actuation),
     [TABLE_ROW] = TABLE(row),
+};
+
+const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS] = {
+    {TABLE_IDENTIFIER, 0},
+    {TABLE_ACTUATION, PART_ACTUATION},
 };

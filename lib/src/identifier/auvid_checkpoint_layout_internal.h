@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "auvid/actuation.h"
 #include "auvid/checkpoint.h"
 
 /** Parts that are saved only sometimes: a row with some of these bits is present if one of them is
@@ -19,6 +20,7 @@ enum {
     PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
     PART_ADAPTIVE = 32,   /**< only a mark: the excitation is adaptive */
     PART_OPTIMUM = 64,    /**< the minimum cost is being found */
+    PART_ACTUATION = 128, /**< an acting half is attached */
     PART_END              /**< the last part + 1 */
 };
 _Static_assert(PART_END - 1 <= UINT8_MAX, "auvid_checkpoint_row_t.parts");
@@ -69,6 +71,7 @@ enum {
     TABLE_JOB,
     TABLE_SEEN,
     TABLE_IDENTIFIER,
+    TABLE_ACTUATION,
     TABLE_ROW, /**< of the storage of a model without regressor */
     TABLE_COUNT
 };
@@ -99,10 +102,27 @@ static inline uint32_t auvid_checkpoint_bytes(const auvid_checkpoint_sizes_t *si
     return there ? row->count * auvid_checkpoint_element(sizes, row) : 0u;
 }
 
+/** The structs that are saved, in the order of the stream: each one, if it is attached, then the
+ * rows. */
+typedef struct {
+    uint8_t table;
+    uint8_t part; /**< 0: always */
+} auvid_checkpoint_root_t;
+enum { CHECKPOINT_ROOTS = 2 };
+extern const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS];
+
+/** Bytes of a root; 0: it is absent. */
+static inline uint32_t auvid_checkpoint_root_bytes(const auvid_checkpoint_sizes_t *sizes, int root)
+{
+    uint8_t part = auvid_checkpoint_root[root].part;
+    return part == 0 || (part & sizes->parts) != 0 ? sizes->of[auvid_checkpoint_root[root].table]
+                                                   : 0u;
+}
+
 /** Scalars at equal distances in memory. */
 typedef struct {
-    bool stored; /**< in the storage of rows, else in the identifier */
-    uint8_t table;
+    uint8_t root;  /**< the table of the outermost struct */
+    uint8_t table; /**< the table of the struct that contains them */
     size_t offset;
     const auvid_checkpoint_row_t *row;
     uint32_t count;

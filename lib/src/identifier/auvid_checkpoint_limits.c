@@ -249,12 +249,14 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
           AUVID_MAX_PARAMETERS - 1),
     VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),
     DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
-    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, saturated),
-    UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, altitude_m, altitude_m, AUVID_C(1e9)),
-    LENGTH(TABLE_IDENTIFIER, auvid_identifier_t, home, home),
+    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, started),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, untested, untested, AUVID_MAX_SETS),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, set_pending, cold_start),
+
+    UP_TO(TABLE_ACTUATION, auvid_actuation_t, altitude_m, altitude_m, AUVID_C(1e9)),
+    LENGTH(TABLE_ACTUATION, auvid_actuation_t, home, home),
+    FLAG(TABLE_ACTUATION, auvid_actuation_t, starting, saturated),
 
     VALUE(TABLE_ROW, auvid_row_t, late, late),
 };

@@ -25,15 +25,18 @@ void auvid_checkpoint_measure(sizes_t *sizes, uint32_t parts)
 
 run_t auvid_checkpoint_locate(const sizes_t *sizes, uint32_t at)
 {
-    run_t run = {false, 0, 0, NULL, 0, 0};
-    int table = TABLE_IDENTIFIER;
-    if (at >= sizes->of[TABLE_IDENTIFIER]) {
-        at -= sizes->of[TABLE_IDENTIFIER];
-        table = TABLE_ROW;
-        run.stored = true;
+    run_t run = {TABLE_ROW, 0, 0, NULL, 0, 0};
+    int root = 0;
+    while (root < CHECKPOINT_ROOTS && at >= auvid_checkpoint_root_bytes(sizes, root)) {
+        at -= auvid_checkpoint_root_bytes(sizes, root++);
+    }
+    if (root < CHECKPOINT_ROOTS) {
+        run.root = auvid_checkpoint_root[root].table;
+    } else {
         run.offset = at / sizes->of[TABLE_ROW] * sizeof(auvid_row_t);
         at %= sizes->of[TABLE_ROW];
     }
+    int table = run.root;
     do {
         const row_t *row = auvid_checkpoint_table[table].row;
         for (;; ++row) {

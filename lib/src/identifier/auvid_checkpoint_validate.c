@@ -74,7 +74,8 @@ static bool checkpoint_check_run(const view_t *v, const auvid_checkpoint_run_t *
 {
     const auvid_checkpoint_row_t *row = run->row;
     size_t first = row->offset + (size_t)(row->count - run->count) * row->stride;
-    const uint8_t *expected = (const uint8_t *)v->id + run->offset;
+    const uint8_t *expected =
+        (const uint8_t *)v->id + run->offset; /* read of the identifier only */
     bool good = true;
     for (uint32_t k = 0; row->finite && k < run->count; ++k) {
         good = good && auvid_is_finite(checkpoint_real(at + k * row->width));

@@ -19,9 +19,6 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_nav_defaults(&cfg->nav);
     auvid_recorder_defaults(&cfg->recorder);
     auvid_metric_defaults(&cfg->metric, vehicle);
-    auvid_allocation_defaults(&cfg->allocation);
-    auvid_excitation_defaults(&cfg->excitation);
-    auvid_guard_defaults(&cfg->guard);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         cfg->search.lower[i] = AUVID_C(-1000.0);
         cfg->search.upper[i] = AUVID_C(1000.0);
@@ -104,24 +101,6 @@ static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
     return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
 }
 
-static auvid_status_t identifier_init_excitation(auvid_identifier_t *id,
-                                                 const auvid_identifier_config_t *cfg)
-{
-    auvid_status_t status = AUVID_OK;
-    if (cfg->allocation.thrusters > 0) {
-        status = auvid_allocation_init(&id->allocation, &cfg->allocation);
-    }
-    if (status >= 0 && cfg->excitation.segments > 0) {
-        status = auvid_excitation_init(&id->excitation, &cfg->excitation);
-        if (status >= 0 && cfg->allocation.thrusters > 0) {
-            auvid_real_t peak[AUVID_DOF_COUNT];
-            (void)auvid_excitation_peak(&id->excitation, peak);
-            status = auvid_allocation_check(&id->allocation, peak, NULL);
-        }
-    }
-    return status;
-}
-
 static auvid_status_t identifier_init_metric(auvid_metric_t *metric,
                                              const auvid_identifier_config_t *cfg)
 {
@@ -143,13 +122,7 @@ static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
         }
         status = auvid_recorder_init(&id->recorder, &recorder);
     }
-    if (status >= 0) {
-        status = identifier_init_metric(&id->metric, cfg);
-    }
-    if (status >= 0) {
-        status = auvid_guard_init(&id->guard, &cfg->guard);
-    }
-    return status < 0 ? status : identifier_init_excitation(id, cfg);
+    return status < 0 ? status : identifier_init_metric(&id->metric, cfg);
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,

@@ -39,13 +39,6 @@ static inline void identifier_take_set(auvid_identifier_t *id, auvid_status_t st
     }
 }
 
-/** Last part of a tick: altitude, guard, excitation. out: zeroed before; its events are not
- * written. */
-void auvid_identifier_act(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
-
-/** Report a rejected step to the guard, which aborts if it is armed. All may be NULL. */
-void auvid_identifier_refused(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
-
 /** Sets are complete: validate the last estimate with each, the oldest first, then merge. */
 void auvid_identifier_begin_sets(auvid_identifier_t *id);
 

@@ -1,11 +1,12 @@
 /*
  * The identifier (Karras et al. 2013, Fig. 2): the tick. Guard and excitation are in
- * auvid_identifier_act.c, the optimization is in auvid_identifier_work.c.
+ * auvid_actuation.c, the optimization is in auvid_identifier_work.c.
  */
 #include "auvid_identifier_internal.h"
 
 #include <string.h>
 
+#include "auvid_actuation_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "auvid_input_internal.h"
@@ -138,6 +139,14 @@ static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t
     return status;
 }
 
+/* Tell the acting half, if there is one, that a step is rejected. All may be NULL. */
+static void identifier_refuse(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
+{
+    if (id != NULL && id->actuation != NULL) {
+        id->actuation->functions->refuse(id, in, out);
+    }
+}
+
 auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t *in,
                                      auvid_output_t *out)
 {
@@ -145,14 +154,14 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
         memset(out, 0, sizeof *out);
     }
     if (id == NULL || in == NULL || out == NULL) {
-        auvid_identifier_refused(id, in, out);
+        identifier_refuse(id, in, out);
         return AUVID_ERR_NULL;
     }
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
     if (id->started && in->t_us <= id->t_us) {
-        auvid_identifier_refused(id, in, out);
+        identifier_refuse(id, in, out);
         out->events |= AUVID_EVENT_TIME;
         return in->t_us == id->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;
     }
@@ -165,7 +174,9 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
     identifier_take_cells(id, AUVID_CELLS_PER_STEP);
-    auvid_identifier_act(id, in, out);
+    if (id->actuation != NULL) {
+        id->actuation->functions->step(id, in, out);
+    }
     out->events = id->events;
     id->events = 0;
     return AUVID_OK;

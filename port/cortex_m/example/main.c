@@ -20,23 +20,31 @@
 #define TICK_US 20000u
 #define SILENCE_US 150000u /* without a tick for this long, the bus is disconnected */
 
-static auvid_node_t node; /* all the memory that auvid uses */
+static auvid_node_t node; /* the two structs are all the memory that auvid uses */
+static auvid_actuation_t actuation;
 static auvid_can_fifo_t received;
 static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick; a power of two */
 
-/* Your vehicle: model, thrusters, limits of the guard, excitation. */
+/* Your vehicle: model and thrusters. */
 static bool configure(void)
 {
-    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     auvid_identifier_config_t *cfg = &node.id.cfg; /* undefined after auvid_node_init */
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
-    bus.excite = true; /* false (default): listen and identify, never command a thruster */
     auvid_identifier_defaults(cfg, &auvid_girona500);
-    cfg->allocation = auvid_allocation_girona500;
     cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
-    return auvid_excitation_plan(&cfg->excitation, amplitude, 30, 8, 1) >= 0 &&
-           auvid_node_init(&node, &bus, cfg) >= 0;
+    return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0;
+}
+
+/* Excitation and limits of the guard. Without this the node listens and identifies, and never
+ * commands a thruster. */
+static bool configure_excitation(void)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    auvid_actuation_config_t cfg;
+    auvid_actuation_defaults(&cfg);
+    return auvid_excitation_plan(&cfg.excitation, amplitude, 30, 8, 1) >= 0 &&
+           auvid_node_attach_actuation(&node, &actuation, &cfg) >= 0;
 }
 
 static void send(const auvid_can_frame_t *frame, int count)
@@ -87,7 +95,8 @@ static void control_silence(void)
 int main(void)
 {
     auvid_can_frame_t frame;
-    if (!configure() || auvid_can_fifo_init(&received, received_storage, 16) < 0) {
+    if (!configure() || !configure_excitation() ||
+        auvid_can_fifo_init(&received, received_storage, 16) < 0) {
         driver_fault("auvid refused its configuration");
     }
     driver_start(&received);

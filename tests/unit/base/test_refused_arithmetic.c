@@ -44,7 +44,6 @@ static auvid_node_t node;
 void setUp(void)
 {
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
     auvid_node_defaults(&bus);
 }
 
@@ -55,7 +54,7 @@ void tearDown(void)
 static void test_init_accepts_this_machine(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&node.id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &auvid_allocation_girona500, &cfg));
 }
 
 #if defined(SETTABLE)
@@ -67,7 +66,7 @@ static void check_refused(uint32_t bits)
     set_control(before | bits);
     auvid_status_t identifier = auvid_identifier_init(&node.id, &cfg);
     auvid_status_t step = (memset(&in, 0, sizeof in), auvid_identifier_step(&node.id, &in, &out));
-    auvid_status_t whole = auvid_node_init(&node, &bus, &cfg);
+    auvid_status_t whole = auvid_node_init(&node, &bus, &auvid_allocation_girona500, &cfg);
     set_control(before);
     TEST_ASSERT_EQUAL(AUVID_ERR_ARITHMETIC, identifier);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, step);

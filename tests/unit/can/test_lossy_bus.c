@@ -30,6 +30,7 @@ typedef struct {
 static channel_t to_node, to_vehicle;
 static sim_rng_t chance;
 static auvid_node_t node;
+static auvid_actuation_t actuation;
 static vehicle_sim_t vehicle_sim;
 static uint32_t aborts;
 
@@ -80,9 +81,9 @@ static void begin(uint32_t seed, uint32_t sets)
     vehicle_sim_config_t vehicle;
     world_identifier(&id, &config);
     auvid_node_defaults(&cfg);
-    cfg.excite = true;
     memset(&node, 0, sizeof node);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &auvid_allocation_girona500, &id));
+    TEST_ASSERT_TRUE(world_excite(&node, &actuation, &config));
     vehicle_sim_defaults(&vehicle);
     vehicle.sim.seed = seed;
     vehicle.arm_again = true;
@@ -96,10 +97,10 @@ static bool serve(uint64_t t_us)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
     int count = 0;
-    uint8_t before = node.id.guard.state;
+    uint8_t before = actuation.guard.state;
     (void)auvid_node_step(&node, NULL, frame, &count);
     put(&to_vehicle, t_us, frame, count);
-    aborts += before != AUVID_GUARD_ABORTED && node.id.guard.state == AUVID_GUARD_ABORTED;
+    aborts += before != AUVID_GUARD_ABORTED && actuation.guard.state == AUVID_GUARD_ABORTED;
     bool busy = auvid_node_work(&node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     (void)auvid_node_report(&node, 0, frame, &count);
     put(&to_vehicle, t_us, frame, count);

@@ -14,6 +14,8 @@
 enum { SETS = 2, LOG = 60000, SET_TICKS = 1500 };
 
 static auvid_node_t node, other;
+static auvid_actuation_t actuation, other_actuation;
+static auvid_actuation_config_t acting;
 static vehicle_sim_t vehicle_sim;
 static chain_t chain;
 static auvid_identifier_config_t identifier;
@@ -46,8 +48,8 @@ static void prepare(uint64_t seed)
     vehicle.sim.seed = seed;
     TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
-    identifier.allocation = auvid_allocation_girona500;
-    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, SETS, seed);
+    auvid_actuation_defaults(&acting);
+    (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed);
     identifier.search.seed = seed;
     auvid_node_defaults(&config);
     config.answer = true;
@@ -64,8 +66,11 @@ void tearDown(void)
 
 static void begin(bool excite)
 {
-    config.excite = excite;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_init(&node, &config, &auvid_allocation_girona500, &identifier));
+    if (excite) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &actuation, &acting));
+    }
 }
 
 static uint64_t draw(void)
@@ -247,7 +252,9 @@ static void test_the_same_frames_give_the_same_bits(void)
     /* replay the same frames */
     uint32_t ticks = node.counters.ticks;
     TEST_ASSERT_TRUE(taken_count < LOG);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&other, &config, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_init(&other, &config, &auvid_allocation_girona500, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&other, &other_actuation, &acting));
     for (int i = 0; i < taken_count; ++i) {
         taken[i].t_us = draw(); /* at random times of arrival */
         if (auvid_node_take(&other, &taken[i]) == AUVID_TICK) {
@@ -302,8 +309,8 @@ static void test_an_arm_frame_without_sensors_is_refused_and_discarded(void)
     order(AUVID_CAN_ACTION_ARM);
     go(200);
     TEST_ASSERT_EQUAL_UINT32(0, run.commands);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, node.id.guard.state);
-    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_NO_CAUSE, node.id.guard.refused.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, actuation.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_NO_CAUSE, actuation.guard.refused.cause);
 }
 
 static void test_an_abort_gives_one_command_of_zero_and_then_none(void)
@@ -331,12 +338,12 @@ static void test_an_abort_with_a_repeated_counter_is_obeyed(void)
     tick();
     order(AUVID_CAN_ACTION_ARM);
     go(10);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
     vehicle_sim.sender.counter[AUVID_CAN_ABORT] =
         (vehicle_sim.sender.counter[AUVID_CAN_ABORT] + 15u) & 15u;
     abort_run();
     tick();
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
 }
 
 static void test_a_stop_fades_the_excitation_out(void)
@@ -350,8 +357,8 @@ static void test_a_stop_fades_the_excitation_out(void)
     go(500);
     TEST_ASSERT_TRUE(run.commands > before + 10);
     TEST_ASSERT_TRUE(run.largest == 0.0);
-    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
-    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
+    TEST_ASSERT_NOT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
 }
 
 static void test_a_trip_of_the_guard_commands_zero(void)
@@ -361,8 +368,8 @@ static void test_a_trip_of_the_guard_commands_zero(void)
     vehicle_sim.sim.sensor[SIM_DVL].period_us = 1000000000u;
     vehicle_sim.sim.sensor[SIM_DVL].next_us = UINT64_MAX / 2;
     go(500);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, node.id.guard.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, actuation.guard.trip.cause);
     TEST_ASSERT_TRUE(run.largest == 0.0);
     TEST_ASSERT_FALSE(vehicle_sim.commanded);
 }
@@ -429,8 +436,9 @@ static void test_null_and_not_initialised_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(&node, NULL, NULL, &count));
     begin(false);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, NULL, frame, &count));
-    identifier.allocation.thrusters = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_node_init(&node, &config, &identifier));
+    auvid_allocation_config_t none = auvid_allocation_girona500;
+    none.thrusters = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_node_init(&node, &config, &none, &identifier));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_take(&node, frame));
 }
 
@@ -442,13 +450,13 @@ static void clock_is_set(int32_t by_us)
     run.jump_at = 400;
     run.jump_us = by_us;
     go(399);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
     uint64_t before = node.t_us;
     tick();
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
     TEST_ASSERT_TRUE(node.t_us > before);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
     TEST_ASSERT_TRUE(run.largest == 0.0);
     go(200);
     TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
@@ -475,7 +483,7 @@ static void test_a_wrap_of_the_clock_has_no_effect(void)
     run.jump_us = -4000000; /* the tick's 32 bits wrap at 4 s */
     go(400);
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
 }
 
 static void test_a_lost_tick_is_counted(void)
@@ -632,10 +640,11 @@ static void test_the_configuration_may_be_inside_the_node(void)
     memset(&separate, 0xA5, sizeof separate);
     memset(&inside, 0x5A, sizeof inside);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
     inside.id.cfg = cfg;
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&separate, &bus, &cfg));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_node_init(&inside, &bus, &inside.id.cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK,
+                          auvid_node_init(&separate, &bus, &auvid_allocation_girona500, &cfg));
+    TEST_ASSERT_EQUAL_INT(
+        AUVID_OK, auvid_node_init(&inside, &bus, &auvid_allocation_girona500, &inside.id.cfg));
     TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, cfg));
     TEST_ASSERT_EQUAL_MEMORY(&separate.cfg, &inside.cfg,
                              sizeof separate - offsetof(auvid_node_t, cfg));

@@ -13,6 +13,10 @@
 enum { NAVIGATED = 100 };
 
 static auvid_node_t node, copy;
+static auvid_actuation_t actuation, copy_actuation;
+static auvid_actuation_config_t acting;
+static auvid_allocation_config_t thrusters;
+static bool passive;
 static vehicle_sim_t vehicle_sim;
 static auvid_identifier_config_t identifier;
 static auvid_node_config_t cfg;
@@ -28,10 +32,11 @@ void setUp(void)
     vehicle.no_arm = true;
     TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
-    identifier.allocation = auvid_allocation_girona500;
-    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
+    thrusters = auvid_allocation_girona500;
+    passive = false;
+    auvid_actuation_defaults(&acting);
+    (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, 2, 1);
     auvid_node_defaults(&cfg);
-    cfg.excite = true;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
 
@@ -41,7 +46,18 @@ void tearDown(void)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
+    if (!passive) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &actuation, &acting));
+    }
+}
+
+/* Copies the node with its acting half. */
+static void copy_node(void)
+{
+    copy = node;
+    copy_actuation = actuation;
+    copy.id.actuation = &copy_actuation;
 }
 
 static auvid_status_t give(const auvid_can_message_t *m)
@@ -103,7 +119,7 @@ static void excite(void)
     m.as.arm.key = AUVID_CAN_ARM_KEY;
     TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
     go(50);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
 }
 
 static void give_imu(uint32_t attitude_age, uint32_t rates_age)
@@ -237,8 +253,8 @@ static void test_the_age_of_a_sample_is_that_of_its_frame(void)
     TEST_ASSERT_EQUAL_UINT64(2000000, imu_us());
     TEST_ASSERT_EQUAL_UINT64(1970000, node.id.nav.diagnostics[AUVID_NAV_DEPTH].good_us);
     TEST_ASSERT_EQUAL_UINT64(1950000, node.id.nav.diagnostics[AUVID_NAV_DVL_WATER].good_us);
-    TEST_ASSERT_EQUAL_UINT64(1930000, node.id.altitude.t_us);
-    TEST_ASSERT_TRUE(node.id.altitude_m == 12);
+    TEST_ASSERT_EQUAL_UINT64(1930000, actuation.altitude.t_us);
+    TEST_ASSERT_TRUE(actuation.altitude_m == 12);
 }
 
 static void test_samples_without_an_age_or_a_value_are_ignored(void)
@@ -570,7 +586,7 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
     auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH};
     begin();
     cfg.ids.slow = cfg.ids.fast;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &thrusters, &identifier));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, give(&m));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, &t_us, sent, &count));
     TEST_ASSERT_EQUAL(0, count);
@@ -581,31 +597,31 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
 
 static void test_one_to_eight_thrusters_are_accepted(void)
 {
-    identifier.excitation.segments = 0;
-    for (uint8_t thrusters = 0; thrusters <= AUVID_CAN_THRUSTERS + 1; ++thrusters) {
+    for (uint8_t count_of = 0; count_of <= AUVID_CAN_THRUSTERS + 1; ++count_of) {
         for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-            identifier.allocation.thruster[i] = auvid_allocation_girona500.thruster[i % 5];
+            thrusters.thruster[i] = auvid_allocation_girona500.thruster[i % 5];
         }
-        identifier.allocation.thrusters = thrusters;
-        bool some = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+        thrusters.thrusters = count_of;
+        bool some = count_of >= 1 && count_of <= AUVID_CAN_THRUSTERS;
         TEST_ASSERT_EQUAL(some ? AUVID_OK : AUVID_ERR_SIZE,
-                          auvid_node_init(&node, &cfg, &identifier));
+                          auvid_node_init(&node, &cfg, &thrusters, &identifier));
         TEST_ASSERT_EQUAL(some, node.ready);
     }
 }
 
 static void test_null_and_overlapping_identifiers_are_refused(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &cfg, &identifier));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, NULL, &identifier));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &cfg, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(NULL, &cfg, &thrusters, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, NULL, &thrusters, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &cfg, NULL, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_init(&node, &cfg, &thrusters, NULL));
     cfg.ids.slow = cfg.ids.fast;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_init(&node, &cfg, &thrusters, &identifier));
     TEST_ASSERT_FALSE(node.ready);
     memset(&cfg, 0xFF, sizeof cfg);
     auvid_node_defaults(&cfg);
-    TEST_ASSERT_FALSE(cfg.excite || cfg.answer);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &identifier));
+    TEST_ASSERT_FALSE(cfg.answer);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
 }
 
 static void test_after_init_there_is_no_sample(void)
@@ -628,13 +644,13 @@ static void give_altitude(auvid_real_t altitude, uint32_t absent)
 static void test_an_altitude_frame_below_the_limit_ends_the_excitation(void)
 {
     excite();
-    give_altitude(identifier.guard.altitude_min_m, 0);
+    give_altitude(acting.guard.altitude_min_m, 0);
     tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
-    give_altitude(identifier.guard.altitude_min_m - AUVID_C(0.01), 0);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
+    give_altitude(acting.guard.altitude_min_m - AUVID_C(0.01), 0);
     tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, node.id.guard.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, actuation.guard.trip.cause);
     TEST_ASSERT_EQUAL(2, count);
 }
 
@@ -645,7 +661,7 @@ static void test_altitude_frames_without_a_value_are_a_lost_altitude(void)
         give_altitude(0, AUVID_CAN_DVL_ALTITUDE_NO_ALTITUDE);
         tick_without(1u << AUVID_CAN_DVL_ALTITUDE);
     }
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE_STALE, node.id.guard.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE_STALE, actuation.guard.trip.cause);
 }
 
 /* ---- thrust ---- */
@@ -727,7 +743,7 @@ static void test_a_thruster_without_feedback_has_zero_thrust(void)
 
 static void test_thrust_that_the_recorder_refuses_is_counted(void)
 {
-    identifier.allocation.thruster[0].max_N = AUVID_C(2e9);
+    thrusters.thruster[0].max_N = AUVID_C(2e9);
     begin();
     step_at(1);
     give_feedback(AUVID_C(0.5));
@@ -739,13 +755,13 @@ static void test_thrust_that_the_recorder_refuses_is_counted(void)
 static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
 {
     bool forward = false, backward = false;
-    for (int i = 0; i < identifier.allocation.thrusters; ++i) {
-        identifier.allocation.thruster[i].min_N = -AUVID_C(100.0);
+    for (int i = 0; i < thrusters.thrusters; ++i) {
+        thrusters.thruster[i].min_N = -AUVID_C(100.0);
     }
     excite();
     for (int k = 0; k < 400; ++k) {
         tick_without(0);
-        copy = node;
+        copy_node();
         auvid_input_t in = {.t_us = node.t_us + 20000};
         auvid_output_t out;
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK}; /* no sensor: both see the same */
@@ -756,14 +772,17 @@ static void test_a_command_is_a_fraction_of_the_maximum_in_its_direction(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &frame));
         TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&copy, &frame));
         static auvid_identifier_t same;
+        static auvid_actuation_t same_actuation;
         same = node.id;
+        same_actuation = actuation;
+        same.actuation = &same_actuation;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&same, &in, &out));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&copy, NULL, sent, &count));
         TEST_ASSERT_EQUAL(2, count);
-        for (int i = 0; i < identifier.allocation.thrusters; ++i) {
+        for (int i = 0; i < thrusters.thrusters; ++i) {
             auvid_can_message_t c;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &sent[i / 4], &c));
-            const auvid_thruster_t *t = &identifier.allocation.thruster[i];
+            const auvid_thruster_t *t = &thrusters.thruster[i];
             auvid_real_t part = c.as.thruster_command_a.thrust[i % 4]; /* b has the same layout */
             auvid_real_t most = part > 0 ? t->max_N : -t->min_N;
             TEST_ASSERT_TRUE(fabs((double)(part * most - out.thruster_N[i])) <=
@@ -786,22 +805,22 @@ static auvid_real_t commanded(int thruster)
 static void test_each_half_with_thrusters_is_commanded_in_every_tick(void)
 {
     static const auvid_real_t ahead[AUVID_DOF_COUNT] = {20};
-    (void)auvid_excitation_plan(&identifier.excitation, ahead, 30, 2, 1);
-    identifier.allocation.dofs = AUVID_DOF_BIT(AUVID_SURGE);
-    for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
+    (void)auvid_excitation_plan(&acting.excitation, ahead, 30, 2, 1);
+    thrusters.dofs = AUVID_DOF_BIT(AUVID_SURGE);
+    for (uint8_t count_of = 1; count_of <= AUVID_CAN_THRUSTERS; ++count_of) {
         bool driven = false;
         for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-            identifier.allocation.thruster[i] = auvid_allocation_girona500.thruster[i % 2];
+            thrusters.thruster[i] = auvid_allocation_girona500.thruster[i % 2];
         }
-        identifier.allocation.thrusters = thrusters;
+        thrusters.thrusters = count_of;
         excite();
         for (int k = 0; k < 20; ++k) {
             tick_without(0);
-            TEST_ASSERT_EQUAL(thrusters <= 4 ? 1 : 2, count);
+            TEST_ASSERT_EQUAL(count_of <= 4 ? 1 : 2, count);
             for (int i = 0; i < 4 * count; ++i) {
-                TEST_ASSERT_TRUE(i < thrusters || commanded(i) == 0);
+                TEST_ASSERT_TRUE(i < count_of || commanded(i) == 0);
             }
-            driven = driven || commanded(thrusters - 1) > 0 || commanded(thrusters - 1) < 0;
+            driven = driven || commanded(count_of - 1) > 0 || commanded(count_of - 1) < 0;
         }
         TEST_ASSERT_TRUE(driven);
     }
@@ -812,12 +831,12 @@ static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {AUVID_C(0.5)};
     bool driven = false;
-    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, 1);
+    (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, 2, 1);
     for (int i = 0; i < 2; ++i) {
-        identifier.allocation.thruster[i].max_N = AUVID_C(0.75);
-        identifier.allocation.thruster[i].min_N = -AUVID_C(0.75);
+        thrusters.thruster[i].max_N = AUVID_C(0.75);
+        thrusters.thruster[i].min_N = -AUVID_C(0.75);
     }
-    identifier.allocation.thruster[4].max_N = identifier.allocation.thruster[4].min_N = 0;
+    thrusters.thruster[4].max_N = thrusters.thruster[4].min_N = 0;
     excite();
     for (int k = 0; k < 400; ++k) {
         tick_without(0);
@@ -831,8 +850,10 @@ static void test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction
 /* The application may arm the identifier and command the thrusters itself. */
 static void test_a_passive_node_commands_nothing_though_its_identifier_excites(void)
 {
-    cfg.excite = false;
+    passive = true;
     begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&node.id, &actuation, &acting,
+                                                                  &node.allocation));
     go(NAVIGATED);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&node.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&node.id));
@@ -840,7 +861,7 @@ static void test_a_passive_node_commands_nothing_though_its_identifier_excites(v
         tick_without(0);
         TEST_ASSERT_EQUAL(0, count);
     }
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
 }
 
 /* ---- reports ---- */

@@ -15,6 +15,7 @@ enum { NAVIGATED = 100, EXCITED = 150 };
 /* A node with its vehicle, and its commands of the last tick. */
 typedef struct {
     auvid_node_t node;
+    auvid_actuation_t actuation;
     vehicle_sim_t vehicle_sim;
     auvid_can_frame_t sent[AUVID_NODE_COMMANDS];
     int count;
@@ -29,6 +30,7 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     static auvid_identifier_config_t identifier;
+    static auvid_actuation_config_t acting;
     auvid_node_config_t cfg;
     vehicle_sim_config_t vehicle;
     memset(p, 0, sizeof *p);
@@ -36,11 +38,20 @@ static void configure(pair_t *p, uint64_t seed, bool excite)
     vehicle.no_arm = true;
     TEST_ASSERT_TRUE(vehicle_sim_init(&p->vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
-    identifier.allocation = auvid_allocation_girona500;
-    (void)auvid_excitation_plan(&identifier.excitation, amplitude, 30, 2, seed);
+    auvid_actuation_defaults(&acting);
+    (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, 2, seed);
     auvid_node_defaults(&cfg);
-    cfg.excite = excite;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&p->node, &cfg, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_init(&p->node, &cfg, &auvid_allocation_girona500, &identifier));
+    if (excite) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&p->node, &p->actuation, &acting));
+    }
+}
+
+static void copy(pair_t *to, const pair_t *from)
+{
+    *to = *from;
+    to->node.id.actuation = from->node.id.actuation == NULL ? NULL : &to->actuation;
 }
 
 /* Passes the commands to the vehicle. */
@@ -104,12 +115,12 @@ static void abort_run(pair_t *p)
 
 static auvid_guard_state_t state(const pair_t *p)
 {
-    return p->node.id.guard.state;
+    return p->actuation.guard.state;
 }
 
 static auvid_guard_cause_t cause(const pair_t *p)
 {
-    return p->node.id.guard.trip.cause;
+    return p->actuation.guard.trip.cause;
 }
 
 void setUp(void)
@@ -120,7 +131,7 @@ void setUp(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&operator, NULL));
     configure(&idle, 1, true);
     go(&idle, NAVIGATED);
-    exciting = idle;
+    copy(&exciting, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&exciting, AUVID_CAN_ACTION_ARM, 0));
     go(&exciting, EXCITED);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&exciting));
@@ -141,7 +152,7 @@ typedef enum { IDLE, PENDING, EXCITING, STOPPING, ABORTED, AFTER_BREACH, SITUATI
 /* Sends arm frames up to the counter LAST, then prepares the situation. */
 static void reach(situation_t situation)
 {
-    now = situation <= PENDING ? idle : exciting;
+    copy(&now, situation <= PENDING ? &idle : &exciting);
     TEST_ASSERT_NOT_EQUAL(AUVID_UNUSED, order(&now, AUVID_CAN_ACTION_ARM, LAST - 1u));
     now.node.arming = false; /* the situation has no pending arm frame */
     if (situation == PENDING) {
@@ -159,7 +170,7 @@ static void reach(situation_t situation)
         abort_run(&now);
         tick(&now);
     } else if (situation == AFTER_BREACH) {
-        auvid_guard_t *guard = &now.node.id.guard;
+        auvid_guard_t *guard = &now.actuation.guard;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_abort_for(guard, now.node.t_us, AUVID_GUARD_ROLL));
         tick(&now);
     }
@@ -201,7 +212,7 @@ static void check_order(situation_t situation, uint32_t action, unsigned step, i
     TEST_ASSERT_EQUAL_MESSAGE(wanted->state, state(&now), where);
     TEST_ASSERT_EQUAL_MESSAGE(wanted->cause, cause(&now), where);
     if (wanted->state == AUVID_GUARD_EXCITING) {
-        TEST_ASSERT_TRUE_MESSAGE(now.node.id.excitation.stopping, where);
+        TEST_ASSERT_TRUE_MESSAGE(now.actuation.excitation.stopping, where);
         return;
     }
     TEST_ASSERT_EQUAL_MESSAGE(situation == EXCITING || situation == STOPPING ? 2 : 0, now.count,
@@ -227,7 +238,7 @@ static void test_disarm_and_stop_take_thrust_away_with_any_counter(void)
 static void test_a_restarted_console_clears_the_abort_within_two_frames(void)
 {
     for (unsigned last = 0; last < 16; ++last) {
-        now = exciting;
+        copy(&now, &exciting);
         abort_run(&now);
         (void)order(&now, AUVID_CAN_ACTION_STOP, last); /* from the previous console */
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_DISARM, 0));
@@ -245,7 +256,7 @@ static void test_a_restarted_console_clears_the_abort_within_two_frames(void)
 static void test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame(void)
 {
     for (uint32_t action = 0; action <= 2; action += 2) {
-        now = idle;
+        copy(&now, &idle);
         auvid_can_frame_t delayed = order_frame(action, 5);
         TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 6));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&now.node, &delayed));
@@ -257,7 +268,7 @@ static void test_a_delayed_disarm_or_stop_cancels_a_pending_arm_frame(void)
 
 static void test_an_abort_cancels_a_pending_arm_frame(void)
 {
-    now = idle;
+    copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
     abort_run(&now);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_DISARM, 2));
@@ -277,7 +288,7 @@ static void test_only_the_arm_action_needs_a_good_counter(void)
         tick(&now);
         TEST_ASSERT_EQUAL(fresh ? AUVID_GUARD_EXCITING : AUVID_GUARD_DISARMED, state(&now));
     }
-    now = idle; /* a copy does not cancel the arm frame */
+    copy(&now, &idle); /* a copy does not cancel the arm frame */
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 3));
     TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, order(&now, AUVID_CAN_ACTION_ARM, 3));
     tick(&now);
@@ -288,7 +299,7 @@ static void test_a_disarm_that_is_not_authentic_has_no_effect(void)
 {
     auvid_can_frame_t frame = order_frame(AUVID_CAN_ACTION_DISARM, 1);
     for (int i = 0; i < AUVID_CAN_BYTES; ++i) {
-        now = exciting;
+        copy(&now, &exciting);
         frame.data[i] ^= 0x10u;
         TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&now.node, &frame));
         frame.data[i] ^= 0x10u;
@@ -303,7 +314,7 @@ static void test_a_disarm_that_is_not_authentic_has_no_effect(void)
 static int ticks_to_stop(int orders)
 {
     int ticks = 0;
-    now = exciting;
+    copy(&now, &exciting);
     for (; state(&now) == AUVID_GUARD_EXCITING && ticks < 1000; ++ticks) {
         if (ticks < orders) {
             TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_STOP, 0)); /* repeated */
@@ -324,7 +335,7 @@ static void test_repeated_stops_fade_out_like_one(void)
 
 static void test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on(void)
 {
-    now = idle;
+    copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
     for (int k = 0; k < 10; ++k) {
         tick(&now);
@@ -337,7 +348,7 @@ static void test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on(void)
 
 static void test_halt_aborts_only_an_armed_guard(void)
 {
-    now = idle;
+    copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
     TEST_ASSERT_EQUAL(0, now.count);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
@@ -353,15 +364,15 @@ static void test_halt_aborts_only_an_armed_guard(void)
 
 static void test_halt_does_not_change_a_finished_run(void)
 {
-    now = idle;
-    now.node.id.guard.state = AUVID_GUARD_DONE;
+    copy(&now, &idle);
+    now.actuation.guard.state = AUVID_GUARD_DONE;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, state(&now));
 }
 
 static void test_halt_cancels_a_pending_arm_frame(void)
 {
-    now = idle;
+    copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
     go(&now, 3);
@@ -383,7 +394,7 @@ static void hear(pair_t *to, const auvid_can_frame_t *frame, int count)
 static int both_excite(uint64_t seed, int ticks)
 {
     int k = 0;
-    now = idle;
+    copy(&now, &idle);
     configure(&other, seed, true);
     go(&other, NAVIGATED);
     auvid_can_frame_t arm = order_frame(AUVID_CAN_ACTION_ARM, 1);
@@ -431,7 +442,7 @@ static void test_a_node_that_sends_identical_bytes_is_not_detected(void)
 static bool echoed(int late, int copies)
 {
     static auvid_can_frame_t sent[8][AUVID_NODE_COMMANDS];
-    now = exciting;
+    copy(&now, &exciting);
     for (int k = 0; k < 60 && state(&now) == AUVID_GUARD_EXCITING; ++k) {
         tick(&now);
         memcpy(sent[k % 8], now.sent, sizeof now.sent);
@@ -467,10 +478,10 @@ static void test_one_foreign_command_of_either_half_aborts(void)
     for (int half = 0; half < 2; ++half) {
         auvid_can_frame_t frame = foreign_command(half == 0 ? AUVID_CAN_THRUSTER_COMMAND_A
                                                             : AUVID_CAN_THRUSTER_COMMAND_B);
-        now = exciting;
+        copy(&now, &exciting);
         hear(&now, &frame, 1);
         TEST_ASSERT_EQUAL(AUVID_GUARD_FOREIGN_COMMAND, cause(&now));
-        now = exciting;
+        copy(&now, &exciting);
         frame.data[2] ^= 1u; /* not authentic */
         TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&now.node, &frame));
         TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
@@ -481,12 +492,12 @@ static void test_one_foreign_command_of_either_half_aborts(void)
 static void test_a_foreign_command_aborts_a_guard_that_is_armed_only(void)
 {
     auvid_can_frame_t frame = foreign_command(AUVID_CAN_THRUSTER_COMMAND_A);
-    now = idle;
+    copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&now.node.id));
     hear(&now, &frame, 1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_FOREIGN_COMMAND, cause(&now));
-    now = exciting; /* SETTLING sends no commands */
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&now.node.id.guard, now.node.t_us));
+    copy(&now, &exciting); /* SETTLING sends no commands */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_finished(&now.actuation.guard, now.node.t_us));
     hear(&now, &frame, 1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_SETTLING, state(&now));
 }
@@ -508,7 +519,7 @@ static void test_a_node_that_is_not_armed_only_counts_foreign_commands(void)
         tick(&now);
         TEST_ASSERT_EQUAL(excite ? AUVID_GUARD_EXCITING : AUVID_GUARD_DISARMED, state(&now));
     }
-    now = exciting;
+    copy(&now, &exciting);
     abort_run(&now);
     hear(&now, &frame, 1);
     TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now)); /* the first cause is kept */

@@ -14,6 +14,11 @@ enum { THRUSTERS = 5, TICK_US = 20000, ARMED = 200 };
 
 static auvid_node_t node;
 static auvid_identifier_t id;
+static auvid_actuation_t actuation[2]; /* of the node and of the identifier, if `excite` */
+static auvid_actuation_config_t acting;
+static auvid_allocation_t allocation;
+static auvid_allocation_config_t thrusters;
+static bool excite;
 static auvid_identifier_config_t cfg;
 static auvid_node_config_t node_config;
 static auvid_input_t in; /* of the reference identifier */
@@ -40,12 +45,15 @@ void setUp(void)
     run.depth_m = 5;
     auvid_rng_seed(&rng, 1);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
+    thrusters = auvid_allocation_girona500;
+    excite = false;
+    auvid_actuation_defaults(&acting);
     for (int i = 0; i < THRUSTERS; ++i) { /* each has a different, smaller force backwards */
-        cfg.allocation.thruster[i].min_N *= AUVID_C(0.5) + AUVID_C(0.07) * (auvid_real_t)i;
+        thrusters.thruster[i].min_N *= AUVID_C(0.5) + AUVID_C(0.07) * (auvid_real_t)i;
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, amplitude, 20, 2, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&acting.excitation, amplitude, 20, 2, 1));
     auvid_node_defaults(&node_config);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
 
@@ -55,8 +63,13 @@ void tearDown(void)
 
 static void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node_config, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node_config, &thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    if (excite) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &actuation[0], &acting));
+        TEST_ASSERT_EQUAL(
+            AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation[1], &acting, &allocation));
+    }
 }
 
 static bool chance(double p)
@@ -200,13 +213,13 @@ static void apply(uint64_t before_us)
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
     auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
     for (int i = 0; i < THRUSTERS; ++i) {
-        const auvid_thruster_t *t = &cfg.allocation.thruster[i];
+        const auvid_thruster_t *t = &thrusters.thruster[i];
         force_N[i] = thrust[i] > 0 ? thrust[i] * t->max_N : -thrust[i] * t->min_N;
         if (i < AUVID_MAX_COMMANDS) {
             command[i] = thrust[i];
         }
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_wrench(&id.allocation, force_N, wrench));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_wrench(&allocation, force_N, wrench));
     run.dropped += auvid_identifier_applied(&id, before_us, wrench, command) < 0;
 }
 
@@ -224,12 +237,12 @@ static void check_commands(const auvid_can_frame_t *frame, int count)
             double part = (double)m.as.thruster_command_a.thrust[i - 4 * half];
             run.largest = fmax(run.largest, fabs(part));
             TEST_ASSERT_TRUE(i < THRUSTERS || part == 0.0);
-            const auvid_thruster_t *t = &cfg.allocation.thruster[i < THRUSTERS ? i : 0];
+            const auvid_thruster_t *t = &thrusters.thruster[i < THRUSTERS ? i : 0];
             force_N[i] = part > 0.0 ? part * (double)t->max_N : -part * (double)t->min_N;
         }
     }
     for (int i = 0; i < THRUSTERS; ++i) { /* half a step of 1/4000 */
-        double step_N = (double)cfg.allocation.thruster[i].max_N / 7999.0;
+        double step_N = (double)thrusters.thruster[i].max_N / 7999.0;
         TEST_ASSERT_TRUE(fabs(force_N[i] - (double)out.thruster_N[i]) <= step_N);
     }
 }
@@ -346,7 +359,7 @@ static void test_frames_have_the_effect_of_calls_with_water_lock(void)
 
 static void test_commands_are_the_forces_divided_by_the_maximum_in_that_direction(void)
 {
-    node_config.excite = true;
+    excite = true;
     begin();
     go(ARMED);
     TEST_ASSERT_TRUE(run.largest == 0.0);
@@ -362,16 +375,16 @@ static void test_commands_are_the_forces_divided_by_the_maximum_in_that_directio
 
 static void test_an_altitude_below_the_limit_ends_the_excitation(void)
 {
-    node_config.excite = true;
+    excite = true;
     begin();
     go(ARMED);
     arm_both();
     go(250);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, node.id.guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation[0].guard.state);
     run.altitude_m = 1.9; /* the limit is 2 m */
     go(25);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, node.id.guard.state);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, node.id.guard.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation[0].guard.state);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, actuation[0].guard.trip.cause);
     TEST_ASSERT_TRUE(run.largest == 0.0);
 }
 

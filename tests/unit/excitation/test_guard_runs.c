@@ -39,7 +39,10 @@ typedef struct {
 typedef struct {
     sim_t sim;
     auvid_identifier_t id;
+    auvid_allocation_t allocation;
+    auvid_actuation_t actuation;
     auvid_identifier_config_t cfg;
+    auvid_actuation_config_t acting;
     sim_config_t world;
     double home[2]; /* true position when armed */
     double excite_s;
@@ -80,11 +83,12 @@ static void make(flight_t *f, uint64_t seed)
     f->world.seabed_m = f->world.position[2] + draw(&rng, 4, 40);
     f->force_N = draw(&rng, 30, 110);
     auvid_identifier_defaults(&f->cfg, &auvid_girona500);
-    f->cfg.allocation = auvid_allocation_girona500;
+    auvid_actuation_defaults(&f->acting);
     const auvid_real_t a = (auvid_real_t)f->force_N;
     const auvid_real_t amplitude[6] = {a, a, a, 0, 0, AUVID_C(0.3) * a};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&f->cfg.excitation, amplitude, 30, 2, seed));
-    auvid_guard_config_t *g = &f->cfg.guard;
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_excitation_plan(&f->acting.excitation, amplitude, 30, 2, seed));
+    auvid_guard_config_t *g = &f->acting.guard;
     g->depth_min_m = (auvid_real_t)(f->world.position[2] - draw(&rng, 1, 20));
     g->depth_min_m = g->depth_min_m < 0 ? 0 : g->depth_min_m;
     g->depth_max_m = (auvid_real_t)(f->world.position[2] + draw(&rng, 1, 20));
@@ -100,7 +104,7 @@ static void make(flight_t *f, uint64_t seed)
 /* How far the truth is beyond each limit. */
 static void measure(const flight_t *f, double over[LIMITS])
 {
-    const auvid_guard_config_t *g = &f->cfg.guard;
+    const auvid_guard_config_t *g = &f->acting.guard;
     const sim_truth_t *t = &f->sim.truth;
     over[DEPTH_MIN] = (double)g->depth_min_m - t->position[2];
     over[DEPTH_MAX] = t->position[2] - (double)g->depth_max_m;
@@ -113,7 +117,7 @@ static void measure(const flight_t *f, double over[LIMITS])
     over[YAW_RATE] = fabs(t->nu[5]) - (double)g->yaw_rate_max;
     over[DISTANCE] =
         hypot(t->position[0] - f->home[0], t->position[1] - f->home[1]) - (double)g->distance_max_m;
-    over[RUN_TIME] = f->id.guard.state == AUVID_GUARD_EXCITING
+    over[RUN_TIME] = f->actuation.guard.state == AUVID_GUARD_EXCITING
                          ? 1e-6 * (double)t->t_us - f->excite_s - g->run_max_s
                          : -1;
 }
@@ -147,7 +151,7 @@ static void allow(const flight_t *f, double allowed[LIMITS])
     allowed[PITCH] = e_angle + fabs(v[4]) * (TICK_S + tau_tilt) -
                      f->world.pitch_arm_m * brake[0] * fabs(v[0]) / f->world.tilt_righting;
     /* a: excitation, disturbance, current's drag over the smallest mass, and m_v v r / m_u */
-    double r = fabs(v[5]), top = (double)f->cfg.guard.speed_max;
+    double r = fabs(v[5]), top = (double)f->acting.guard.speed_max;
     double a = (f->force_N + d - m[SIM_X_U] * c - m[SIM_X_UU] * c * c) / m[SIM_M_U] +
                m[SIM_M_V] / m[SIM_M_U] * top * r;
     allowed[SPEED] = e_speed + a * dvl;
@@ -188,6 +192,9 @@ static void fly(flight_t *f, run_t *run)
     wrench[2] = -f->world.parameter[SIM_WB];
     TEST_ASSERT_TRUE(sim_init(&f->sim, &f->world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&f->id, &f->cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&f->allocation, &auvid_allocation_girona500));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&f->id, &f->actuation, &f->acting,
+                                                                  &f->allocation));
     for (int k = 0; k < (int)((RUN_S + 20) / TICK_S); ++k) {
         sim_output_t seen;
         auvid_input_t in;
@@ -269,7 +276,7 @@ static void test_without_the_guard_the_same_worlds_exceed_their_limits(void)
     for (int seed = 1; seed <= 30; ++seed) {
         run_t run;
         make(&flight, (uint64_t)seed);
-        flight.cfg.guard.off = AUVID_GUARD_SWITCHABLE;
+        flight.acting.guard.off = AUVID_GUARD_SWITCHABLE;
         fly(&flight, &run);
         bool any = false;
         for (int i = 0; i < LIMITS; ++i) {

@@ -38,7 +38,7 @@ static void watch(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         seen.over = seen.over || !(f <= (double)cfg.amplitude[j] * 1.000001);
         seen.outside = seen.outside || (f > 0.0 && out->guard != AUVID_GUARD_EXCITING);
     }
-    seen.over = seen.over || c->id.saturated;
+    seen.over = seen.over || c->actuation.saturated;
     seen.changed += (out->events & AUVID_EVENT_CHANGED) != 0;
     if (seen.done_s <= 0.0 && c->id.estimate.confidence.identifiable == ALL) {
         seen.done_s = 1e-6 * (double)c->t_us;
@@ -97,10 +97,10 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.missing);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.abandoned);
     /* at once: with the fade and two ticks */
-    const double fade_s = (double)chain.id.excitation.cfg.fade_s;
+    const double fade_s = (double)chain.actuation.excitation.cfg.fade_s;
     TEST_ASSERT_TRUE(seen.rest_s > 0.0 && seen.rest_s <= seen.done_s + fade_s + 0.04);
     TEST_ASSERT_FALSE(seen.over);
     TEST_ASSERT_FALSE(seen.outside);
@@ -149,13 +149,13 @@ static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void
 
 static void test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known(void)
 {
-    config.id.allocation.thruster[4].min_N = config.id.allocation.thruster[4].max_N = 0;
-    config.id.excitation.segments = 0; /* the excitation would reject that plan */
+    config.thrusters.thruster[4].min_N = config.thrusters.thruster[4].max_N = 0;
+    config.acting.excitation.segments = 0; /* the excitation would reject that plan */
     begin();
     chain.waiting = true;
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.actuation.adaptive.abandoned);
     TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
 }
 
@@ -166,23 +166,23 @@ static void test_a_dof_that_does_not_move_is_abandoned_in_time(void)
     begin();
     run(450);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.id.adaptive.abandoned & SWAY_ONES);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.actuation.adaptive.abandoned & SWAY_ONES);
     TEST_ASSERT_TRUE(seen.end_s < 250.0);
 }
 
 static void test_weak_thrusters_excite_in_turn_and_everything_is_known(void)
 {
     for (int i = 0; i < 5; ++i) { /* X or N, not both */
-        config.id.allocation.thruster[i].min_N = i < 2 ? -60 : -153;
-        config.id.allocation.thruster[i].max_N = i < 2 ? 60 : 153;
+        config.thrusters.thruster[i].min_N = i < 2 ? -60 : -153;
+        config.thrusters.thruster[i].max_N = i < 2 ? 60 : 153;
     }
-    config.id.excitation.segments = 0;
+    config.acting.excitation.segments = 0;
     begin();
     chain.waiting = true;
     uint8_t together = 0, ever = 0;
     while (1e-6 * (double)chain.t_us < 450 && chain.out.guard != AUVID_GUARD_DONE) {
         chain_tick(&chain);
-        uint8_t driving = chain.id.adaptive.playing;
+        uint8_t driving = chain.actuation.adaptive.playing;
         ever |= driving;
         together |= (driving & 0x21) == 0x21;
     }
@@ -190,8 +190,8 @@ static void test_weak_thrusters_excite_in_turn_and_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(0, together);
     TEST_ASSERT_EQUAL_HEX32(0x27, ever);
     TEST_ASSERT_FALSE(seen.over);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.abandoned);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.adaptive.missing);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.missing);
 }
 
 static void test_it_ends_after_the_longest_run_time(void)
@@ -201,7 +201,7 @@ static void test_it_ends_after_the_longest_run_time(void)
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_TRUE(seen.end_s < 52.0);
-    TEST_ASSERT_TRUE(chain.id.adaptive.missing != 0); /* and reports what is missing */
+    TEST_ASSERT_TRUE(chain.actuation.adaptive.missing != 0); /* and reports what is missing */
 }
 
 static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
@@ -222,7 +222,7 @@ static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
 
 static void test_a_limit_of_the_guard_ends_it(void)
 {
-    config.id.guard.distance_max_m = 3;
+    config.acting.guard.distance_max_m = 3;
     cfg.excursion_limit[AUVID_SURGE] = cfg.excursion_limit[AUVID_SWAY] = 0; /* never brought back */
     begin();
     run(300);
@@ -236,7 +236,7 @@ static void test_with_a_small_distance_limit_it_is_brought_back_in_time(void)
 {
     for (uint64_t seed = 1; seed <= 3; ++seed) {
         make_world(seed, 1.0);
-        config.id.guard.distance_max_m = 5;
+        config.acting.guard.distance_max_m = 5;
         begin();
         run(300);
         TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
@@ -304,7 +304,7 @@ static void restore_and_continue(uint32_t count, int seconds)
 {
     other = chain;
     memset(&other.id, 0xA5, sizeof other.id);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other.id, &config.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&other, &config));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&other.id, bytes, count));
     for (int k = 0; k < seconds * 50; ++k) {
@@ -383,10 +383,10 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     uint32_t number = 0;
     make_world(seed, disturbance_N);
     if (way == ONE_BY_ONE) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_schedule(&config.id.excitation, amplitude, 30,
-                                                              SETS, seed, 0, true));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_schedule(&config.acting.excitation, amplitude,
+                                                              30, SETS, seed, 0, true));
     }
-    config.id.guard.run_max_s = 3600; /* one by one takes longer */
+    config.acting.guard.run_max_s = 3600; /* one by one takes longer */
     if (other) {
         vary(seed);
     }
@@ -412,7 +412,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     if (way == ADAPTIVE) {
         o->end_s = 1e-6 * (double)chain.t_us;
         o->end_square = chain_mean_square(&chain);
-        gave_up += chain.id.adaptive.abandoned != 0;
+        gave_up += chain.actuation.adaptive.abandoned != 0;
         over = over || seen.over || seen.outside;
         false_alarms += seen.changed;
     }

@@ -16,6 +16,8 @@ enum { CELL_US = 100000, SET_ROWS = 20, CELLS = 450, BUDGET = 400, ROWS = 9 * SE
 
 static auvid_identifier_config_t cfg;
 static auvid_identifier_t id, other;
+static auvid_actuation_config_t acting;
+static auvid_actuation_t actuation;
 static uint8_t saved[AUVID_CHECKPOINT_MAX(ROWS)], again[AUVID_CHECKPOINT_MAX(ROWS)];
 static uint32_t bytes;
 
@@ -23,11 +25,18 @@ void setUp(void)
 {
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.metric.set_rows = SET_ROWS;
+    auvid_actuation_defaults(&acting);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }
 
 void tearDown(void)
 {
+}
+
+static void init_acting(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
 }
 
 /* A cell of sinusoidal motion, with the wrench that causes it. */
@@ -335,17 +344,19 @@ static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 {
     for (int state = AUVID_GUARD_DISARMED; state <= AUVID_GUARD_ABORTED; ++state) {
         bool watched = state >= AUVID_GUARD_ARMED && state <= AUVID_GUARD_SETTLING;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-        id.guard.state = (auvid_guard_state_t)state;
-        id.starting = id.excitation.running = id.excitation.stopping = watched;
+        const auvid_excitation_t *run = &actuation.excitation;
+        init_acting();
+        actuation.guard.state = (auvid_guard_state_t)state;
+        actuation.starting = watched;
+        actuation.excitation.running = actuation.excitation.stopping = watched;
         bytes = save(&id, saved, sizeof saved);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+        init_acting();
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
-        TEST_ASSERT_EQUAL(watched ? AUVID_GUARD_DISARMED : state, id.guard.state);
-        TEST_ASSERT_FALSE(id.starting || id.excitation.running || id.excitation.stopping);
+        TEST_ASSERT_EQUAL(watched ? AUVID_GUARD_DISARMED : state, actuation.guard.state);
+        TEST_ASSERT_FALSE(actuation.starting || run->running || run->stopping);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&id, saved, bytes));
-        TEST_ASSERT_EQUAL(state, id.guard.state);
-        TEST_ASSERT_EQUAL(watched, id.starting && id.excitation.running && id.excitation.stopping);
+        TEST_ASSERT_EQUAL(state, actuation.guard.state);
+        TEST_ASSERT_EQUAL(watched, actuation.starting && run->running && run->stopping);
     }
 }
 
@@ -353,18 +364,18 @@ static void test_an_armed_guard_is_restored_disarmed_a_latched_one_latched(void)
 static void test_plan_thrusters_and_limits_are_those_of_init(void)
 {
     const auvid_real_t weak[AUVID_DOF_COUNT] = {10}, strong[AUVID_DOF_COUNT] = {100};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, strong, 30, 2, 1));
-    cfg.guard.distance_max_m = 300;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&acting.excitation, strong, 30, 2, 1));
+    acting.guard.distance_max_m = 300;
+    init_acting();
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, weak, 30, 2, 1));
-    cfg.guard.distance_max_m = 30;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&acting.excitation, weak, 30, 2, 1));
+    acting.guard.distance_max_m = 30;
+    init_acting();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     auvid_real_t peak[AUVID_DOF_COUNT];
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_peak(&id.excitation, peak));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_peak(&actuation.excitation, peak));
     TEST_ASSERT_EQUAL_MEMORY(weak, peak, sizeof peak);
-    TEST_ASSERT_TRUE(id.guard.cfg.distance_max_m < 31);
+    TEST_ASSERT_TRUE(actuation.guard.cfg.distance_max_m < 31);
 }
 
 static void test_work_in_an_unknown_phase_ends(void)
@@ -392,7 +403,6 @@ static void test_impossible_values_are_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &cfg));
     IMPOSSIBLE(phase = UINT8_MAX);
-    IMPOSSIBLE(guard.state = (auvid_guard_state_t)17);
     IMPOSSIBLE(metric.cfg.sets = 0);
     IMPOSSIBLE(metric.cfg.set_rows = 60000);
     IMPOSSIBLE(metric.rows = SET_ROWS);
@@ -406,7 +416,6 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(nav.gps_count = 200);
     IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
-    IMPOSSIBLE(adaptive.factor[0] = AUVID_C(1000.0));
     IMPOSSIBLE(nav.ground.measured = 8);
     IMPOSSIBLE(nav.past_next = 2 * AUVID_NAV_PAST);
     IMPOSSIBLE(nav.held_valid[1] = 8);
@@ -437,6 +446,41 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(uncertainty.thrust_scale = AUVID_C(-0.1));
     IMPOSSIBLE(uncertainty.dvl_scale = (auvid_real_t)NAN);
     check_good();
+}
+
+static void test_impossible_values_of_the_acting_half_are_refused(void)
+{
+    static auvid_actuation_t before;
+    init_acting();
+    before = actuation;
+    for (int k = 0; k < 6; ++k) {
+        actuation = before;
+        actuation.guard.state = k == 0 ? (auvid_guard_state_t)17 : before.guard.state;
+        actuation.adaptive.factor[0] = k == 1 ? 1000 : 0;
+        actuation.altitude_m = k == 2 ? -1 : 0;
+        actuation.home[1] = k == 3 ? (auvid_real_t)NAN : 0;
+        actuation.excitation.displacement[2] = k == 4 ? (auvid_real_t)INFINITY : 0;
+        bytes = save(&id, saved, sizeof saved);
+        actuation = before;
+        if (k < 5) {
+            check_refused(AUVID_ERR_RANGE, saved, bytes);
+            TEST_ASSERT_EQUAL_MEMORY(&before, &actuation, sizeof before);
+        }
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+}
+
+static void test_one_with_an_acting_half_is_refused_without_and_vice_versa(void)
+{
+    bytes = save(&id, saved, sizeof saved);
+    init_acting();
+    check_refused(AUVID_ERR_STATE, saved, bytes);
+    uint32_t acting_bytes = save(&id, again, sizeof again);
+    TEST_ASSERT_TRUE(acting_bytes > bytes + 500);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, acting_bytes));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    check_refused(AUVID_ERR_STATE, again, acting_bytes);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
 static void test_a_note_that_names_no_parameter_is_refused(void)
@@ -609,6 +653,8 @@ int main(void)
     RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
     RUN_TEST(test_work_in_an_unknown_phase_ends);
     RUN_TEST(test_impossible_values_are_refused);
+    RUN_TEST(test_impossible_values_of_the_acting_half_are_refused);
+    RUN_TEST(test_one_with_an_acting_half_is_refused_without_and_vice_versa);
     RUN_TEST(test_a_note_that_names_no_parameter_is_refused);
     RUN_TEST(test_a_record_of_too_many_cells_is_refused);
     RUN_TEST(test_an_impossible_optimum_is_refused);

@@ -42,7 +42,10 @@ typedef struct {
 
 static moment_t moment[WORLDS][TAKEN];
 static uint32_t moments[WORLDS];
-static auvid_identifier_t fresh[WORLDS]; /* as in a program that restores */
+static struct {
+    auvid_identifier_t id;
+    auvid_actuation_t actuation;
+} fresh[WORLDS]; /* as in a program that restores */
 static chain_config_t cfg;
 static chain_t chain;
 static auvid_row_t store[STORE];
@@ -84,10 +87,12 @@ static void configure(world_t world)
     }
 }
 
-static void begin(world_t world, auvid_identifier_t *id)
+/* chain.id, with the acting half of `chain` */
+static void begin(world_t world)
 {
+    auvid_identifier_t *id = &chain.id;
     configure(world);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
     if (world == ADAPTIVE) {
         auvid_adaptive_config_t adaptive;
         auvid_adaptive_defaults(&adaptive);
@@ -120,9 +125,11 @@ static void run(world_t world, double seconds)
     static const auvid_real_t guess[AUVID_MAX_PARAMETERS] = {[AUVID_G500_M_U] = 500};
     static auvid_real_t sigma[AUVID_MAX_PARAMETERS];
     uint32_t count[KINDS] = {0}, usual = world == SLOW ? 30 : 120;
-    begin(world, &fresh[world]);
+    configure(world);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    chain.id = fresh[world];
+    begin(world);
+    fresh[world].id = chain.id;
+    fresh[world].actuation = chain.actuation;
     for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
         sigma[i] = AUVID_C(1e6);
     }
@@ -160,7 +167,7 @@ static void record_all(void)
             const auvid_identifier_t *id = &moment[w][k].chain.id;
             uint32_t kind = kind_of(id);
             phases |= 1u << id->phase;
-            exciting += id->guard.state == AUVID_GUARD_EXCITING;
+            exciting += moment[w][k].chain.actuation.guard.state == AUVID_GUARD_EXCITING;
             waiting += kind / PHASES % 2;
             holding += kind / PHASES / 2;
             optima += (auvid_get_word(moment[w][k].saved + 12) & PART_OPTIMUM) != 0;
@@ -268,7 +275,8 @@ static void check_published(const chain_t *c)
                   FINITE(e->confidence.effective_noise) && FINITE(e->confidence.residual_rms);
     TEST_ASSERT_TRUE_MESSAGE(finite, what);
     finite = FINITE(to->variance_ratio) && FINITE(to->change) && FINITE(to->r2_velocity) &&
-             auvid_is_finite(c->id.guard.trip.value) && auvid_is_finite(c->id.guard.trip.limit);
+             auvid_is_finite(c->actuation.guard.trip.value) &&
+             auvid_is_finite(c->actuation.guard.trip.limit);
     TEST_ASSERT_TRUE_MESSAGE(finite, what);
     finite = FINITE(state.position) && FINITE(state.attitude) && FINITE(state.velocity) &&
              FINITE(state.rates) && FINITE(c->out.excitation) && FINITE(c->out.thruster_N);
@@ -279,7 +287,7 @@ static void check_published(const chain_t *c)
 static void check_ticks(chain_t *c, world_t world, uint32_t ticks, bool may_act)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
-    (void)auvid_excitation_peak(&fresh[world].excitation, peak);
+    (void)auvid_excitation_peak(&fresh[world].actuation.excitation, peak);
     for (uint32_t k = 0; k < ticks; ++k) {
         c->cfg.budget = 1 + auvid_rng_below(&rng, 400);
         c->over_budget = false;
@@ -308,19 +316,25 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         bool resumes = n % 4 == 0;
         (void)snprintf(what, sizeof what, "forgery %u of world %d", (unsigned)n, (int)world);
         forge(m);
-        chain.id = fresh[world];
+        chain.id = fresh[world].id;
+        chain.actuation = fresh[world].actuation;
         (void)alarm(HANG_S);
         auvid_status_t status = resumes ? auvid_checkpoint_resume(&chain.id, forged, m->bytes)
                                         : auvid_checkpoint_restore(&chain.id, forged, m->bytes);
         if (status != AUVID_OK) {
-            TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world], sizeof chain.id));
+            TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world].id, sizeof chain.id));
+            TEST_ASSERT_EQUAL_INT(
+                0, memcmp(&chain.actuation, &fresh[world].actuation, sizeof chain.actuation));
             ++refused;
             continue;
         }
         static auvid_identifier_t restored;
+        static auvid_actuation_t actuation;
         restored = chain.id;
+        actuation = chain.actuation;
         chain = m->chain;
         chain.id = restored;
+        chain.actuation = actuation;
         chain.waiting = false;
         check_published(&chain);
         bool longer = ++taken % stride == 0;

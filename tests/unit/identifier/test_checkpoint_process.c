@@ -55,6 +55,8 @@ static run_t run;
 static auvid_row_t store[STORE];
 static auvid_vehicle_t vehicle;
 static auvid_identifier_t id;
+static auvid_actuation_t actuation; /* of it, or of chain.id */
+static auvid_allocation_t allocation;
 static uint8_t saved[MOST];
 static auvid_rng_t rng;
 static uint8_t known[AUVID_PRIOR_BYTES]; /* before the run */
@@ -160,6 +162,9 @@ static void begin(auvid_identifier_t *to)
     configure(run.residual);
     memset(store, 0, sizeof store);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(to, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &cfg.thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(to, &actuation, &cfg.acting, &allocation));
     if (!run.residual) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(to, known, sizeof known));
     }
@@ -231,6 +236,8 @@ static int continue_run(const char *run_file, const char *saved_file, uint32_t f
     cfg.id.search.seed = 99; /* the checkpoint overrides it */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
         auvid_identifier_init(&id, &cfg.id) != AUVID_OK ||
+        auvid_allocation_init(&allocation, &cfg.thrusters) != AUVID_OK ||
+        auvid_identifier_attach_actuation(&id, &actuation, &cfg.acting, &allocation) != AUVID_OK ||
         auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }
@@ -348,18 +355,20 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
     begin(&id);
     for (uint32_t k = 1; k < run.ticks; ++k) {
         step(&id, &run.tick[k], &out);
-        if ((states >> id.guard.state & 1u) != 0 && k % 1000 != 0) {
+        if ((states >> actuation.guard.state & 1u) != 0 && k % 1000 != 0) {
             continue;
         }
         static auvid_identifier_t before;
-        auvid_guard_state_t state = id.guard.state;
+        static auvid_actuation_t acting_before;
+        auvid_guard_state_t state = actuation.guard.state;
         bool latched = state == AUVID_GUARD_DONE || state == AUVID_GUARD_ABORTED;
         states |= 1u << state;
         before = id;
+        acting_before = actuation;
         uint32_t bytes = save(&id, saved);
         begin(&id);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
-        TEST_ASSERT_EQUAL(latched ? state : AUVID_GUARD_DISARMED, id.guard.state);
+        TEST_ASSERT_EQUAL(latched ? state : AUVID_GUARD_DISARMED, actuation.guard.state);
         for (uint32_t i = k + 1; i < k + 50 && i < run.ticks; ++i) {
             (void)auvid_identifier_step(&id, &run.tick[i].in, &out);
             TEST_ASSERT_EQUAL_MEMORY((auvid_real_t[AUVID_DOF_COUNT]){0}, out.excitation,
@@ -371,9 +380,10 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&id));
             (void)auvid_identifier_step(&id, &run.tick[k + 50].in, &out);
             TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
-            TEST_ASSERT_EQUAL_UINT64(run.tick[k + 50].in.t_us, id.excitation.start_us);
+            TEST_ASSERT_EQUAL_UINT64(run.tick[k + 50].in.t_us, actuation.excitation.start_us);
         }
         id = before;
+        actuation = acting_before;
     }
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
                                 1u << AUVID_GUARD_SETTLING,

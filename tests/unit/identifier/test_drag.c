@@ -338,7 +338,7 @@ static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 0};
     chain_config_t cfg;
     chain_defaults(&cfg, 3, 3, 1.0);
-    (void)auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 3, 3);
+    (void)auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 3, 3);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 3));
     TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 10000) <= 10000);
     const auvid_estimate_t *e = &chain.id.estimate;

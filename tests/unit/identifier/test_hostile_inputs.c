@@ -29,6 +29,9 @@ typedef enum {
 } manner_t;
 
 static auvid_identifier_config_t cfg;
+static auvid_actuation_config_t acting;
+static auvid_actuation_t actuation;
+static auvid_allocation_t allocation;
 static auvid_node_t node;
 static auvid_identifier_t id;
 static auvid_can_sender_t sender;
@@ -56,11 +59,11 @@ void setUp(void)
     t_us = 0;
     tick = exciting = 0;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.allocation = auvid_allocation_girona500;
+    auvid_actuation_defaults(&acting);
     cfg.metric.set_rows = 12;
-    cfg.guard.off = AUVID_GUARD_SWITCHABLE;
+    acting.guard.off = AUVID_GUARD_SWITCHABLE;
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.excitation, amplitude, 30, AUVID_MAX_SETS, 1));
+                      auvid_excitation_plan(&acting.excitation, amplitude, 30, AUVID_MAX_SETS, 1));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
 }
 
@@ -125,7 +128,7 @@ static void serve(void)
     TEST_ASSERT_TRUE(count >= 0 && count <= AUVID_NODE_FRAMES);
     (void)auvid_node_work(&node, units);
     TEST_ASSERT_TRUE(node.id.work_last <= units);
-    exciting += node.id.guard.state == AUVID_GUARD_EXCITING;
+    exciting += actuation.guard.state == AUVID_GUARD_EXCITING;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, draw(300), frame, &count));
     TEST_ASSERT_TRUE(count >= 0 && count <= AUVID_NODE_FRAMES);
 }
@@ -196,7 +199,7 @@ static void give_orders(void)
     if (tick % 50 == 0) {
         m.kind = AUVID_CAN_ARM;
         m.as.arm = (auvid_can_arm_t){AUVID_CAN_ACTION_ARM, AUVID_CAN_ARM_KEY};
-        if (node.id.guard.state == AUVID_GUARD_ABORTED || (manner == HARM && draw(4) == 0)) {
+        if (actuation.guard.state == AUVID_GUARD_ABORTED || (manner == HARM && draw(4) == 0)) {
             m.as.arm.action = draw(3);
         }
         give(&m);
@@ -218,8 +221,9 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
     auvid_node_config_t bus;
     uint32_t end = ticks();
     auvid_node_defaults(&bus);
-    bus.excite = bus.answer = true;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &cfg));
+    bus.answer = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &bus, &auvid_allocation_girona500, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &actuation, &acting));
     while (tick < end) {
         next_tick();
         give_sensors();
@@ -288,6 +292,9 @@ static void test_no_samples_make_an_identifier_use_more_than_its_budget(void)
     auvid_output_t out;
     uint32_t end = ticks();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &auvid_allocation_girona500));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation));
     while (tick < end) {
         uint32_t units = budget();
         next_tick();
@@ -302,7 +309,7 @@ static void test_no_samples_make_an_identifier_use_more_than_its_budget(void)
         }
         (void)auvid_identifier_work(&id, units);
         TEST_ASSERT_TRUE(id.work_last <= units);
-        exciting += id.guard.state == AUVID_GUARD_EXCITING;
+        exciting += actuation.guard.state == AUVID_GUARD_EXCITING;
         if (manner == HARM && draw(1000) == 0) {
             (void)auvid_identifier_close(&id);
         }

@@ -163,8 +163,9 @@ static void water_world(uint64_t seed)
 {
     chain_defaults(&cfg, seed, SETS, 0.0);
     cfg.sim.dvl_lock = SIM_LOCK_WATER;
-    cfg.id.guard.water_lock = true;
-    cfg.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED) | AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    cfg.acting.guard.water_lock = true;
+    cfg.acting.guard.off =
+        AUVID_GUARD_BIT(AUVID_GUARD_SPEED) | AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
     cfg.sim.current[0] = 0.3;
     cfg.sim.current[1] = -0.2;
 }
@@ -285,7 +286,7 @@ static void test_what_is_not_excited_is_not_identified(void)
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_defaults(&cfg, 5, 2, 0.0);
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 5));
+                      auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 2, 5));
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         cfg.id.metric.fixed[i] = auvid_girona500_paper[i] + 7;
     }

@@ -124,7 +124,7 @@ static int check_aborts(auvid_guard_cause_t cause, double seconds)
         ++ticks;
     } while (chain.out.guard == AUVID_GUARD_EXCITING);
     check_aborted(&chain.out, cause);
-    TEST_ASSERT_EQUAL_UINT64(chain.t_us, chain.id.guard.trip.t_us);
+    TEST_ASSERT_EQUAL_UINT64(chain.t_us, chain.actuation.guard.trip.t_us);
     check_stays_zero(cause);
     return ticks;
 }
@@ -202,7 +202,7 @@ static void test_heave_must_be_measured_where_it_is_excited(void)
 static void test_heave_need_not_be_measured_where_it_is_not_excited(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 60, 0, 0, 0, 20};
-    (void)auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    (void)auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 2, 3);
     begin();
     wrong = NO_HEAVE;
     chain_run(&chain, 20.0);
@@ -218,7 +218,7 @@ static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it
     auvid_adaptive_config_t adaptive;
     auvid_adaptive_defaults(&adaptive);
     memcpy(adaptive.amplitude, amplitude, sizeof amplitude);
-    (void)auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 3);
+    (void)auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 2, 3);
     for (int heave = 0; heave < 2; ++heave) {
         wrong = 0;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
@@ -233,16 +233,16 @@ static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it
 
 static void test_water_lock_leaves_speed_and_distance_over_ground_unknown(void)
 {
-    cfg.id.guard.water_lock = true;
+    cfg.acting.guard.water_lock = true;
     begin();
     wrong = WATER;
     int ticks = check_aborts(AUVID_GUARD_SPEED, 2);
     TEST_ASSERT_TRUE(ticks > 40 && ticks <= 51);
-    cfg.id.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED);
+    cfg.acting.guard.off = AUVID_GUARD_BIT(AUVID_GUARD_SPEED);
     begin();
     wrong = WATER;
     check_aborts(AUVID_GUARD_DISTANCE, 2);
-    cfg.id.guard.off |= AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
+    cfg.acting.guard.off |= AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE);
     begin();
     wrong = WATER;
     chain_run(&chain, 20.0);
@@ -282,20 +282,20 @@ static void test_too_deep(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DEPTH_MAX, 60);
-    TEST_ASSERT_TRUE(chain.id.guard.trip.value > 100);
-    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 100.1);
+    TEST_ASSERT_TRUE(chain.actuation.guard.trip.value > 100);
+    TEST_ASSERT_TRUE(chain.actuation.guard.trip.value < 100.1);
 }
 
 static void test_too_shallow(void)
 {
-    for (int i = 0; i < cfg.id.excitation.segments; ++i) { /* upwards where it went down */
-        cfg.id.excitation.segment[i].amplitude *= -1;
+    for (int i = 0; i < cfg.acting.excitation.segments; ++i) { /* upwards where it went down */
+        cfg.acting.excitation.segment[i].amplitude *= -1;
     }
     cfg.sim.position[2] = 1.1;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DEPTH_MIN, 60);
-    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 1);
+    TEST_ASSERT_TRUE(chain.actuation.guard.trip.value < 1);
 }
 
 static void test_too_close_to_the_bottom(void)
@@ -304,12 +304,12 @@ static void test_too_close_to_the_bottom(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_ALTITUDE, 60);
-    TEST_ASSERT_TRUE(chain.id.guard.trip.value < 2);
+    TEST_ASSERT_TRUE(chain.actuation.guard.trip.value < 2);
 }
 
 static void test_too_much_roll(void)
 {
-    cfg.id.guard.roll_max_rad = AUVID_C(0.03);
+    cfg.acting.guard.roll_max_rad = AUVID_C(0.03);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_ROLL, 60);
@@ -317,7 +317,7 @@ static void test_too_much_roll(void)
 
 static void test_too_much_pitch(void)
 {
-    cfg.id.guard.pitch_max_rad = AUVID_C(0.05);
+    cfg.acting.guard.pitch_max_rad = AUVID_C(0.05);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_PITCH, 60);
@@ -325,7 +325,7 @@ static void test_too_much_pitch(void)
 
 static void test_too_fast(void)
 {
-    cfg.id.guard.speed_max = AUVID_C(0.4);
+    cfg.acting.guard.speed_max = AUVID_C(0.4);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_SPEED, 60);
@@ -333,7 +333,7 @@ static void test_too_fast(void)
 
 static void test_turning_too_fast(void)
 {
-    cfg.id.guard.yaw_rate_max = AUVID_C(0.3);
+    cfg.acting.guard.yaw_rate_max = AUVID_C(0.3);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_YAW_RATE, 60);
@@ -341,7 +341,7 @@ static void test_turning_too_fast(void)
 
 static void test_too_far_away(void)
 {
-    cfg.id.guard.distance_max_m = 1;
+    cfg.acting.guard.distance_max_m = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 0.5);
     (void)check_aborts(AUVID_GUARD_DISTANCE, 60);
@@ -349,10 +349,10 @@ static void test_too_far_away(void)
 
 static void test_the_run_takes_too_long(void)
 {
-    cfg.id.guard.run_max_s = 20;
+    cfg.acting.guard.run_max_s = 20;
     begin();
     (void)check_aborts(AUVID_GUARD_RUN_TIME, 9);
-    TEST_ASSERT_DOUBLE_WITHIN(0.021, 20.01, (double)chain.id.guard.trip.value);
+    TEST_ASSERT_DOUBLE_WITHIN(0.021, 20.01, (double)chain.actuation.guard.trip.value);
 }
 
 static void test_lasting_saturation(void)
@@ -366,8 +366,8 @@ static void test_lasting_saturation_by_the_excitation_itself(void)
 {
     begin();
     for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
-        chain.id.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
-        chain.id.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
+        chain.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
+        chain.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
     }
     (void)check_aborts(AUVID_GUARD_SATURATION, 10);
 }
@@ -398,7 +398,7 @@ static void test_the_operator_aborts_between_excite_and_the_first_tick(void)
 
 static void test_the_operators_heartbeat_stops(void)
 {
-    cfg.id.guard.heartbeat_timeout_us = 15000000;
+    cfg.acting.guard.heartbeat_timeout_us = 15000000;
     begin();
     (void)check_aborts(AUVID_GUARD_LINK, 10);
 }
@@ -448,7 +448,7 @@ static void test_a_step_without_input_or_output(void)
 /* Armed or exciting; with or without a tick after that; all optional limits are off. */
 static void begin_unlimited(bool exciting, bool stepped)
 {
-    cfg.id.guard.off = AUVID_GUARD_SWITCHABLE;
+    cfg.acting.guard.off = AUVID_GUARD_SWITCHABLE;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_run(&chain, 1.0);
@@ -520,16 +520,16 @@ static void test_the_applied_wrench_is_not_recorded(void)
 
 static void test_arming_before_the_first_sensor_samples_is_refused_with_a_reason(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, chain.id.guard.refused.cause);
-    TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)chain.id.guard.refused.value);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, chain.actuation.guard.refused.cause);
+    TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)chain.actuation.guard.refused.value);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain.waiting = false;
     chain_tick(&chain);
     TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, chain.id.guard.refused.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, chain.actuation.guard.refused.cause);
     chain_run(&chain, 0.3);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&chain.id));
     chain_tick(&chain);
@@ -544,7 +544,7 @@ static void test_arming_beyond_a_limit_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_MAX, chain.id.guard.refused.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_MAX, chain.actuation.guard.refused.cause);
     TEST_ASSERT_TRUE(is_zero(&chain.out));
 }
 
@@ -580,8 +580,8 @@ static void test_saturation_ends_with_the_excitation(void)
 {
     begin();
     for (int i = 0; i < SIM_THRUSTERS; ++i) { /* weakened thrusters: init checked them intact */
-        chain.id.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
-        chain.id.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
+        chain.allocation.cfg.thruster[i].min_N = AUVID_C(-5.0);
+        chain.allocation.cfg.thruster[i].max_N = AUVID_C(5.0);
     }
     chain_tick(&chain);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, chain.out.guard);
@@ -628,9 +628,10 @@ static void test_the_excursion_limit_keeps_the_vehicle_within_its_distance_in_a_
         cfg.budget = 0;
         cfg.sim.current[0] = -0.2;
         cfg.sim.current[1] = 0.2236;
-        cfg.id.guard.distance_max_m = 20;
+        cfg.acting.guard.distance_max_m = 20;
         if (!limited) {
-            memset(cfg.id.excitation.excursion_limit, 0, sizeof cfg.id.excitation.excursion_limit);
+            memset(cfg.acting.excitation.excursion_limit, 0,
+                   sizeof cfg.acting.excitation.excursion_limit);
         }
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         chain_run(&chain, 239.0);
@@ -650,11 +651,13 @@ static auvid_output_t out;
 static void begin_by_hand(uint32_t kept, uint64_t first_us)
 {
     auvid_identifier_defaults(&cfg.id, &auvid_girona500);
-    cfg.id.excitation.segments = 1;
-    cfg.id.excitation.segment[0] = (auvid_segment_t){
+    auvid_actuation_defaults(&cfg.acting);
+    auvid_allocation_defaults(&cfg.thrusters);
+    cfg.acting.excitation.segments = 1;
+    cfg.acting.excitation.segment[0] = (auvid_segment_t){
         .dof = AUVID_SURGE, .kind = AUVID_SEGMENT_STEP, .duration_s = 600, .amplitude = 10};
-    cfg.id.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
+    cfg.acting.guard.off = AUVID_GUARD_SWITCHABLE & ~kept;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
     memset(&in, 0, sizeof in);
     in.t_us = first_us - SIM_TICK_US; /* the first tick advances it to first_us */
 }
@@ -717,13 +720,15 @@ static void test_the_excitation_gets_the_displacement_in_present_body_axes(void)
         d[2] = (s[2] * s[0] + c[2] * s[1] * c[0]) * moved[0] +
                (-c[2] * s[0] + s[2] * s[1] * c[0]) * moved[1] + c[1] * c[0] * moved[2];
         for (int j = 0; j < 6 && k >= 50; ++j) {
-            TEST_ASSERT_DOUBLE_WITHIN(1e-4, d[j], (double)id->excitation.displacement[j]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4, d[j],
+                                      (double)id->actuation->excitation.displacement[j]);
         }
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, out.guard);
-    TEST_ASSERT_TRUE(hypot((double)id->excitation.displacement[0],
-                           (double)id->excitation.displacement[1]) > 0.5);
-    TEST_ASSERT_DOUBLE_WITHIN(0.05, 3.98, (double)id->excitation.displacement[AUVID_YAW]);
+    TEST_ASSERT_TRUE(hypot((double)id->actuation->excitation.displacement[0],
+                           (double)id->actuation->excitation.displacement[1]) > 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 3.98,
+                              (double)id->actuation->excitation.displacement[AUVID_YAW]);
 }
 
 static void test_without_thrusters_the_excitation_is_not_limited_by_them(void)
@@ -770,16 +775,17 @@ static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
     const uint32_t kept = AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE);
     for (int water = 0; water < 2; ++water) {
         begin_by_hand(kept, 0);
-        cfg.id.guard.water_lock = true;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
+        cfg.acting.guard.water_lock = true;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
         in.dvl.present = water;
         in.dvl.sample.lock = AUVID_DVL_WATER;
         in.dvl.sample.valid = AUVID_DVL_ALL;
         tick_by_hand();
         TEST_ASSERT_EQUAL(water ? AUVID_OK : AUVID_ERR_STALE, auvid_identifier_arm(id));
         if (!water) {
-            TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, id->guard.refused.cause);
-            TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST, (float)id->guard.refused.value);
+            TEST_ASSERT_EQUAL(AUVID_GUARD_VELOCITY_STALE, id->actuation->guard.refused.cause);
+            TEST_ASSERT_EQUAL_FLOAT((float)AUVID_LARGEST,
+                                    (float)id->actuation->guard.refused.value);
         }
     }
 }
@@ -787,8 +793,8 @@ static void test_water_lock_may_be_the_only_lock_from_time_zero_on(void)
 static void test_bottom_lock_counts_where_a_water_lock_was_before(void)
 {
     begin_by_hand(AUVID_GUARD_BIT(AUVID_GUARD_VELOCITY_STALE), 1000000);
-    cfg.id.guard.water_lock = true;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
+    cfg.acting.guard.water_lock = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
     in.dvl.present = true;
     in.dvl.sample.lock = AUVID_DVL_WATER;
     in.dvl.sample.valid = AUVID_DVL_ALL;
@@ -809,7 +815,8 @@ static void test_roll_and_pitch_each_have_their_limit(void)
         in.imu.attitude[pitch] = AUVID_C(0.7);
         tick_by_hand();
         TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_identifier_arm(id));
-        TEST_ASSERT_EQUAL(pitch ? AUVID_GUARD_PITCH : AUVID_GUARD_ROLL, id->guard.refused.cause);
+        TEST_ASSERT_EQUAL(pitch ? AUVID_GUARD_PITCH : AUVID_GUARD_ROLL,
+                          id->actuation->guard.refused.cause);
     }
 }
 
@@ -829,18 +836,21 @@ static void test_a_vehicle_that_has_rolled_over_once_is_level_again(void)
 static void test_an_identifier_without_sensors_takes_nothing_from_another_one(void)
 {
     static auvid_identifier_t blind;
+    static auvid_actuation_t acting;
     begin_by_hand(0, 1000000);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&blind, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_actuation(&blind, &acting, &cfg.acting, NULL));
     in.dvl.present = true;
     in.dvl.sample.valid = AUVID_DVL_ALL;
     in.dvl.sample.velocity[0] = AUVID_C(0.5);
     for (int k = 0; k < 100; ++k) {
         if (k == 1) {
-            blind.guard.cfg.off = 0;
+            acting.guard.cfg.off = 0;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(id));
             TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_identifier_arm(&blind));
-            TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, blind.guard.refused.cause);
-            blind.guard.cfg.off = AUVID_GUARD_SWITCHABLE;
+            TEST_ASSERT_EQUAL(AUVID_GUARD_IMU_STALE, acting.guard.refused.cause);
+            acting.guard.cfg.off = AUVID_GUARD_SWITCHABLE;
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_arm(&blind));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(&blind));
@@ -850,10 +860,10 @@ static void test_an_identifier_without_sensors_takes_nothing_from_another_one(vo
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(id, &in, &out));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&blind, &nothing, &out));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)blind.excitation.displacement[j]);
+            TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)acting.excitation.displacement[j]);
         }
     }
-    TEST_ASSERT_TRUE(id->excitation.displacement[AUVID_SURGE] > AUVID_C(0.5));
+    TEST_ASSERT_TRUE(id->actuation->excitation.displacement[AUVID_SURGE] > AUVID_C(0.5));
 }
 
 /* ---- altitude ---- */
@@ -868,8 +878,8 @@ static void check_altitude(uint64_t now_us, uint64_t ahead_us, double altitude, 
     TEST_ASSERT_EQUAL(!taken, (out.events & AUVID_EVENT_ALTITUDE_DROPPED) != 0);
     TEST_ASSERT_EQUAL(taken ? AUVID_ERR_LIMIT : AUVID_OK, auvid_identifier_arm(id));
     if (taken) {
-        TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, id->guard.refused.cause);
-        TEST_ASSERT_EQUAL_FLOAT((float)altitude, (float)id->guard.refused.value);
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ALTITUDE, id->actuation->guard.refused.cause);
+        TEST_ASSERT_EQUAL_FLOAT((float)altitude, (float)id->actuation->guard.refused.value);
     }
 }
 
@@ -889,7 +899,7 @@ static void test_altitudes_from_zero_on_and_not_too_far_ahead_are_taken(void)
 
 static void test_impossible_altitudes_are_dropped(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
     memset(&in, 0, sizeof in);
     in.t_us = 1000000;
     in.altitude.present = true;

@@ -23,11 +23,9 @@ static void check_init(auvid_status_t status)
 {
     static auvid_node_t node;
     auvid_node_config_t passive;
-    int thrusters = cfg.id.allocation.thrusters;
-    bool suits_a_node = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
     auvid_node_defaults(&passive);
-    TEST_ASSERT_EQUAL(suits_a_node ? status : AUVID_ERR_SIZE,
-                      auvid_node_init(&node, &passive, &cfg.id));
+    TEST_ASSERT_EQUAL(status,
+                      auvid_node_init(&node, &passive, &auvid_allocation_girona500, &cfg.id));
     TEST_ASSERT_EQUAL(status, auvid_identifier_init(&chain.id, &cfg.id));
     chain_defaults(&cfg, 11, SETS, 0.0);
 }
@@ -141,18 +139,6 @@ static void test_too_many_parameters_or_none_are_refused(void)
     check_init(AUVID_ERR_NULL);
 }
 
-static void test_an_excitation_above_the_thrusters_limit_is_refused(void)
-{
-    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {400, 0, 0, 0, 0, 0};
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 1, 1));
-    chain_config_t wanted = cfg;
-    check_init(AUVID_ERR_CAPACITY);
-    cfg = wanted;
-    cfg.id.allocation.thrusters = 0; /* no thrusters known: no limit */
-    check_init(AUVID_OK);
-}
-
 static void test_what_the_modules_refuse_is_refused(void)
 {
     cfg.id.nav.sigma_dvl = 0;
@@ -167,15 +153,13 @@ static void test_what_the_modules_refuse_is_refused(void)
     cfg.id.metric.half_width[1] = 1; /* too short for the polynomial */
     cfg.id.metric.order = 3;
     check_init(AUVID_ERR_SINGULAR);
+    cfg.id.metric.half_width[0] = AUVID_MAX_TAPS; /* more taps */
+    check_init(AUVID_ERR_SIZE);
     static auvid_vehicle_t no_model;
     no_model = auvid_girona500;
     no_model.regressor = NULL;
     cfg.id.vehicle = &no_model;
     check_init(AUVID_ERR_MODEL);
-    cfg.id.excitation.segments = AUVID_MAX_SEGMENTS + 1;
-    check_init(AUVID_ERR_SIZE);
-    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1;
-    check_init(AUVID_ERR_SIZE);
 }
 
 static void test_another_arithmetic_is_refused(void)
@@ -227,8 +211,8 @@ static void test_an_identifier_that_is_not_initialised_refuses_everything(void)
     check_init(AUVID_ERR_RANGE);
     check_refuses_all();
     memset(&chain.id, 0xFF, sizeof chain.id);
-    cfg.id.allocation.thrusters = AUVID_MAX_THRUSTERS + 1; /* the last check */
-    check_init(AUVID_ERR_SIZE);
+    cfg.id.metric.passes = 0; /* the last check */
+    check_init(AUVID_ERR_RANGE);
     check_refuses_all();
 }
 
@@ -248,7 +232,6 @@ int main(void)
     RUN_TEST(test_a_population_too_small_or_too_large_is_refused);
     RUN_TEST(test_an_impossible_omega_or_good_point_is_refused);
     RUN_TEST(test_too_many_parameters_or_none_are_refused);
-    RUN_TEST(test_an_excitation_above_the_thrusters_limit_is_refused);
     RUN_TEST(test_what_the_modules_refuse_is_refused);
     RUN_TEST(test_another_arithmetic_is_refused);
     RUN_TEST(test_an_impossible_velocity_source_is_refused);

@@ -553,7 +553,8 @@ static void test_ticks_left_out_for_5_s_are_a_gap(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_GAP, chain.events & AUVID_EVENT_GAP);
     chain_run(&chain, 55.0);
     finish(&chain);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, chain.id.guard.state); /* no excitation from now on */
+    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED,
+                      chain.actuation.guard.state); /* no excitation from now on */
     TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.sets);
     check_masses(&chain);
 }

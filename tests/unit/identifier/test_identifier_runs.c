@@ -59,7 +59,7 @@ static void check_idle_set(void)
 
 static void test_sets_without_excitation_are_not_searched(void)
 {
-    auvid_excitation_defaults(&cfg.id.excitation); /* hovers */
+    auvid_excitation_defaults(&cfg.acting.excitation); /* hovers */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_idle_set();
     chain_run(&chain, 25.0);
@@ -83,9 +83,9 @@ static void test_an_idle_vehicle_keeps_its_estimate(void)
 static void test_excitation_without_a_free_parameter_is_not_searched(void)
 {
     cfg.id.metric.free = 1u << AUVID_G500_M_R | 1u << AUVID_G500_N_R; /* only of yaw */
-    cfg.id.excitation.segments = 2;                                   /* only surge */
-    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.id.excitation.segment[0].dof);
-    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.id.excitation.segment[1].dof);
+    cfg.acting.excitation.segments = 2;                               /* only surge */
+    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.acting.excitation.segment[0].dof);
+    TEST_ASSERT_EQUAL(AUVID_SURGE, cfg.acting.excitation.segment[1].dof);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     check_idle_set();
 }
@@ -148,8 +148,8 @@ static void test_stop_fades_the_excitation_out(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, 2, 1));
-    double fade_s = (double)cfg.id.excitation.fade_s, tick_s = 1e-6 * SIM_TICK_US;
+                      auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 2, 1));
+    double fade_s = (double)cfg.acting.excitation.fade_s, tick_s = 1e-6 * SIM_TICK_US;
     double steepest = tick_s * (3.1416 / 2.0 / fade_s + 2.0 * 3.1416 * 0.28);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 40.0); /* in the sines of the second set */
@@ -196,13 +196,13 @@ static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(voi
     auvid_real_t wrench[AUVID_DOF_COUNT];
     double roll = 0.0;
     /* a side thruster above the centre: sway causes roll */
-    cfg.id.allocation.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
-    cfg.id.allocation.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
+    cfg.thrusters.thruster[4].wrench[AUVID_ROLL] = AUVID_C(0.1);
+    cfg.thrusters.dofs = (uint8_t)~AUVID_DOF_BIT(AUVID_ROLL) & 0x3Fu;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (int k = 0; k < 1000; ++k) {
         chain_tick(&chain);
-        TEST_ASSERT_EQUAL(
-            AUVID_OK, auvid_allocation_wrench(&chain.id.allocation, chain.out.thruster_N, wrench));
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_allocation_wrench(&chain.allocation, chain.out.thruster_N, wrench));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)wrench[j], (double)chain.out.excitation[j]);
         }

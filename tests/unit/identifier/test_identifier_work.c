@@ -398,7 +398,7 @@ static void test_a_newly_excited_dof_is_searched(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 1));
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000));
     TEST_ASSERT_TRUE(chain.id.searching);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.id.excitation));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.acting.excitation));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
     chain_run(&chain, 32.0);
     TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
@@ -522,12 +522,12 @@ static void configure_user(void)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     chain_defaults(&cfg, 9, USER_SETS, 0.0);
-    auvid_excitation_config_t excitation = cfg.id.excitation;
+    auvid_excitation_config_t excitation = cfg.acting.excitation;
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&excitation, amplitude, CHAIN_SET_S, USER_SETS, 9));
     auvid_identifier_defaults(&cfg.id, &user_vehicle);
     cfg.id.search.seed = 9;
-    cfg.id.excitation = excitation;
+    cfg.acting.excitation = excitation;
     cfg.id.metric.rows = store;
     cfg.id.metric.sets = USER_SETS;
     cfg.id.metric.set_rows = USER_ROWS;
@@ -601,8 +601,8 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 0, 0, 0, 0, 0};
     watch_t watch = {0};
     configure_user();
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&cfg.id.excitation, amplitude, CHAIN_SET_S, LONG, 9));
+    TEST_ASSERT_EQUAL(
+        AUVID_OK, auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, LONG, 9));
     cfg.budget = 5;
     cfg.after = watch_rows;
     cfg.context = &watch;

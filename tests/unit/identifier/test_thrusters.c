@@ -530,6 +530,8 @@ static void draw_world(sim_config_t *world, uint64_t seed, double disturbance_N)
 static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
 {
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {1}; /* of the command */
+    static auvid_actuation_t actuation;
+    auvid_actuation_config_t acting;
     auvid_identifier_config_t plain;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(row_cells, set_s);
@@ -541,13 +543,15 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.search.upper[X_U] = id_config.search.upper[X_UU] = 0;
     id_config.search.seed = seed;
-    id_config.guard.off = /* there is no depth sensor, and enough space */
+    auvid_actuation_defaults(&acting);
+    acting.guard.off = /* there is no depth sensor, and enough space */
         AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
-    id_config.guard.distance_max_m = 1000;
-    id_config.guard.speed_max = 5;
+    acting.guard.distance_max_m = 1000;
+    acting.guard.speed_max = 5;
     TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_excitation_plan(&id_config.excitation, amplitude, set_s, SETS, seed));
+                      auvid_excitation_plan(&acting.excitation, amplitude, set_s, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&ideal, &plain));
 }
 

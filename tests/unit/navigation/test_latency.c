@@ -37,7 +37,7 @@ static double identify(uint64_t seed, double dvl_s, double imu_s)
         busy = world_work(&world, UINT32_MAX);
     }
     TEST_ASSERT_EQUAL(cfg.sets, id->metric.sets_recorded);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, id->guard.trip.cause);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, id->actuation->guard.trip.cause);
     TEST_ASSERT_EQUAL(AUVID_G500_FREE, id->estimate.confidence.identifiable);
     double sum = 0;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {

@@ -11,6 +11,7 @@ static field_run_config_t config;
 static field_record_t record, other;
 static auvid_averaged_t averaged;
 static auvid_identifier_config_t cfg;
+static auvid_actuation_config_t acting;
 
 void setUp(void)
 {
@@ -44,9 +45,10 @@ static void test_the_rov_has_averaged_rows_and_fast_moments(void)
     TEST_ASSERT_EQUAL_PTR(&averaged.vehicle, cfg.vehicle);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, averaged.other);
     TEST_ASSERT_EQUAL(4, cfg.metric.half_width[1]);
-    for (int i = 0; i < cfg.excitation.segments; ++i) {
-        if (cfg.excitation.segment[i].dof == AUVID_YAW) {
-            TEST_ASSERT_TRUE(cfg.excitation.segment[i].hold_max_s <= AUVID_C(3.0));
+    field_run_actuation(&config, &acting);
+    for (int i = 0; i < acting.excitation.segments; ++i) {
+        if (acting.excitation.segment[i].dof == AUVID_YAW) {
+            TEST_ASSERT_TRUE(acting.excitation.segment[i].hold_max_s <= AUVID_C(3.0));
         }
     }
 }
@@ -76,11 +78,13 @@ static void test_uncertainties_are_those_of_the_library_unless_given(void)
                              (double)cfg.uncertainty.dvl_scale);
 }
 
-static void test_a_passive_identifier_has_no_excitation(void)
+static void test_only_an_excited_run_has_an_acting_half(void)
 {
+    excite(FIELD_GIRONA500, 1);
+    TEST_ASSERT_EQUAL_PTR(&run.actuation, run.id.actuation);
     begin(FIELD_GIRONA500, FIELD_LAWNMOWER, 1);
-    field_run_identifier(&config, &averaged, &cfg);
-    TEST_ASSERT_EQUAL(0, cfg.excitation.segments);
+    TEST_ASSERT_TRUE(field_run(&run, &config, &record));
+    TEST_ASSERT_NULL(run.id.actuation);
 }
 
 /* ---- a run ---- */
@@ -180,7 +184,7 @@ int main(void)
     RUN_TEST(test_the_rov_has_averaged_rows_and_fast_moments);
     RUN_TEST(test_tau_max_is_the_amplitude);
     RUN_TEST(test_uncertainties_are_those_of_the_library_unless_given);
-    RUN_TEST(test_a_passive_identifier_has_no_excitation);
+    RUN_TEST(test_only_an_excited_run_has_an_acting_half);
     RUN_TEST(test_without_mismatch_the_girona500_is_identified);
     RUN_TEST(test_without_mismatch_the_rov_is_identified);
     RUN_TEST(

@@ -141,7 +141,8 @@ class Binding:
         if die.tag == "DW_TAG_pointer_type":
             return self._pointer(self._bare(type_of(die)))
         if die.tag in ("DW_TAG_structure_type", "DW_TAG_union_type"):
-            return self._struct(die)
+            declared = "DW_AT_declaration" in die.attributes  # complete in another unit
+            return self._struct(self._named[name_of(die)] if declared else die)
         raise TypeError(f"no ctypes type for {die.tag}")
 
     def _array(self, die):

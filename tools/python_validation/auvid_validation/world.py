@@ -39,7 +39,7 @@ def configured(lib, world):
     if one_by_one or strength != 1:
         amplitude = lib.array([100, 100, 100, 0, 0, 40]) * lib.real.type(strength)
         planned = sets // len(DOFS) if one_by_one else sets  # it takes four times as long
-        lib.auvid_excitation_schedule(config.id.excitation, amplitude, 30, planned, seed, 0,
+        lib.auvid_excitation_schedule(config.acting.excitation, amplitude, 30, planned, seed, 0,
                                       one_by_one)
     if world.get("literal", False):
         config.id.recorder.cell_us = int(TICK_S * 1e6)

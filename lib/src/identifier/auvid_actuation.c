@@ -1,0 +1,313 @@
+/*
+ * The acting half of the identifier: guard, excitation and allocation. The rest of the identifier
+ * names none of its functions: it calls those of actuation_functions, once they are attached.
+ */
+#include "auvid_actuation_internal.h"
+
+#include <string.h>
+
+#include "auvid_identifier_internal.h"
+
+#include "../base/auvid_math_internal.h"
+
+static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
+{
+    auvid_guard_seen_t seen = {nav->diagnostics[sensor].good_us,
+                               nav->diagnostics[sensor].has_sample};
+    return seen;
+}
+
+/* Collect the guard's input from the filter and the other sensors. */
+static void actuation_fill_guard_input(const auvid_identifier_t *id, bool saturated,
+                                       auvid_guard_input_t *in)
+{
+    const auvid_actuation_t *a = id->actuation;
+    auvid_nav_state_t state;
+    memset(in, 0, sizeof *in);
+    in->saturated = saturated || a->saturated;
+    in->altitude = a->altitude;
+    in->altitude_m = a->altitude_m;
+    in->applied = id->applied;
+    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+        return; /* without IMU samples there are no others */
+    }
+    in->imu.t_us = state.t_us;
+    in->imu.known = true;
+    in->ground = (auvid_guard_seen_t){id->nav.horizontal_us, id->nav.horizontal};
+    in->velocity = in->ground;
+    if (a->excitation.heaves) {
+        in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
+    }
+    in->depth = actuation_last_seen(&id->nav, AUVID_NAV_DEPTH);
+    const auvid_nav_velocity_sample_t *water = &id->nav.water;
+    if (a->guard.cfg.water_lock && water->sequence > 0 &&
+        (!in->velocity.known || water->t_us > in->velocity.t_us)) {
+        in->velocity = (auvid_guard_seen_t){water->t_us, true};
+    }
+    memcpy(in->position, state.position, sizeof in->position);
+    memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
+    memcpy(in->rates, state.rates, sizeof in->rates);
+    in->roll = id->nav.attitude[0]; /* not unwrapped: a full turn is level */
+    in->pitch = state.attitude[1];
+}
+
+/* Step the guard and add its events to *events. @return whether the excitation may act */
+static bool actuation_step_guard(auvid_actuation_t *a, uint64_t t_us, const auvid_guard_input_t *in,
+                                 uint32_t *events)
+{
+    auvid_guard_state_t before = a->guard.state;
+    bool may = auvid_guard_step(&a->guard, t_us, in);
+    if (a->guard.state != before) {
+        *events |=
+            a->guard.state == AUVID_GUARD_ABORTED ? AUVID_EVENT_ABORTED : AUVID_EVENT_SETTLED;
+    }
+    return may;
+}
+
+static void actuation_take_altitude(auvid_identifier_t *id, const auvid_input_t *in)
+{
+    auvid_actuation_t *a = id->actuation;
+    if (!in->altitude.present) {
+        return;
+    }
+    uint64_t t_us = in->altitude.t_us;
+    bool newer = !a->altitude.known || t_us > a->altitude.t_us;
+    bool ahead = t_us > in->t_us && t_us - in->t_us > id->nav.future_us;
+    if (newer && !ahead && auvid_is_finite(in->altitude.altitude_m) &&
+        in->altitude.altitude_m >= AUVID_C(0.0)) {
+        a->altitude.t_us = t_us;
+        a->altitude.known = true;
+        a->altitude_m = in->altitude.altitude_m;
+    } else {
+        id->events |= AUVID_EVENT_ALTITUDE_DROPPED;
+    }
+}
+
+/* Displacement since the excitation began: d = R' (position - home), angles as differences. */
+static void actuation_set_displacement(const auvid_identifier_t *id)
+{
+    auvid_actuation_t *a = id->actuation;
+    auvid_nav_state_t state;
+    auvid_real_t moved[AUVID_DOF_COUNT], d[AUVID_DOF_COUNT], r[3][3];
+    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+        return;
+    }
+    if (a->starting) {
+        memcpy(a->home, state.position, sizeof state.position);
+        memcpy(a->home + AUVID_ROLL, state.attitude, sizeof state.attitude);
+    }
+    for (int i = 0; i < 3; ++i) {
+        moved[i] = state.position[i] - a->home[i];
+        d[AUVID_ROLL + i] = state.attitude[i] - a->home[AUVID_ROLL + i];
+    }
+    auvid_rotation(state.attitude[0], state.attitude[1], state.attitude[2], r);
+    for (int j = 0; j < 3; ++j) {
+        d[j] = r[0][j] * moved[0] + r[1][j] * moved[1] + r[2][j] * moved[2];
+    }
+    (void)auvid_excitation_set_displacement(&a->excitation, d);
+}
+
+static void actuation_end_excitation(auvid_identifier_t *id)
+{
+    auvid_actuation_t *a = id->actuation;
+    (void)auvid_guard_finished(&a->guard, id->t_us);
+    a->starting = false;
+    id->events |= AUVID_EVENT_EXCITATION_DONE;
+}
+
+static void actuation_play_excitation(auvid_identifier_t *id, auvid_output_t *out)
+{
+    auvid_actuation_t *a = id->actuation;
+    auvid_real_t wrench[AUVID_DOF_COUNT];
+    if (a->starting) {
+        (void)auvid_excitation_start(&a->excitation, id->t_us);
+    }
+    actuation_set_displacement(id);
+    a->starting = false;
+    if (auvid_excitation_step(&a->excitation, id->t_us, wrench) != AUVID_OK) {
+        actuation_end_excitation(id);
+        return;
+    }
+    if (a->adapt != NULL) {
+        a->adapt(id, wrench);
+    }
+    if (a->allocation == NULL) {
+        memcpy(out->excitation, wrench, sizeof wrench);
+        return;
+    }
+    auvid_allocation_result_t result;
+    auvid_status_t status = auvid_allocation_solve(a->allocation, wrench, &result);
+    a->saturated = status == AUVID_SATURATED;
+    if (status >= 0) {
+        memcpy(out->excitation, result.wrench, sizeof out->excitation);
+        memcpy(out->thruster_N, result.force_N, sizeof out->thruster_N);
+    }
+}
+
+static void actuation_publish_state(const auvid_actuation_t *a, auvid_output_t *out)
+{
+    out->guard = a->guard.state;
+    out->cause = a->guard.trip.cause;
+}
+
+static void actuation_step(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
+{
+    auvid_actuation_t *a = id->actuation;
+    bool may;
+    actuation_take_altitude(id, in);
+    { /* a block, so that the guard's input is not on the stack during the excitation */
+        auvid_guard_input_t seen;
+        actuation_fill_guard_input(id, in->saturated, &seen);
+        a->saturated = false;
+        may = actuation_step_guard(a, id->t_us, &seen, &id->events);
+    }
+    if (may) {
+        actuation_play_excitation(id, out);
+    }
+    actuation_publish_state(a, out);
+}
+
+static void actuation_refuse(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out)
+{
+    auvid_guard_input_t nothing;
+    memset(&nothing, 0, sizeof nothing);
+    if (in == NULL || out == NULL) {
+        (void)actuation_step_guard(id->actuation, id->t_us, NULL,
+                                   out == NULL ? &id->events : &out->events);
+    } else {
+        (void)actuation_step_guard(id->actuation, in->t_us, &nothing, &out->events);
+    }
+    if (out != NULL) {
+        actuation_publish_state(id->actuation, out);
+    }
+}
+
+/* ---- attaching ---- */
+
+static const auvid_actuation_functions_t actuation_functions = {actuation_step, actuation_refuse};
+
+void auvid_actuation_defaults(auvid_actuation_config_t *cfg)
+{
+    if (cfg != NULL) {
+        auvid_excitation_defaults(&cfg->excitation);
+        auvid_guard_defaults(&cfg->guard);
+    }
+}
+
+static auvid_status_t actuation_init(auvid_actuation_t *a, const auvid_actuation_config_t *cfg)
+{
+    auvid_real_t peak[AUVID_DOF_COUNT];
+    auvid_status_t status = auvid_guard_init(&a->guard, &cfg->guard);
+    if (status >= 0 && cfg->excitation.segments > 0) {
+        status = auvid_excitation_init(&a->excitation, &cfg->excitation);
+        if (status >= 0 && a->allocation != NULL) {
+            (void)auvid_excitation_peak(&a->excitation, peak);
+            status = auvid_allocation_check(a->allocation, peak, NULL);
+        }
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_actuation_t *storage,
+                                                 const auvid_actuation_config_t *cfg,
+                                                 const auvid_allocation_t *allocation)
+{
+    if (id == NULL || storage == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    if (id->actuation != NULL) {
+        return AUVID_ERR_ATTACHED;
+    }
+    if (id->started) {
+        return AUVID_ERR_STARTED;
+    }
+    if (allocation != NULL && allocation->cfg.thrusters == 0) {
+        return AUVID_ERR_SIZE;
+    }
+    memset(storage, 0, sizeof *storage);
+    storage->functions = &actuation_functions;
+    storage->allocation = allocation;
+    auvid_status_t status = actuation_init(storage, cfg);
+    if (status >= 0) {
+        id->actuation = storage;
+    }
+    return status;
+}
+
+/* ---- orders ---- */
+
+static auvid_status_t actuation_check(const auvid_identifier_t *id)
+{
+    if (id == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return !identifier_is_ready(id) ? AUVID_ERR_STATE
+           : id->actuation == NULL  ? AUVID_ERR_DETACHED
+                                    : AUVID_OK;
+}
+
+auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
+{
+    auvid_guard_input_t seen;
+    auvid_status_t status = actuation_check(id);
+    if (status < 0) {
+        return status;
+    }
+    auvid_actuation_t *a = id->actuation;
+    if (a->excitation.cfg.segments == 0) {
+        return AUVID_ERR_STATE;
+    }
+    actuation_fill_guard_input(id, false, &seen);
+    status = auvid_guard_arm(&a->guard, id->t_us, &seen);
+    if (status == AUVID_OK) { /* a step at the time of arming exists: the next must be later */
+        a->guard.stepped = id->started;
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
+{
+    auvid_status_t status = actuation_check(id);
+    if (status == AUVID_OK) {
+        status = auvid_guard_excite(&id->actuation->guard, id->t_us);
+        id->actuation->starting = id->actuation->starting || status == AUVID_OK;
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
+{
+    auvid_status_t status = actuation_check(id);
+    if (status < 0) {
+        return status;
+    }
+    auvid_actuation_t *a = id->actuation;
+    if (a->guard.state != AUVID_GUARD_EXCITING) {
+        return AUVID_ERR_STATE;
+    }
+    if (a->starting) {
+        actuation_end_excitation(id);
+        return AUVID_OK;
+    }
+    return auvid_excitation_stop(&a->excitation, id->t_us);
+}
+
+auvid_status_t auvid_identifier_abort(auvid_identifier_t *id)
+{
+    auvid_status_t status = actuation_check(id);
+    if (status == AUVID_OK) {
+        bool before = id->actuation->guard.state == AUVID_GUARD_ABORTED;
+        status = auvid_guard_abort(&id->actuation->guard, id->t_us);
+        id->events |= before ? 0u : AUVID_EVENT_ABORTED;
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id)
+{
+    auvid_status_t status = actuation_check(id);
+    return status < 0 ? status : auvid_guard_disarm(&id->actuation->guard);
+}

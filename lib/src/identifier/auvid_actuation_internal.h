@@ -1,0 +1,19 @@
+/**
+ * @file auvid_actuation_internal.h
+ * Private: what the identifier calls of an attached acting half.
+ */
+#ifndef AUVID_ACTUATION_INTERNAL_H
+#define AUVID_ACTUATION_INTERNAL_H
+
+#include "auvid/actuation.h"
+
+/** The functions, called for an identifier with an acting half only. */
+typedef struct auvid_actuation_functions {
+    /** Last part of a tick: altitude, guard, excitation. out: zeroed before; its events are not
+     * written. */
+    void (*step)(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
+    /** Report a rejected step to the guard, which aborts if it is armed. in, out: may be NULL. */
+    void (*refuse)(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
+} auvid_actuation_functions_t;
+
+#endif
