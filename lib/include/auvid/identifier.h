@@ -119,9 +119,11 @@ typedef struct {
     uint64_t t_us; /**< this tick [us]; must advance from step to step */
     struct {
         bool present;
-        uint64_t t_us;            /**< time of the sample */
-        auvid_real_t attitude[3]; /**< phi theta psi [rad] */
-        auvid_real_t rates[3];    /**< p q r [rad/s] */
+        uint64_t t_us;              /**< time of the sample */
+        auvid_real_t attitude[3];   /**< phi theta psi [rad]; not read if by_quaternion */
+        auvid_real_t rates[3];      /**< p q r [rad/s] */
+        auvid_real_t quaternion[4]; /**< w x y z, see auvid_nav_imu_quaternion */
+        bool by_quaternion;         /**< the attitude is `quaternion` */
     } imu;
     struct {
         bool present;
@@ -136,6 +138,11 @@ typedef struct {
         uint64_t t_us;
         auvid_real_t depth_m; /**< positive down */
     } depth;
+    struct {
+        bool present;
+        uint64_t t_us;
+        auvid_real_t pressure_pa; /**< absolute; see auvid_nav_pressure */
+    } pressure;                   /**< instead of depth: both are samples of the same sensor */
     struct {
         bool present;
         uint64_t t_us;
@@ -170,7 +177,7 @@ enum {
                                               nav.diagnostics; `stale` if it is ahead of the tick
                                               by more than nav.future_us. A sample lost because
                                               another one waits sets no event: `unused` */
-    AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise */
+    AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise: depth or pressure */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
     AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench rejected: not finite, beyond
                                               AUVID_RECORDER_LARGEST, or a wrench of this time

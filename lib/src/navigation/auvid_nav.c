@@ -59,6 +59,7 @@ static const struct {
     FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
     FIELD(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
     FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    FIELD(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
     FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
     FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
     FIELD(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
@@ -127,6 +128,10 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
     nav->gps_start = cfg->gps_start;
     memcpy(nav->lever, cfg->dvl_lever, sizeof nav->lever);
     auvid_rotation(cfg->dvl_euler[0], cfg->dvl_euler[1], cfg->dvl_euler[2], nav->mount);
+    auvid_rotation(cfg->imu_euler[0], cfg->imu_euler[1], cfg->imu_euler[2], nav->imu_mount);
+    for (int i = 0; i < 3; ++i) {
+        nav->imu_turned = nav->imu_turned || !auvid_is_zero(cfg->imu_euler[i]);
+    }
     nav->ready = NAV_READY;
     return AUVID_OK;
 }
