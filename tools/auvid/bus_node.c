@@ -44,7 +44,7 @@ static int begin(run_t *run)
     cfg.answer = o->lock_step || run->simulated;
     auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
     if (status < 0) {
-        return report_error("node: the identifier refused its configuration");
+        return report_refused("node", status, &run->node.id.refusal);
     }
     if (o->prior != NULL) {
         (void)prior_file_read(&run->node.id, o->prior);

@@ -144,8 +144,9 @@ static int begin(run_t *run)
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
     cfg.excite = true; /* obey the logged orders; the commands go nowhere */
-    if (auvid_node_init(&run->node, &cfg, &identifier) < 0) {
-        return report_error("replay: the identifier refused its configuration");
+    auvid_status_t status = auvid_node_init(&run->node, &cfg, &identifier);
+    if (status < 0) {
+        return report_refused("replay", status, &run->node.id.refusal);
     }
     if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
         return EXIT_REFUSED;

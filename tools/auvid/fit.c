@@ -276,9 +276,13 @@ static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *veh
     auvid_identifier_config_t cfg;
     auvid_identifier_t *id = malloc(sizeof *id);
     configure(job, vehicle, &cfg);
-    auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
+    if (id == NULL) {
+        (void)report_error("fit: not enough memory");
+        return NULL;
+    }
+    auvid_status_t status = auvid_identifier_init(id, &cfg);
     if (status < 0) {
-        (void)report_error("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
+        (void)report_refused("fit", status, &id->refusal);
         free(id);
         return NULL;
     }

@@ -380,6 +380,7 @@ typedef struct auvid_identifier {
     bool cold_start;       /* search without the last estimate */
     union {                /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
+        auvid_refusal_t refusal;       /**< what init was refused for; valid until the next init */
         auvid_optimizer_t optimizer;
         auvid_bounded_ls_t optimum;
         auvid_confidence_job_t confidence;
@@ -415,7 +416,8 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
  * below the upper bound of a free mass, which could not be plausible); for the search over the free
  * parameters those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION,
  * AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an error, and if *id is all
- * zeros, every other function returns AUVID_ERR_STATE.
+ * zeros, every other function returns AUVID_ERR_STATE, and id->refusal names the field, its value
+ * and its limit (not after AUVID_ERR_NULL of `id` or `cfg`; AUVID_ERR_ARITHMETIC: "selftest").
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 

@@ -131,7 +131,8 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
  * undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.
- * After an error every other function returns AUVID_ERR_STATE. */
+ * After an error every other function returns AUVID_ERR_STATE, and node->id.refusal names the
+ * field, its value and its limit (part "ids": of *cfg). */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_identifier_config_t *identifier);
 

@@ -102,6 +102,21 @@ typedef enum {
 const char *auvid_status_str(auvid_status_t status);
 
 /**
+ * What a configuration was refused for. Written by auvid_identifier_init and auvid_node_init.
+ * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
+ */
+typedef struct {
+    const char *part;   /**< member of the configuration, e.g. "nav"; "": the configuration itself.
+                              Static, as `field` */
+    const char *field;  /**< e.g. "sigma_dvl" */
+    int16_t element;    /**< element of an array, or number of the parameter, DoF, segment or
+                              thruster; -1: none */
+    auvid_real_t value; /**< as configured, or what follows from it; 0 of a pointer or a model */
+    auvid_real_t limit; /**< the limit that it exceeds, or falls below; if value is not finite, one
+                              of them; 0 of a pointer or a model */
+} auvid_refusal_t;
+
+/**
  * One cell of the record: motion and wrench, averaged over the same interval. It is the input of
  * vehicle models. The recorder (recorder.h) or the user's own code writes it.
  */

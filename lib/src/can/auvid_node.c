@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* If the clock of the tick advances by more than this [us], it was set. Time then advances by this
@@ -32,6 +33,31 @@ static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_conf
     return status;
 }
 
+/* Check the number of thrusters, and prepare the frames. */
+static auvid_status_t node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int thrusters,
+                                 auvid_refusal_t *why)
+{
+    static const auvid_field_t fields[] = {
+        WHOLE_IN(auvid_can_ids_t, fast, 1, 0, 0x800 - AUVID_CAN_FAST_KINDS),
+        WHOLE_IN(auvid_can_ids_t, slow, 1, 0, 0x800 - AUVID_CAN_SLOW_KINDS),
+    };
+    auvid_status_t status = AUVID_OK;
+    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
+        status = auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", (auvid_real_t)thrusters,
+                              (auvid_real_t)(thrusters < 1 ? 1 : AUVID_CAN_THRUSTERS));
+        return auvid_refuse_part(why, status, "allocation");
+    }
+    status = auvid_check_fields(&cfg->ids, fields, sizeof fields / sizeof fields[0], why);
+    if (status >= 0) {
+        status = node_init_frames(node, cfg);
+        if (status < 0) { /* they overlap */
+            (void)auvid_refuse(why, status, "slow", (auvid_real_t)cfg->ids.slow,
+                               (auvid_real_t)(cfg->ids.fast + AUVID_CAN_FAST_KINDS));
+        }
+    }
+    return auvid_refuse_part(why, status, "ids");
+}
+
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_identifier_config_t *identifier)
 {
@@ -39,15 +65,17 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
         return AUVID_ERR_NULL;
     }
     int thrusters = identifier->allocation.thrusters;
-    bool thrusters_fit = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+    auvid_refusal_t why = {0};
     /* all but the identifier, which may contain its configuration */
     memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
-    auvid_status_t status = thrusters_fit ? node_init_frames(node, cfg) : AUVID_ERR_SIZE;
+    auvid_status_t status = node_check(node, cfg, thrusters, &why);
     if (status >= 0) {
         status = auvid_identifier_init(&node->id, identifier);
+        why = status < 0 ? node->id.refusal : why;
     }
     if (status < 0) {
         memset(node, 0, sizeof *node);
+        node->id.refusal = why;
         return status;
     }
     node->cfg = *cfg;

@@ -1,11 +1,12 @@
 /*
  * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
-#include "auvid/guard.h"
+#include "auvid_guard_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 _Static_assert(AUVID_GUARD_CAUSE_COUNT <= 32, "AUVID_GUARD_BIT: a bit for each cause");
 
@@ -37,28 +38,36 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
     cfg->settle_timeout_us = 30000000;
 }
 
+#define LIMIT(name) REALS_IN(auvid_guard_config_t, name, 1, AUVID_C(0.0), AUVID_LARGEST)
+
+auvid_status_t auvid_guard_check(const auvid_guard_config_t *cfg, auvid_refusal_t *why)
+{
+    static const auvid_field_t limits[] = {
+        LIMIT(depth_min_m),   LIMIT(depth_max_m), LIMIT(altitude_min_m), LIMIT(roll_max_rad),
+        LIMIT(pitch_max_rad), LIMIT(speed_max),   LIMIT(yaw_rate_max),   LIMIT(distance_max_m),
+        LIMIT(rest_speed),    LIMIT(rest_rate),
+    };
+    auvid_status_t status = auvid_check_fields(cfg, limits, sizeof limits / sizeof limits[0], why);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
+        return auvid_refuse(why, AUVID_ERR_RANGE, "off", (auvid_real_t)cfg->off,
+                            (auvid_real_t)AUVID_GUARD_SWITCHABLE);
+    }
+    return cfg->depth_min_m > cfg->depth_max_m ? auvid_refuse(why, AUVID_ERR_BOUNDS, "depth_min_m",
+                                                              cfg->depth_min_m, cfg->depth_max_m)
+                                               : AUVID_OK;
+}
+
 auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
 {
     if (g == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    const auvid_real_t limits[] = {cfg->depth_min_m,  cfg->depth_max_m,    cfg->altitude_min_m,
-                                   cfg->roll_max_rad, cfg->pitch_max_rad,  cfg->speed_max,
-                                   cfg->yaw_rate_max, cfg->distance_max_m, cfg->rest_speed,
-                                   cfg->rest_rate};
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-        if (!auvid_is_finite(limits[i])) {
-            return AUVID_ERR_NOT_FINITE;
-        }
-        if (limits[i] < AUVID_C(0.0)) {
-            return AUVID_ERR_RANGE;
-        }
-    }
-    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
-        return AUVID_ERR_RANGE;
-    }
-    if (cfg->depth_min_m > cfg->depth_max_m) {
-        return AUVID_ERR_BOUNDS;
+    auvid_status_t status = auvid_guard_check(cfg, NULL);
+    if (status != AUVID_OK) {
+        return status;
     }
     memset(g, 0, sizeof *g);
     g->cfg = *cfg;

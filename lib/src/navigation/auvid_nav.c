@@ -3,6 +3,7 @@
  */
 #include <string.h>
 
+#include "../base/auvid_refusal_internal.h"
 #include "auvid_nav_internal.h"
 
 void auvid_nav_defaults(auvid_nav_config_t *cfg)
@@ -38,52 +39,40 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
     cfg->gps_start = 4;
 }
 
-/* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
-#define FIELD(name, n, low, high)                                                                  \
-    {                                                                                              \
-        (uint8_t) offsetof(auvid_nav_config_t, name), n, low, high                                 \
-    }
-static const struct {
-    uint8_t offset, n;
-    auvid_real_t low, high;
-} nav_ranges[] = {
-    FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
-    FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    FIELD(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
-    FIELD(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
-    FIELD(sigma_depth, 1, AUVID_C(1e-3), AUVID_C(1e3)),
-    FIELD(sigma_gps, 1, AUVID_C(1e-3), AUVID_C(1e3)),
-    FIELD(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
-    FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
-    FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    FIELD(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
-    FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
-    FIELD(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
-    FIELD(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
-    FIELD(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
-    FIELD(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+/* The ranges of nav.h. */
+#define REALS(name, n, low, high) REALS_IN(auvid_nav_config_t, name, n, low, high)
+#define WHOLE(name, low, high) WHOLE_IN(auvid_nav_config_t, name, 1, low, high)
+static const auvid_field_t nav_fields[] = {
+    REALS(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
+    REALS(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    REALS(sigma_dvl, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    REALS(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
+    REALS(sigma_depth, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    REALS(sigma_gps, 1, AUVID_C(1e-3), AUVID_C(1e3)),
+    REALS(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    REALS(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    REALS(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    REALS(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    REALS(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
+    REALS(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    REALS(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    REALS(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    REALS(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    REALS(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
+    REALS(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
+    REALS(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    REALS(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    WHOLE(dvl_max_age_us, 0, NAV_LARGEST_AGE_US),
+    WHOLE(depth_max_age_us, 0, NAV_LARGEST_AGE_US),
+    WHOLE(gps_max_age_us, 0, NAV_LARGEST_AGE_US),
+    WHOLE(future_us, 0, NAV_LARGEST_AGE_US),
+    WHOLE(stale_us, 1, AUVID_C(4294967296.0)),
+    WHOLE(gps_start, 0, AUVID_NAV_GPS_START_MAX),
 };
 
-static auvid_status_t nav_check_config(const auvid_nav_config_t *c)
+auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why)
 {
-    for (size_t i = 0; i < sizeof nav_ranges / sizeof nav_ranges[0]; ++i) {
-        for (size_t k = 0; k < nav_ranges[i].n; ++k) {
-            auvid_real_t x;
-            memcpy(&x, (const char *)c + nav_ranges[i].offset + k * sizeof x, sizeof x);
-            if (!(x >= nav_ranges[i].low && x <= nav_ranges[i].high)) {
-                return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-            }
-        }
-    }
-    const uint32_t max_us = NAV_LARGEST_AGE_US;
-    bool good = c->dvl_max_age_us <= max_us && c->depth_max_age_us <= max_us &&
-                c->gps_max_age_us <= max_us && c->future_us <= max_us && c->stale_us > 0 &&
-                c->gps_start <= AUVID_NAV_GPS_START_MAX;
-    return good ? AUVID_OK : AUVID_ERR_RANGE;
+    return auvid_check_fields(cfg, nav_fields, sizeof nav_fields / sizeof nav_fields[0], why);
 }
 
 static inline auvid_real_t nav_square(auvid_real_t x)
@@ -96,7 +85,7 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
     if (nav == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = nav_check_config(cfg);
+    auvid_status_t status = auvid_nav_check(cfg, NULL);
     if (status != AUVID_OK) {
         return status;
     }

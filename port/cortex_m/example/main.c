@@ -88,7 +88,8 @@ int main(void)
 {
     auvid_can_frame_t frame;
     if (!configure() || auvid_can_fifo_init(&received, received_storage, 16) < 0) {
-        driver_fault("auvid refused its configuration");
+        const char *field = node.id.refusal.field; /* e.g. "sigma_dvl"; value and limit beside it */
+        driver_fault(field != NULL ? field : "auvid refused its configuration");
     }
     driver_start(&received);
     for (uint32_t tick_us = driver_now_us();;) {
