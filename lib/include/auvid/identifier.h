@@ -411,13 +411,14 @@ void auvid_identifier_literal(auvid_identifier_config_t *cfg);
 /** Check the arithmetic (selftest.h) and the configuration, and start.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC (the self-test failed);
  * AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty); AUVID_ERR_LIMIT (the
- * excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in
- * every tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not
- * below the upper bound of a free mass, which could not be plausible); for the search over the free
- * parameters those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION,
- * AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an error, and if *id is all
- * zeros, every other function returns AUVID_ERR_STATE, and id->refusal names the field, its value
- * and its limit (not after AUVID_ERR_NULL of `id` or `cfg`; AUVID_ERR_ARITHMETIC: "selftest").
+ * excitation exceeds what the thrusters give: see auvid_allocation_check); AUVID_ERR_RANGE
+ * (velocity: unknown, or water lock in every tick; dry mass below zero; an uncertainty below zero
+ * or above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
+ * plausible); for the search over the free parameters those of auvid_crs_check (AUVID_ERR_BOUNDS,
+ * AUVID_ERR_POPULATION, AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an
+ * error, and if *id is all zeros, every other function returns AUVID_ERR_STATE, and id->refusal
+ * names the field, its value and its limit (not after AUVID_ERR_NULL of `id` or `cfg`;
+ * AUVID_ERR_ARITHMETIC: "selftest").
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 

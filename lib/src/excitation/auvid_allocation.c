@@ -426,9 +426,36 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
     return AUVID_OK;
 }
 
-auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_real_t peak[DOFS],
-                                      const auvid_real_t hold[DOFS])
+/* Reduce the fit to what thruster j allows. */
+static void allocation_fit_thruster(const auvid_allocation_t *a, int j, const auvid_real_t *peak,
+                                    const auvid_real_t *hold, auvid_allocation_fit_t *fit)
 {
+    const auvid_thruster_t *t = &a->cfg.thruster[j];
+    auvid_real_t middle = hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
+    auvid_real_t reach = AUVID_C(0.0), largest = AUVID_C(0.0);
+    int dof = -1;
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t part = auvid_abs(a->inverse[j][i]) * peak[i];
+        dof = part > largest ? i : dof;
+        largest = auvid_max(largest, part);
+        reach += part;
+    }
+    if (middle + reach <= t->max_N && middle - reach >= t->min_N) {
+        return;
+    }
+    auvid_real_t margin = auvid_min(t->max_N - middle, middle - t->min_N);
+    auvid_real_t factor = reach > AUVID_C(0.0) ? margin / reach : AUVID_C(0.0);
+    factor = auvid_max(factor - AUVID_C(16.0) * AUVID_EPSILON, AUVID_C(0.0)); /* for rounding */
+    if (factor < fit->factor) {
+        fit->factor = factor;
+        fit->dof = (int8_t)(margin < AUVID_C(0.0) ? -1 : dof);
+    }
+}
+
+auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_real_t peak[DOFS],
+                                      const auvid_real_t hold[DOFS], auvid_allocation_fit_t *fit)
+{
+    auvid_allocation_fit_t found = {AUVID_C(1.0), -1};
     if (a == NULL || peak == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -440,22 +467,16 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
             return AUVID_ERR_RANGE;
         }
     }
-    for (int i = 0; i < DOFS; ++i) {
-        if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
-            return AUVID_ERR_LIMIT;
-        }
-    }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        const auvid_thruster_t *t = &a->cfg.thruster[j];
-        auvid_real_t middle =
-            hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
-        auvid_real_t reach = AUVID_C(0.0);
-        for (int i = 0; i < DOFS; ++i) {
-            reach += auvid_abs(a->inverse[j][i]) * peak[i];
-        }
-        if (!(middle + reach <= t->max_N && middle - reach >= t->min_N)) {
-            return AUVID_ERR_LIMIT;
+        allocation_fit_thruster(a, j, peak, hold, &found);
+    }
+    for (int i = DOFS - 1; i >= 0; --i) {
+        if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
+            found = (auvid_allocation_fit_t){AUVID_C(0.0), (int8_t)i};
         }
     }
-    return AUVID_OK;
+    if (fit != NULL) {
+        *fit = found;
+    }
+    return found.factor < AUVID_C(1.0) ? AUVID_ERR_LIMIT : AUVID_OK;
 }

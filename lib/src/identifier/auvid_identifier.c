@@ -161,9 +161,14 @@ static auvid_status_t identifier_check_peak(const auvid_identifier_t *id, auvid_
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
     (void)auvid_excitation_peak(&id->excitation, peak);
-    auvid_status_t status = auvid_allocation_check(&id->allocation, peak, NULL);
-    return status >= 0 ? status
-                       : auvid_refuse(why, status, "excitation", AUVID_C(0.0), AUVID_C(0.0));
+    auvid_allocation_fit_t fit;
+    auvid_status_t status = auvid_allocation_check(&id->allocation, peak, NULL, &fit);
+    if (status < 0) { /* no hold, so some DoF is too large */
+        (void)auvid_refuse(why, status, "segment.amplitude", peak[fit.dof],
+                           fit.factor * peak[fit.dof]);
+        (void)auvid_refuse_element(why, status, fit.dof);
+    }
+    return auvid_refuse_part(why, status, "excitation");
 }
 
 static auvid_status_t identifier_init_excitation(auvid_identifier_t *id,
