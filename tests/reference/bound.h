@@ -23,6 +23,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -210,6 +211,7 @@ inline Run fly(const World &world)
     auvid_identifier_config_t cfg;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.allocation = auvid_allocation_girona500;
+    std::copy(amplitude, amplitude + AUVID_DOF_COUNT, cfg.metric.tau_max);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.excitation, amplitude, 30, world.sets,
                                                       world.excitation_seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));

@@ -19,6 +19,7 @@ void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double di
     cfg->sim.disturbance_Nm = 0.4 * disturbance_N;
     auvid_identifier_defaults(&cfg->id, &auvid_girona500);
     cfg->id.allocation = auvid_allocation_girona500;
+    memcpy(cfg->id.metric.tau_max, amplitude, sizeof amplitude);
     cfg->id.search.seed = seed;
     memset(&cfg->id.uncertainty, 0, sizeof cfg->id.uncertainty); /* all is exact here */
     (void)auvid_excitation_plan(&cfg->id.excitation, amplitude, CHAIN_SET_S, sets, seed);

@@ -60,7 +60,7 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
     field_amplitude(field->vehicle, amplitude);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         peak[j] = (auvid_real_t)amplitude[j];
-        cfg->metric.tau_max[j] = amplitude[j] > 0.0 ? peak[j] : cfg->metric.tau_max[j];
+        cfg->metric.tau_max[j] = peak[j];
     }
     allocate(field->vehicle, &cfg->allocation);
     if (field->driver == FIELD_EXCITED) {

@@ -90,7 +90,10 @@ typedef struct {
                                 their DoF is not excited; 0 of a free one: not known, see
                                 auvid_metric_searched. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
-                                                   dimensionless. Default 100, 40 */
+                                                   dimensionless. Default 100, 40. In the
+                                                   identifier 0 (default): what the thrusters give
+                                                   in this DoF (auvid_allocation_capacity, the
+                                                   larger direction); 100, 40 without thrusters */
     /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;

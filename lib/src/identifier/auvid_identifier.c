@@ -28,6 +28,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_nav_defaults(&cfg->nav);
     auvid_recorder_defaults(&cfg->recorder);
     auvid_metric_defaults(&cfg->metric, vehicle);
+    auvid_clear(cfg->metric.tau_max, AUVID_DOF_COUNT);
     auvid_allocation_defaults(&cfg->allocation);
     auvid_excitation_defaults(&cfg->excitation);
     auvid_guard_defaults(&cfg->guard);
@@ -200,14 +201,33 @@ static auvid_status_t identifier_init_excitation(auvid_identifier_t *id,
     return status;
 }
 
-static auvid_status_t identifier_init_metric(auvid_metric_t *metric,
+/* Set the scales of the wrench that are left to auvid: what the thrusters give, or the metric's
+ * default. */
+static void identifier_set_tau_max(const auvid_allocation_t *allocation,
+                                   auvid_real_t tau_max[AUVID_DOF_COUNT])
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t negative = AUVID_C(0.0), positive = AUVID_C(0.0);
+        if (auvid_is_zero(tau_max[j])) {
+            (void)auvid_allocation_capacity(allocation, (auvid_dof_t)j, &negative, &positive);
+            auvid_real_t capacity = auvid_max(-negative, positive);
+            tau_max[j] = capacity > AUVID_C(0.0)
+                             ? capacity
+                             : (j < AUVID_ROLL ? AUVID_C(100.0) : AUVID_C(40.0));
+        }
+    }
+}
+
+static auvid_status_t identifier_init_metric(auvid_identifier_t *id,
                                              const auvid_identifier_config_t *cfg,
                                              auvid_refusal_t *why)
 {
+    auvid_metric_t *metric = &id->metric;
     metric->cfg = cfg->metric;
     metric->cfg.vehicle = cfg->vehicle;
     metric->cfg.cell_us = cfg->recorder.cell_us;
     metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
+    identifier_set_tau_max(&id->allocation, metric->cfg.tau_max);
     auvid_status_t status = auvid_metric_check(&metric->cfg, why);
     return status < 0 ? auvid_refuse_part(why, status, "metric")
                       : auvid_metric_init(metric, &metric->cfg);
@@ -236,8 +256,8 @@ static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
     (void)auvid_nav_init(&id->nav, &cfg->nav);
     (void)auvid_recorder_init(&id->recorder, &recorder);
     (void)auvid_guard_init(&id->guard, &cfg->guard);
-    status = identifier_init_metric(&id->metric, cfg, why);
-    return status < 0 ? status : identifier_init_excitation(id, cfg, why);
+    status = identifier_init_excitation(id, cfg, why);
+    return status < 0 ? status : identifier_init_metric(id, cfg, why);
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,

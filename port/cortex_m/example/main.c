@@ -6,6 +6,8 @@
  * search in the time that is left, report, feed the watchdog. lib/can/README.md documents the
  * frames. Write the functions of driver.h for your board.
  */
+#include <string.h>
+
 #include "auvid/can_fifo.h"
 #include "auvid/node.h"
 #include "driver.h"
@@ -34,6 +36,7 @@ static bool configure(void)
     bus.excite = true; /* false (default): listen and identify, never command a thruster */
     auvid_identifier_defaults(cfg, &auvid_girona500);
     cfg->allocation = auvid_allocation_girona500;
+    memcpy(cfg->metric.tau_max, amplitude, sizeof amplitude); /* 0: what the thrusters give */
     cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
     return auvid_excitation_plan(&cfg->excitation, amplitude, 30, 8, 1) >= 0 &&
            auvid_node_init(&node, &bus, cfg) >= 0;
