@@ -155,10 +155,11 @@ typedef struct {
     } altitude;
     struct {
         bool present;
-        /** Applied from t_us of this tick on, sum of all sources: pilot, controller, excitation [N,
-         * Nm]. If it is known only later, leave it out here and call auvid_identifier_applied with
-         * its time. Examples: this step returns the excitation; feedback is from the tick
-         * before. */
+        /** Only if the wrench from t_us of this tick on is known before the step: the vehicle is
+         * never excited by auvid, or a measurement of the thrust is of this time. Sum of all
+         * sources [N, Nm]. Otherwise leave it out here, and call auvid_identifier_applied once it
+         * is known: after the step with the time of this tick, since the step returns the
+         * excitation; or with the earlier time of a measurement. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
         auvid_real_t command[AUVID_MAX_COMMANDS]; /**< thruster commands, if the model uses them */
     } applied;
@@ -221,7 +222,7 @@ typedef struct {
 
 /** Result of a search. */
 typedef struct {
-    uint32_t number;     /**< 0: none yet; incremented with each estimate */
+    uint32_t number;     /**< from 1, incremented with each estimate */
     uint64_t t_us;       /**< last tick before it was ready */
     uint32_t sets;       /**< data sets completed when its search was prepared */
     uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
@@ -344,7 +345,7 @@ typedef struct auvid_identifier {
                                                        pointer, so that unused code is not linked */
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;
-    auvid_estimate_t estimate;          /**< the last result */
+    auvid_estimate_t estimate;          /* the last result: read auvid_identifier_estimate */
     auvid_estimate_t accepted_estimate; /* the last accepted one */
     auvid_change_test_t change_test;    /**< of the newest set */
     auvid_validation_t prediction;      /* of the set being recorded, by the last estimate */
@@ -386,6 +387,12 @@ typedef struct auvid_identifier {
         auvid_confidence_job_t confidence;
     };
 } auvid_identifier_t;
+
+#define auvid_identifier_estimate AUVID_SIZED(auvid_identifier_estimate)
+/** Read the last estimate.
+ * @return it, valid until the next call of work or restore; NULL: there is none yet (or `id` is
+ * NULL). Its numbers are zero until then, so do not read them otherwise. Cost: O(1). */
+const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id);
 
 #define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)
 /** Covariance of two parameters if thrust and DVL scale are exact; i = k: a variance. For the total
@@ -473,8 +480,11 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
-/** Record the applied wrench from t_us on. Takes at most AUVID_CELLS_PER_STEP cells.
- * @param wrench [AUVID_DOF_COUNT] N, Nm
+/** Record the applied wrench from t_us on. Call it in every tick after auvid_identifier_step, when
+ * the sum of pilot, controller and excitation is known; each time is recorded once, here or in the
+ * step's input. Takes at most AUVID_CELLS_PER_STEP cells.
+ * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
+ * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] thruster commands; may be NULL
  * @return as auvid_identifier_motion. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,

@@ -260,6 +260,11 @@ static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
     return status < 0 ? status : identifier_init_metric(id, cfg, why);
 }
 
+const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)
+{
+    return id != NULL && id->estimate.number > 0 ? &id->estimate : NULL;
+}
+
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
                                        const auvid_vehicle_t *vehicle, int i, int k)
 {
