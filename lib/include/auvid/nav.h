@@ -109,7 +109,7 @@ typedef struct {
     auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used only if the filter's depth is at most this [m];
-        default 0.5; |.| <= 1e5 */
+        default 0.5; |.| <= 1e5. The identifier takes 1e5 for a surface craft (guard.h) */
     uint32_t dvl_max_age_us;   /**< age of the oldest accepted DVL sample, and longest time ahead of
         the last tick for which a sample is held [us]; default 500000; <= 2e6, 0: no late sample is
         accepted, none is held */

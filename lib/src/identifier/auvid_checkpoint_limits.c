@@ -158,7 +158,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_STATE_COUNT - 1),
     LENGTH(TABLE_GUARD, auvid_guard_t, home, home),
-    FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
+    FLAG(TABLE_GUARD, auvid_guard_t, stepped, depth_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
     VALUE(TABLE_CONFIDENCE, auvid_confidence_t, thrust_error, bound),

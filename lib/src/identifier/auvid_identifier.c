@@ -254,6 +254,9 @@ static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
         return auvid_refuse_part(why, status, "guard");
     }
     (void)auvid_nav_init(&id->nav, &cfg->nav);
+    if (cfg->guard.surface) { /* its depth may be dead reckoned: GPS is usable at any */
+        id->nav.surface_depth = NAV_LARGEST_POSITION;
+    }
     (void)auvid_recorder_init(&id->recorder, &recorder);
     (void)auvid_guard_init(&id->guard, &cfg->guard);
     status = identifier_init_excitation(id, cfg, why);

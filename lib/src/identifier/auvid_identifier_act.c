@@ -21,6 +21,7 @@ static void identifier_fill_guard_input(const auvid_identifier_t *id, bool satur
     auvid_nav_state_t state;
     memset(in, 0, sizeof *in);
     in->saturated = saturated || id->saturated;
+    in->heaves = id->excitation.heaves;
     in->altitude = id->altitude;
     in->altitude_m = id->altitude_m;
     in->applied = id->applied;
