@@ -154,6 +154,10 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
 
+/** Check a configuration. *why names what is refused; NULL: not wanted. @return the statuses of
+ * auvid_metric_init */
+auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
+
 /** Check a prior against the metric's model. Returns the statuses of auvid_metric_set_prior. */
 auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior);
 
