@@ -192,8 +192,10 @@ static int own_vehicle(void)
 {
     static auvid_identifier_config_t cfg;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    const auvid_real_t typical[MINE] = {250, 370, 75, -40, -125, -75, -450, -20, -60};
     my_configure(&cfg);
-    if (auvid_identifier_init(&id, &cfg) < 0) {
+    if (auvid_vehicle_selftest(&my_vehicle, typical, 0, 0, NULL) < 0 ||
+        auvid_identifier_init(&id, &cfg) < 0) {
         return 1;
     }
     return pilot(amplitude) ? check_own_estimate() : 1;
