@@ -274,9 +274,16 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
 static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
 {
     auvid_identifier_config_t cfg;
-    auvid_identifier_t *id = malloc(sizeof *id);
+    struct {
+        auvid_identifier_t id; /* first: it is freed by its address */
+        auvid_validation_t prediction;
+    } *memory = malloc(sizeof *memory);
+    auvid_identifier_t *id = memory == NULL ? NULL : &memory->id;
     configure(job, vehicle, &cfg);
     auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
+    if (status >= 0) {
+        status = auvid_identifier_attach_prediction(id, &memory->prediction);
+    }
     if (status < 0) {
         (void)report_error("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
         free(id);

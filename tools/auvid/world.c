@@ -79,6 +79,7 @@ bool world_begin(world_t *world, const world_config_t *config)
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
            vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) &&
            auvid_node_init(&world->node[0], &node, vehicle_of(config)->allocation, &cfg) >= 0 &&
+           auvid_identifier_attach_prediction(&world->node[0].id, &world->prediction[0]) >= 0 &&
            (config->passive || world_excite(&world->node[0], &world->actuation, config));
 }
 
@@ -86,8 +87,10 @@ bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
 {
     auvid_node_config_t node;
     auvid_node_defaults(&node);
-    return world->nodes < WORLD_NODES &&
-           auvid_node_init(&world->node[world->nodes++], &node, world->allocation, cfg) >= 0;
+    int i = world->nodes;
+    return i < WORLD_NODES && ++world->nodes > 0 &&
+           auvid_node_init(&world->node[i], &node, world->allocation, cfg) >= 0 &&
+           auvid_identifier_attach_prediction(&world->node[i].id, &world->prediction[i]) >= 0;
 }
 
 /* Passes frames to a node up to the tick frame, and sends its answer. */

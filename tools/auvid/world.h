@@ -50,6 +50,7 @@ typedef struct {
     vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
     auvid_actuation_t actuation; /**< of node[0]; all zeros if `passive` */
+    auvid_validation_t prediction[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
     int nodes;
     bool both_locks;                    /**< see world_config_t */
