@@ -23,6 +23,7 @@ typedef struct {
     const options_t *options;
     auvid_node_t node;
     auvid_actuation_t actuation;
+    auvid_validation_t prediction;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
@@ -43,6 +44,7 @@ static int begin(run_t *run)
     auvid_node_defaults(&cfg);
     cfg.answer = o->lock_step || run->simulated;
     if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
+        auvid_identifier_attach_prediction(&run->node.id, &run->prediction) < 0 ||
         (o->excite && !world_excite(&run->node, &run->actuation, &world))) {
         return report_error("node: the identifier refused its configuration");
     }

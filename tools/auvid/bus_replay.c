@@ -21,6 +21,7 @@ typedef struct {
     const options_t *options;
     auvid_node_t node;
     auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
+    auvid_validation_t prediction;
     bus_candump_t log;
     csv_writer_t csv;
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
@@ -145,6 +146,7 @@ static int begin(run_t *run)
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
     if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
+        auvid_identifier_attach_prediction(&run->node.id, &run->prediction) < 0 ||
         !world_excite(&run->node, &run->actuation, &world)) {
         return report_error("replay: the identifier refused its configuration");
     }

@@ -32,6 +32,7 @@
 /* A model identified from a log. */
 typedef struct {
     auvid_identifier_t id;
+    auvid_validation_t prediction;
     literal_t literal; /* if chosen */
 } fitted_t;
 
@@ -305,6 +306,9 @@ static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
         literal_attach(&fitted->literal, &fitted->id.metric);
     }
     status = status < 0 ? status : auvid_identifier_init(&fitted->id, &cfg);
+    if (status >= 0) {
+        status = auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
+    }
     if (status >= 0 && !literal) {
         replay_identify(&job->train, &job->replay, &fitted->id);
     } else if (status >= 0 && !replay_literal(job, &fitted->literal, &fitted->id)) {

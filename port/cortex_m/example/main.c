@@ -20,12 +20,13 @@
 #define TICK_US 20000u
 #define SILENCE_US 150000u /* without a tick for this long, the bus is disconnected */
 
-static auvid_node_t node; /* the two structs are all the memory that auvid uses */
+static auvid_node_t node; /* the three structs are all the memory that auvid uses */
+static auvid_validation_t prediction;
 static auvid_actuation_t actuation;
 static auvid_can_fifo_t received;
 static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick; a power of two */
 
-/* Your vehicle: model and thrusters. */
+/* Your vehicle: model and thrusters. Each set is compared with a simulation. */
 static bool configure(void)
 {
     auvid_identifier_config_t *cfg = &node.id.cfg; /* undefined after auvid_node_init */
@@ -33,7 +34,8 @@ static bool configure(void)
     auvid_node_defaults(&bus);
     auvid_identifier_defaults(cfg, &auvid_girona500);
     cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
-    return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0;
+    return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0 &&
+           auvid_identifier_attach_prediction(&node.id, &prediction) >= 0;
 }
 
 /* Excitation and limits of the guard. Without this the node listens and identifies, and never
