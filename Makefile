@@ -30,6 +30,9 @@ PROGRAM := $(wildcard tools/auvid/*.c)
 MEMORY := $(addprefix port/linux_socketcan/,bus.c bus_memory.c)
 PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c),$(MEMORY))
 PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
+# These record which statuses they have seen: see tests/statuses/statuses.py.
+RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c=wide/tests/%),\
+    build/$(test))
 # What of the program tests run as well: the demo's world.
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c field_run.c field_table.c \
     statistics.c report.c report_error.c) $(MEMORY)
@@ -158,11 +161,12 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
 	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
-	    $(SCRIPTS)
+	    $(SCRIPTS) -- tests/statuses/test_statuses.sh
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
-	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS)
+	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS) -- \
+	    tests/statuses/test_statuses.sh
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
@@ -283,11 +287,17 @@ $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
 define test_rules
 build/$(1)/tests/$(2)/%: tests/$(2)/%.c $(call TESTED,$(1))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(CFLAGS) -MF $$@.d -MT $$@ \
-	    -o $$@ $$< $(call TESTED,$(1)) -lm
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(STATUSES) $$(CFLAGS) \
+	    -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
 endef
 $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
     $(eval $(call test_rules,$(way),$(folder)))))
+
+$(RECORDED): STATUSES = -I. -include build/statuses/record.h -DSTATUSES_FILE='"$@.statuses"'
+$(RECORDED): build/statuses/record.h
+build/statuses/record.h: tests/statuses/statuses.py $(wildcard lib/include/auvid/*.h) | $(SETUP)
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)tests/statuses/statuses.py record >$@
 
 build/release/tests/vcan/%: tests/vcan/%.c $(call objects,release,$(PORT))
 	@mkdir -p $(@D); rm -f $@; echo "  $@"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Run test programs, one more at once than there are cores, and add up what they report.
 #
-# usage: tests/run.sh PROGRAM...
+# usage: tests/run.sh PROGRAM... [-- PROGRAM...]
+# What stands after "--" runs when the others have ended.
 # A PROGRAM is a Unity program ("12 Tests 0 Failures 1 Ignored") or a script that prints "ok ...",
 # "not ok ..." or "ok ... # SKIP why" lines. What was not built, crashes, hangs or reports no test
 # counts as one failure. The last line is "N passed, N failed" (", N skipped" when there are any).
@@ -55,7 +56,16 @@ run_one() {
 }
 export -f run_one
 
-[ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -n 1 -P $(($(nproc) + 1)) bash -c 'run_one "$1"' run
+run_all() {
+    [ $# = 0 ] || printf '%s\0' "$@" | xargs -0 -n 1 -P $(($(nproc) + 1)) bash -c 'run_one "$1"' run
+}
+first=()
+while [ $# != 0 ] && [ "$1" != -- ]; do
+    first+=("$1")
+    shift
+done
+run_all "${first[@]}"
+run_all "${@:2}"
 
 # Show the reasons together at the end, where they are read.
 for count in "$LOGS"/*.count; do

@@ -27,10 +27,11 @@ static void check_receivers(auvid_can_receiver_t *receiver, const auvid_can_fram
     auvid_can_kind_t kind = auvid_can_kind(NULL, frame->id);
     for (int i = 0; i < 2; ++i) {
         int at = ((int)kind + i) % AUVID_CAN_KINDS;
-        auvid_can_state_t state = auvid_can_receiver_take(&receiver[at], frame, &message);
-        REQUIRE((state == AUVID_CAN_FOREIGN) == (at != (int)kind));
-        REQUIRE(state == AUVID_CAN_FOREIGN || state == AUVID_CAN_BAD || message.kind == kind);
-        auvid_can_receiver_state(&receiver[at], now_us);
+        auvid_status_t status = auvid_can_receiver_take(&receiver[at], frame, &message);
+        REQUIRE((status == AUVID_UNUSED) == (at != (int)kind));
+        REQUIRE(status == AUVID_UNUSED || status == AUVID_ERR_LENGTH ||
+                status == AUVID_ERR_CHECKSUM || status == AUVID_ERR_RANGE || message.kind == kind);
+        auvid_can_receiver_status(&receiver[at], now_us);
     }
 }
 
@@ -54,7 +55,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         while (auvid_can_fifo_pop(&fifo, &frame) == AUVID_OK) {
             check_receivers(receiver, &frame, now_us);
-            if (auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD) {
+            if (auvid_can_command_take(&command, &frame) == AUVID_OK) {
                 good_us = frame.t_us;
             }
             check_thrust(&command, now_us, good_us);

@@ -175,7 +175,7 @@ awk '/ 404#/ { ++n } n == 1 && / 404#/ { sub(/.$/, /0$/ ? "1" : "0") } { print }
     n == 2 && / 404#/ { print; ++n }' run.log >refused.log
 "$AUVID" replay refused.log --sets 2 >refused.out 2>refused.err
 check "refused frames are reported" grep -Eq ' 2 refused' refused.out
-causes='warning: .*refused.log: 2 frames of auvid are refused: 1 with a wrong.*, 1 repeated, 0 '
+causes='refused.log: 2 frames of auvid are refused: 1 with a wrong checksum, .*, 1 repeated, 0 '
 check "  with their causes" grep -Eq "$causes" refused.err
 "$AUVID" replay refused.log --sets 2 --json >refused.json 2>refused.err
 check "  with --json, too" grep -q ': 2 frames of auvid are refused' refused.err

@@ -41,7 +41,12 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
     if (!sim_init(&chain->sim, &cfg->sim)) {
         return AUVID_ERR_RANGE;
     }
-    auvid_status_t status = auvid_identifier_init(&chain->id, &cfg->id);
+    auvid_status_t status = AUVID_OK;
+    if (cfg->literal != NULL) {
+        status = literal_identifier(cfg->literal, &chain->cfg.id);
+        literal_attach(cfg->literal, &chain->id.metric);
+    }
+    status = status < 0 ? status : auvid_identifier_init(&chain->id, &chain->cfg.id);
     if (status >= 0 && cfg->passive) {
         status = auvid_excitation_init(&chain->driver, &cfg->driver);
         if (status >= 0) {
@@ -96,7 +101,8 @@ static void drive(chain_t *chain, const auvid_real_t *excitation)
 
 static void work(chain_t *chain, uint32_t budget)
 {
-    chain->work = auvid_identifier_work(&chain->id, budget);
+    chain->work = chain->cfg.literal != NULL ? literal_work(&chain->id, budget)
+                                             : auvid_identifier_work(&chain->id, budget);
     chain->over_budget = chain->over_budget || chain->id.work_last > budget;
     chain->max_units =
         chain->id.work_last > chain->max_units ? chain->id.work_last : chain->max_units;
@@ -139,6 +145,9 @@ void chain_tick(chain_t *chain)
     if (!chain->cfg.passive) {
         drive(chain, chain->out.excitation);
         (void)auvid_identifier_applied(&chain->id, in.t_us, chain->wrench, NULL);
+    }
+    if (chain->cfg.literal != NULL) {
+        literal_tick(chain->cfg.literal, &chain->id);
     }
     if (chain->cfg.after != NULL) {
         chain->cfg.after(chain, chain->status, &chain->out);

@@ -14,6 +14,7 @@
 #define CHAIN_H
 
 #include "auvid/identifier.h"
+#include "literal.h"
 #include "simulator.h"
 
 /** Length of a set [s], the default. */
@@ -27,9 +28,10 @@ typedef void (*chain_after_t)(struct chain *chain, auvid_status_t status,
 typedef struct {
     sim_config_t sim;
     auvid_identifier_config_t id;
-    uint32_t budget;   /**< of work, a tick; 0: none until chain_finish */
-    uint64_t epoch_us; /**< added to all times: a clock need not begin at zero */
-    bool passive;      /**< the driver excites, not the identifier */
+    literal_t *literal; /**< literal smoothing of the paper, with this memory; NULL: none */
+    uint32_t budget;    /**< of work, a tick; 0: none until chain_finish */
+    uint64_t epoch_us;  /**< added to all times: a clock need not begin at zero */
+    bool passive;       /**< the driver excites, not the identifier */
     auvid_excitation_config_t driver;
     chain_before_t before; /**< may be NULL */
     chain_after_t after;   /**< may be NULL */

@@ -15,9 +15,9 @@ import sys
 from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies.
-DEAD = ("config", "metric.regressor", "confidence.regressor")
+DEAD = ("cfg", "metric.regressor", "confidence.regressor")
 # Members that decide on forces stay those of init.
-KEPT = ("allocation.", "excitation.config.", "excitation.duration_us", "excitation.pause_us",
+KEPT = ("allocation.", "excitation.cfg.", "excitation.duration_us", "excitation.pause_us",
         "excitation.fade_us", "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
         "adaptive.excursion_limit", "guard.cfg.", "guard.ready")
 # Members of the model and its storage: a change may make the identifier refuse the checkpoint.
@@ -88,11 +88,11 @@ class Subject:
         optimizer = self.id.optimizer
         optimizer.phase = search
         used = optimizer.crs if search == GLOBAL else optimizer.line_search
-        used.state, used.config.n, optimizer.local.n, optimizer.local.delta = 1, 2, 2, 2
+        used.state, used.cfg.n, optimizer.local.n, optimizer.local.delta = 1, 2, 2, 2
         if search == GLOBAL:
-            used.config.population = 3
+            used.cfg.population = 3
         else:
-            used.config.delta = 2
+            used.cfg.delta = 2
 
     def save(self):
         cursor, chunk = self.lib.auvid_checkpoint_t(), (ctypes.c_uint8 * ROOM)()

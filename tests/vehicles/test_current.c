@@ -178,6 +178,9 @@ static void test_an_unsuitable_hull_is_refused(void)
     auvid_vehicle_t hull = auvid_girona500;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_current_init(NULL, &hull, false));
     check_refused(AUVID_ERR_NULL, NULL, false);
+    hull.built_for = NULL;
+    check_refused(AUVID_ERR_SIZE, &hull, false);
+    hull = auvid_girona500;
     hull.parameter = parameter;
     hull.parameters = AUVID_MAX_PARAMETERS - 1;
     check_refused(AUVID_ERR_PARAMETERS, &hull, false);

@@ -24,8 +24,8 @@ typedef struct {
     csv_writer_t csv;
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
     uint32_t first, count;
-    uint32_t ours, same, different;          /* frames of auvid; estimates, equal and different */
-    uint32_t refused[AUVID_CAN_FOREIGN + 1]; /* by state of the receiver; GOOD: late ticks */
+    uint32_t ours, same, different; /* frames of auvid; estimates, equal and different */
+    uint32_t refused[1 - AUVID_ERR_COUNTER_JUMP]; /* by minus the status, the last of all */
 } run_t;
 
 static bool is_estimate(const auvid_can_frame_t *frame)
@@ -99,8 +99,8 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
         return;
     }
     auvid_status_t status = auvid_node_take(&run->node, frame);
-    if (status == AUVID_ERR_CHECKSUM) {
-        ++run->refused[run->node.receiver[auvid_can_kind(NULL, frame->id)].state];
+    if (status < 0) {
+        ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
         write_row(run);
         (void)auvid_node_step(&run->node, NULL, out, &count);
@@ -164,12 +164,14 @@ static void warn_left_out(const run_t *run)
         report_warning("%s", run->log.bus.text);
     }
     if (run->node.counters.refused > 0) {
-        report_warning("%s: %u frames of auvid are refused: %u with a wrong checksum, length or "
-                       "value, %u repeated, %u after a gap of their counter, %u late ticks",
-                       run->options->log, (unsigned)run->node.counters.refused,
-                       (unsigned)refused[AUVID_CAN_BAD], (unsigned)refused[AUVID_CAN_REPEATED],
-                       (unsigned)refused[AUVID_CAN_COUNTER_JUMP],
-                       (unsigned)refused[AUVID_CAN_GOOD]);
+        report_warning(
+            "%s: %u frames of auvid are refused: %u with a wrong checksum, %u of a wrong "
+            "length, %u with a value out of range, %u repeated, %u after a gap of their counter, "
+            "%u late ticks",
+            run->options->log, (unsigned)run->node.counters.refused,
+            (unsigned)refused[-AUVID_ERR_CHECKSUM], (unsigned)refused[-AUVID_ERR_LENGTH],
+            (unsigned)refused[-AUVID_ERR_RANGE], (unsigned)refused[-AUVID_ERR_REPEATED],
+            (unsigned)refused[-AUVID_ERR_COUNTER_JUMP], (unsigned)refused[-AUVID_ERR_STALE]);
     }
 }
 

@@ -181,6 +181,8 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         report_gather(&run->result[i], &world->node[i].id, seed);
         run->result[i].estimate.not_converged |= linger == 0; /* the time ran out */
         run->result[i].budget = options->budget;
+        run->result[i].vehicle =
+            options->literal ? options->vehicle->model : run->result[i].vehicle;
     }
     run->result[0].estimates = &run->estimates;
     report_add_truth(&run->result[0], &world->vehicle_sim);

@@ -11,6 +11,7 @@
 #include "report_error.h"
 #include "csv.h"
 #include "heldout.h"
+#include "literal.h"
 #include "replay.h"
 #include "report.h"
 #include "statistics.h"
@@ -28,6 +29,12 @@
  * zero and does not count as excited. */
 #define NEGLIGIBLE 1e-3
 
+/* A model identified from a log. */
+typedef struct {
+    auvid_identifier_t id;
+    literal_t literal; /* if chosen */
+} fitted_t;
+
 /* A fit: logs, options and models. */
 typedef struct {
     const options_t *options;
@@ -38,7 +45,7 @@ typedef struct {
     uint32_t free;                            /* bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /* values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /* why a DoF cannot be identified, or NULL */
-    auvid_identifier_t *coupled, *decoupled;  /* NULL: not fitted */
+    fitted_t *coupled, *decoupled;            /* NULL: not fitted */
     double error[2];                          /* cross-validation errors of the two; < 0: none */
 } job_t;
 
@@ -258,9 +265,6 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
         cfg->search.upper[i] = (auvid_real_t)options->upper;
     }
     set_velocity_time(job, cfg);
-    if (options->literal) {
-        auvid_identifier_literal(cfg);
-    }
     /* make the whole log fit the ring */
     double row_s = 1e-6 * cfg->recorder.cell_us * cfg->metric.row_cells;
     double span_s = 1e-6 * (double)(replay_time_us(&job->train, job->train.rows - 1) -
@@ -270,27 +274,57 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), max_rows);
 }
 
+/* Feeds the log to an identifier with literal smoothing. Returns false if there is no memory. */
+static bool replay_literal(const job_t *job, literal_t *literal, auvid_identifier_t *id)
+{
+    cells_t cells;
+    if (!replay_record(&job->train, &job->replay, &id->recorder.cfg, &cells)) {
+        return false;
+    }
+    for (size_t i = 0; i < cells.cells; ++i) {
+        if (cells.cell[i].after_gap) {
+            literal_cell(literal, id, NULL);
+        }
+        literal_cell(literal, id, &cells.cell[i].sample);
+    }
+    cells_free(&cells);
+    (void)auvid_identifier_close(id);
+    return true;
+}
+
 /* Replays the log with a model and searches. Returns NULL after a message. */
-static auvid_identifier_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
+static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
 {
     auvid_identifier_config_t cfg;
-    auvid_identifier_t *id = malloc(sizeof *id);
+    fitted_t *fitted = malloc(sizeof *fitted);
+    auvid_status_t status = fitted == NULL ? AUVID_ERR_NULL : AUVID_OK;
+    bool literal = job->options->literal;
     configure(job, vehicle, &cfg);
-    auvid_status_t status = id == NULL ? AUVID_ERR_NULL : auvid_identifier_init(id, &cfg);
+    if (status >= 0 && literal) {
+        status = literal_identifier(&fitted->literal, &cfg);
+        literal_attach(&fitted->literal, &fitted->id.metric);
+    }
+    status = status < 0 ? status : auvid_identifier_init(&fitted->id, &cfg);
+    if (status >= 0 && !literal) {
+        replay_identify(&job->train, &job->replay, &fitted->id);
+    } else if (status >= 0 && !replay_literal(job, &fitted->literal, &fitted->id)) {
+        status = AUVID_ERR_NULL;
+    }
     if (status < 0) {
-        (void)report_error("fit: %s", id == NULL ? "not enough memory" : auvid_status_str(status));
-        free(id);
+        (void)report_error("fit: %s", status == AUVID_ERR_NULL ? "not enough memory"
+                                                               : auvid_status_str(status));
+        free(fitted);
         return NULL;
     }
-    replay_identify(&job->train, &job->replay, id);
     do {
-        status = auvid_identifier_work(id, AUVID_DEFAULT_BUDGET);
+        status = literal ? literal_work(&fitted->id, AUVID_DEFAULT_BUDGET)
+                         : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
     } while (status == AUVID_PENDING);
-    return id;
+    return fitted;
 }
 
 /* Identifies the selected models. Returns the one to report, or NULL after a message. */
-static auvid_identifier_t *choose(job_t *job)
+static fitted_t *choose(job_t *job)
 {
     coupling_t coupling = job->options->coupling;
     bool alternative = job->options->model == &auvid_girona500 && coupling != COUPLING_ON;
@@ -304,8 +338,8 @@ static auvid_identifier_t *choose(job_t *job)
     if (job->decoupled == NULL || coupling == COUPLING_OFF) {
         return job->decoupled;
     }
-    job->error[0] = heldout_cross_validation(&job->coupled->metric);
-    job->error[1] = heldout_cross_validation(&job->decoupled->metric);
+    job->error[0] = heldout_cross_validation(&job->coupled->id.metric);
+    job->error[1] = heldout_cross_validation(&job->decoupled->id.metric);
     bool decoupled = job->error[1] >= 0.0 && !(job->error[0] < job->error[1]);
     return decoupled ? job->decoupled : job->coupled;
 }
@@ -374,10 +408,11 @@ static int run(job_t *job)
         warn_unused(&job->test, job->replay.kind);
     }
     find_excited(job);
-    auvid_identifier_t *id = choose(job);
-    if (id == NULL) {
+    const fitted_t *fitted = choose(job);
+    if (fitted == NULL) {
         return EXIT_REFUSED;
     }
+    const auvid_identifier_t *id = &fitted->id;
     gather(job, id, &result);
     if (job->options->validate != NULL && result.estimate.number > 0 &&
         !heldout_r2(&job->test, &job->replay, &id->recorder.cfg, job->options->seed, &result)) {

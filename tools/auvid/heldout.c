@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "literal.h"
 #include "simulator.h"
 #include "statistics.h"
 
@@ -16,7 +17,7 @@ static bool merge(auvid_metric_t *metric)
 {
     uint32_t budget = UINT32_MAX;
     auvid_metric_merge_begin(metric);
-    return auvid_metric_merge(metric, &budget) == AUVID_OK;
+    return literal_merge(metric, &budget) == AUVID_OK;
 }
 
 /* Sum of squared residuals / tau_max^2 over the excited DoF of set `age`; *rows counts them. */

@@ -38,10 +38,20 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
     if (config->literal) {
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
         cfg->recorder.cell_us = SIM_TICK_US;
-        auvid_identifier_literal(cfg);
         /* a row every half second, as by default */
         cfg->metric.row_cells = (uint16_t)(500000 / SIM_TICK_US);
     }
+}
+
+/* Starts the next node. */
+static bool begin_node(world_t *world, const auvid_node_config_t *node,
+                       const auvid_identifier_config_t *config)
+{
+    auvid_identifier_config_t cfg = *config;
+    int i = world->nodes++;
+    bool good = !world->is_literal || literal_identifier(&world->literal[i], &cfg) == AUVID_OK;
+    literal_attach(&world->literal[i], &world->node[i].id.metric);
+    return good && auvid_node_init(&world->node[i], node, &cfg) >= 0;
 }
 
 bool world_begin(world_t *world, const world_config_t *config)
@@ -66,10 +76,9 @@ bool world_begin(world_t *world, const world_config_t *config)
     node.excite = !config->passive;
     world_identifier(&cfg, config);
     world->both_locks = config->both_locks;
-    world->nodes = 1;
+    world->is_literal = config->literal;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
-           vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) &&
-           auvid_node_init(&world->node[0], &node, &cfg) >= 0 &&
+           vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) && begin_node(world, &node, &cfg) &&
            (!config->adaptive || adapt(&world->node[0].id, config) == AUVID_OK);
 }
 
@@ -77,8 +86,7 @@ bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
 {
     auvid_node_config_t node;
     auvid_node_defaults(&node);
-    return world->nodes < WORLD_NODES &&
-           auvid_node_init(&world->node[world->nodes++], &node, cfg) >= 0;
+    return world->nodes < WORLD_NODES && begin_node(world, &node, cfg);
 }
 
 /* Passes frames to a node up to the tick frame, and sends its answer. */
@@ -90,6 +98,9 @@ static void step(world_t *world, int i)
     while (frames_receive(end, &frame)) {
         if (auvid_node_take(&world->node[i], &frame) == AUVID_TICK) {
             (void)auvid_node_step(&world->node[i], NULL, answer, &count);
+            if (world->is_literal) {
+                literal_tick(&world->literal[i], &world->node[i].id);
+            }
             frames_send(end, answer, i == 0 ? count : 0);
         }
     }
@@ -131,7 +142,9 @@ bool world_work(world_t *world, uint32_t budget)
     int count = 0;
     bool busy = false;
     for (int i = 0; i < world->nodes; ++i) {
-        busy = auvid_node_work(&world->node[i], budget) == AUVID_PENDING || busy;
+        auvid_status_t status = world->is_literal ? literal_work(&world->node[i].id, budget)
+                                                  : auvid_node_work(&world->node[i], budget);
+        busy = status == AUVID_PENDING || busy;
         (void)auvid_node_report(&world->node[i], 0, frame, &count);
         frames_send(&world->hub.end[WORLD_NODE + i], frame, i == 0 ? count : 0);
     }

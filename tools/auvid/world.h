@@ -13,6 +13,7 @@
 
 #include "auvid/node.h"
 #include "frames.h"
+#include "literal.h"
 #include "options.h"
 #include "vehicles.h"
 
@@ -49,12 +50,14 @@ typedef struct {
     bus_memory_t hub;
     vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
+    literal_t literal[WORLD_NODES]; /**< of each node, if chosen */
     int nodes;
-    bool both_locks;                    /**< see world_config_t */
+    bool both_locks, is_literal;        /**< see world_config_t */
     double excitation[AUVID_DOF_COUNT]; /**< last commanded wrench [N, Nm] */
 } world_t;
 
-/** Writes the identifier configuration of this world, which may be changed for world_listen. */
+/** Writes the identifier configuration of this world, which may be changed for world_listen. A
+ * world with literal smoothing changes it further. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
 /** Starts. The operator arms the node one second after it navigates.

@@ -90,7 +90,7 @@ void vehicle_sim_take(vehicle_sim_t *vehicle, const auvid_can_frame_t *frame)
     auvid_can_frame_t now = *frame;
     auvid_can_message_t message;
     now.t_us = vehicle->seen.t_us;
-    if (auvid_can_command_take(&vehicle->command, &now) != AUVID_CAN_FOREIGN) {
+    if (auvid_can_command_take(&vehicle->command, &now) != AUVID_UNUSED) {
         ++vehicle->frames;
     } else if (auvid_can_unpack(NULL, &now, &message) == AUVID_OK) {
         ++vehicle->frames;

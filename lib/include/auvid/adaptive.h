@@ -77,7 +77,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  * @param cfg copied; need not outlive the call.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE if not initialised, or if the guard is neither
  *         DISARMED nor DONE; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a field is outside its range,
- *         or no amplitude > 0 is in an actuated DoF; AUVID_ERR_LIMIT if an amplitude exceeds the
+ *         or no amplitude > 0 is in an actuated DoF; AUVID_ERR_CAPACITY if an amplitude exceeds the
  *         thrusters; AUVID_ERR_SIZE if there are more DoFs than AUVID_MAX_SEGMENTS. On an error
  *         nothing changes.
  */

@@ -173,7 +173,7 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
  * T+_i hold +- sum_j |T+_ij| peak_j must be within its limits.
  * @param peak 6: largest |wrench| per DoF [N, Nm], >= 0 (auvid_excitation_peak).
  * @param hold 6: constant wrench (hover thrust) [N, Nm], or NULL for none.
- * @return AUVID_OK; AUVID_ERR_LIMIT if they cannot, or if a DoF with peak > 0 is not actuated;
+ * @return AUVID_OK; AUVID_ERR_CAPACITY if they cannot, or if a DoF with peak > 0 is not actuated;
  *         AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a peak is < 0.
  */
 auvid_status_t auvid_allocation_check(const auvid_allocation_t *a,

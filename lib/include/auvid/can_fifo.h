@@ -64,7 +64,7 @@ auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *st
                                    uint32_t size);
 
 /** Copies *frame to the end of the queue. Only the producer calls it.
- * @return AUVID_OK (always for an abort); AUVID_ERR_LIMIT (queue full: the frame is dropped and
+ * @return AUVID_OK (always for an abort); AUVID_ERR_FULL (queue full: the frame is dropped and
  * counted); AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). */
 auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame_t *frame);
 

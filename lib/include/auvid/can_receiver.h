@@ -41,17 +41,6 @@ extern "C" {
 /** Maximum step of the counter between two good frames. */
 #define AUVID_CAN_LARGEST_STEP 3u
 
-/** State of a message, and the verdict on a frame. */
-typedef enum {
-    AUVID_CAN_SILENT = 0,       /**< no frame has arrived yet */
-    AUVID_CAN_GOOD = 1,         /**< the last frame was good */
-    AUVID_CAN_REPEATED = 2,     /**< authentic, with the same counter as the last one */
-    AUVID_CAN_COUNTER_JUMP = 3, /**< authentic, but too many missing, or first of a command */
-    AUVID_CAN_BAD = 4,          /**< wrong checksum or length, or a value out of range */
-    AUVID_CAN_TIMED_OUT = 5,    /**< no good frame within the time-out */
-    AUVID_CAN_FOREIGN = 6       /**< a frame of another message; only returned by `take` */
-} auvid_can_state_t;
-
 /** Receiver of one message. Only the functions write it. Counts wrap. */
 typedef struct {
     auvid_can_ids_t ids;
@@ -60,7 +49,7 @@ typedef struct {
     uint8_t counter;        /* of the last authentic frame */
     bool started;           /* `counter` is valid: the next frame is compared with it */
     bool is_fresh;          /**< a good frame arrived within the time-out, as of the last call */
-    uint8_t state;          /**< auvid_can_state_t as of the last call */
+    int8_t status;          /**< see auvid_can_receiver_status, as of the last call */
     uint32_t timeout_us;    /* 0: none */
     uint64_t seen_us;       /* arrival of the last authentic frame [us] */
     uint64_t good_us;       /**< arrival of the last good frame [us] */
@@ -84,22 +73,27 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
                                        uint32_t timeout_us, const auvid_can_ids_t *ids);
 
 #define auvid_can_receiver_take AUVID_SIZED0(auvid_can_receiver_take)
-/** Checks a frame and unpacks it. Use the message only if the function returns AUVID_CAN_GOOD. An
- * abort is the exception: obey every authentic one.
+/** Checks a frame and unpacks it. Use the message only if the function returns AUVID_OK. An abort
+ * is the exception: obey every authentic one.
  * @param frame with its time of arrival. If its timestamp is earlier than the last one by the
  * time-out or more, it counts as the first frame after a time-out
  * @param message written if the frame is authentic: good, repeated or counter jump
- * @return AUVID_CAN_GOOD; AUVID_CAN_REPEATED; AUVID_CAN_COUNTER_JUMP; AUVID_CAN_BAD;
- * AUVID_CAN_FOREIGN (a frame of another message, or a NULL pointer: no-op). */
-auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
-                                          const auvid_can_frame_t *frame,
-                                          auvid_can_message_t *message);
+ * @return AUVID_OK (good); AUVID_UNUSED (a frame of another message: no-op); AUVID_ERR_NULL
+ * (no-op); AUVID_ERR_REPEATED and AUVID_ERR_COUNTER_JUMP (authentic, not good; the first frame of a
+ * command counts as a jump); AUVID_ERR_LENGTH, AUVID_ERR_CHECKSUM, AUVID_ERR_RANGE (not authentic,
+ * see auvid_can_unpack). */
+auvid_status_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
+                                       const auvid_can_frame_t *frame,
+                                       auvid_can_message_t *message);
 
-/** Returns the verdict on the last frame, or AUVID_CAN_TIMED_OUT. Each time-out is counted once,
- * by the first call that detects it. It is a time-out, too, if the timestamp of the last good frame
- * is ahead of now_us by the time-out or more.
- * @return every state but AUVID_CAN_FOREIGN; AUVID_CAN_SILENT if receiver is NULL. */
-auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint64_t now_us);
+/** Returns the verdict on the last frame, or that the message has timed out. Each time-out is
+ * counted once, by the first call that detects it. It is a time-out, too, if the timestamp of the
+ * last good frame is ahead of now_us by the time-out or more.
+ * @return AUVID_OK (the last frame was good); AUVID_EMPTY (no frame has arrived yet);
+ * AUVID_ERR_STALE (no good frame within the time-out); AUVID_ERR_REPEATED, AUVID_ERR_COUNTER_JUMP,
+ * AUVID_ERR_LENGTH, AUVID_ERR_CHECKSUM, AUVID_ERR_RANGE (see auvid_can_receiver_take);
+ * AUVID_ERR_NULL. */
+auvid_status_t auvid_can_receiver_status(auvid_can_receiver_t *receiver, uint64_t now_us);
 
 /** Receiver of the thruster commands. Only the functions write it. */
 typedef struct {
@@ -122,9 +116,9 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
 
 #define auvid_can_command_take AUVID_SIZED0(auvid_can_command_take)
 /** Takes a frame with any identifier.
- * @return as auvid_can_receiver_take. */
-auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
-                                         const auvid_can_frame_t *frame);
+ * @return as auvid_can_receiver_take. AUVID_UNUSED also if the half is not in use, or *command is
+ * not initialised. */
+auvid_status_t auvid_can_command_take(auvid_can_command_t *command, const auvid_can_frame_t *frame);
 
 #define auvid_can_command_thrust AUVID_SIZED0(auvid_can_command_thrust)
 /** Gets the thrust commanded at now_us, for the thruster drivers. It is zero unless each half in

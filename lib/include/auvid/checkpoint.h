@@ -101,7 +101,7 @@ auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *c
 /** Restore a checkpoint as auvid_checkpoint_restore does, but with the guard and the excitation as
  * they were when saved. For replays and tests without thrusters. An excitation that was under way
  * continues if the next tick comes within the guard's max_tick_us; otherwise the guard aborts.
- * @return the statuses of auvid_checkpoint_restore. */
+ * @return as auvid_checkpoint_restore. */
 auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,
                                        uint32_t bytes);
 

@@ -52,8 +52,8 @@
 #define AUVID_MAX_THRUSTERS 8
 #endif
 
-/** 1 removes the code and the memory of everything that smooths motion instead of rows: models
- * without regressor, the literal smoothing, and Algorithm 2 to the letter. 0 or 1. */
+/** 1 removes the code and the memory of models without regressor, and of Algorithm 2 to the letter.
+ * 0 or 1. */
 #ifndef AUVID_REGRESSOR_ONLY
 #define AUVID_REGRESSOR_ONLY 0
 #endif

@@ -91,9 +91,11 @@ typedef struct {
 void auvid_crs_defaults(auvid_crs_config_t *cfg, uint8_t n);
 
 #define auvid_crs_check AUVID_SIZED2(auvid_crs_check, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
-/** Check a configuration without a state. Returns the statuses of auvid_crs_init. Cost: O(n). */
+/** Check a configuration without a state.
+ * @return as auvid_crs_init. Cost: O(n). */
 auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg);
 
+#define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * Check and copy the configuration; draw the m points of S uniformly in the box (Algorithm 1,
  * line 3).
@@ -104,7 +106,6 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg);
  *         upper); AUVID_ERR_RANGE (one of these out of range). After an error *crs is unchanged.
  * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
  */
-#define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg);
 
 #define auvid_crs_add_point                                                                        \

@@ -248,7 +248,7 @@ auvid_status_t auvid_guard_abort(auvid_guard_t *g, uint64_t t_us);
 /** Abort like auvid_guard_abort(), for a given cause.
  * @param t_us  now [us].
  * @param cause stored in `trip` with value and limit 0.
- * @return as auvid_guard_abort(); AUVID_ERR_RANGE if `cause` is AUVID_GUARD_NO_CAUSE or outside its
+ * @return as auvid_guard_abort; AUVID_ERR_RANGE if `cause` is AUVID_GUARD_NO_CAUSE or outside its
  *         enumeration: nothing changes. */
 auvid_status_t auvid_guard_abort_for(auvid_guard_t *g, uint64_t t_us, auvid_guard_cause_t cause);
 

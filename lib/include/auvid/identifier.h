@@ -77,7 +77,7 @@ typedef struct {
     uint64_t seed;        /**< of the search; default 1 */
 } auvid_search_config_t;
 
-/** A listener that keeps a log of commands (thrusters.h). */
+/** A listener that keeps a log of commands (thrusters.h). `command` and `set` are required. */
 typedef struct {
     /** A command is valid from t_us on; NULL: zeros. Called from step and applied. */
     void (*command)(void *context, uint64_t t_us, const auvid_real_t *command);
@@ -103,8 +103,6 @@ typedef struct auvid_identifier_config {
     auvid_excitation_config_t excitation; /**< see excitation.h; no segments: passive */
     auvid_guard_config_t guard;           /**< limits, see guard.h; set them for your site */
     auvid_velocity_source_t velocity;     /**< default AUVID_VELOCITY_GROUND */
-    bool velocity_every_tick; /**< record the filter's velocity in every tick, not at DVL updates;
-                                   for literal smoothing. Not with water lock. Default false */
     auvid_search_config_t search; /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
@@ -324,7 +322,6 @@ typedef struct {
 typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
     auvid_velocity_source_t velocity;
-    bool velocity_every_tick;
     auvid_real_t dry_mass_kg;
     auvid_uncertainty_t uncertainty;
     auvid_nav_t nav;
@@ -394,22 +391,19 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
  * the 13 of Eq. 12-15), bounds +-1000, passive. NULL is a no-op. */
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
 
-#define auvid_identifier_literal AUVID_SIZED(auvid_identifier_literal)
-/** Change *cfg to literal smoothing, as in the paper: smooth the states, record every tick, leave
- * the wrench raw. */
-void auvid_identifier_literal(auvid_identifier_config_t *cfg);
-
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
-/** Check the arithmetic (selftest.h) and the configuration, and start.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_ARITHMETIC (the self-test failed);
- * AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty); AUVID_ERR_LIMIT (the
- * excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity: unknown, or water lock in
- * every tick; dry mass below zero; an uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not
- * below the upper bound of a free mass, which could not be plausible); for the search over the free
- * parameters those of auvid_crs_check (AUVID_ERR_BOUNDS, AUVID_ERR_POPULATION,
- * AUVID_ERR_PARAMETERS, ...); the errors of the modules' init. After an error, and if *id is all
- * zeros, every other function returns AUVID_ERR_STATE.
- * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards. */
+/** Check the arithmetic (selftest.h) and the configuration, and start. After an error, and if *id
+ * is all zeros, every other function returns AUVID_ERR_STATE.
+ * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
+ * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
+ * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
+ * AUVID_ERR_CAPACITY (the excitation exceeds what the thrusters give); AUVID_ERR_RANGE (velocity:
+ * unknown, or water lock in every tick; dry mass below zero; an uncertainty below zero or above 1);
+ * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
+ * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
+ * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
+ * errors of auvid_recorder_init, the errors of auvid_metric_init, the errors of auvid_guard_init,
+ * the errors of auvid_allocation_init, the errors of auvid_excitation_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_arm AUVID_SIZED(auvid_identifier_arm)

@@ -111,17 +111,17 @@ typedef struct {
  * NULL is a no-op. Cost: a memset. */
 void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
 
+#define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
 /**
- * Check and copy the configuration; the search begins at cfg->start.
+ * Check and copy the configuration; the search begins at cfg->start. With AUVID_REGRESSOR_ONLY,
+ * `paper` is AUVID_ERR_MODEL.
  * @param ls      state to start; need not be zeroed.
  * @param cfg  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
  *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
- *         outside the box); AUVID_ERR_MODEL (paper, with AUVID_REGRESSOR_ONLY). After an error *ls
- *         is unchanged.
+ *         outside the box). After an error *ls is unchanged.
  * Cost: O(n).
  */
-#define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
                                       const auvid_line_search_config_t *cfg);
 

@@ -68,13 +68,6 @@ extern "C" {
 /** Largest number of rows whose residuals are averaged in the residual path. */
 #define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 3 : 31)
 
-/** What the smoother is applied to. */
-typedef enum {
-    AUVID_SMOOTH_ROWS = 0,   /**< rows from unsmoothed cells, rows and wrench smoothed alike */
-    AUVID_SMOOTH_STATES = 1, /**< literal smoothing of the paper: Savitzky-Golay on the states and
-                                  for the accelerations, wrench raw */
-} auvid_smoothing_t;
-
 /** A stored row of the residual path: an averaged sample, and the wrench and the commands at the
  * other delays. Written by the metric. */
 typedef struct {
@@ -94,25 +87,22 @@ typedef struct {
     /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;
-    uint32_t cell_us;     /**< the recorder's cell [us]; default 100000 */
-    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: a
-                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). Not used
-                               with AUVID_SMOOTH_STATES; in the residual path only thrusters.h
-                               reads it */
-    uint16_t row_cells;   /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;    /**< rows in a set; >= 1, default 60 (30 s);
+    uint32_t cell_us;      /**< the recorder's cell [us]; default 100000 */
+    uint32_t velocity_us;  /**< time between velocity samples [us], interpolated in between; 0: a
+                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
+                               residual path only thrusters.h reads it */
+    uint16_t row_cells;    /**< cells between rows; >= 1, default 5 */
+    uint16_t set_rows;     /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
-    uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
-    auvid_smoothing_t smoothing; /**< default AUVID_SMOOTH_ROWS */
+    uint8_t sets;          /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
-                                [1]; literal smoothing uses [0] for both; default 10, 7. Not used
-                                in the residual path */
+                                [1]; default 10, 7. Not used in the residual path */
     uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
                          for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t order;  /**< order of the polynomial, default 2 */
-    uint8_t passes; /**< number of applications of the smoother (its derivative once), 1 or 2;
+    uint8_t passes; /**< number of applications of the smoother, 1 or 2;
                          default 2 */
-    bool estimate_delay; /**< default true; must be false with AUVID_SMOOTH_STATES */
+    bool estimate_delay;                   /**< default true */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]; a
                                                 shift, -2..6 cells, default 0. Not read in the
                                                 residual path: the delay is a parameter of each
@@ -262,12 +252,6 @@ typedef struct auvid_metric {
  * @param vehicle must outlive the metric; gives `free`. NULL: `free` is 0 */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
 
-#define auvid_metric_literal AUVID_SIZED(auvid_metric_literal)
-/** Change *cfg to the literal smoothing of the paper: order 3, half-width 0.5 s, states smoothed,
- * accelerations by the Savitzky-Golay derivative, one pass, wrench raw, delay not estimated. NULL
- * is a no-op. */
-void auvid_metric_literal(auvid_metric_config_t *cfg);
-
 #define auvid_metric_init AUVID_SIZED(auvid_metric_init)
 /** Start with an empty ring.
  * @param cfg copied; may be metric->cfg
@@ -320,8 +304,7 @@ void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us);
 /** End the hold: all sets count again, and a set that waits in the residual path enters the ring.
  * @param resume_us residual path: where rows were dropped, rows whose middle is before this time
  * are also dropped
- * @return AUVID_OK; AUVID_SET_COMPLETE or AUVID_SET_IDLE (for the set that waited; see
- * auvid_metric_add); AUVID_ERR_NULL. */
+ * @return AUVID_OK; AUVID_SET_COMPLETE (the set that waited entered the ring); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
 
 #define auvid_metric_drop AUVID_SIZED(auvid_metric_drop)

@@ -256,12 +256,12 @@ typedef struct {
  * @param cfg written whole; NULL is a no-op. */
 void auvid_nav_defaults(auvid_nav_config_t *cfg);
 
+#define auvid_nav_init AUVID_SIZED0(auvid_nav_init)
 /** Initialise or restart *nav: velocity 0, position as configured, no time yet.
  * @param nav written whole.
  * @param cfg copied; need not outlive the call.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE or AUVID_ERR_RANGE if a field is outside
  *         its stated range. On an error *nav is unchanged. */
-#define auvid_nav_init AUVID_SIZED0(auvid_nav_init)
 auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
 
 #define auvid_nav_imu AUVID_SIZED0(auvid_nav_imu)
@@ -306,13 +306,8 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * then re-initialise what they measure: value and variance R (for a late velocity plus the noise
  * since), correlations 0.
  *
- * Common statuses: AUVID_OK: applied; AUVID_PENDING: held; AUVID_UNUSED: ahead of the filter while
- * another sample is held; AUVID_GATED: outside the gate, not applied; AUVID_ERR_NULL;
- * AUVID_ERR_STATE: not initialised, or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE; AUVID_ERR_STALE: older than max_age, or further ahead than both max_age and
- * future_us; AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK: not newer than the previous sample of this
- * sensor. A sample that is not applied changes only the diagnostics of its sensor. AUVID_ERR_NULL
- * and AUVID_ERR_STATE change nothing. */
+ * A sample that is not applied changes only the diagnostics of its sensor. AUVID_ERR_NULL and
+ * AUVID_ERR_STATE change nothing. */
 
 #define auvid_nav_update AUVID_SIZED0(auvid_nav_update)
 /** Correct with a sample of any sensor. The functions below call it.
@@ -347,8 +342,8 @@ auvid_status_t auvid_nav_update(auvid_nav_t *nav, auvid_nav_sensor_t sensor, uin
  * that dead reckoning continues: AUVID_OK and flag AUVID_NAV_WATER_AIDED. In both cases it must
  * pass the gate with that variance.
  * @param sample velocity: |velocity| over the valid axes <= speed_limit.
- * @return the common statuses (AUVID_ERR_RANGE: too fast, or lock or valid outside its
- *         enumeration); AUVID_UNUSED also if valid == 0 or water lock is not applied.
+ * @return as auvid_nav_depth; AUVID_ERR_RANGE: too fast, or lock or valid outside its enumeration;
+ *         AUVID_UNUSED also if valid == 0 or water lock is not applied.
  * Cost: see the top of the file. */
 auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample);
 
@@ -356,14 +351,19 @@ auvid_status_t auvid_nav_dvl(auvid_nav_t *nav, const auvid_dvl_sample_t *sample)
 /** Correct with a depth. The first sample sets z.
  * @param t_us time of measurement [us].
  * @param depth_m positive down [m], |.| <= 1e5.
- * @return the common statuses. */
+ * @return AUVID_OK: applied; AUVID_PENDING: held; AUVID_UNUSED: ahead of the filter while another
+ *         sample is held; AUVID_GATED: outside the gate, not applied; AUVID_ERR_NULL;
+ *         AUVID_ERR_STATE: not initialised, or no auvid_nav_imu() yet; AUVID_ERR_NOT_FINITE;
+ *         AUVID_ERR_RANGE; AUVID_ERR_STALE: older than max_age, or further ahead than both max_age
+ *         and future_us; AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK: not newer than the previous
+ *         sample of this sensor. */
 auvid_status_t auvid_nav_depth(auvid_nav_t *nav, uint64_t t_us, auvid_real_t depth_m);
 
 #define auvid_nav_pressure AUVID_SIZED0(auvid_nav_pressure)
 /** Correct with a pressure: auvid_nav_depth() of (pressure - surface_pressure) / (density gravity).
  * @param t_us time of measurement [us].
  * @param pressure_pa absolute [Pa].
- * @return as auvid_nav_depth(). */
+ * @return as auvid_nav_depth. */
 auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t pressure_pa);
 
 #define auvid_nav_gps AUVID_SIZED0(auvid_nav_gps)
@@ -372,7 +372,7 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
  * vehicle may move meanwhile.
  * @param t_us time of measurement [us].
  * @param x_m, y_m north and east of the origin [m], |.| <= 1e5.
- * @return the common statuses; AUVID_UNUSED also if the filter's depth exceeds surface_depth;
+ * @return as auvid_nav_depth; AUVID_UNUSED also if the filter's depth exceeds surface_depth;
  *         AUVID_PENDING also if the fix is stored for the median. */
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m);
 

@@ -123,12 +123,13 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
 
 #define auvid_node_init AUVID_SIZED(auvid_node_init)
 /** Initialises the node.
+ * After an error every other function returns AUVID_ERR_STATE.
  * @param identifier configuration of the identifier. It must include the allocation: the bus
  * carries thrusts, not wrenches. It may be node->id.cfg, which saves memory; its contents are
  * undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
- * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); those of auvid_identifier_init.
- * After an error every other function returns AUVID_ERR_STATE. */
+ * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
+ * auvid_identifier_init. */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_identifier_config_t *identifier);
 
@@ -136,8 +137,9 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
 /** Takes a received frame. It does not read the time of arrival.
  * @return AUVID_OK; AUVID_TICK (a tick has begun: call auvid_node_step); AUVID_UNUSED (no message
  * that a node receives, or one of its own last four commands of that half); AUVID_ERR_NULL;
- * AUVID_ERR_STATE; AUVID_ERR_CHECKSUM (refused and counted: bad checksum, length or range; a
- * repeated or jumped counter, unless the frame takes thrust away; an outdated tick). */
+ * AUVID_ERR_STATE (not initialised). Refused and counted: AUVID_ERR_LENGTH, AUVID_ERR_CHECKSUM,
+ * AUVID_ERR_RANGE (not authentic); AUVID_ERR_REPEATED, AUVID_ERR_COUNTER_JUMP (unless the frame
+ * takes thrust away); AUVID_ERR_STALE (a tick older than one already accepted). */
 auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *frame);
 
 #define auvid_node_step AUVID_SIZED(auvid_node_step)

@@ -78,22 +78,23 @@ typedef struct {
  * NULL is a no-op. Cost: a memset. */
 void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
 
+#define auvid_optimizer_init                                                                       \
+    AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 /**
  * Check and copy the configuration; draw the first population.
  * @param optimizer  state to start; need not be zeroed.
  * @param cfg     copied.
- * @return AUVID_OK, or an error of auvid_crs_init or auvid_line_search_init, in that order; then
- *         *optimizer is unchanged. Cost: that of auvid_crs_init. Stack: 0.9 KiB.
+ * @return AUVID_OK; the errors of auvid_crs_init, the errors of auvid_line_search_init, in that
+ *         order. After an error *optimizer is unchanged.
+ * Cost: that of auvid_crs_init. Stack: 0.9 KiB.
  */
-#define auvid_optimizer_init                                                                       \
-    AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
                                     const auvid_optimizer_config_t *cfg);
 
 #define auvid_optimizer_add_point                                                                  \
     AUVID_SIZED2(auvid_optimizer_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
-/** Put a known good point into the first population. Parameters and statuses of
- * auvid_crs_add_point. */
+/** Put a known good point into the first population. Parameters of auvid_crs_add_point.
+ * @return as auvid_crs_add_point. */
 auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
 
 #define auvid_optimizer_ask                                                                        \
@@ -105,8 +106,8 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  *         AUVID_PENDING: work was done, but there is no point yet: ask again;
  *         AUVID_FINISHED: converged;
  *         AUVID_EVALUATION_LIMIT: the local phase was ended by its cap on evaluations;
- *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); those of auvid_line_search_init, if
- *         memory is damaged: the search is over, and the best point is that of the global phase.
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_RANGE: memory is damaged,
+ *         the search is over, and the best point is that of the global phase.
  * Cost: at most one trial point.
  */
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);

@@ -57,8 +57,9 @@ auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, u
  * estimates are assumed to scale with the thrust even so: fix a parameter that is known better.
  * @param pi [n] parameters in the model's order, within +-1e18; fixed ones are not read
  * @param sigma [n] their standard errors, above 5e-31, below 1e30; a large one for a guess
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (as auvid_prior_load); AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE (a value or a sigma out of its range). A rejected call changes nothing.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
+ * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a value or a sigma out of its range). A rejected call
+ * changes nothing.
  */
 auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
                                const auvid_real_t *sigma);

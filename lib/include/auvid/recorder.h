@@ -112,8 +112,8 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
  * @param t_us time of measurement [us]
  * @param velocity [3] u v w [m/s]
  * @param measured bit i: velocity[i] was measured, 0..7; the others are not read
- * @return as auvid_recorder_attitude(); AUVID_ERR_RANGE also if `measured` exceeds 7; AUVID_UNUSED
- *         if it is 0: nothing changes. Cost as auvid_recorder_attitude(). */
+ * @return as auvid_recorder_attitude; AUVID_ERR_RANGE also if `measured` exceeds 7; AUVID_UNUSED
+ *         if it is 0: nothing changes. Cost as auvid_recorder_attitude. */
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity, unsigned measured);
 
@@ -122,7 +122,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
  * @param t_us time of measurement [us]
  * @param attitude [3] phi theta psi [rad], psi unwrapped
  * @param nu [6] u v w p q r [m/s, rad/s]
- * @return as auvid_recorder_attitude(). If either of the two is rejected, neither is recorded. */
+ * @return as auvid_recorder_attitude. If either of the two is rejected, neither is recorded. */
 auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
                                      const auvid_real_t *attitude, const auvid_real_t *nu);
 
@@ -131,7 +131,7 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
  * @param t_us time of the wrench [us]
  * @param tau [6] [N, Nm]: total of all sources, not only auvid's
  * @param command [AUVID_MAX_COMMANDS] thruster commands, any unit; NULL: zeros
- * @return as auvid_recorder_attitude(). Cost as auvid_recorder_attitude(). */
+ * @return as auvid_recorder_attitude. Cost as auvid_recorder_attitude. */
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command);
 

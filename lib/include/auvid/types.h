@@ -21,6 +21,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "auvid/config.h"
 
@@ -63,38 +64,42 @@ typedef enum {
  * the statuses that it returns.
  */
 typedef enum {
-    AUVID_OK = 0,               /**< done */
-    AUVID_PENDING = 1,          /**< more work remains: call again */
-    AUVID_FINISHED = 2,         /**< the procedure is complete */
-    AUVID_EMPTY = 3,            /**< nothing is available */
-    AUVID_GAP = 4,              /**< gap in the data: the record restarts here */
-    AUVID_SET_COMPLETE = 5,     /**< this sample completed a data set */
-    AUVID_GATED = 6,            /**< the innovation gate rejected the measurement */
-    AUVID_UNUSED = 7,           /**< valid measurement, not usable now (GPS under water, ...) */
-    AUVID_SATURATED = 8,        /**< limited to the thrusters' capacity or a frame's range */
-    AUVID_EVALUATION_LIMIT = 9, /**< stopped at the evaluation limit, not converged */
-    AUVID_TICK = 10,            /**< a control tick is due: call the step function */
-    AUVID_SET_IDLE = 11,        /**< a data set was completed and discarded: no DoF with a free
+    AUVID_OK = 0,                /**< done */
+    AUVID_PENDING = 1,           /**< more work remains: call again */
+    AUVID_FINISHED = 2,          /**< the procedure is complete */
+    AUVID_EMPTY = 3,             /**< nothing is available */
+    AUVID_GAP = 4,               /**< gap in the data: the record restarts here */
+    AUVID_SET_COMPLETE = 5,      /**< this sample completed a data set */
+    AUVID_GATED = 6,             /**< the innovation gate rejected the measurement */
+    AUVID_UNUSED = 7,            /**< valid measurement, not usable now (GPS under water, ...) */
+    AUVID_SATURATED = 8,         /**< limited to the thrusters' capacity or a frame's range */
+    AUVID_EVALUATION_LIMIT = 9,  /**< stopped at the evaluation limit, not converged */
+    AUVID_TICK = 10,             /**< a control tick is due: call the step function */
+    AUVID_SET_IDLE = 11,         /**< a data set was completed and discarded: no DoF with a free
                                   parameter was excited in it */
-    AUVID_ERR_NULL = -1,        /**< a required pointer is NULL */
-    AUVID_ERR_NOT_FINITE = -2,  /**< a value is NaN or infinite */
-    AUVID_ERR_TIME_BACK = -3,   /**< time went backwards */
-    AUVID_ERR_TIME_SAME = -4,   /**< time did not advance (zero dt) */
-    AUVID_ERR_STALE = -5,       /**< sample older than allowed, or from the future */
-    AUVID_ERR_RANGE = -6,       /**< a value or configuration field is outside its stated range */
-    AUVID_ERR_BOUNDS = -7,      /**< lower bound not below upper bound */
-    AUVID_ERR_POPULATION = -8,  /**< m < n + 1, or m > AUVID_MAX_POPULATION */
-    AUVID_ERR_PARAMETERS = -9,  /**< no parameter, or more than AUVID_MAX_PARAMETERS */
-    AUVID_ERR_SIZE = -10,       /**< another count exceeds its size in config.h */
-    AUVID_ERR_STATE = -11,      /**< call out of order (tell before ask, not initialised, ...) */
-    AUVID_ERR_NO_DATA = -12,    /**< no rows to work on: empty set, no DoF excited */
-    AUVID_ERR_SINGULAR = -13,   /**< the data or the matrix do not determine the result */
-    AUVID_ERR_LIMIT = -14,      /**< exceeds thruster capacity, a guard limit or a queue's size */
-    AUVID_ERR_ARITHMETIC = -15, /**< selftest: this machine's arithmetic gives other bits */
-    AUVID_ERR_MODEL = -16,      /**< the vehicle model does not support the request */
-    AUVID_ERR_LENGTH = -17,     /**< the frame's length is not that of its message */
-    AUVID_ERR_CHECKSUM = -18,   /**< the frame's checksum is wrong */
-    AUVID_ERR_DRY_MASS = -19    /**< the dry mass is not below the upper bound of a mass */
+    AUVID_ERR_NULL = -1,         /**< a required pointer is NULL */
+    AUVID_ERR_NOT_FINITE = -2,   /**< a value is NaN or infinite */
+    AUVID_ERR_TIME_BACK = -3,    /**< time went backwards */
+    AUVID_ERR_TIME_SAME = -4,    /**< time did not advance (zero dt) */
+    AUVID_ERR_STALE = -5,        /**< sample older than allowed, or from the future */
+    AUVID_ERR_RANGE = -6,        /**< a value or configuration field is outside its stated range */
+    AUVID_ERR_BOUNDS = -7,       /**< lower bound not below upper bound */
+    AUVID_ERR_POPULATION = -8,   /**< m < n + 1, or m > AUVID_MAX_POPULATION */
+    AUVID_ERR_PARAMETERS = -9,   /**< no parameter, or more than AUVID_MAX_PARAMETERS */
+    AUVID_ERR_SIZE = -10,        /**< another count exceeds its size in config.h */
+    AUVID_ERR_STATE = -11,       /**< call out of order (tell before ask, not initialised, ...) */
+    AUVID_ERR_NO_DATA = -12,     /**< no rows to work on: empty set, no DoF excited */
+    AUVID_ERR_SINGULAR = -13,    /**< the data or the matrix do not determine the result */
+    AUVID_ERR_LIMIT = -14,       /**< a limit of the guard is exceeded */
+    AUVID_ERR_ARITHMETIC = -15,  /**< selftest: this machine's arithmetic gives other bits */
+    AUVID_ERR_MODEL = -16,       /**< the vehicle model does not support the request */
+    AUVID_ERR_LENGTH = -17,      /**< the frame's length is not that of its message */
+    AUVID_ERR_CHECKSUM = -18,    /**< the frame's checksum is wrong */
+    AUVID_ERR_DRY_MASS = -19,    /**< the dry mass is not below the upper bound of a mass */
+    AUVID_ERR_CAPACITY = -20,    /**< the thrusters cannot give so much */
+    AUVID_ERR_FULL = -21,        /**< the queue is full */
+    AUVID_ERR_REPEATED = -22,    /**< the frame's counter is that of the last one */
+    AUVID_ERR_COUNTER_JUMP = -23 /**< the frame's counter jumped: too many frames are missing */
 } auvid_status_t;
 
 /** Returns a short English text for a status, never NULL; "unknown status" for any other value.
@@ -115,11 +120,19 @@ typedef struct {
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
 
-/** Returns true if x is neither NaN nor infinite. Needs no library. No accepted compiler flag
- * breaks it. */
+/** Returns true if x is neither NaN nor infinite: not all bits of its exponent are set. Needs no
+ * library. No accepted compiler flag breaks it. */
 static inline bool auvid_is_finite(auvid_real_t x)
 {
-    return x - x <= AUVID_C(0.0); /* NaN if x is not finite */
+#ifdef AUVID_REAL_DOUBLE
+    const uint64_t exponent = (uint64_t)0x7FF << 52;
+    uint64_t bits;
+#else
+    const uint32_t exponent = (uint32_t)0xFF << 23;
+    uint32_t bits;
+#endif
+    memcpy(&bits, &x, sizeof bits);
+    return (bits & exponent) != exponent;
 }
 
 #ifdef __cplusplus

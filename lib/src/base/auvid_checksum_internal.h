@@ -32,11 +32,18 @@ static inline uint32_t auvid_get_word(const uint8_t *bytes)
 /** Returns the bits of x in single precision. */
 static inline uint32_t auvid_single_bits(auvid_real_t x)
 {
-    union {
-        float single;
-        uint32_t bits;
-    } u = {(float)x};
-    return u.bits;
+    float single = (float)x;
+    uint32_t bits;
+    memcpy(&bits, &single, sizeof bits);
+    return bits;
+}
+
+/** Returns the number that has these bits in single precision. */
+static inline auvid_real_t auvid_from_single_bits(uint32_t bits)
+{
+    float single;
+    memcpy(&single, &bits, sizeof single);
+    return (auvid_real_t)single;
 }
 
 #endif

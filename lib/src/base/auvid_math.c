@@ -72,19 +72,10 @@ void auvid_clear(auvid_real_t *x, size_t n)
     }
 }
 
-/* If all bits of the exponent are ones, the value is infinite or NaN. */
 bool auvid_all_finite(const auvid_real_t *x, size_t n)
 {
-#ifdef AUVID_REAL_DOUBLE
-    const uint64_t exponent = UINT64_C(0x7ff0000000000000);
-    uint64_t bits;
-#else
-    const uint32_t exponent = 0x7f800000u;
-    uint32_t bits;
-#endif
     for (; n > 0; --n, ++x) {
-        memcpy(&bits, x, sizeof bits);
-        if ((bits & exponent) == exponent) {
+        if (!auvid_is_finite(*x)) {
             return false;
         }
     }
@@ -198,12 +189,6 @@ static inline auvid_real_t math_polynomial(const auvid_real_t *c, int n, auvid_r
     return p;
 }
 
-/* Rounds x to the nearest integer, halves away from zero. */
-static inline int32_t math_nearest(auvid_real_t x)
-{
-    return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
-}
-
 /* x - n pi/2 */
 static inline auvid_real_t math_reduce(auvid_real_t x, int32_t n)
 {
@@ -239,7 +224,7 @@ AUVID_INLINE auvid_real_t math_cos_reduced(auvid_real_t z)
 /* Returns r of x = n pi/2 + r. */
 static auvid_real_t math_to_quadrant(auvid_real_t x, uint32_t *n)
 {
-    int32_t nearest_n = math_nearest(x * AUVID_C(0.63661977236758134308));
+    int32_t nearest_n = (int32_t)auvid_half_further(x * AUVID_C(0.63661977236758134308));
     *n = (uint32_t)nearest_n;
     return nearest_n != 0 ? math_reduce(x, nearest_n) : x;
 }
@@ -317,7 +302,7 @@ auvid_real_t auvid_wrap_pi(auvid_real_t x)
     if (!math_in_range(x)) {
         return math_nan();
     }
-    int32_t n = 4 * math_nearest(x * AUVID_C(0.15915494309189533577));
+    int32_t n = 4 * (int32_t)auvid_half_further(x * AUVID_C(0.15915494309189533577));
     auvid_real_t r = math_reduce(x, n);
     if (r > AUVID_PI || r < -AUVID_PI) { /* x / (2 pi) was rounded to the wrong side of a half */
         r = math_reduce(x, r > AUVID_C(0.0) ? n + 4 : n - 4);

@@ -73,6 +73,13 @@ static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_r
     return x < low ? low : (x > high ? high : x);
 }
 
+/** Returns x, half a unit further from zero. Truncated to an integer, that is x rounded to the
+ * nearest one, halves away from zero, to within the rounding of the sum. */
+static inline auvid_real_t auvid_half_further(auvid_real_t x)
+{
+    return x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5);
+}
+
 /** Sets n values to zero. memset() of small C libraries works byte by byte. */
 void auvid_clear(auvid_real_t *x, size_t n);
 

@@ -35,13 +35,17 @@ static const char *const error_text[] = {
     [-AUVID_ERR_STATE] = "the function was called out of order or before init",
     [-AUVID_ERR_NO_DATA] = "there is no data to work on",
     [-AUVID_ERR_SINGULAR] = "the data do not determine the result",
-    [-AUVID_ERR_LIMIT] = "the thrusters' capacity, a guard limit or a queue's size is exceeded",
+    [-AUVID_ERR_LIMIT] = "a limit of the guard is exceeded",
     [-AUVID_ERR_ARITHMETIC] =
         "wrong arithmetic: disable flush-to-zero, fast math, contraction; round to nearest",
     [-AUVID_ERR_MODEL] = "the vehicle model does not support the request",
     [-AUVID_ERR_LENGTH] = "the frame's length is not that of its message",
     [-AUVID_ERR_CHECKSUM] = "the frame's checksum is wrong",
     [-AUVID_ERR_DRY_MASS] = "the dry mass is not below the upper bound of a mass",
+    [-AUVID_ERR_CAPACITY] = "the thrusters cannot give so much",
+    [-AUVID_ERR_FULL] = "the queue is full",
+    [-AUVID_ERR_REPEATED] = "the frame's counter is that of the last one",
+    [-AUVID_ERR_COUNTER_JUMP] = "the frame's counter jumped",
 };
 
 const char *auvid_status_str(auvid_status_t status)

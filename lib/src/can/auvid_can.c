@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "auvid_can_table_internal.h"
+#include "../base/auvid_checksum_internal.h"
 #include "../base/auvid_math_internal.h"
 
 #define COUNTER_START 8
@@ -59,12 +60,6 @@ static size_t can_type_size(const auvid_can_type_t *type)
     return can_type_is_integer(type) ? sizeof(uint32_t) : sizeof(auvid_real_t);
 }
 
-/* Rounds half away from zero, to within the rounding of the sum. */
-static int32_t can_round_nearest(auvid_real_t x)
-{
-    return (int32_t)(x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5));
-}
-
 static uint32_t can_limit_integer(const auvid_can_type_t *type, uint32_t x)
 {
     uint32_t high = type->number != 0 ? type->number : UINT32_MAX >> type->unused;
@@ -91,10 +86,9 @@ static bool can_encode_signal(const auvid_can_type_t *type, can_field_t field, b
     auvid_real_t high = can_type_is_float(type) ? FLOAT_LIMIT : (auvid_real_t)limit;
     auvid_real_t y = auvid_clamp(x, (type->kind & 1u) != 0 ? AUVID_C(0.0) : -high, high);
     if (can_type_is_float(type)) {
-        float single = (float)y;
-        memcpy(raw, &single, sizeof single);
+        *raw = auvid_single_bits(y);
     } else {
-        *raw = (uint32_t)can_round_nearest(y) & UINT32_MAX >> type->unused;
+        *raw = (uint32_t)(int32_t)auvid_half_further(y) & UINT32_MAX >> type->unused;
     }
     /* Less than half a step beyond the limit is rounding: an unpacked limit may lie there. */
     *saturated += (x - y) * (x - y) >= AUVID_C(0.25);
@@ -109,10 +103,7 @@ static can_field_t can_decode_signal(const auvid_can_type_t *type, uint32_t raw)
     if (can_type_is_integer(type)) {
         field.integer = raw;
     } else if (can_type_is_float(type) || raw == sign) {
-        float single;
-        raw = can_type_is_float(type) ? raw : FLOAT_ABSENT;
-        memcpy(&single, &raw, sizeof single);
-        field.real = (auvid_real_t)single;
+        field.real = auvid_from_single_bits(can_type_is_float(type) ? raw : FLOAT_ABSENT);
     } else {
         field.real =
             (auvid_real_t)((int32_t)(raw ^ sign) - (int32_t)sign) / (auvid_real_t)type->number;

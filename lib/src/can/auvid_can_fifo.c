@@ -51,7 +51,7 @@ auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame
         }
     } else if (at - fifo->popped >= fifo->size) {
         fifo->dropped = fifo->dropped + 1u;
-        return AUVID_ERR_LIMIT;
+        return AUVID_ERR_FULL;
     }
     AUVID_CAN_BARRIER(); /* the slot was read before it is overwritten */
     *slot = *frame;

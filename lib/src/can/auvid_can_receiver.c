@@ -25,6 +25,7 @@ auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can
     auvid_status_t status = auvid_can_ids_check(ids);
     if (status == AUVID_OK) {
         memset(receiver, 0, sizeof *receiver);
+        receiver->status = AUVID_EMPTY;
         receiver->ids = *ids;
         receiver->kind = (uint8_t)kind;
         receiver->timeout_us = timeout_us;
@@ -56,57 +57,57 @@ static void can_receiver_check_timeout(auvid_can_receiver_t *receiver, uint64_t 
     }
     if (ends && receiver->is_fresh && can_receiver_is_silent(receiver, receiver->good_us, now_us)) {
         receiver->is_fresh = false;
-        receiver->state = AUVID_CAN_TIMED_OUT;
+        receiver->status = AUVID_ERR_STALE;
         ++receiver->timeouts;
     }
 }
 
-auvid_can_state_t auvid_can_receiver_state(auvid_can_receiver_t *receiver, uint64_t now_us)
+auvid_status_t auvid_can_receiver_status(auvid_can_receiver_t *receiver, uint64_t now_us)
 {
     if (receiver == NULL) {
-        return AUVID_CAN_SILENT;
+        return AUVID_ERR_NULL;
     }
     can_receiver_check_timeout(receiver, now_us, true);
-    return (auvid_can_state_t)receiver->state;
+    return (auvid_status_t)receiver->status;
 }
 
 /* Verdict on an authentic frame by its counter. */
-static auvid_can_state_t can_receiver_check_counter(auvid_can_receiver_t *receiver, uint8_t counter)
+static auvid_status_t can_receiver_check_counter(auvid_can_receiver_t *receiver, uint8_t counter)
 {
     uint32_t step = (uint32_t)(counter - receiver->counter) % COUNTERS;
     bool first = !receiver->started;
     receiver->counter = counter;
     receiver->started = true;
     if (first && !receiver->strict) {
-        return AUVID_CAN_GOOD;
+        return AUVID_OK;
     }
     if (first || step > AUVID_CAN_LARGEST_STEP) {
         ++receiver->counter_jumps;
-        return AUVID_CAN_COUNTER_JUMP;
+        return AUVID_ERR_COUNTER_JUMP;
     }
     if (step == 0) {
         ++receiver->repeated;
-        return AUVID_CAN_REPEATED;
+        return AUVID_ERR_REPEATED;
     }
     receiver->lost += step - 1u;
-    return AUVID_CAN_GOOD;
+    return AUVID_OK;
 }
 
-auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
-                                          const auvid_can_frame_t *frame,
-                                          auvid_can_message_t *message)
+auvid_status_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
+                                       const auvid_can_frame_t *frame, auvid_can_message_t *message)
 {
-    if (receiver == NULL || frame == NULL || message == NULL ||
-        frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
-        return AUVID_CAN_FOREIGN;
+    if (receiver == NULL || frame == NULL || message == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (frame->id != auvid_can_id(&receiver->ids, (auvid_can_kind_t)receiver->kind)) {
+        return AUVID_UNUSED;
     }
     /* a command expires by the clock, not by timestamps */
     can_receiver_check_timeout(receiver, frame->t_us, !receiver->strict);
     auvid_can_message_t unpacked;
     auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &unpacked);
-    auvid_can_state_t state = AUVID_CAN_BAD;
     if (status == AUVID_OK) {
-        state = can_receiver_check_counter(receiver, unpacked.counter);
+        status = can_receiver_check_counter(receiver, unpacked.counter);
         receiver->seen_us = frame->t_us;
         *message = unpacked;
     } else if (status == AUVID_ERR_CHECKSUM) {
@@ -114,13 +115,13 @@ auvid_can_state_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
     } else {
         ++receiver->invalid;
     }
-    if (state == AUVID_CAN_GOOD) {
+    if (status == AUVID_OK) {
         ++receiver->good;
         receiver->good_us = frame->t_us;
         receiver->is_fresh = true;
     }
-    receiver->state = (uint8_t)state;
-    return state;
+    receiver->status = (int8_t)status;
+    return status;
 }
 
 auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thrusters,
@@ -148,14 +149,16 @@ auvid_status_t auvid_can_command_init(auvid_can_command_t *command, uint8_t thru
     return AUVID_OK;
 }
 
-auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
-                                         const auvid_can_frame_t *frame)
+auvid_status_t auvid_can_command_take(auvid_can_command_t *command, const auvid_can_frame_t *frame)
 {
-    auvid_can_state_t state = AUVID_CAN_FOREIGN;
-    for (int i = 0; command != NULL && i < command->halves; ++i) {
+    if (command == NULL || frame == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = AUVID_UNUSED;
+    for (int i = 0; i < command->halves; ++i) {
         auvid_can_message_t message;
-        auvid_can_state_t answer = auvid_can_receiver_take(&command->half[i], frame, &message);
-        if (answer == AUVID_CAN_GOOD) {
+        auvid_status_t answer = auvid_can_receiver_take(&command->half[i], frame, &message);
+        if (answer == AUVID_OK) {
             const auvid_real_t *thrust = i == 0 ? message.as.thruster_command_a.thrust
                                                 : message.as.thruster_command_b.thrust;
             for (int j = 0; j < RECEIVER_HALF; ++j) {
@@ -163,9 +166,9 @@ auvid_can_state_t auvid_can_command_take(auvid_can_command_t *command,
                 command->thrust[RECEIVER_HALF * i + j] = absent ? AUVID_C(0.0) : thrust[j];
             }
         }
-        state = answer != AUVID_CAN_FOREIGN ? answer : state;
+        status = answer != AUVID_UNUSED ? answer : status;
     }
-    return state;
+    return status;
 }
 
 /* Is the command of this half good at now_us? A frame with a timestamp too far ahead is undone. */

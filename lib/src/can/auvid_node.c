@@ -154,7 +154,7 @@ static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t 
     uint32_t behind = (node->sequence - tick->sequence) & 0xFFFFFu;
     if (node->started && behind < LATE_TICKS) {
         ++node->counters.refused;
-        return AUVID_ERR_CHECKSUM;
+        return AUVID_ERR_STALE;
     }
     uint64_t bus_us = node->started ? auvid_can_extend_us(node->bus_us, tick->time) : tick->time;
     uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
@@ -197,12 +197,15 @@ static void node_take_foreign_command(auvid_node_t *node)
 }
 
 /* Is this message obeyed? A message that takes thrust away is obeyed with any counter. */
-static bool node_obeys(auvid_can_state_t state, const auvid_can_message_t *m)
+static bool node_obeys(auvid_status_t status, const auvid_can_message_t *m)
 {
+    if (status != AUVID_ERR_REPEATED && status != AUVID_ERR_COUNTER_JUMP) {
+        return status == AUVID_OK; /* else not authentic: *m is not written */
+    }
     bool command =
         m->kind == AUVID_CAN_THRUSTER_COMMAND_A || m->kind == AUVID_CAN_THRUSTER_COMMAND_B;
     bool disarms = m->kind == AUVID_CAN_ARM && m->as.arm.action != AUVID_CAN_ACTION_ARM;
-    return state == AUVID_CAN_GOOD || m->kind == AUVID_CAN_ABORT || command || disarms;
+    return m->kind == AUVID_CAN_ABORT || command || disarms;
 }
 
 #define NODE_CASE(name, ...) case AUVID_CAN_NODE_##name:
@@ -258,13 +261,13 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
-    auvid_can_state_t state =
+    auvid_status_t status =
         auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
-    if (state == AUVID_CAN_BAD || !node_obeys(state, &message)) {
+    if (!node_obeys(status, &message)) {
         ++node->counters.refused;
-        return AUVID_ERR_CHECKSUM;
+        return status;
     }
-    auvid_status_t status = node_take_message(node, &message, state == AUVID_CAN_GOOD);
+    status = node_take_message(node, &message, status == AUVID_OK);
     node->counters.frames += status >= 0;
     return status;
 }

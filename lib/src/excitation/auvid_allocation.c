@@ -434,7 +434,7 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
     }
     for (int i = 0; i < DOFS; ++i) {
         if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
-            return AUVID_ERR_LIMIT;
+            return AUVID_ERR_CAPACITY;
         }
     }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
@@ -446,7 +446,7 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
             reach += auvid_abs(a->inverse[j][i]) * peak[i];
         }
         if (!(middle + reach <= t->max_N && middle - reach >= t->min_N)) {
-            return AUVID_ERR_LIMIT;
+            return AUVID_ERR_CAPACITY;
         }
     }
     return AUVID_OK;

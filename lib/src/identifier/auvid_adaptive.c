@@ -365,7 +365,7 @@ static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
             peak[j] = cfg->amplitude[j];
             ++count;
             if (!adaptive_thrusters_suffice(id, peak)) {
-                return AUVID_ERR_LIMIT;
+                return AUVID_ERR_CAPACITY;
             }
         }
     }

@@ -113,7 +113,6 @@ static const row_t metric[] = {
     SPAN(auvid_metric_t, uint32_t, cfg.cell_us, cfg.velocity_us),
     SPAN(auvid_metric_t, uint16_t, cfg.row_cells, cfg.set_rows),
     BYTE(auvid_metric_t, cfg.sets, cfg.sets),
-    ENUM(auvid_metric_t, cfg.smoothing),
     BYTE(auvid_metric_t, cfg.half_width, cfg.estimate_delay),
     REALS(auvid_metric_t, cfg.delay_s, cfg.delay_sigma_s),
     BYTE(auvid_metric_t, cfg.first_order_lag, cfg.first_order_lag),
@@ -302,7 +301,6 @@ static const row_t seen[] = {
 static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, search, TABLE_SEARCH),
     ENUM(auvid_identifier_t, velocity),
-    BYTE(auvid_identifier_t, velocity_every_tick, velocity_every_tick),
     REALS(auvid_identifier_t, dry_mass_kg, uncertainty),
     STRUCT(auvid_identifier_t, nav, TABLE_NAV),
     STRUCT(auvid_identifier_t, recorder, TABLE_RECORDER),

@@ -103,7 +103,6 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     RANGE(TABLE_METRIC, auvid_metric_t, cfg.row_cells, cfg.set_rows, AUVID_C(1.0),
           AUVID_C(65535.0)),
     RANGE(TABLE_METRIC, auvid_metric_t, cfg.sets, cfg.sets, AUVID_C(1.0), AUVID_MAX_SETS),
-    FLAG(TABLE_METRIC, auvid_metric_t, cfg.smoothing, cfg.smoothing),
     RANGE(TABLE_METRIC, auvid_metric_t, cfg.lag, cfg.lag, AUVID_C(1.0), AUVID_METRIC_LAGS),
     FLAG(TABLE_METRIC, auvid_metric_t, cfg.estimate_delay, cfg.estimate_delay),
     DELAY(TABLE_METRIC, auvid_metric_t, cfg.delay_s, cfg.delay_s),
@@ -244,7 +243,6 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_SEEN, auvid_guard_seen_t, known, known),
 
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity, velocity),
-    FLAG(TABLE_IDENTIFIER, auvid_identifier_t, velocity_every_tick, velocity_every_tick),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, uncertainty, uncertainty),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, phase, phase, AUVID_WORK_PHASE_COUNT - 1),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, parameter_of, parameter_of,

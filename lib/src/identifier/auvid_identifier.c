@@ -32,15 +32,6 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     cfg->uncertainty.delay_s = AUVID_C(0.1);
 }
 
-void auvid_identifier_literal(auvid_identifier_config_t *cfg)
-{
-    if (cfg != NULL) {
-        cfg->velocity_every_tick = true;
-        cfg->metric.cell_us = cfg->recorder.cell_us;
-        auvid_metric_literal(&cfg->metric);
-    }
-}
-
 /* Check the search over all free parameters. A search over fewer of them is valid too. */
 static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg)
 {
@@ -94,16 +85,18 @@ static auvid_status_t identifier_check_uncertainty(const auvid_uncertainty_t *un
 
 static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
 {
+    const auvid_listener_t *listener = cfg->listener;
     auvid_status_t status = auvid_selftest();
+    if (listener != NULL && (listener->command == NULL || listener->set == NULL)) {
+        status = AUVID_ERR_NULL;
+    }
     if (status >= 0) {
         status = auvid_vehicle_check(cfg->vehicle);
     }
     if (status >= 0) {
         status = identifier_check_search(cfg);
     }
-    /* only the filter has a velocity in every tick, and that is over ground */
-    bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND ||
-                    (cfg->velocity == AUVID_VELOCITY_WATER && !cfg->velocity_every_tick);
+    bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND || cfg->velocity == AUVID_VELOCITY_WATER;
     bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
     if (status >= 0) {
         status = identifier_check_uncertainty(&cfg->uncertainty);
@@ -179,7 +172,6 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (status >= 0) {
         id->search = cfg->search;
         id->velocity = cfg->velocity;
-        id->velocity_every_tick = cfg->velocity_every_tick;
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;

@@ -45,7 +45,7 @@ static void identifier_record_velocity(auvid_identifier_t *id)
 {
     bool water = id->velocity == AUVID_VELOCITY_WATER;
     const auvid_nav_velocity_sample_t *sample = water ? &id->nav.water : &id->nav.ground;
-    if (!id->velocity_every_tick && sample->sequence != id->last_sample) {
+    if (sample->sequence != id->last_sample) {
         id->last_sample = sample->sequence;
         (void)auvid_recorder_velocity(&id->recorder, sample->t_us, sample->velocity,
                                       sample->measured);
@@ -108,10 +108,6 @@ static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t 
     uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
     if (in->imu.present) {
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
-    }
-    if (id->velocity_every_tick && (state.flags & fresh)) {
-        (void)auvid_recorder_velocity(&id->recorder, state.t_us, state.velocity,
-                                      id->nav.ground.measured);
     }
     identifier_record_velocity(id);
     if (!(state.flags & fresh)) {

@@ -46,13 +46,6 @@ _Static_assert(RECORD_VARIANCE_INFLATION + 4 * AUVID_DOF_COUNT <= RECORD_VALUE &
                    RECORD_SIGMA + 2 * AUVID_MAX_PARAMETERS <= RECORD_CHECK,
                "the record has room for all degrees of freedom and parameters");
 
-static auvid_real_t prior_real(uint32_t bits)
-{
-    float single;
-    memcpy(&single, &bits, sizeof single);
-    return (auvid_real_t)single;
-}
-
 static uint32_t prior_checksum(const uint8_t *record)
 {
     return ~auvid_checksum(UINT32_MAX, record, RECORD_CHECK);
@@ -112,13 +105,13 @@ static void prior_read(const uint8_t *record, int parameters, auvid_prior_t *pri
     prior->known = auvid_get_word(record + RECORD_KNOWN);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         prior->variance_inflation[j] =
-            prior_real(auvid_get_word(record + RECORD_VARIANCE_INFLATION + 4 * j));
+            auvid_from_single_bits(auvid_get_word(record + RECORD_VARIANCE_INFLATION + 4 * j));
     }
     for (int i = 0; i < parameters; ++i) {
         uint32_t upper = record[RECORD_SIGMA + 2 * i] | (uint32_t)record[RECORD_SIGMA + 2 * i + 1]
                                                             << 8;
-        prior->pi[i] = prior_real(auvid_get_word(record + RECORD_VALUE + 4 * i));
-        prior->sigma[i] = AGED * prior_real(upper << 16);
+        prior->pi[i] = auvid_from_single_bits(auvid_get_word(record + RECORD_VALUE + 4 * i));
+        prior->sigma[i] = AGED * auvid_from_single_bits(upper << 16);
     }
 }
 

@@ -67,7 +67,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
-    if (auvid_metric_smooths_motion(m)) {
+    if (!auvid_metric_has_regressor(m)) {
         return;
     }
     confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);

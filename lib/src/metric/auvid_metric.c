@@ -43,7 +43,6 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
         .row_cells = 5,
         .set_rows = 60,
         .sets = AUVID_MAX_SETS,
-        .smoothing = AUVID_SMOOTH_ROWS,
         .half_width = {10, 7},
         .order = 2,
         .passes = 2,
@@ -52,19 +51,6 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
     };
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         cfg->tau_max[j] = j < 3 ? AUVID_C(100.0) : AUVID_C(40.0);
-    }
-}
-
-void auvid_metric_literal(auvid_metric_config_t *cfg)
-{
-    if (cfg != NULL) {
-        uint32_t half = cfg->cell_us == 0 ? 0 : 500000 / cfg->cell_us; /* init refuses 0 */
-        cfg->smoothing = AUVID_SMOOTH_STATES;
-        half = half < 2 ? 2 : (half > 127 ? 127 : half);
-        cfg->half_width[0] = cfg->half_width[1] = (uint8_t)half;
-        cfg->order = 3;
-        cfg->passes = 1;
-        cfg->estimate_delay = false;
     }
 }
 
@@ -97,9 +83,7 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
         cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
         (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||
         cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 || cfg->lag[1] > AUVID_METRIC_LAGS ||
-        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1 ||
-        (cfg->smoothing != AUVID_SMOOTH_ROWS && !auvid_metric_is_literal(cfg)) ||
-        (auvid_metric_is_literal(cfg) && cfg->estimate_delay)) {
+        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1) {
         return AUVID_ERR_RANGE;
     }
     uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
@@ -110,24 +94,18 @@ static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
     return cfg->vehicle->regressor != NULL || stored ? AUVID_OK : AUVID_ERR_MODEL;
 }
 
-/* Write one pass of Savitzky-Golay to the middle of `taps`. @return its first coefficient */
-static auvid_real_t *metric_make_pass(const auvid_metric_t *m, auvid_real_t *kernel,
-                                      uint8_t half_width, uint8_t derivative)
+/* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */
+static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width)
 {
     auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
     auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
-    (void)auvid_smoother_coefficients(half_width, m->cfg.order, derivative, dt_s, 0,
+    (void)auvid_smoother_coefficients(half_width, m->cfg.order, 0, dt_s, 0,
                                       first); /* they exist: metric_check_filter */
-    return first;
-}
-
-/* Convolve the n coefficients at `first` with those at c, which may be the same array. */
-static void metric_convolve(auvid_real_t *first, const auvid_real_t *c, int n)
-{
-    for (int t = 2 * n - 2; t >= 0; --t) { /* in place: later steps read only entries before t */
+    int n = 2 * half_width + 1;
+    for (int t = 2 * n - 2; m->cfg.passes == 2 && t >= 0; --t) { /* in place, from the end */
         auvid_real_t sum = AUVID_C(0.0);
         for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
-            sum += first[i] * c[t - i];
+            sum += first[i] * first[t - i];
         }
         first[t] = sum;
     }
@@ -152,12 +130,6 @@ static void metric_make_window(auvid_metric_t *m, auvid_real_t deviation_s)
     }
 }
 
-/* Returns true if rows are means over the row time: residual path, residuals smoothed later. */
-static bool metric_averages(const auvid_metric_config_t *cfg)
-{
-    return !auvid_metric_is_linear(cfg) && !auvid_metric_is_literal(cfg);
-}
-
 static uint32_t metric_max_half_width(const auvid_metric_config_t *cfg)
 {
     return cfg->half_width[0] > cfg->half_width[1] ? cfg->half_width[0] : cfg->half_width[1];
@@ -165,9 +137,9 @@ static uint32_t metric_max_half_width(const auvid_metric_config_t *cfg)
 
 static uint32_t metric_taps(const auvid_metric_config_t *cfg)
 {
-    uint32_t ends = !auvid_metric_is_literal(cfg) && cfg->velocity_us > 0 ? 2u : 0u;
-    return metric_averages(cfg) ? cfg->row_cells
-                                : 2 * metric_max_half_width(cfg) * cfg->passes + 1 + ends;
+    uint32_t ends = cfg->velocity_us > 0 ? 2u : 0u;
+    return auvid_metric_is_linear(cfg) ? 2 * metric_max_half_width(cfg) * cfg->passes + 1 + ends
+                                       : cfg->row_cells;
 }
 
 static uint32_t metric_overlap(const auvid_metric_config_t *cfg)
@@ -183,14 +155,13 @@ static auvid_status_t metric_check_filter(const auvid_metric_config_t *cfg)
     if (metric_taps(cfg) > AUVID_MAX_TAPS || metric_overlap(cfg) > AUVID_MAX_OVERLAP) {
         return AUVID_ERR_SIZE;
     }
-    if (metric_averages(cfg)) {
+    if (!auvid_metric_is_linear(cfg)) {
         return AUVID_OK;
     }
     if (metric_max_half_width(cfg) > AUVID_MAX_HALF_WIDTH) {
         return AUVID_ERR_SIZE;
     }
-    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER ||
-        (auvid_metric_is_literal(cfg) && cfg->order < 1)) { /* no derivative */
+    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER) {
         return AUVID_ERR_RANGE;
     }
     return cfg->order > 2 * min_half ? AUVID_ERR_SINGULAR : AUVID_OK;
@@ -217,7 +188,7 @@ static void metric_make_filter(auvid_metric_t *m)
     const auvid_metric_config_t *cfg = &m->cfg;
     m->taps = (uint8_t)metric_taps(cfg);
     m->overlap = (uint8_t)metric_overlap(cfg);
-    if (metric_averages(cfg)) {
+    if (!auvid_metric_is_linear(cfg)) { /* means over the row time */
         for (int i = 0; i < m->taps; ++i) {
             m->kernel[0][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
         }
@@ -225,17 +196,10 @@ static void metric_make_filter(auvid_metric_t *m)
         return;
     }
     metric_make_window(m, AUVID_C(0.0));
-    bool literal = auvid_metric_is_literal(cfg);
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
-    auvid_real_t spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
-    m->interpolation_spread = literal ? AUVID_C(0.0) : spread;
-    uint8_t half = cfg->half_width[0], other = cfg->half_width[literal ? 0 : 1];
-    auvid_real_t *smooth = metric_make_pass(m, m->kernel[0], half, 0);
-    auvid_real_t *second = metric_make_pass(m, m->kernel[1], other, literal);
-    if (cfg->passes == 2) { /* the derivative once */
-        metric_convolve(second, literal ? smooth : second, 2 * other + 1);
-        metric_convolve(smooth, smooth, 2 * half + 1);
-    }
+    m->interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    metric_make_kernel(m, m->kernel[0], cfg->half_width[0]);
+    metric_make_kernel(m, m->kernel[1], cfg->half_width[1]);
 }
 
 /* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised

@@ -7,7 +7,7 @@
 
 #include "auvid/metric.h"
 
-/* Channels of a row whose motion is smoothed. */
+/* Channels of a row in the residual path. */
 enum {
     MOTION_NU = 3,
     MOTION_NU_DOT = MOTION_NU + AUVID_DOF_COUNT,
@@ -26,22 +26,9 @@ static inline bool auvid_metric_is_linear(const auvid_metric_config_t *cfg)
     return AUVID_REGRESSOR_ONLY || cfg->vehicle->regressor != NULL;
 }
 
-/** Returns true if the smoothing is the literal one of the paper. */
-static inline bool auvid_metric_is_literal(const auvid_metric_config_t *cfg)
-{
-    return !AUVID_REGRESSOR_ONLY && cfg->smoothing == AUVID_SMOOTH_STATES;
-}
-
 static inline bool auvid_metric_has_regressor(const auvid_metric_t *m)
 {
     return auvid_metric_is_linear(&m->cfg);
-}
-
-/** Returns true if the smoother is applied to the motion (residual path, literal smoothing), false
- * if it is applied to the rows. */
-static inline bool auvid_metric_smooths_motion(const auvid_metric_t *m)
-{
-    return !auvid_metric_is_linear(&m->cfg) || auvid_metric_is_literal(&m->cfg);
 }
 
 /** Number of sets of the ring that count. Ages below start with 0 for the newest of them. */

@@ -312,7 +312,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
                                                              (auvid_real_t)m->dof_rows[j]);
         m->band_weight[0][j] = m->band_weight[1][j] = AUVID_C(1.0);
     }
-    auvid_metric_restart_pass(m, auvid_metric_is_literal(&m->cfg) ? PASS_LAST : PASS_FIRST);
+    auvid_metric_restart_pass(m, PASS_FIRST);
 }
 
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)

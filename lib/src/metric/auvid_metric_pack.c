@@ -12,6 +12,7 @@
 
 #include <string.h>
 
+#include "../base/auvid_checksum_internal.h"
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
@@ -20,26 +21,14 @@ enum { DIGITS = AUVID_METRIC_DIGITS };
 /* 2^e, -126 <= e <= 126. */
 static auvid_real_t metric_power_of_two(int e)
 {
-    uint32_t bits = (uint32_t)(e + 127) << 23;
-    float power;
-    memcpy(&power, &bits, sizeof power);
-    return (auvid_real_t)power;
+    return auvid_from_single_bits((uint32_t)(e + 127) << 23);
 }
 
 /* Returns the smallest e >= -126 with 1.0001 x < 2^(e + DIGITS); the margin is for rounding. */
 static int metric_exponent(auvid_real_t x)
 {
-    float single = (float)(AUVID_C(1.0001) * x);
-    uint32_t bits;
-    memcpy(&bits, &single, sizeof bits);
-    int e = (int)(bits >> 23) - 126 - DIGITS;
+    int e = (int)(auvid_single_bits(AUVID_C(1.0001) * x) >> 23) - 126 - DIGITS;
     return e < -126 ? -126 : e;
-}
-
-/* Round to the nearest integer. */
-static auvid_packed_t metric_round(auvid_real_t x)
-{
-    return (auvid_packed_t)(x + (x < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
 }
 
 /* Pack column k of DoF j's R factor, of order n. Rows were within bounds, so all is finite. */
@@ -56,8 +45,8 @@ static void metric_pack_column(const auvid_metric_t *m, auvid_set_t *set, int j,
     auvid_real_t scale = metric_power_of_two(-e);
     set->exponent[m->channel_at[j] + k] = (int8_t)e;
     for (int i = 0, at = top; i <= k; at += n - ++i) {
-        set->factor[0][at] = metric_round(scale * m->factor[0][at]);
-        set->factor[1][at] = metric_round(scale * m->factor[1][at]);
+        set->factor[0][at] = (auvid_packed_t)auvid_half_further(scale * m->factor[0][at]);
+        set->factor[1][at] = (auvid_packed_t)auvid_half_further(scale * m->factor[1][at]);
     }
 }
 

@@ -121,7 +121,7 @@ static void metric_record_missing(auvid_metric_t *m, uint32_t slot, uint32_t age
 {
     for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
         bool counts =
-            auvid_metric_smooths_motion(m) || auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
+            !auvid_metric_has_regressor(m) || auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
         m->missing[slot][moment] |= counts ? missing : 0u;
     }
 }
@@ -156,25 +156,21 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
     }
 }
 
-/* The same for motion: attitude, nu, nu_dot, inputs at all delays. Literal smoothing differentiates
- * nu for the accelerations. */
+/* The same in the residual path: attitude, nu, nu_dot, inputs at all delays. */
 static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
                                      const auvid_sample_t *s)
 {
     auvid_real_t *row = m->accumulator[slot];
-    bool literal = auvid_metric_is_literal(&m->cfg);
-    auvid_real_t smooth = m->kernel[0][age];
-    auvid_real_t derivative = literal ? m->kernel[1][age] : smooth;
-    auvid_real_t raw = literal ? (age == m->taps / 2u ? AUVID_C(1.0) : AUVID_C(0.0)) : smooth;
+    auvid_real_t weight = m->kernel[0][age];
     metric_record_missing(m, slot, age, s->missing);
-    row[0] += smooth * s->phi;
-    row[1] += smooth * s->theta;
-    row[2] += smooth * s->psi;
-    metric_add_scaled(row + MOTION_NU, smooth, s->nu, AUVID_DOF_COUNT);
-    metric_add_scaled(row + MOTION_NU_DOT, derivative, literal ? s->nu : s->nu_dot,
-                      AUVID_DOF_COUNT);
+    row[0] += weight * s->phi;
+    row[1] += weight * s->theta;
+    row[2] += weight * s->psi;
+    metric_add_scaled(row + MOTION_NU, weight, s->nu, AUVID_DOF_COUNT);
+    metric_add_scaled(row + MOTION_NU_DOT, weight, s->nu_dot, AUVID_DOF_COUNT);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        metric_add_scaled(row + MOTION_TAU + d * INPUTS, raw, metric_delayed_inputs(m, d), INPUTS);
+        metric_add_scaled(row + MOTION_TAU + d * INPUTS, weight, metric_delayed_inputs(m, d),
+                          INPUTS);
     }
 }
 
@@ -276,23 +272,6 @@ static void metric_take_row(auvid_metric_t *m, const auvid_real_t *channel,
     ++m->since_gap;
 }
 
-/* Literal smoothing: replace the smoothed motion by the row evaluated there, with the raw wrench in
- * the middle of the window. */
-static void metric_form_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
-{
-    auvid_real_t *channel = m->accumulator[slot], tau[AUVID_METRIC_DELAYS][AUVID_DOF_COUNT];
-    const auvid_real_t *late[AUVID_METRIC_DELAYS];
-    auvid_regressor_t *y = REGRESSOR(m);
-    auvid_sample_t sample;
-    metric_sample_from_channels(channel, t_us, &sample);
-    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        memcpy(tau[d], channel + MOTION_TAU + d * INPUTS, sizeof tau[d]);
-        late[d] = tau[d];
-    }
-    metric_evaluate(m, &sample, y);
-    (void)metric_row_channels(m, y, late, channel, m->fixed_wrench[slot]);
-}
-
 /* Store a row of the residual path if there is room. It is counted if an equation of the model can
  * use it. */
 static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
@@ -324,9 +303,6 @@ static AUVID_NOINLINE void metric_finish_row(auvid_metric_t *m, uint64_t t_us, u
     if (!auvid_metric_has_regressor(m)) {
         metric_store_row(m, t_us, slot);
         return;
-    }
-    if (auvid_metric_is_literal(&m->cfg)) {
-        metric_form_row(m, t_us, slot);
     }
     metric_take_row(m, m->accumulator[slot], m->fixed_wrench[slot],
                     metric_dofs_without_row(m, slot));
@@ -376,10 +352,10 @@ static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
         auvid_clear(m->fixed_wrench[slot], AUVID_DOF_COUNT);
         memset(m->missing[slot], 0, sizeof m->missing[slot]);
     }
-    if (auvid_metric_smooths_motion(m)) {
-        metric_add_motion(m, sample, n, slot);
-    } else {
+    if (auvid_metric_has_regressor(m)) {
         metric_add_equations(m, sample, n, slot);
+    } else {
+        metric_add_motion(m, sample, n, slot);
     }
     return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
 }

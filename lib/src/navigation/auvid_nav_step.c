@@ -71,7 +71,7 @@ static inline void nav_count_revolutions(int32_t *turns, auvid_real_t from, auvi
 {
     if (!(auvid_abs(from - to) < AUVID_C(3.0))) {
         auvid_real_t part = (from - to) * (AUVID_C(0.5) / AUVID_PI);
-        *turns += (int32_t)(part + (part < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5)));
+        *turns += (int32_t)auvid_half_further(part);
     }
 }
 

@@ -94,7 +94,7 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
            optimizer->local.n * sizeof *theta);
     status = auvid_line_search_init(&optimizer->line_search, &optimizer->local);
     if (status != AUVID_OK) {
-        return status; /* damaged since init: the best point of the global phase stays */
+        return AUVID_ERR_RANGE; /* damaged since init: the best point of the global phase stays */
     }
     optimizer->phase = AUVID_OPTIMIZER_LOCAL;
     return optimizer_ask_local(optimizer, theta);

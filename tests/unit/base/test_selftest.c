@@ -21,9 +21,11 @@
 #pragma GCC optimize("O2", "fp-contract=fast")
 #pragma GCC target("fma")
 #endif
+#pragma push_macro("auvid_selftest")
+#undef auvid_selftest
 #define auvid_selftest contracted_selftest
 #include "base/auvid_selftest.c"
-#undef auvid_selftest
+#pragma pop_macro("auvid_selftest")
 #if defined(__clang__)
 #pragma clang attribute pop
 #else
@@ -107,14 +109,17 @@ static void test_the_machine_is_accepted_after_the_mode_is_restored(void)
 
 static void test_each_status_has_its_own_text(void)
 {
-    for (int i = AUVID_ERR_CHECKSUM; i <= AUVID_EVALUATION_LIMIT; ++i) {
+    for (int i = AUVID_ERR_COUNTER_JUMP; i <= AUVID_SET_IDLE; ++i) {
         const char *text = auvid_status_str((auvid_status_t)i);
         TEST_ASSERT_TRUE(text[0] != '\0' && text != auvid_status_str((auvid_status_t)1000));
-        for (int j = AUVID_ERR_CHECKSUM; j < i; ++j) {
+        for (int j = AUVID_ERR_COUNTER_JUMP; j < i; ++j) {
             TEST_ASSERT_TRUE(text != auvid_status_str((auvid_status_t)j));
         }
     }
-    TEST_ASSERT_EQUAL_STRING("unknown status", auvid_status_str((auvid_status_t)-1000));
+    const int unknown[] = {-1000, AUVID_ERR_COUNTER_JUMP - 1, AUVID_SET_IDLE + 1, 1000};
+    for (int i = 0; i < 4; ++i) {
+        TEST_ASSERT_EQUAL_STRING("unknown status", auvid_status_str((auvid_status_t)unknown[i]));
+    }
 }
 
 int main(void)

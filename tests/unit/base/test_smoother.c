@@ -338,13 +338,19 @@ static void test_a_bad_configuration_is_refused_and_changes_nothing(void)
     TEST_ASSERT_TRUE(memcmp(&before, &smoother, sizeof before) == 0);
 }
 
-static void test_a_position_outside_the_window_is_refused_and_writes_nothing(void)
+static void test_coefficients_of_no_smoother_are_refused_and_nothing_is_written(void)
 {
     auvid_real_t c[N] = {AUVID_C(7.0)};
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE,
                           auvid_smoother_coefficients(H, 2, 0, AUVID_C(1.0), H + 1, c));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE,
                           auvid_smoother_coefficients(H, 2, 0, AUVID_C(1.0), -H - 1, c));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_SIZE,
+                          auvid_smoother_coefficients(AUVID_MAX_HALF_WIDTH + 1, 2, 0, 1, 0, c));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_SINGULAR, auvid_smoother_coefficients(1, 3, 0, 1, 0, c));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_SAME, auvid_smoother_coefficients(H, 2, 0, 0, 0, c));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE,
+                          auvid_smoother_coefficients(H, 2, 0, (auvid_real_t)NAN, 0, c));
     TEST_ASSERT_TRUE(c[0] == AUVID_C(7.0));
 }
 
@@ -381,7 +387,7 @@ int main(void)
     RUN_TEST(test_only_take_and_reset_are_accepted_after_the_end);
     RUN_TEST(test_a_record_shorter_than_the_window_has_no_output);
     RUN_TEST(test_a_bad_configuration_is_refused_and_changes_nothing);
-    RUN_TEST(test_a_position_outside_the_window_is_refused_and_writes_nothing);
+    RUN_TEST(test_coefficients_of_no_smoother_are_refused_and_nothing_is_written);
     RUN_TEST(test_null_pointers_are_refused);
     return UNITY_END();
 }

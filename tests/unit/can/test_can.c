@@ -284,7 +284,7 @@ static void test_a_frame_under_another_message_s_identifier_is_detected(void)
         for (int other = 0; other < AUVID_CAN_KINDS; ++other) {
             pack_plain((auvid_can_kind_t)kind);
             frame.id = auvid_can_id(NULL, (auvid_can_kind_t)other);
-            TEST_ASSERT_TRUE((unpack() == AUVID_ERR_CHECKSUM) == (other != kind));
+            TEST_ASSERT_EQUAL(other == kind ? AUVID_OK : AUVID_ERR_CHECKSUM, unpack());
         }
     }
 }
@@ -375,6 +375,7 @@ static void test_blocks_that_overlap_or_do_not_fit_are_refused(void)
                                    {0, 0x801 - SLOW}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_sender_init(&sender, &bad[i]));
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_ids_check(&bad[i]));
     }
     const auvid_can_ids_t good = {0x40 + SLOW, 0x40};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_ids_check(&good));

@@ -65,7 +65,7 @@ static void test_a_full_queue_drops_and_counts_the_newest(void)
     auvid_can_frame_t frame;
     for (uint32_t i = 0; i < SIZE + 3; ++i) {
         frame = numbered(i);
-        TEST_ASSERT_EQUAL(i < SIZE ? AUVID_OK : AUVID_ERR_LIMIT,
+        TEST_ASSERT_EQUAL(i < SIZE ? AUVID_OK : AUVID_ERR_FULL,
                           auvid_can_fifo_push(&fifo, &frame));
     }
     TEST_ASSERT_EQUAL_UINT32(3, fifo.dropped);
@@ -130,7 +130,7 @@ static void test_an_abort_is_popped_before_all_frames_even_from_a_full_queue(voi
         }
         push(&abort);
         frame = numbered(inside);
-        TEST_ASSERT_EQUAL(inside < SIZE ? AUVID_OK : AUVID_ERR_LIMIT,
+        TEST_ASSERT_EQUAL(inside < SIZE ? AUVID_OK : AUVID_ERR_FULL,
                           auvid_can_fifo_push(&fifo, &frame));
         TEST_ASSERT_EQUAL_UINT32(inside == SIZE, fifo.dropped);
         pops(&abort);

@@ -46,7 +46,7 @@ static void test_forged_commands_are_good_at_the_rate_of_the_rules(void)
     for (uint32_t i = 0; i < frames; ++i) {
         frame.t_us += 10; /* so that no time-out restarts the count */
         random_frame(&rng, &frame);
-        good += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
+        good += auvid_can_command_take(&command, &frame) == AUVID_OK;
     }
     /* 99.9 %; the seed is not chosen: 1e9 frames of ten seeds gave 6.656e-4, 665552 good ones. */
     double low = binomial_lower(good, frames, 5e-4), high = binomial_upper(good, frames, 5e-4);
@@ -84,7 +84,7 @@ static void test_no_forged_command_acts_for_150_ms_on_a_flooded_bus(void)
         longest = lasted > longest ? lasted : longest;
         for (int i = 0; i < 100; ++i) {
             random_frame(&rng, &frame);
-            acted += auvid_can_command_take(&command, &frame) == AUVID_CAN_GOOD;
+            acted += auvid_can_command_take(&command, &frame) == AUVID_OK;
         }
     }
     printf("%u forged commands acted; one outlasted at most %u good ones; %u ticks silent\n",

@@ -40,7 +40,7 @@ static auvid_can_frame_t depth_frame(uint8_t counter)
     return frame;
 }
 
-static auvid_can_state_t depth(uint8_t counter)
+static auvid_status_t depth(uint8_t counter)
 {
     now += TICK;
     auvid_can_frame_t frame = depth_frame(counter);
@@ -96,14 +96,14 @@ static void test_steps_of_one_to_three_are_good_and_others_are_not(void)
 {
     for (int step = 0; step < 16; ++step) {
         setUp();
-        TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
-        auvid_can_state_t expected = step == 0  ? AUVID_CAN_REPEATED
-                                     : step > 3 ? AUVID_CAN_COUNTER_JUMP
-                                                : AUVID_CAN_GOOD;
+        TEST_ASSERT_EQUAL(AUVID_OK, depth(9));
+        auvid_status_t expected = step == 0  ? AUVID_ERR_REPEATED
+                                  : step > 3 ? AUVID_ERR_COUNTER_JUMP
+                                             : AUVID_OK;
         TEST_ASSERT_EQUAL(expected, depth((uint8_t)((9 + step) % 16)));
-        TEST_ASSERT_EQUAL(expected, auvid_can_receiver_state(&receiver, now));
-        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? step - 1 : 0, receiver.lost);
-        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_CAN_GOOD ? 2 : 1, receiver.good);
+        TEST_ASSERT_EQUAL(expected, auvid_can_receiver_status(&receiver, now));
+        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_OK ? step - 1 : 0, receiver.lost);
+        TEST_ASSERT_EQUAL_UINT32(expected == AUVID_OK ? 2 : 1, receiver.good);
         TEST_ASSERT_EQUAL_UINT32(step == 0, receiver.repeated);
         TEST_ASSERT_EQUAL_UINT32(step > 3, receiver.counter_jumps);
     }
@@ -112,8 +112,8 @@ static void test_steps_of_one_to_three_are_good_and_others_are_not(void)
 static void test_after_a_jump_the_next_in_sequence_is_good(void)
 {
     depth(0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_COUNTER_JUMP, depth(8));
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(9));
+    TEST_ASSERT_EQUAL(AUVID_ERR_COUNTER_JUMP, depth(8));
+    TEST_ASSERT_EQUAL(AUVID_OK, depth(9));
 }
 
 static void test_a_bad_checksum_is_counted_and_the_sequence_continues(void)
@@ -123,11 +123,11 @@ static void test_a_bad_checksum_is_counted_and_the_sequence_continues(void)
     frame.data[3] ^= 0x10u;
     memset(&got, 0x33, sizeof got);
     auvid_can_message_t before = got;
-    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_can_receiver_take(&receiver, &frame, &got));
     TEST_ASSERT_EQUAL_MEMORY(&before, &got, sizeof got);
-    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_state(&receiver, now));
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_can_receiver_status(&receiver, now));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.checksum);
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(5));
+    TEST_ASSERT_EQUAL(AUVID_OK, depth(5));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.lost);
 }
 
@@ -135,7 +135,8 @@ static void test_a_wrong_length_or_range_counts_as_invalid(void)
 {
     auvid_can_frame_t frame = depth_frame(0);
     frame.length = 7;
-    TEST_ASSERT_EQUAL(AUVID_CAN_BAD, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_receiver_status(&receiver, now));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.invalid);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.checksum);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.good);
@@ -143,12 +144,12 @@ static void test_a_wrong_length_or_range_counts_as_invalid(void)
 
 static void test_a_time_out_is_counted_once(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_CAN_SILENT, auvid_can_receiver_state(&receiver, now));
+    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_can_receiver_status(&receiver, now));
     depth(0);
     uint64_t last = now;
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, last + 300000));
-    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 300001));
-    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, last + 900000));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_receiver_status(&receiver, last + 300000));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_can_receiver_status(&receiver, last + 300001));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_can_receiver_status(&receiver, last + 900000));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
@@ -167,7 +168,7 @@ static void test_after_a_time_out_any_counter_is_good(void)
 {
     depth(0);
     now += 1000000;
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(0));
+    TEST_ASSERT_EQUAL(AUVID_OK, depth(0));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
     TEST_ASSERT_EQUAL_UINT32(0, receiver.repeated);
 }
@@ -176,17 +177,17 @@ static void test_without_a_time_out_silence_has_no_effect(void)
 {
     auvid_can_receiver_init(&receiver, AUVID_CAN_DEPTH, 0, NULL);
     depth(0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now + 1000000000000ull));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_receiver_status(&receiver, now + 1000000000000ull));
     now += 1000000000000ull;
-    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0));
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, depth(0));
 }
 
 static void test_a_timestamp_ahead_is_a_time_out_from_the_time_out_on(void)
 {
     depth(0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 1));
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_receiver_state(&receiver, now - 299999));
-    TEST_ASSERT_EQUAL(AUVID_CAN_TIMED_OUT, auvid_can_receiver_state(&receiver, now - 300000));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_receiver_status(&receiver, now - 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_receiver_status(&receiver, now - 299999));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_can_receiver_status(&receiver, now - 300000));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.timeouts);
 }
 
@@ -194,11 +195,11 @@ static void test_a_timestamp_slightly_behind_does_not_restart_the_count(void)
 {
     depth(0);
     now -= 300000 - 1 + TICK;
-    TEST_ASSERT_EQUAL(AUVID_CAN_REPEATED, depth(0)); /* 299999 us old */
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, depth(0)); /* 299999 us old */
     setUp();
     depth(0);
     now -= 300000 + TICK;
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, depth(0)); /* a new start */
+    TEST_ASSERT_EQUAL(AUVID_OK, depth(0)); /* a new start */
 }
 
 static void test_frames_of_other_messages_change_nothing(void)
@@ -206,11 +207,11 @@ static void test_frames_of_other_messages_change_nothing(void)
     depth(0);
     auvid_can_receiver_t before = receiver;
     auvid_can_frame_t frame = half_frame(0, 0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, &got));
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, NULL, &got));
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_take(&receiver, NULL, &got));
     frame = depth_frame(1);
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(&receiver, &frame, NULL));
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_receiver_take(NULL, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_take(&receiver, &frame, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_take(NULL, &frame, &got));
     TEST_ASSERT_EQUAL_MEMORY(&before, &receiver, sizeof receiver);
 }
 
@@ -309,7 +310,7 @@ static void test_four_thrusters_need_the_first_half_only(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, 4, NULL));
     start_driving();
     auvid_can_frame_t frame = half_frame(1, 1);
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_can_command_take(&command, &frame));
 }
 
 static void test_a_thruster_that_is_not_commanded_has_zero_thrust(void)
@@ -325,7 +326,7 @@ static void test_a_thruster_that_is_not_commanded_has_zero_thrust(void)
     message.as.thruster_command_b.thrust[1] = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &message, &frame));
     frame.t_us = now;
-    TEST_ASSERT_EQUAL(AUVID_CAN_GOOD, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_take(&command, &frame));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_thrust(&command, now, thrust));
     TEST_ASSERT_TRUE(thrust[4] == 1);
     TEST_ASSERT_TRUE(thrust[5] == 0);
@@ -470,7 +471,7 @@ static void test_one_to_eight_thrusters_need_one_half_per_four(void)
     for (uint8_t thrusters = 1; thrusters <= AUVID_CAN_THRUSTERS; ++thrusters) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_init(&command, thrusters, NULL));
         auvid_can_frame_t frame = half_frame(1, 1);
-        TEST_ASSERT_EQUAL(thrusters <= 4 ? AUVID_CAN_FOREIGN : AUVID_CAN_COUNTER_JUMP,
+        TEST_ASSERT_EQUAL(thrusters <= 4 ? AUVID_UNUSED : AUVID_ERR_COUNTER_JUMP,
                           auvid_can_command_take(&command, &frame));
     }
 }
@@ -510,11 +511,37 @@ static void test_wrong_calls_return_their_statuses_and_no_thrust(void)
     memset(&command, 0, sizeof command);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_can_command_thrust(&command, now, thrust));
     TEST_ASSERT_TRUE(thrust[7] == 0);
-    TEST_ASSERT_EQUAL(AUVID_CAN_FOREIGN, auvid_can_command_take(NULL, NULL));
+    auvid_can_frame_t frame = half_frame(0, 0);
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_command_take(NULL, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_command_take(&command, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_init(NULL, AUVID_CAN_TICK, 0, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE,
                       auvid_can_receiver_init(&receiver, AUVID_CAN_KINDS, 0, NULL));
-    TEST_ASSERT_EQUAL(AUVID_CAN_SILENT, auvid_can_receiver_state(NULL, 0));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_can_receiver_status(NULL, 0));
+}
+
+static void test_a_bad_command_is_refused_with_its_cause(void)
+{
+    auvid_can_frame_t frame = half_frame(0, 0);
+    start_driving();
+    auvid_can_message_t m = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &frame));
+    frame.t_us = now;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, auvid_can_command_take(&command, &frame));
+    frame.length = 7;
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_can_command_take(&command, &frame));
+    frame.length = AUVID_CAN_BYTES;
+    frame.data[7] ^= 1u;
+    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_can_command_take(&command, &frame));
+    memset(frame.data + 2, 0xFE, 6); /* thrusts out of range, with a right checksum */
+    frame.data[0] = auvid_can_crc(frame.data, AUVID_CAN_THRUSTER_COMMAND_A + 1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_command_take(&command, &frame));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_can_receiver_init(&receiver, AUVID_CAN_THRUSTER_COMMAND_A, 0, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_receiver_take(&receiver, &frame, &got));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_can_receiver_status(&receiver, now));
 }
 
 int main(void)
@@ -553,5 +580,6 @@ int main(void)
     RUN_TEST(test_one_to_eight_thrusters_need_one_half_per_four);
     RUN_TEST(test_random_frames_are_good_at_the_expected_rate);
     RUN_TEST(test_wrong_calls_return_their_statuses_and_no_thrust);
+    RUN_TEST(test_a_bad_command_is_refused_with_its_cause);
     return UNITY_END();
 }

@@ -394,17 +394,22 @@ static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
     go(100);
     uint32_t good = node.counters.frames;
     TEST_ASSERT_EQUAL_UINT32(taken_count, good);
-    auvid_can_frame_t frame = taken[taken_count - 1];                      /* a tick frame */
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame)); /* repeated */
+    auvid_can_frame_t frame = taken[taken_count - 1]; /* a tick frame */
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, auvid_node_take(&node, &frame));
     frame.data[4] ^= 1u;
     TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
     frame = taken[taken_count - 1];
     frame.length = 7;
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &frame));
-    TEST_ASSERT_EQUAL_UINT32(3, node.counters.refused);
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_node_take(&node, &frame));
+    frame.length = AUVID_CAN_BYTES;
+    frame.id = auvid_can_id(NULL, AUVID_CAN_ARM);
+    memset(frame.data, 0, sizeof frame.data); /* without the key */
+    frame.data[0] = auvid_can_crc(frame.data, AUVID_CAN_ARM + 1);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_take(&node, &frame));
+    TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
     frame.id = 0x123;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_node_take(&node, &frame));
-    TEST_ASSERT_EQUAL_UINT32(3, node.counters.refused);
+    TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
     TEST_ASSERT_EQUAL_UINT32(good, node.counters.frames);
     go(10);
     TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
@@ -504,8 +509,8 @@ static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
     auvid_can_frame_t first = tick_frame(&from, 1), second = tick_frame(&from, 2);
     auvid_can_frame_t third = tick_frame(&from, 3);
     TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &second));
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &first));
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&node, &second));
+    TEST_ASSERT_EQUAL(AUVID_ERR_COUNTER_JUMP, auvid_node_take(&node, &first));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_node_take(&node, &second));
     TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &third));
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
     TEST_ASSERT_EQUAL_UINT32(2, node.counters.refused);
@@ -636,6 +641,41 @@ static void test_the_configuration_may_be_inside_the_node(void)
                              sizeof separate - offsetof(auvid_node_t, cfg));
 }
 
+/* Ignores the commands and deletes all sets. */
+static void ignore(void *context, uint64_t t_us, const auvid_real_t *command)
+{
+    (void)context, (void)t_us, (void)command;
+}
+
+static void drop_all(void *context, auvid_metric_t *metric)
+{
+    (void)context;
+    while (auvid_metric_drop(metric, 0) == AUVID_OK) {
+    }
+}
+
+static void test_work_is_that_of_the_identifier(void)
+{
+    static const auvid_listener_t dropper = {.command = ignore, .set = drop_all};
+    const auvid_real_t level[3] = {0, 0, 0};
+    auvid_status_t status;
+    identifier.listener = &dropper;
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_work(&node, 100));
+    for (uint64_t t_us = 20000; t_us <= 20000000; t_us += 20000) {
+        auvid_real_t s = (auvid_real_t)sin(1e-6 * (double)t_us);
+        const auvid_real_t nu[AUVID_DOF_COUNT] = {s}, tau[AUVID_DOF_COUNT] = {100 * s};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&node.id, t_us, level, nu));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&node.id, t_us, tau, NULL));
+    }
+    TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&node.id));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_node_work(&node, 0));
+    do {
+        status = auvid_node_work(&node, 100);
+    } while (status == AUVID_PENDING);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, status);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -660,5 +700,6 @@ int main(void)
     RUN_TEST(test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks);
     RUN_TEST(test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back);
     RUN_TEST(test_the_configuration_may_be_inside_the_node);
+    RUN_TEST(test_work_is_that_of_the_identifier);
     return UNITY_END();
 }

@@ -437,7 +437,7 @@ static void test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts(
     for (uint32_t behind = 0; behind < 20; ++behind) {
         begin();
         step_at(100);
-        TEST_ASSERT_EQUAL(behind < 16 ? AUVID_ERR_CHECKSUM : AUVID_TICK,
+        TEST_ASSERT_EQUAL(behind < 16 ? AUVID_ERR_STALE : AUVID_TICK,
                           give_tick(100 - behind, 20000 * (100 - behind)));
         TEST_ASSERT_EQUAL_UINT32(behind < 16, node.counters.refused);
         TEST_ASSERT_EQUAL_UINT32(behind >= 16, node.counters.clock_steps);
@@ -518,7 +518,10 @@ static void test_a_sensor_frame_whose_counter_is_repeated_or_jumps_is_refused(vo
         TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
         node.in.depth.present = false;
         sender.counter[AUVID_CAN_DEPTH] = (uint8_t)((3 + step) % 16);
-        TEST_ASSERT_EQUAL(good ? AUVID_OK : AUVID_ERR_CHECKSUM, give(&m));
+        TEST_ASSERT_EQUAL(good        ? AUVID_OK
+                          : step == 0 ? AUVID_ERR_REPEATED
+                                      : AUVID_ERR_COUNTER_JUMP,
+                          give(&m));
         TEST_ASSERT_EQUAL(good, node.in.depth.present);
         TEST_ASSERT_EQUAL_UINT32(!good, node.counters.refused);
         TEST_ASSERT_EQUAL_UINT32(good ? 2 : 1, node.counters.frames);

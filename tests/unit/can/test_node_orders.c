@@ -270,14 +270,16 @@ static void test_only_the_arm_action_needs_a_good_counter(void)
     for (unsigned step = 0; step < 16; ++step) {
         bool fresh = step >= 1 && step <= AUVID_CAN_LARGEST_STEP;
         reach(IDLE);
-        TEST_ASSERT_EQUAL(fresh ? AUVID_OK : AUVID_ERR_CHECKSUM,
+        TEST_ASSERT_EQUAL(fresh       ? AUVID_OK
+                          : step == 0 ? AUVID_ERR_REPEATED
+                                      : AUVID_ERR_COUNTER_JUMP,
                           order(&now, AUVID_CAN_ACTION_ARM, LAST + step));
         tick(&now);
         TEST_ASSERT_EQUAL(fresh ? AUVID_GUARD_EXCITING : AUVID_GUARD_DISARMED, state(&now));
     }
     now = idle; /* a copy does not cancel the arm frame */
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 3));
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, order(&now, AUVID_CAN_ACTION_ARM, 3));
+    TEST_ASSERT_EQUAL(AUVID_ERR_REPEATED, order(&now, AUVID_CAN_ACTION_ARM, 3));
     tick(&now);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
 }
@@ -293,7 +295,7 @@ static void test_a_disarm_that_is_not_authentic_has_no_effect(void)
         TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
     }
     frame.length = 7;
-    TEST_ASSERT_EQUAL(AUVID_ERR_CHECKSUM, auvid_node_take(&now.node, &frame));
+    TEST_ASSERT_EQUAL(AUVID_ERR_LENGTH, auvid_node_take(&now.node, &frame));
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
 }
 

@@ -293,10 +293,10 @@ static void test_check_refuses_what_some_combination_of_signs_exceeds(void)
     const auvid_real_t roll[6] = {0, 0, 0, 1, 0, 0}, heave[6] = {0, 0, 300, 0, 0, 0};
     const auvid_real_t hold[6] = {0, 0, 30}, negative[6] = {-1}, nan[6] = {(auvid_real_t)NAN};
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, fits, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_LIMIT, auvid_allocation_check(&a, both, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_LIMIT, auvid_allocation_check(&a, roll, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, both, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, roll, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, heave, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_LIMIT, auvid_allocation_check(&a, heave, hold));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, heave, hold));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_allocation_check(&a, negative, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, nan, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, fits, nan));

@@ -152,6 +152,10 @@ static void test_roll_and_pitch_have_faster_signals_than_the_others(void)
 static void test_a_schedule_refuses_what_it_cannot_make(void)
 {
     auvid_excitation_config_t before = cfg;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL,
+                          auvid_excitation_schedule(NULL, girona500, 30, 8, 1, 0, false));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL,
+                          auvid_excitation_schedule(&cfg, NULL, 30, 8, 1, 0, false));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE,
                           auvid_excitation_schedule(&cfg, girona500, 30, 8, 1, -1, false));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE,

@@ -274,7 +274,7 @@ static void test_an_invalid_configuration_is_refused(void)
     cfg.excursion_limit[2] = (auvid_real_t)INFINITY;
     check_refused(AUVID_ERR_NOT_FINITE);
     cfg.amplitude[0] = 400;
-    check_refused(AUVID_ERR_LIMIT);
+    check_refused(AUVID_ERR_CAPACITY);
 }
 
 static void test_calls_out_of_order_are_refused(void)

@@ -97,6 +97,7 @@ static void check_refused(auvid_status_t status, const uint8_t *checkpoint, uint
 {
     other = id;
     TEST_ASSERT_EQUAL(status, auvid_checkpoint_restore(&id, checkpoint, size));
+    TEST_ASSERT_EQUAL(status, auvid_checkpoint_resume(&id, checkpoint, size));
     TEST_ASSERT_EQUAL_MEMORY(&other, &id, sizeof other);
 }
 
@@ -583,6 +584,8 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_begin(&cursor, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(NULL, saved, bytes));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_restore(&id, NULL, bytes));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_resume(NULL, saved, bytes));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_checkpoint_resume(&id, NULL, bytes));
     memset(&id, 0, sizeof id);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_begin(&cursor, &id));
     check_refused(AUVID_ERR_STATE, saved, bytes);

@@ -310,8 +310,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         forge(m);
         chain.id = fresh[world];
         (void)alarm(HANG_S);
-        auvid_status_t status = (resumes ? auvid_checkpoint_resume
-                                         : auvid_checkpoint_restore)(&chain.id, forged, m->bytes);
+        auvid_status_t status = resumes ? auvid_checkpoint_resume(&chain.id, forged, m->bytes)
+                                        : auvid_checkpoint_restore(&chain.id, forged, m->bytes);
         if (status != AUVID_OK) {
             TEST_ASSERT_EQUAL_INT(0, memcmp(&chain.id, &fresh[world], sizeof chain.id));
             ++refused;

@@ -347,6 +347,10 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
                           auvid_identifier_applied(&chain.id, 2000, tau, NULL));
         nu[j] = tau[j] = 0;
     }
+    nu[3] = tau[5] = AUVID_C(1.01) * AUVID_RECORDER_LARGEST;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_motion(&chain.id, 2000, attitude, nu));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_applied(&chain.id, 2000, tau, NULL));
+    nu[3] = tau[5] = 0;
     attitude[2] = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_identifier_motion(&chain.id, 2000, attitude, nu));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
@@ -566,7 +570,6 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     other = chain;
     auvid_identifier_defaults(NULL, &auvid_girona500);
-    auvid_identifier_literal(NULL);
     auvid_identifier_attach(NULL, NULL);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(NULL, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&chain.id, NULL));

@@ -632,6 +632,34 @@ static void test_a_model_that_fails_everywhere_ends_and_is_reported(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)chain.id.estimate.r2_force[AUVID_SURGE]); /* no NaN */
 }
 
+/* Ignores the commands and deletes all sets. */
+static void ignore(void *context, uint64_t t_us, const auvid_real_t *command)
+{
+    (void)context, (void)t_us, (void)command;
+}
+
+static void drop_all(void *context, auvid_metric_t *metric)
+{
+    (void)context;
+    while (auvid_metric_drop(metric, 0) == AUVID_OK) {
+    }
+}
+
+static void test_a_search_without_sets_ends_and_says_so(void)
+{
+    static const auvid_listener_t dropper = {.command = ignore, .set = drop_all};
+    auvid_status_t status;
+    chain_defaults(&cfg, 2, 1, 0.0);
+    cfg.id.listener = &dropper;
+    record(1);
+    do {
+        status = auvid_identifier_work(&chain.id, 100);
+    } while (status == AUVID_PENDING);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, status);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 100));
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -654,5 +682,6 @@ int main(void)
     RUN_TEST(test_a_users_model_keeps_to_the_budget_and_ends);
     RUN_TEST(test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted);
     RUN_TEST(test_a_model_that_fails_everywhere_ends_and_is_reported);
+    RUN_TEST(test_a_search_without_sets_ends_and_says_so);
     return UNITY_END();
 }

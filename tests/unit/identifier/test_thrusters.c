@@ -280,6 +280,11 @@ static void test_init_refuses_values_out_of_range(void)
     cfg.log = NULL;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &cfg));
     cfg = good;
+    auvid_vehicle_t other_sizes = *good.hull;
+    other_sizes.built_for = NULL;
+    cfg.hull = &other_sizes;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_init(&thrusters, &cfg));
+    cfg = good;
     cfg.thrusters = AUVID_MAX_COMMANDS + 1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
     cfg = good;
@@ -315,6 +320,8 @@ static void test_masses_drags_and_gains_must_not_all_be_free(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     defaults(ROW_CELLS, 30);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_configure(NULL, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_configure(&thrusters, NULL));
     id_config.metric.free = 0; /* all */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);

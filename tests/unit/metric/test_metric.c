@@ -95,35 +95,6 @@ static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cost, cost, weighed);
 }
 
-static void test_literal_smoothing_is_within_ten_percent(void)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
-    auvid_metric_literal(&cfg);
-    start();
-    world_t w = world_of(&cfg);
-    feed(&metric, &w, 0, cells_of(&cfg, 120));
-    merge_all(&metric);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, AUVID_G500_FREE, pi));
-    for (int i = 0; i < 13; ++i) { /* it is biased, and therefore not the default */
-        TEST_ASSERT_DOUBLE_WITHIN(0.1 * fabs((double)truth[i]), (double)truth[i], (double)pi[i]);
-    }
-}
-
-static void test_literal_sets_what_the_header_says(void)
-{
-    cfg.cell_us = 50000;
-    auvid_metric_literal(&cfg);
-    TEST_ASSERT_EQUAL(AUVID_SMOOTH_STATES, cfg.smoothing);
-    TEST_ASSERT_EQUAL(10, cfg.half_width[0]);
-    TEST_ASSERT_EQUAL(3, cfg.order);
-    TEST_ASSERT_EQUAL(1, cfg.passes);
-    TEST_ASSERT_FALSE(cfg.estimate_delay);
-    cfg.cell_us = 0;
-    auvid_metric_literal(&cfg);
-    auvid_metric_literal(NULL);
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_init(&metric, &cfg));
-}
-
 /* ---- budgets ---- */
 
 static void test_any_split_of_the_budget_gives_the_same_bits(void)
@@ -289,8 +260,6 @@ int main(void)
     RUN_TEST(test_cost_is_smallest_at_the_true_parameters);
     RUN_TEST(test_measurement_of_the_true_parameters_has_r2_of_one);
     RUN_TEST(test_a_prediction_weighs_the_bands_as_the_cost_does);
-    RUN_TEST(test_literal_smoothing_is_within_ten_percent);
-    RUN_TEST(test_literal_sets_what_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_gives_the_same_bits);
     RUN_TEST(test_a_cost_takes_one_unit_for_each_row_of_r);
     RUN_TEST(test_a_merge_takes_three_passes_and_eight_units_for_each_dof);

@@ -51,11 +51,8 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[0] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[1] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.order = 6);
-    REFUSED(AUVID_ERR_RANGE, cfg.smoothing = (auvid_smoothing_t)2);
-    REFUSED(AUVID_ERR_RANGE, cfg.smoothing = AUVID_SMOOTH_STATES); /* with estimate_delay */
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(-0.21));
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(0.61));
-    REFUSED(AUVID_ERR_RANGE, (auvid_metric_literal(&cfg), cfg.order = 0)); /* no derivative */
 }
 
 static void test_init_refuses_numbers_that_are_not_finite_and_changes_nothing(void)
@@ -144,6 +141,75 @@ static void test_null_pointers_are_refused_or_a_no_op(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)auvid_metric_longest_delay(NULL));
 }
 
+/* Only W-B acts: no DoF is excited. */
+static world_t still_world(void)
+{
+    world_t w = world_of(&cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        w.still[j] = 1;
+    }
+    return w;
+}
+
+static auvid_status_t feed_to_the_end(const world_t *w)
+{
+    auvid_status_t status = AUVID_OK;
+    for (int k = 0; k < 1000 && status == AUVID_OK; ++k) {
+        auvid_sample_t s = cell_at(w, k * w->cell_s);
+        status = auvid_metric_add(&metric, &s);
+    }
+    return status;
+}
+
+static void test_add_and_close_tell_of_a_set_that_is_complete_or_idle(void)
+{
+    for (int idle = 0; idle < 2; ++idle) {
+        start();
+        world_t w = idle ? still_world() : world_of(&cfg);
+        TEST_ASSERT_EQUAL(idle ? AUVID_SET_IDLE : AUVID_SET_COMPLETE, feed_to_the_end(&w));
+        feed(&metric, &w, 0, cells_of(&cfg, 3));
+        TEST_ASSERT_EQUAL(idle ? AUVID_SET_IDLE : AUVID_SET_COMPLETE, auvid_metric_close(&metric));
+    }
+}
+
+static void test_a_held_ring_delays_a_set_of_the_residual_path(void)
+{
+    for (int idle = 0; idle < 2; ++idle) {
+        cells_defaults();
+        use_residual_path(2, 60);
+        start();
+        world_t w = idle ? still_world() : world_of(&cfg);
+        auvid_metric_hold(&metric, UINT64_MAX);
+        feed(&metric, &w, 0, cells_of(&cfg, 30));
+        TEST_ASSERT_EQUAL(idle ? AUVID_SET_IDLE : AUVID_PENDING, auvid_metric_close(&metric));
+        TEST_ASSERT_EQUAL(idle ? AUVID_OK : AUVID_SET_COMPLETE, auvid_metric_release(&metric, 0));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_release(&metric, 0)); /* nothing waits */
+    }
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_release(NULL, 0));
+    auvid_prior_t prior;
+    memset(&prior, 0, sizeof prior);
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_metric_set_prior(&metric, &prior));
+}
+
+static void test_a_budget_of_one_unit_leaves_work(void)
+{
+    uint32_t budget = 1;
+    start();
+    world_t w = world_of(&cfg);
+    TEST_ASSERT_EQUAL(3, feed(&metric, &w, 0, cells_of(&cfg, 3 * 60)));
+    auvid_metric_merge_begin(&metric);
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_merge(&metric, &budget));
+    merge_all(&metric);
+    budget = 1;
+    auvid_metric_measure_begin(&metric, truth, 0);
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_measure(&metric, &budget));
+    budget = 1;
+    auvid_metric_change_begin(&metric);
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_change(&metric, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(NULL, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(&metric, NULL));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -154,5 +220,8 @@ int main(void)
     RUN_TEST(test_largest_filter_that_fits_is_accepted);
     RUN_TEST(test_rows_further_apart_than_the_filter_is_long_are_formed);
     RUN_TEST(test_null_pointers_are_refused_or_a_no_op);
+    RUN_TEST(test_add_and_close_tell_of_a_set_that_is_complete_or_idle);
+    RUN_TEST(test_a_held_ring_delays_a_set_of_the_residual_path);
+    RUN_TEST(test_a_budget_of_one_unit_leaves_work);
     return UNITY_END();
 }

@@ -484,6 +484,9 @@ static void test_init_refuses_what_it_cannot_use_and_changes_nothing(void)
     model.acceleration = NULL;
     refuse(AUVID_ERR_MODEL, &model, 0, 0, 0.1);
     model = auvid_girona500;
+    model.built_for = NULL;
+    refuse(AUVID_ERR_SIZE, &model, 0, 0, 0.1);
+    model = auvid_girona500;
     model.parameters = 0;
     refuse(AUVID_ERR_PARAMETERS, &model, 0, 0, 0.1);
     pi[3] = 0;

@@ -141,6 +141,9 @@ static void test_init_refuses_what_it_cannot_average(void)
     refuses(AUVID_ERR_RANGE, &vehicle, 999, VELOCITY_US);
     refuses(AUVID_ERR_RANGE, &vehicle, 1000001, VELOCITY_US);
     refuses(AUVID_ERR_RANGE, &vehicle, CELL_US, 1000001);
+    other.built_for = NULL;
+    refuses(AUVID_ERR_SIZE, &other, CELL_US, VELOCITY_US);
+    other = vehicle;
     other.parameters = 0;
     refuses(AUVID_ERR_PARAMETERS, &other, CELL_US, VELOCITY_US);
     refuses(AUVID_ERR_MODEL, &model.vehicle, CELL_US, VELOCITY_US); /* it would call itself */

@@ -151,6 +151,35 @@ static void test_sample_older_than_the_last_of_its_sensor_is_refused(void)
     assert_counted_only(&of(AUVID_NAV_DVL_BOTTOM)->stale);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, auvid_nav_depth(&nav, now - 20001, 0));
     assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, auvid_nav_gps(&nav, now - 20001, 0, 0));
+    assert_counted_only(&of(AUVID_NAV_GPS)->stale);
+}
+
+static auvid_real_t pressure_of(double depth_m)
+{
+    return real((double)cfg.surface_pressure + (double)cfg.density * (double)cfg.gravity * depth_m);
+}
+
+static void test_a_pressure_is_refused_like_its_depth(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_pressure(&nav, now, real(2e9)));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->invalid);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_SAME, auvid_nav_pressure(&nav, now - 20000, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, auvid_nav_pressure(&nav, now - 20001, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STALE, auvid_nav_pressure(&nav, UINT64_MAX, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_GATED, auvid_nav_pressure(&nav, now, pressure_of(3)));
+    TEST_ASSERT_EQUAL_INT(AUVID_PENDING, auvid_nav_pressure(&nav, now + 100000, pressure_of(0.2)));
+    TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, auvid_nav_pressure(&nav, now + 120000, pressure_of(0.2)));
+    TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, auvid_nav_depth(&nav, now + 140000, real(0.2)));
+}
+
+static void test_a_fix_far_away_is_gated(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_GATED, auvid_nav_gps(&nav, now, 1000, 0));
+    TEST_ASSERT_EQUAL_UINT(1, of(AUVID_NAV_GPS)->gated);
 }
 
 static void test_sample_is_taken_up_to_its_greatest_age_and_no_older(void)
@@ -404,6 +433,8 @@ int main(void)
     RUN_TEST(test_dvl_with_an_unknown_lock_or_axis_is_refused);
     RUN_TEST(test_sample_given_twice_is_refused);
     RUN_TEST(test_sample_older_than_the_last_of_its_sensor_is_refused);
+    RUN_TEST(test_a_pressure_is_refused_like_its_depth);
+    RUN_TEST(test_a_fix_far_away_is_gated);
     RUN_TEST(test_sample_is_taken_up_to_its_greatest_age_and_no_older);
     RUN_TEST(test_sample_is_taken_a_little_ahead_and_refused_far_ahead);
     RUN_TEST(test_sample_slightly_ahead_is_used_as_of_the_last_tick);

@@ -692,6 +692,27 @@ static void test_times_that_do_not_advance_are_refused_and_change_nothing(void)
     }
 }
 
+static void test_motion_is_refused_like_its_parts(void)
+{
+    auvid_real_t x[6] = {0}, bad[6] = {0};
+    uint64_t t_us = T0 + 550000;
+    reset_counts();
+    run(0, 55, 7, true);
+    before = recorder;
+    refuse(AUVID_ERR_NULL, auvid_recorder_motion(NULL, t_us, x, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_motion(&recorder, t_us, NULL, x));
+    refuse(AUVID_ERR_NULL, auvid_recorder_motion(&recorder, t_us, x, NULL));
+    refuse(AUVID_ERR_TIME_SAME, auvid_recorder_motion(&recorder, T0 + 540000, x, x));
+    refuse(AUVID_ERR_TIME_BACK, auvid_recorder_motion(&recorder, T0 + 539999, x, x));
+    bad[2] = (auvid_real_t)NAN;
+    refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_motion(&recorder, t_us, x, bad));
+    refuse(AUVID_ERR_NOT_FINITE, auvid_recorder_motion(&recorder, t_us, bad, x));
+    bad[2] = AUVID_C(1.01) * AUVID_RECORDER_LARGEST;
+    refuse(AUVID_ERR_RANGE, auvid_recorder_motion(&recorder, t_us, x, bad));
+    refuse(AUVID_ERR_RANGE, auvid_recorder_motion(&recorder, t_us, bad, x));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_motion(&recorder, t_us, x, x));
+}
+
 static void test_numbers_that_are_not_finite_are_refused_and_change_nothing(void)
 {
     reset_counts();
@@ -817,6 +838,7 @@ int main(void)
     RUN_TEST(test_gap_leaves_the_sample_untouched);
     RUN_TEST(test_a_million_cells_beyond_32_bits_of_microseconds_stay_exact);
     RUN_TEST(test_times_that_do_not_advance_are_refused_and_change_nothing);
+    RUN_TEST(test_motion_is_refused_like_its_parts);
     RUN_TEST(test_numbers_that_are_not_finite_are_refused_and_change_nothing);
     RUN_TEST(test_numbers_beyond_the_largest_are_refused_and_change_nothing);
     RUN_TEST(test_null_pointers_are_refused);

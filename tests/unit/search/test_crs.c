@@ -99,6 +99,7 @@ static void refuse(auvid_status_t expected)
     auvid_crs_t before;
     memset(&crs, 0x5a, sizeof crs);
     memcpy(&before, &crs, sizeof crs);
+    TEST_ASSERT_EQUAL_INT(expected, auvid_crs_check(&cfg));
     TEST_ASSERT_EQUAL_INT(expected, auvid_crs_init(&crs, &cfg));
     TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &crs, sizeof crs));
     setUp();
@@ -109,6 +110,8 @@ static void test_init_names_what_is_wrong_and_changes_nothing(void)
     auvid_crs_defaults(NULL, 3);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(NULL, &cfg));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_init(&crs, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_crs_check(NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_crs_check(&cfg));
     cfg.n = 0;
     refuse(AUVID_ERR_PARAMETERS);
     cfg.n = AUVID_MAX_PARAMETERS + 1;
@@ -519,6 +522,16 @@ static void test_same_seed_same_bits_and_another_seed_another_population(void)
     TEST_ASSERT_TRUE(memcmp(crs.theta, other.theta, sizeof crs.theta) != 0);
 }
 
+static void test_a_trial_outside_the_box_is_pending(void)
+{
+    auvid_status_t status = AUVID_OK;
+    init();
+    for (int k = 0; k < 1000 && (status = auvid_crs_ask(&crs, theta)) == AUVID_OK; ++k) {
+        auvid_crs_tell(&crs, theta[0]); /* the least cost is at a side of the box */
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_PENDING, status);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -541,5 +554,6 @@ int main(void)
     RUN_TEST(test_points_where_the_model_fails_leave_the_population);
     RUN_TEST(test_reevaluation_asks_for_the_same_points_best_first_and_counts_them_separately);
     RUN_TEST(test_same_seed_same_bits_and_another_seed_another_population);
+    RUN_TEST(test_a_trial_outside_the_box_is_pending);
     return UNITY_END();
 }

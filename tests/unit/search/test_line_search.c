@@ -479,6 +479,17 @@ static void test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optim
     near(optimum, 1e-3);
 }
 
+static void test_a_step_without_room_is_pending(void)
+{
+    auvid_status_t status = AUVID_OK;
+    cfg.start[0] = cfg.upper[0];
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_line_search_init(&ls, &cfg));
+    for (int k = 0; k < 1000 && (status = auvid_line_search_ask(&ls, theta)) == AUVID_OK; ++k) {
+        auvid_line_search_tell(&ls, 1);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_PENDING, status);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -499,5 +510,6 @@ int main(void)
     RUN_TEST(test_evaluations_are_capped);
     RUN_TEST(test_each_restart_reduces_the_steps_again);
     RUN_TEST(test_after_new_data_the_iterate_is_evaluated_first_and_the_new_optimum_is_found);
+    RUN_TEST(test_a_step_without_room_is_pending);
     return UNITY_END();
 }

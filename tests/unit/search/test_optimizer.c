@@ -170,6 +170,13 @@ static void test_init_checks_both_phases_and_changes_nothing_when_it_refuses(voi
     cfg.line_search.sigma = AUVID_C(0.5);
     cfg.scale[2] = -1;
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_init(&optimizer, &cfg));
+    cfg.scale[2] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_optimizer_init(&optimizer, &cfg));
+    cfg.scale[2] = 1;
+    cfg.crs.lower[1] = cfg.crs.upper[1];
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_BOUNDS, auvid_optimizer_init(&optimizer, &cfg));
+    cfg.crs.n = 0;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_PARAMETERS, auvid_optimizer_init(&optimizer, &cfg));
     TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &optimizer, sizeof other));
 }
 
@@ -188,6 +195,41 @@ static void test_calls_out_of_order_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_tell(NULL, 0));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_reevaluate(NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_add_point(NULL, theta));
+}
+
+static void test_a_known_point_must_be_in_the_box_and_in_time(void)
+{
+    auvid_real_t inside[AUVID_MAX_PARAMETERS] = {0}, bad[AUVID_MAX_PARAMETERS] = {0};
+    init();
+    bad[0] = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_optimizer_add_point(&optimizer, bad));
+    bad[0] = cfg.crs.upper[0] + 1;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_add_point(&optimizer, bad));
+    for (int k = 0; k < optimizer.crs.cfg.population; ++k) {
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_add_point(&optimizer, inside));
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_POPULATION, auvid_optimizer_add_point(&optimizer, inside));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_ask(&optimizer, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_add_point(&optimizer, inside));
+}
+
+/* The lowest cost is at a side of the box: some trial points are outside. */
+static void test_ask_tells_of_a_rejected_trial_and_of_the_cap(void)
+{
+    auvid_status_t status = AUVID_OK;
+    init();
+    for (int k = 0; k < 1000 && (status = auvid_optimizer_ask(&optimizer, theta)) == AUVID_OK;
+         ++k) {
+        auvid_optimizer_tell(&optimizer, theta[0]);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_PENDING, status);
+    cfg.line_search.max_evaluations = 3;
+    init();
+    do {
+        status = steps(&optimizer, sphere, 1000);
+    } while (status == AUVID_PENDING);
+    TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, status);
+    TEST_ASSERT_EQUAL_INT(AUVID_EVALUATION_LIMIT, auvid_optimizer_ask(&optimizer, theta));
 }
 
 static void test_the_global_phase_is_short_unless_configured_otherwise(void)
@@ -433,6 +475,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_a_known_point_must_be_in_the_box_and_in_time);
+    RUN_TEST(test_ask_tells_of_a_rejected_trial_and_of_the_cap);
     RUN_TEST(test_the_global_phase_is_short_unless_configured_otherwise);
     RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);
     RUN_TEST(test_work_counts_every_evaluation_and_every_point_made);

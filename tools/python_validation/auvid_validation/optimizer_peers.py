@@ -31,7 +31,7 @@ def auvid(lib, literal=False, per_parameter=0, omega=0.0):
         config.scale[:n] = [1.0] * n
         config.crs.seed, config.crs.omega = seed, omega
         config.crs.population = per_parameter * n
-        config.line_search.literal = literal
+        config.line_search.paper = literal
         if literal:
             config.line_search.epsilon = 1e-5
         assert lib.auvid_optimizer_init(optimizer, config) == 0

@@ -12,6 +12,8 @@ from auvid_validation.compare import close
 from auvid_validation.library import values
 
 SETS, CELL_S = 2, 0.1
+#: Of literal smoothing [cells].
+HALF_WIDTH = 5
 
 #: Completed sets are stored in 16 bits: half a unit of the largest entry of a column.
 STORED = 2.0**-16
@@ -46,22 +48,19 @@ def motion(cell):
 
 
 def taps_of(config):
-    """Of the filter: one pass over smoothed states, or two over rows and the spread of forces."""
-    h = max(config.half_width)
-    return 4 * h + 3 if config.passes == 2 else 2 * h + 1
+    """Of the filter: two passes and the spread of forces."""
+    return 4 * max(config.half_width) + 3
 
 
-def windows(config, cells):
+def windows(config, cells, taps):
     """The cells of each row, from the seventh on: the wrench is needed at all delays."""
-    taps = taps_of(config)
     return [slice(b, b + taps) for b in range(6, len(cells) - taps + 1, config.row_cells)]
 
 
 class Pipeline:
     """metric.h's rows: for each of X Y Z N the two bands of [Y, tau], and their weights."""
 
-    def __init__(self, lib, config, cells):
-        literal = config.smoothing == lib.AUVID_SMOOTH_STATES
+    def __init__(self, config, cells, literal):
         self.kernels, self.ratio, self.rows = [], [], []
         every = self.of_states(config, cells) if literal else self.of_rows(config, cells)
         for dof, rows in zip(girona500.DRIVEN, every):
@@ -89,17 +88,17 @@ class Pipeline:
             triangle = [0, 1, 0] if dof >= 3 else [spread, 1 - 2 * spread, spread]
             of_wrench = np.convolve(smooth, triangle, "same")
             yield np.array([np.r_[smooth @ y[w, k], of_wrench @ tau[w, k]]
-                            for w in windows(config, cells)])
+                            for w in windows(config, cells, taps_of(config))])
 
     @staticmethod
     def of_states(config, cells):
         """Literal smoothing: smoothed states, their smoothed derivative, raw wrench."""
-        h, order = config.half_width[0], config.order
+        h, order = HALF_WIDTH, 3
         smooth = savgol_coeffs(2 * h + 1, order, use="dot")
         derivative = savgol_coeffs(2 * h + 1, order, 1, CELL_S, use="dot")
         x = np.array([np.r_[c.phi, c.theta, values(c.nu)] for c in cells], float)
         every = []
-        for w in windows(config, cells):
+        for w in windows(config, cells, 2 * h + 1):
             phi, theta, *nu = smooth @ x[w]
             y = girona500.regressor(phi, theta, np.array(nu), derivative @ x[w, 2:])
             tau = values(cells[w.start + h].tau)[girona500.DRIVEN]
@@ -131,17 +130,22 @@ def make(lib, rng, literal=False):
     config, metric = lib.auvid_metric_config_t(), lib.auvid_metric_t()
     lib.auvid_metric_defaults(config, lib.auvid_girona500)
     config.estimate_delay = False
+    smoother = lib.literal_t()
+    taps = 2 * HALF_WIDTH + 1 if literal else taps_of(config)
     if literal:
-        lib.auvid_metric_literal(config)
+        assert lib.literal_metric(smoother, config) == 0
+        lib.literal_attach(smoother, metric)
     assert lib.auvid_metric_init(metric, config) == 0
     rows = SETS * config.set_rows
-    cells = record(lib, rng, 6 + taps_of(config) + config.row_cells * (rows - 1))
+    cells = record(lib, rng, 6 + taps + config.row_cells * (rows - 1))
     for cell in cells:
-        assert lib.auvid_metric_add(metric, cell) >= 0
+        assert (lib.literal_add(smoother, cell) if literal else
+                lib.auvid_metric_add(metric, cell)) >= 0
     lib.auvid_metric_merge_begin(metric)
-    finish(lib.auvid_metric_merge, metric)
+    finish(lib.literal_merge if literal else lib.auvid_metric_merge, metric)
     assert metric.sets_recorded == SETS and metric.excited == 0b100111
-    return metric, Pipeline(lib, config, cells)
+    metric.smoother = smoother  # which must outlive it
+    return metric, Pipeline(config, cells, literal)
 
 
 def costs(lib, rng, metric, reference):

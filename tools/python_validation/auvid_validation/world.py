@@ -43,7 +43,7 @@ def configured(lib, world):
                                       one_by_one)
     if world.get("literal", False):
         config.id.recorder.cell_us = int(TICK_S * 1e6)
-        lib.auvid_identifier_literal(config.id)
+        config.literal = ctypes.pointer(lib.literal_t())
         config.id.metric.row_cells = 25  # a row every half second, as by default
     return config
 
