@@ -43,9 +43,9 @@ many() {
 }
 public=include/auvid
 refused 'a row for each sensor' navigation/auvid_nav.c \
-    's/(AUVID_NAV_SENSOR_COUNT) = 4/AUVID_NAV_EXTRA = 4, \1 = 5/' $public/nav.h
+    's/(AUVID_NAV_SENSOR_COUNT) = (.*)/\1 = \2 + 1/' $public/nav.h
 refused 'auvid_nav_t.holding' navigation/auvid_nav_late.c \
-    's/(AUVID_NAV_SENSOR_COUNT) = 4/\1 = 9/' $public/nav.h
+    's/(AUVID_NAV_SENSOR_COUNT) = .*/\1 = 9/' $public/nav.h
 refused 'auvid_nav_t.flags' navigation/auvid_nav.c \
     "$(before AUVID_NAV_FLAG_END 'AUVID_NAV_EXTRA = 1 << 16,')" $public/nav.h
 refused 'nav_position.flags' can/auvid_node_report.c \

@@ -37,6 +37,9 @@ auvid_status_t chain_init(chain_t *chain, const chain_config_t *cfg)
 {
     bool limited = cfg->thrusters.thrusters > 0;
     auvid_status_t status = auvid_identifier_init(&chain->id, &cfg->id);
+    if (status >= 0) {
+        status = auvid_identifier_attach_prediction(&chain->id, &chain->prediction);
+    }
     if (status >= 0 && !cfg->passive && limited) {
         status = auvid_allocation_init(&chain->allocation, &cfg->thrusters);
     }
@@ -74,6 +77,7 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
 void chain_copy(chain_t *to, const chain_t *from)
 {
     *to = *from;
+    to->id.prediction = &to->prediction;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
         to->actuation.allocation = from->actuation.allocation != NULL ? &to->allocation : NULL;
@@ -87,9 +91,11 @@ bool chain_is_same(const chain_t *a, const chain_t *b)
     id = a->id;
     actuation = a->actuation;
     id.actuation = b->id.actuation;
+    id.prediction = b->id.prediction;
     actuation.allocation = b->actuation.allocation;
     return memcmp(&id, &b->id, sizeof id) == 0 &&
-           memcmp(&actuation, &b->actuation, sizeof actuation) == 0;
+           memcmp(&actuation, &b->actuation, sizeof actuation) == 0 &&
+           memcmp(&a->prediction, &b->prediction, sizeof a->prediction) == 0;
 }
 
 static void copy(auvid_real_t *to, const double *from, int n)

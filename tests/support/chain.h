@@ -46,6 +46,7 @@ typedef struct chain {
     auvid_identifier_t id;
     auvid_allocation_t allocation;
     auvid_actuation_t actuation; /**< attached unless passive */
+    auvid_validation_t prediction;
     auvid_excitation_t driver;
     uint32_t tick;                        /**< ticks so far */
     uint64_t t_us;                        /**< of the last one */
@@ -71,8 +72,8 @@ void chain_set_driver(chain_config_t *cfg);
  * @return the status of chain_init; AUVID_ERR_RANGE if the simulator refuses. */
 auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg);
 
-/** Initialise chain->id with cfg->id; unless passive, attach excitation and guard as chain_begin
- * does. @return the status of the library. */
+/** Initialise chain->id with cfg->id and attach the prediction and, unless passive, excitation and
+ * guard, as chain_begin does. @return the status of the library. */
 auvid_status_t chain_init(chain_t *chain, const chain_config_t *cfg);
 
 /** Copy a chain with all that is attached. */

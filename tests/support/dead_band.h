@@ -56,6 +56,7 @@ static const auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
 enum { SETS = 8, SET_ROWS = 150 };
 static auvid_identifier_t id;
 static auvid_actuation_t actuation;
+static auvid_validation_t prediction;
 static auvid_row_t store[(SETS + 1) * SET_ROWS];
 
 static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
@@ -85,6 +86,7 @@ static inline void begin(const auvid_identifier_config_t *cfg, uint64_t seed)
                       auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(&id, &prediction));
 }
 
 /** Called at each step, before the work of its tick; may be NULL. */

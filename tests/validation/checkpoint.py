@@ -30,8 +30,8 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
-FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction.vehicle",
-            "actuation.adapt")
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction",
+            "prediction.vehicle", "actuation.adapt")
 SET_ROWS = 2
 ROOM = 1 << 18
 IMPOSSIBLE = -6
@@ -75,7 +75,9 @@ class Subject:
         lib.auvid_actuation_defaults(acting)
         self.actuation = lib.auvid_actuation_t()
         assert lib.auvid_identifier_attach_actuation(self.id, self.actuation, acting, None) == 0
-        self.id.prediction.vehicle = ctypes.pointer(self.vehicle)
+        self.prediction = lib.auvid_validation_t()
+        assert lib.auvid_identifier_attach_prediction(self.id, self.prediction) == 0
+        self.prediction.vehicle = ctypes.pointer(self.vehicle)
 
     def pose(self, phase, search):
         """Set up a possible state of a search for two values, or of its result's confidence. The
@@ -135,6 +137,7 @@ def wrong(subject, whole, path, at, pointer):
 def main():
     subject, looked, bad = Subject(sys.argv[1]), 0, []
     for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
+                        (subject.prediction, "prediction"),
                         (subject.rows, "rows")):
         for path, at, pointer in leaves(type(whole), name):
             if path.startswith(DEAD + KEPT) or path in FOLLOWED:

@@ -23,6 +23,7 @@ typedef struct {
     const options_t *options;
     auvid_node_t node;
     auvid_actuation_t actuation;
+    auvid_validation_t prediction;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
@@ -46,6 +47,7 @@ static int begin(run_t *run)
     if (status < 0) {
         return report_refused("node", status, &run->node.id.refusal);
     }
+    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
     if (status < 0) {
         return report_refused("node", status, &run->actuation.refusal);

@@ -21,6 +21,7 @@ typedef struct {
     const options_t *options;
     auvid_node_t node;
     auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
+    auvid_validation_t prediction;
     bus_candump_t log;
     csv_writer_t csv;
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
@@ -148,6 +149,7 @@ static int begin(run_t *run)
     if (status < 0) {
         return report_refused("replay", status, &run->node.id.refusal);
     }
+    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     status = world_excite(&run->node, &run->actuation, &world);
     if (status < 0) {
         return report_refused("replay", status, &run->actuation.refusal);

@@ -32,6 +32,7 @@
 /* A model identified from a log. */
 typedef struct {
     auvid_identifier_t id;
+    auvid_validation_t prediction;
     literal_t literal; /* if chosen */
 } fitted_t;
 
@@ -312,6 +313,7 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
         (void)report_refused("fit", status, &fitted->id.refusal);
         return false;
     }
+    (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     if (!literal) {
         replay_identify(&job->train, &job->replay, &fitted->id);
     } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {

@@ -52,6 +52,7 @@ typedef struct {
     auvid_node_t node[WORLD_NODES];
     literal_t literal[WORLD_NODES]; /**< of each node, if chosen */
     auvid_actuation_t actuation;    /**< of node[0]; all zeros if `passive` */
+    auvid_validation_t prediction[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
     int nodes;
     bool both_locks, is_literal;        /**< see world_config_t */

@@ -142,7 +142,7 @@ void sim_sensors_sample(sim_t *sim, const sim_truth_t *before, const sim_truth_t
         sim_sensor_t *s = &sim->sensor[i];
         while (s->period_us > 0 && s->next_us <= now->t_us) {
             sim_measurement_t m = {.has = true, .t_us = s->next_us};
-            moment_t at;
+            moment_t at = {.position = {0}};
             double part = (double)(s->next_us - before->t_us) / (double)(now->t_us - before->t_us);
             between(at.position, before->position, now->position, part, 3);
             between(at.euler, before->euler, now->euler, part, 3);

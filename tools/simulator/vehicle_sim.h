@@ -20,8 +20,9 @@
 extern "C" {
 #endif
 
-/** Largest number of frames in a tick. */
-enum { VEHICLE_SIM_FRAMES = 12 };
+/** Largest number of frames in a tick: two of IMU, DVL and feedback, one of each other sensor, arm,
+ * abort, tick. */
+enum { VEHICLE_SIM_FRAMES = SIM_SENSORS + 7 };
 
 /** Largest number of parameters in the reports of a node. */
 enum { VEHICLE_SIM_PARAMETERS = SIM_FOSSEN_PARAMETERS };

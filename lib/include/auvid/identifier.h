@@ -277,7 +277,8 @@ typedef struct {
                             five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */
-    uint8_t simulated;                         /**< bit j: r2_velocity[j] is valid */
+    uint8_t simulated;                         /**< bit j: r2_velocity[j] is valid; 0 unless
+                            auvid_identifier_attach_prediction was called */
 } auvid_change_test_t;
 
 /** Phase of auvid_identifier_work. */
@@ -331,10 +332,12 @@ typedef struct auvid_identifier {
     auvid_estimate_t estimate;          /* the last result: read auvid_identifier_estimate */
     auvid_estimate_t accepted_estimate; /* the last accepted one */
     auvid_change_test_t change_test;    /**< of the newest set */
-    auvid_validation_t prediction;      /* of the set being recorded, by the last estimate */
+    auvid_validation_t *prediction;     /* of the set being recorded, by the last estimate; NULL:
+                                           none */
     auvid_real_t predicted;             /* cost of the last estimate on the new set */
     auvid_validation_t *validation;     /* receives every cell, if attached */
-    const auvid_listener_t *listener;   /* as configured */
+    const struct auvid_simulate_functions *simulate; /* for these two; NULL: neither was attached */
+    const auvid_listener_t *listener;                /* as configured */
     void *listener_context;
     uint64_t t_us;                              /* last tick */
     uint32_t last_sample;                       /* sequence of the last velocity recorded */
@@ -444,6 +447,16 @@ auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 #define auvid_identifier_attach AUVID_SIZED(auvid_identifier_attach)
 /** Feed every subsequent cell to a validation, which is not copied. NULL detaches it. */
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation);
+
+#define auvid_identifier_attach_prediction AUVID_SIZED(auvid_identifier_attach_prediction)
+/** Simulate the velocity of each set with the last estimate, and compare it with the measured one:
+ * change_test.r2_velocity. Call it once, between auvid_identifier_init and the first step. Without
+ * it the program does not contain the simulation. Cost: see validation.h.
+ * @param storage written; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
+ * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
+                                                  auvid_validation_t *storage);
 
 #define auvid_estimate_drag AUVID_SIZED(auvid_estimate_drag)
 /** Drag force of one degree of freedom at a speed, with its uncertainty:

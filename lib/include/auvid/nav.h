@@ -15,9 +15,9 @@
  * Then read auvid_nav_state(). Identification uses the velocity samples `ground` and `water`, at
  * the DVL's own times: between DVL updates a constant-velocity filter lags by a tenth of a second.
  *
- * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.58k, a depth 0.22k, a
- * complete DVL sample at the filter's time 0.46k. Late samples: a depth 0.76k, a DVL sample 1.8k,
- * or 4.3k if no update was applied since its timestamp. Memory: auvid_nav_t, AUVID_NAV_BYTES in
+ * Cost: constant, no iteration. Instructions on a Cortex-M4F at -O2: a tick 0.58k, a depth 0.34k, a
+ * complete DVL sample at the filter's time 0.52k. Late samples: a depth 0.9k, a DVL sample 1.9k,
+ * or 4.4k if no update was applied since its timestamp. Memory: auvid_nav_t, AUVID_NAV_BYTES in
  * float.
  *
  * Numerics: position is a sum of two floats (plain float32 drifts by 1 mm at 120 m). The covariance

@@ -11,9 +11,9 @@
  * the integration, which then starts again. A velocity that was not measured is not compared.
  * Commands, for models of the thrusters, are used without delay.
  *
- * The identifier (see auvid_identifier_attach) or the user's own loop calls it for each cell of the
- * record. Cost: 16 calls of the model's acceleration a cell. Memory: sizeof(auvid_validation_t),
- * 560 bytes with default sizes.
+ * The identifier (see auvid_identifier_attach and auvid_identifier_attach_prediction) or the user's
+ * own loop calls it for each cell of the record. Cost: 16 calls of the model's acceleration a cell.
+ * Memory: sizeof(auvid_validation_t), 560 bytes with default sizes.
  */
 #ifndef AUVID_VALIDATION_H
 #define AUVID_VALIDATION_H

@@ -1,7 +1,7 @@
 /*
  * The checkpoint. Little-endian words, then the members listed in the tables of
- * auvid_checkpoint_layout.c, in their order: of the identifier, of its acting half, and for a model
- * without regressor of its rows:
+ * auvid_checkpoint_layout.c, in their order: of the identifier, of what is attached to it, and for
+ * a model without regressor of its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
@@ -9,7 +9,7 @@
  *         12  parts that are present, PART_..
  *         16  rows
  *         20  number of bytes, all
- *         24  the identifier, the acting half, the rows
+ *         24  the identifier, the acting half, the simulated velocity, the rows
  *   last four CRC-32 of all bytes before
  *
  * The tables give the address of each byte of the stream from its position
@@ -60,7 +60,7 @@ static bool checkpoint_adapts(const auvid_identifier_t *id)
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
     uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
-    parts |= id->prediction.vehicle != NULL ? PART_SIMULATED : 0u;
+    parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     if (id->phase == AUVID_WORK_CONFIDENCE) {
@@ -111,7 +111,9 @@ static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, 
 /* The memory of an outermost struct other than the identifier. */
 static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
-    return root == TABLE_ACTUATION ? (void *)id->actuation : (void *)id->metric.cfg.rows;
+    return root == TABLE_ACTUATION    ? (void *)id->actuation
+           : root == TABLE_VALIDATION ? (void *)id->prediction
+                                      : (void *)id->metric.cfg.rows;
 }
 
 /* Save up to max_bytes bytes of the body from `at` on. @return how many, >= 1 */
@@ -228,7 +230,8 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
     const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE;
-    bool same = ((sizes->parts ^ checkpoint_parts(id)) & attached) == 0;
+    bool same = ((sizes->parts ^ checkpoint_parts(id)) & attached) == 0 &&
+                ((sizes->parts & PART_SIMULATED) == 0 || id->prediction != NULL);
     return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
 }
 
@@ -255,8 +258,10 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     for (uint32_t at = 0; at < body;) {
         at += checkpoint_load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
     }
-    bool simulated = (sizes.parts & PART_SIMULATED) != 0;
-    id->prediction.vehicle = simulated ? identifier_vehicle(id) : NULL;
+    if (id->prediction != NULL) {
+        bool simulated = (sizes.parts & PART_SIMULATED) != 0;
+        id->prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;
+    }
     (void)auvid_metric_set_prior(m, &m->prior); /* sets the function pointer */
     return AUVID_OK;
 }

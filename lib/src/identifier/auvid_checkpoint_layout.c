@@ -308,7 +308,6 @@ static const row_t identifier[] = {
     STRUCT(auvid_identifier_t, estimate, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, accepted_estimate, TABLE_ESTIMATE),
     STRUCT(auvid_identifier_t, change_test, TABLE_CHANGE_TEST),
-    STRUCT_OF(auvid_identifier_t, prediction, TABLE_VALIDATION, PART_SIMULATED),
     COSTS(auvid_identifier_t, predicted, predicted),
     SPAN(auvid_identifier_t, uint64_t, t_us, t_us),
     SPAN(auvid_identifier_t, uint32_t, last_sample, max_work),
@@ -377,4 +376,5 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
 const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS] = {
     {TABLE_IDENTIFIER, 0},
     {TABLE_ACTUATION, PART_ACTUATION},
+    {TABLE_VALIDATION, PART_SIMULATED},
 };

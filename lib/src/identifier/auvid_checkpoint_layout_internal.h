@@ -108,7 +108,7 @@ typedef struct {
     uint8_t table;
     uint8_t part; /**< 0: always */
 } auvid_checkpoint_root_t;
-enum { CHECKPOINT_ROOTS = 2 };
+enum { CHECKPOINT_ROOTS = 3 };
 extern const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS];
 
 /** Bytes of a root; 0: it is absent. */

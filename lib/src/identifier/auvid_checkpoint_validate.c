@@ -18,7 +18,8 @@
 typedef struct {
     const auvid_identifier_t *id;
     const auvid_checkpoint_sizes_t *sizes;
-    const uint8_t *body;
+    const uint8_t *body; /* of an outermost struct */
+    int table;           /* its table */
 } view_t;
 
 /* ---- numbers ---- */
@@ -96,12 +97,12 @@ static bool checkpoint_check_run(const view_t *v, const auvid_checkpoint_run_t *
 
 /* ---- conditions between members ---- */
 
-/* Find the scalar at byte `offset` of the identifier in the body, which contains it. */
+/* Find the scalar at byte `offset` of the view's struct in the body, which contains it. */
 static const uint8_t *checkpoint_find(const view_t *v, size_t offset,
                                       const auvid_checkpoint_row_t **found)
 {
     const uint8_t *at = v->body;
-    int table = TABLE_IDENTIFIER;
+    int table = v->table;
     do {
         const auvid_checkpoint_row_t *row = auvid_checkpoint_table[table].row;
         uint32_t bytes = auvid_checkpoint_bytes(v->sizes, row);
@@ -430,11 +431,16 @@ static bool checkpoint_check_job(const view_t *v)
 
 static bool checkpoint_check_prediction(const view_t *v)
 {
+    view_t of = *v;
     bool good = identifier_vehicle(v->id)->acceleration != NULL;
+    for (int root = 0; auvid_checkpoint_root[root].table != TABLE_VALIDATION; ++root) {
+        of.body += auvid_checkpoint_root_bytes(v->sizes, root);
+    }
+    of.table = TABLE_VALIDATION;
+    uint32_t cells = checkpoint_word(&of, offsetof(auvid_validation_t, cells));
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        uint32_t compared =
-            checkpoint_word(v, MEMBER(prediction.compared[0]) + j * sizeof(uint32_t));
-        good = good && compared <= WORD(prediction.cells);
+        size_t compared = offsetof(auvid_validation_t, compared) + j * sizeof(uint32_t);
+        good = good && checkpoint_word(&of, compared) <= cells;
     }
     return good;
 }
@@ -482,7 +488,7 @@ auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
                                          const auvid_checkpoint_sizes_t *sizes, const uint8_t *body,
                                          uint32_t bytes)
 {
-    const view_t view = {id, sizes, body};
+    const view_t view = {id, sizes, body, TABLE_IDENTIFIER};
     for (uint32_t at = 0; at < bytes;) {
         auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
         if (!checkpoint_check_run(&view, &run, body + at)) {

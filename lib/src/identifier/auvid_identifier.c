@@ -223,10 +223,3 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     }
     return status;
 }
-
-void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
-{
-    if (id != NULL) {
-        id->validation = validation;
-    }
-}

@@ -68,8 +68,21 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id);
  * cost exceeds the minimum by more than a thousandth. @return AUVID_OK; AUVID_PENDING */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);
 
+/** What the identifier calls of the simulation of velocity, if something is attached. */
+typedef struct auvid_simulate_functions {
+    void (*cell)(auvid_identifier_t *id, const auvid_sample_t *cell); /**< NULL: a gap */
+    void (*restart)(
+        auvid_identifier_t *id);            /**< simulate subsequent cells with the last estimate */
+    void (*finish)(auvid_identifier_t *id); /**< a set is complete: publish, then restart */
+} auvid_simulate_functions_t;
+
 /** Simulate subsequent cells with the last estimate. */
-void auvid_identifier_simulate(auvid_identifier_t *id);
+static inline void identifier_simulate(auvid_identifier_t *id)
+{
+    if (id->simulate != NULL) {
+        id->simulate->restart(id);
+    }
+}
 
 /** Delay of an estimate of a model without regressor; else 0 [s]. */
 auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,

@@ -13,7 +13,15 @@
 
 _Static_assert(AUVID_EVENT_END - 1u <= 1u << 30, "an enumerator of C11 is an int");
 
-/* Pass complete cells, at most max_cells, to the metric and the attached validation. */
+/* Pass a cell to what simulates velocity. NULL: a gap. */
+static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
+{
+    if (id->simulate != NULL) {
+        id->simulate->cell(id, cell);
+    }
+}
+
+/* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */
 static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {
     auvid_sample_t cell;
@@ -22,18 +30,12 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
             auvid_metric_gap(&id->metric);
-            auvid_validation_gap(id->validation);
-            auvid_validation_gap(&id->prediction);
+            identifier_pass_cell(id, NULL);
             id->events |= AUVID_EVENT_GAP;
         } else if (status != AUVID_OK) {
             return;
         } else {
-            if (id->validation != NULL) {
-                (void)auvid_validation_add(id->validation, &cell);
-            }
-            if (id->prediction.vehicle != NULL) {
-                (void)auvid_validation_add(&id->prediction, &cell);
-            }
+            identifier_pass_cell(id, &cell);
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
             bool drops = id->metric.rows_dropped != dropped;
             id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;

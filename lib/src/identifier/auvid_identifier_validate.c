@@ -8,8 +8,6 @@
  * the effective noise (confidence.h) decides whether the vehicle has changed. So neither a strong
  * disturbance nor a set with other motion raises an alarm.
  */
-#include <string.h>
-
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
@@ -39,17 +37,6 @@ auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
     return delay_s;
 }
 
-void auvid_identifier_simulate(auvid_identifier_t *id)
-{
-    const auvid_estimate_t *e = &id->estimate;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
-    memset(&id->prediction, 0, sizeof id->prediction);
-    if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
-        (void)auvid_validation_init(&id->prediction, identifier_vehicle(id), e->pi, e->excited,
-                                    e->delay_s, e->first_order_lag, cell_s);
-    }
-}
-
 /* Longest time from the first row of a set to its last [us]. */
 static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
 {
@@ -58,12 +45,10 @@ static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
 
 void auvid_identifier_begin_sets(auvid_identifier_t *id)
 {
-    auvid_change_test_t *test = &id->change_test;
     auvid_metric_t *m = &id->metric;
-    bool simulated = id->prediction.vehicle != NULL && m->waiting == 1 &&
-                     auvid_validation_r2(&id->prediction, test->r2_velocity) == AUVID_OK;
-    test->simulated = simulated ? (uint8_t)id->prediction.dofs : 0u;
-    auvid_identifier_simulate(id);
+    if (id->simulate != NULL) {
+        id->simulate->finish(id);
+    }
     if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
         id->listener->set(id->listener_context, m);
     }
@@ -177,7 +162,7 @@ static void identifier_compare_estimates(auvid_identifier_t *id)
         id->estimate.number = number + 1;
         id->estimate.t_us = id->t_us;
         id->events |= AUVID_EVENT_RESTORED;
-        auvid_identifier_simulate(id);
+        identifier_simulate(id);
     } else {
         id->estimate.accepted = true;
         id->accepted_estimate = id->estimate;

@@ -168,7 +168,7 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     e->confidence = id->confidence.result;
     memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
-    auvid_identifier_simulate(id);
+    identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     auvid_identifier_rest(id);
 }

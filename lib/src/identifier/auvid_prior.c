@@ -153,7 +153,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
             }
         }
     }
-    auvid_identifier_simulate(id);
+    identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
 }
 

@@ -278,8 +278,9 @@ static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *
     }
 }
 
-/* Apply Eq. 6 to a sample that passed the gate, one scalar after the other. */
-static void nav_apply_scalars(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+/* Apply Eq. 6 to a sample that passed the gate, one scalar after the other. Not inlined: its frame
+ * is not below auvid_nav_innovations(). */
+static AUVID_NOINLINE void nav_apply_scalars(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_real_t nis = AUVID_C(0.0);
     for (int j = 0; m->outside != 0 && j < nav_scalar_count(m); ++j) {

@@ -59,9 +59,10 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
  *
  * This equals three scalar updates for two thirds of the work. S^-1 comes from S = L D L',
  * L^-1 = [1; a 1; b c 1]. The last form of Pvv is used off the diagonal, where it needs no
- * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate.
+ * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate. Not
+ * inlined, to save stack on the slow path.
  */
-static bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
+static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     const auvid_real_t v[6] = {nav->vv[0], nav->vv[1], nav->vv[2],

@@ -107,7 +107,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
         TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->estimate.pi,
                                  sizeof id->accepted_estimate.pi);
         /* from now on it simulates the velocity */
-        TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->prediction.pi,
+        TEST_ASSERT_EQUAL_MEMORY(id->accepted_estimate.pi, id->prediction->pi,
                                  13 * sizeof id->accepted_estimate.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
         TEST_ASSERT_EQUAL_UINT64(c->t_us - SIM_TICK_US, id->estimate.t_us);

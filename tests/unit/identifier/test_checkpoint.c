@@ -18,6 +18,7 @@ static auvid_identifier_config_t cfg;
 static auvid_identifier_t id, other;
 static auvid_actuation_config_t acting;
 static auvid_actuation_t actuation;
+static auvid_validation_t prediction; /* of `id`, and of copies of it */
 static uint8_t saved[AUVID_CHECKPOINT_MAX(ROWS)], again[AUVID_CHECKPOINT_MAX(ROWS)];
 static uint32_t bytes;
 
@@ -27,6 +28,12 @@ void setUp(void)
     cfg.metric.set_rows = SET_ROWS;
     auvid_actuation_defaults(&acting);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+}
+
+static void init_predicting(auvid_identifier_t *of)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(of, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(of, &prediction));
 }
 
 void tearDown(void)
@@ -208,12 +215,16 @@ static void test_a_prior_record_is_part_of_it(void)
 static void test_what_is_attached_stays(void)
 {
     static auvid_validation_t validation;
+    init_predicting(&id);
     make();
+    check_refused(AUVID_ERR_STATE, saved, bytes); /* it has a prediction, *id has none */
+    init_predicting(&id);
     auvid_identifier_attach(&id, &validation);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_PTR(&prediction, id.prediction);
     TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
-    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.prediction.vehicle);
+    TEST_ASSERT_EQUAL_PTR(&auvid_girona500, prediction.vehicle);
 }
 
 /* All positions (in double every eleventh, except in the long form). In head and tail all other
@@ -583,8 +594,22 @@ static void test_sets_that_contradict_the_phase_of_work_are_refused(void)
     IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(metric.set[0].rows_of[0] = SET_ROWS + 1);
     IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of an excited DoF */
-    IMPOSSIBLE(prediction.compared[0] = UINT32_MAX);
     check_good();
+}
+
+static void test_a_prediction_of_more_cells_than_there_were_is_refused(void)
+{
+    init_predicting(&id);
+    for (int cell = 1; cell < CELLS && id.estimate.number == 0; ++cell) {
+        move(&id, cell);
+    }
+    TEST_ASSERT_NOT_NULL(prediction.vehicle);
+    ++prediction.compared[0];
+    bytes = save(&id, saved, sizeof saved);
+    --prediction.compared[0];
+    check_refused(AUVID_ERR_RANGE, saved, bytes);
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
 static void test_a_held_sample_not_ahead_of_the_imu_is_refused(void)
@@ -660,6 +685,7 @@ int main(void)
     RUN_TEST(test_an_impossible_optimum_is_refused);
     RUN_TEST(test_a_probe_along_a_direction_not_before_its_own_is_refused);
     RUN_TEST(test_sets_that_contradict_the_phase_of_work_are_refused);
+    RUN_TEST(test_a_prediction_of_more_cells_than_there_were_is_refused);
     RUN_TEST(test_a_held_sample_not_ahead_of_the_imu_is_refused);
     RUN_TEST(test_an_identifier_that_steps_while_it_is_saved_is_detected);
     RUN_TEST(test_calls_out_of_order_are_refused);

@@ -45,6 +45,7 @@ static uint32_t moments[WORLDS];
 static struct {
     auvid_identifier_t id;
     auvid_actuation_t actuation;
+    auvid_validation_t prediction;
 } fresh[WORLDS]; /* as in a program that restores */
 static chain_config_t cfg;
 static chain_t chain;
@@ -130,6 +131,7 @@ static void run(world_t world, double seconds)
     begin(world);
     fresh[world].id = chain.id;
     fresh[world].actuation = chain.actuation;
+    fresh[world].prediction = chain.prediction;
     for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
         sigma[i] = AUVID_C(1e6);
     }
@@ -318,6 +320,7 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         forge(m);
         chain.id = fresh[world].id;
         chain.actuation = fresh[world].actuation;
+        chain.prediction = fresh[world].prediction;
         (void)alarm(HANG_S);
         auvid_status_t status = resumes ? auvid_checkpoint_resume(&chain.id, forged, m->bytes)
                                         : auvid_checkpoint_restore(&chain.id, forged, m->bytes);
@@ -330,11 +333,14 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         }
         static auvid_identifier_t restored;
         static auvid_actuation_t actuation;
+        static auvid_validation_t prediction;
         restored = chain.id;
         actuation = chain.actuation;
+        prediction = chain.prediction;
         chain = m->chain;
         chain.id = restored;
         chain.actuation = actuation;
+        chain.prediction = prediction;
         chain.waiting = false;
         check_published(&chain);
         bool longer = ++taken % stride == 0;

@@ -57,6 +57,7 @@ static auvid_vehicle_t vehicle;
 static auvid_identifier_t id;
 static auvid_actuation_t actuation; /* of it, or of chain.id */
 static auvid_allocation_t allocation;
+static auvid_validation_t prediction;
 static uint8_t saved[MOST];
 static auvid_rng_t rng;
 static uint8_t known[AUVID_PRIOR_BYTES]; /* before the run */
@@ -165,6 +166,7 @@ static void begin(auvid_identifier_t *to)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &cfg.thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(to, &actuation, &cfg.acting, &allocation));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(to, &prediction));
     if (!run.residual) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(to, known, sizeof known));
     }
@@ -238,6 +240,7 @@ static int continue_run(const char *run_file, const char *saved_file, uint32_t f
         auvid_identifier_init(&id, &cfg.id) != AUVID_OK ||
         auvid_allocation_init(&allocation, &cfg.thrusters) != AUVID_OK ||
         auvid_identifier_attach_actuation(&id, &actuation, &cfg.acting, &allocation) != AUVID_OK ||
+        auvid_identifier_attach_prediction(&id, &prediction) != AUVID_OK ||
         auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }
@@ -360,11 +363,13 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
         }
         static auvid_identifier_t before;
         static auvid_actuation_t acting_before;
+        static auvid_validation_t prediction_before;
         auvid_guard_state_t state = actuation.guard.state;
         bool latched = state == AUVID_GUARD_DONE || state == AUVID_GUARD_ABORTED;
         states |= 1u << state;
         before = id;
         acting_before = actuation;
+        prediction_before = prediction;
         uint32_t bytes = save(&id, saved);
         begin(&id);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -384,6 +389,7 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
         }
         id = before;
         actuation = acting_before;
+        prediction = prediction_before;
     }
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
                                 1u << AUVID_GUARD_SETTLING,

@@ -186,9 +186,9 @@ static void test_a_passive_identifier_cannot_excite(void)
 {
     chain_set_driver(&cfg);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_arm(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_excite(&chain.id));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_stop(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED, auvid_identifier_arm(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED, auvid_identifier_excite(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED, auvid_identifier_stop(&chain.id));
 }
 
 static void test_the_wrench_returned_is_that_of_the_thruster_forces_returned(void)

@@ -1,5 +1,5 @@
 /* Navigation filter: late samples, and rejections: their status, with the filter unchanged. */
-#include "auvid/nav.h"
+#include "navigation/auvid_nav_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -194,7 +194,8 @@ static void test_sample_is_taken_up_to_its_greatest_age_and_no_older(void)
                               auvid_nav_depth(&nav, t, real(0.2)));
         TEST_ASSERT_EQUAL_INT(old ? AUVID_ERR_STALE : AUVID_OK, auvid_nav_gps(&nav, t, 0, 0));
         for (int s = 0; s < AUVID_NAV_SENSOR_COUNT; ++s) {
-            TEST_ASSERT_EQUAL_UINT(old && s != AUVID_NAV_DVL_WATER, of(s)->stale);
+            bool given = s == AUVID_NAV_DVL_BOTTOM || s == AUVID_NAV_DEPTH || s == AUVID_NAV_GPS;
+            TEST_ASSERT_EQUAL_UINT(old && given, of(s)->stale);
             of(s)->stale = 0;
         }
         TEST_ASSERT_TRUE((memcmp(&before, &nav, sizeof nav) == 0) == (old == 1));
@@ -394,6 +395,24 @@ static void test_settings_outside_their_range_are_refused(void)
     refuse(AUVID_ERR_RANGE);
 }
 
+/* Every row of the table of sensors. */
+static void test_noise_and_age_of_every_sensor_are_checked(void)
+{
+    const auvid_real_t bad[] = {(auvid_real_t)NAN, 0, real(1.001e3), real(9e-5)};
+    const uint32_t age_us = 2000001;
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        const auvid_nav_row_t *row = &auvid_nav_rows[i];
+        for (int k = 0; k < 4; ++k) {
+            auvid_nav_defaults(&cfg);
+            memcpy((char *)&cfg + row->sigma, &bad[k], sizeof bad[k]);
+            refuse(k == 0 ? AUVID_ERR_NOT_FINITE : AUVID_ERR_RANGE);
+        }
+        auvid_nav_defaults(&cfg);
+        memcpy((char *)&cfg + row->max_age, &age_us, sizeof age_us);
+        refuse(AUVID_ERR_RANGE);
+    }
+}
+
 static void test_counters_stop_at_their_largest_value(void)
 {
     for (long k = 0; k < 70000; ++k) {
@@ -428,6 +447,7 @@ int main(void)
     RUN_TEST(test_update_by_number_is_that_of_the_sensor_s_function);
     RUN_TEST(test_every_real_of_the_configuration_must_be_finite);
     RUN_TEST(test_settings_outside_their_range_are_refused);
+    RUN_TEST(test_noise_and_age_of_every_sensor_are_checked);
     RUN_TEST(test_counters_stop_at_their_largest_value);
     return UNITY_END();
 }

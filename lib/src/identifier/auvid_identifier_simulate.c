@@ -1,0 +1,76 @@
+/*
+ * The identifier: simulated velocity. The rest of the identifier names none of these functions: it
+ * calls those of simulate_functions, once something is attached that needs them.
+ */
+#include <string.h>
+
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+
+static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
+{
+    auvid_validation_t *const both[] = {id->validation, id->prediction};
+    for (int i = 0; i < 2; ++i) {
+        if (cell == NULL) {
+            auvid_validation_gap(both[i]);
+        } else if (both[i] != NULL && both[i]->vehicle != NULL) {
+            (void)auvid_validation_add(both[i], cell);
+        }
+    }
+}
+
+static void simulate_restart(auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = &id->estimate;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
+    if (id->prediction == NULL) {
+        return;
+    }
+    memset(id->prediction, 0, sizeof *id->prediction);
+    if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
+        (void)auvid_validation_init(id->prediction, identifier_vehicle(id), e->pi, e->excited,
+                                    e->delay_s, e->first_order_lag, cell_s);
+    }
+}
+
+static void simulate_finish(auvid_identifier_t *id)
+{
+    auvid_change_test_t *test = &id->change_test;
+    bool simulated = id->prediction != NULL && id->prediction->vehicle != NULL &&
+                     id->metric.waiting == 1 &&
+                     auvid_validation_r2(id->prediction, test->r2_velocity) == AUVID_OK;
+    test->simulated = simulated ? (uint8_t)id->prediction->dofs : 0u;
+    simulate_restart(id);
+}
+
+static const auvid_simulate_functions_t simulate_functions = {simulate_cell, simulate_restart,
+                                                              simulate_finish};
+
+void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
+{
+    if (id != NULL) {
+        id->validation = validation;
+        id->simulate = &simulate_functions;
+    }
+}
+
+auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
+                                                  auvid_validation_t *storage)
+{
+    if (id == NULL || storage == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    if (id->prediction != NULL) {
+        return AUVID_ERR_ATTACHED;
+    }
+    if (id->started) {
+        return AUVID_ERR_STARTED;
+    }
+    id->prediction = storage;
+    id->simulate = &simulate_functions;
+    simulate_restart(id); /* of a prior record, if there is one */
+    return AUVID_OK;
+}
