@@ -186,6 +186,8 @@ static void test_wrong_arguments_are_refused(void)
                       auvid_vehicle_selftest(&vehicle, pi, 0, (auvid_real_t)NAN, &fault));
     vehicle.parameters = 0;
     TEST_ASSERT_EQUAL(AUVID_ERR_PARAMETERS, auvid_vehicle_selftest(&vehicle, pi, 0, 0, &fault));
+    vehicle.built_for = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_vehicle_selftest(&vehicle, pi, 0, 0, &fault));
     TEST_ASSERT_NULL(fault.what);
 }
 
