@@ -266,8 +266,8 @@ static auvid_identifier_t id;
 
 int main(void)
 {
-    return configure_bluerov2(&id.config) == AUVID_OK &&
-                   auvid_identifier_init(&id, &id.config) == AUVID_OK
+    return configure_bluerov2(&id.cfg) == AUVID_OK &&
+                   auvid_identifier_init(&id, &id.cfg) == AUVID_OK
                ? 0
                : 1;
 }

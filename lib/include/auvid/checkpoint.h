@@ -20,7 +20,7 @@
  *     auvid_status_t status = auvid_checkpoint_next(&saving, page, &bytes);
  *     flash_write(page, bytes);                       until it is AUVID_OK
  *
- * For a model without regressor also copy its storage (metric.rows), and set copy.metric.cfg.rows
+ * On the residual path also copy the model's storage (metric.rows), and set copy.metric.cfg.rows
  * to the copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F: 42 instructions a byte to save

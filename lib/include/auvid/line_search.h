@@ -117,7 +117,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
  * @param cfg  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);
  *         AUVID_ERR_BOUNDS (lower >= upper); AUVID_ERR_RANGE (another field out of range, or start
- *         outside the box); AUVID_ERR_MODEL (paper, with AUVID_REGRESSOR_ONLY). After an error *ls
+ *         outside the box). After an error *ls
  *         is unchanged.
  * Cost: O(n).
  */
