@@ -60,8 +60,9 @@ class Subject:
         source = lib.auvid_girona500
         ctypes.memmove(ctypes.byref(self.vehicle), ctypes.byref(source), ctypes.sizeof(source))
         self.vehicle.residual = type(self.vehicle.residual)(lambda *_: None)
-        self.regressor = source.regressor
-        self.vehicle.regressor = type(self.regressor)()
+        self.residual, self.regressor = (ctypes.addressof(path) for path in (
+            lib.auvid_path_residual, lib.auvid_path_regressor))
+        self.vehicle.path = self.residual
         config = lib.auvid_identifier_config_t()
         lib.auvid_identifier_defaults(config, self.vehicle)
         used = (config.metric.sets + 1) * SET_ROWS
@@ -86,7 +87,7 @@ class Subject:
         self.id.phase, self.id.searching = phase, phase == ASK
         self.id.metric.excited = self.id.metric.dof_rows[0] = self.id.active = 1
         self.id.metric.held = True
-        self.vehicle.regressor = self.regressor if phase == LINEARISE else type(self.regressor)()
+        self.vehicle.path = self.regressor if phase == LINEARISE else self.residual
         if phase == LINEARISE:
             self.id.optimum.n = 1
             return

@@ -21,7 +21,7 @@
  *     flash_write(page, bytes);                       until it is AUVID_OK
  *
  * Also copy an attached acting half (actuation.h) and the storage of an attached prediction, and
- * set copy.actuation and copy.prediction to the copies. For a model without regressor also copy its
+ * set copy.actuation and copy.prediction to the copies. On the residual path also copy the model's
  * storage (metric.rows), and set copy.metric.cfg.rows to the copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F: 42 instructions a byte to save

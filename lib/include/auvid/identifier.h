@@ -10,7 +10,7 @@
  * estimate as a known good point. A search uses the sets that were complete when it began. Sets
  * completed during a search wait until it ends; then one search takes them all. The last estimate
  * predicts each set before the set is used, the oldest first. The prediction reveals a changed
- * vehicle, and an estimate worse than the one before. For a model without regressor the delay is
+ * vehicle, and an estimate worse than the one before. For a model on the residual path the delay is
  * one more parameter of the search, and one set can wait; while it waits, no rows are recorded. In
  * the regressor path (sets - 1) / 2 sets can wait; when more are completed, the oldest is lost.
  *
@@ -143,7 +143,7 @@ typedef struct {
          * its time. Examples: this step returns the excitation; feedback is from the tick
          * before. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_MAX_COMMANDS]; /**< thruster commands, if the model uses them */
+        auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< thruster commands, if the model uses them */
     } applied;
     bool saturated; /**< a thruster is at its limit now, for any reason; for the guard. Saturation
                          by the excitation itself is detected internally */
@@ -226,10 +226,10 @@ typedef struct {
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
-     * With a regressor also: the cost exceeds the minimum within the bounds by more than a
-     * thousandth of it (including the part that no parameters explain). With a regressor nothing
-     * is identifiable then. Without one the minimum is not known: a search may end above it
-     * unnoticed. There a search ended by a cap keeps its flags: treat them with care. */
+     * Regressor path also: the cost exceeds the minimum within the bounds by more than a
+     * thousandth of it (including the part that no parameters explain). There nothing
+     * is identifiable then. Residual path: the minimum is not known, and a search may end above it
+     * unnoticed. A search ended by a cap keeps its flags: treat them with care. */
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */
@@ -382,11 +382,10 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
  * AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass below zero; an
- * uncertainty below zero or above 1);
- * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
- * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
- * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
- * errors of auvid_recorder_init, the errors of auvid_metric_init. */
+ * uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass,
+ * which could not be plausible); for the search over the free parameters the errors of
+ * auvid_crs_check; the errors of auvid_vehicle_check, the errors of auvid_nav_init, the errors of
+ * auvid_recorder_init, the errors of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)

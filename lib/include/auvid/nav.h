@@ -316,7 +316,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
  * @param value the sensor's axes: velocity [3] of a DVL [m/s], depth [1], north and east [2] of a
  *        GPS [m], |.| <= 1e5.
  * @param valid of a DVL: its axes, AUVID_DVL_X | ...; else not read.
- * @return the common statuses, and those of the sensor's function; AUVID_ERR_RANGE, not counted, if
+ * @return as auvid_nav_depth, as auvid_nav_dvl, as auvid_nav_gps; AUVID_ERR_RANGE, not counted, if
  *         there is no such sensor. Cost: see the top of the file. */
 auvid_status_t auvid_nav_update(auvid_nav_t *nav, auvid_nav_sensor_t sensor, uint64_t t_us,
                                 const auvid_real_t *value, unsigned valid);

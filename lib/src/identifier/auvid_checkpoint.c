@@ -1,7 +1,7 @@
 /*
  * The checkpoint. Little-endian words, then the members listed in the tables of
  * auvid_checkpoint_layout.c, in their order: of the identifier, of what is attached to it, and for
- * a model without regressor of its rows:
+ * a model on the residual path its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
@@ -59,7 +59,7 @@ static bool checkpoint_adapts(const auvid_identifier_t *id)
 
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
-    uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
+    uint32_t parts = auvid_metric_stores_rows(&id->metric) ? PART_RESIDUAL : 0u;
     parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
@@ -77,7 +77,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 static uint32_t checkpoint_rows(const auvid_identifier_t *id)
 {
     const auvid_metric_config_t *cfg = &id->metric.cfg;
-    return identifier_residual_path(id) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
+    return auvid_metric_stores_rows(&id->metric) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
 }
 
 static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
@@ -86,7 +86,7 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         c = auvid_checksum_word(c, id->metric.columns[j]);
     }
-    return auvid_checksum_word(c, identifier_residual_path(id));
+    return auvid_checksum_word(c, auvid_metric_stores_rows(&id->metric));
 }
 
 /* Write the head of a checkpoint of *id that has these parts. */

@@ -13,7 +13,7 @@
 /** Parts that are saved only sometimes: a row with some of these bits is present if one of them is
  * set. Otherwise its memory is unused. */
 enum {
-    PART_RESIDUAL = 1,    /**< a model without regressor */
+    PART_RESIDUAL = 1,    /**< a model on the residual path */
     PART_SIMULATED = 2,   /**< the estimate simulates the set being recorded */
     PART_GLOBAL = 4,      /**< a search is under way, global phase */
     PART_LOCAL = 8,       /**< the same, local phase */
@@ -72,7 +72,7 @@ enum {
     TABLE_SEEN,
     TABLE_IDENTIFIER,
     TABLE_ACTUATION,
-    TABLE_ROW, /**< of the storage of a model without regressor */
+    TABLE_ROW, /**< of the storage of a model on the residual path */
     TABLE_COUNT
 };
 _Static_assert(TABLE_COUNT - 1 <= UINT8_MAX, "auvid_checkpoint_row_t.table");

@@ -8,6 +8,7 @@
 
 #include "auvid/selftest.h"
 #include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
 
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
 {
@@ -34,7 +35,7 @@ static auvid_status_t identifier_check_search(const auvid_identifier_config_t *c
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
-    bool delay = vehicle->regressor == NULL && cfg->metric.estimate_delay; /* searched too */
+    bool delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay; /* searched */
     auvid_crs_config_t search;
     uint8_t n = 0;
     auvid_crs_defaults(&search, 0);
@@ -51,9 +52,6 @@ static auvid_status_t identifier_check_search(const auvid_identifier_config_t *c
             search.lower[n] = cfg->search.lower[i];
             search.upper[n++] = cfg->search.upper[i];
         }
-    }
-    if (AUVID_REGRESSOR_ONLY && cfg->search.paper) {
-        return AUVID_ERR_MODEL;
     }
     if (delay && n < AUVID_MAX_PARAMETERS) {
         search.upper[n] = AUVID_C(1.0);
