@@ -98,7 +98,7 @@ static uint64_t node_age_us(uint32_t age_ms)
 /* The message of each sample of auvid_input_t. */
 #define NODE_SAMPLE(name, ...) [AUVID_NAV_##name] = AUVID_CAN_NODE_##name,
 static const uint8_t node_samples[AUVID_INPUT_SAMPLES] = {
-    AUVID_SENSORS(NODE_SAMPLE)[AUVID_INPUT_ALTITUDE] = AUVID_CAN_NODE_DVL_ALTITUDE};
+    [AUVID_INPUT_ALTITUDE] = AUVID_CAN_NODE_DVL_ALTITUDE, AUVID_SENSORS(NODE_SAMPLE)};
 #define NODE_VALUES(name, input, event, kind, axis, axes, ...)                                     \
     _Static_assert(AUVID_CAN_##name##_VALUES == axes, "values of message " #name);
 AUVID_SENSORS(NODE_VALUES)
@@ -280,8 +280,7 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     auvid_can_frame_t at_tick = *frame;
     auvid_can_message_t message;
     at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
-    auvid_status_t status =
-        auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
+    auvid_status_t status = auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
     if (!node_obeys(status, &message)) {
         ++node->counters.refused;
         return status;
