@@ -11,6 +11,7 @@
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H
 
+#include "auvid/adaptive.h"
 #include "auvid/node.h"
 #include "frames.h"
 #include "options.h"
@@ -50,6 +51,7 @@ typedef struct {
     vehicle_sim_t vehicle_sim;
     auvid_node_t node[WORLD_NODES];
     auvid_actuation_t actuation; /**< of node[0]; all zeros if `passive` */
+    auvid_adaptive_t adaptive;   /**< of node[0], if `adaptive` */
     auvid_validation_t prediction[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
     int nodes;
@@ -60,8 +62,8 @@ typedef struct {
 /** Writes the identifier configuration of this world, which may be changed for world_listen. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Attaches the excitation and the guard of this world to a node. Returns false if the library
- * refuses them. */
+/** Attaches the excitation (the plan, not adaptive) and the guard of this world to a node. Returns
+ * false if the library refuses them. */
 bool world_excite(auvid_node_t *node, auvid_actuation_t *actuation, const world_config_t *config);
 
 /** Starts. The operator arms the node one second after it navigates.

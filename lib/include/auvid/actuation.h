@@ -47,10 +47,11 @@ typedef struct auvid_actuation {
     auvid_excitation_t excitation;
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;
-    auvid_adaptive_t adaptive; /**< missing and abandoned are public to read */
-    void (*adapt)(auvid_identifier_t *id, auvid_real_t *wrench); /* NULL: play the sequence. A
-                                                       pointer, so that unused code is not linked */
-    auvid_guard_seen_t altitude;                                 /* last sample taken */
+    void (*shape)(auvid_identifier_t *id, auvid_real_t *wrench); /* changes the wrench of the
+                                                        sequence in each tick (adaptive.h); NULL:
+                                                        play it as it is */
+    void *shape_context;
+    auvid_guard_seen_t altitude; /* last sample taken */
     auvid_real_t altitude_m;
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     bool starting;                      /* the excitation begins with the next step */
