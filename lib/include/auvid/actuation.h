@@ -35,7 +35,8 @@ extern "C" {
 
 /** Configuration; copied by auvid_identifier_attach_actuation. */
 typedef struct {
-    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: arming is refused */
+    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: arming is refused
+                                               until auvid_adaptive_begin */
     auvid_guard_config_t guard;           /**< limits, see guard.h; set them for your site */
 } auvid_actuation_config_t;
 

@@ -32,12 +32,11 @@
  * the limits of the thrusters, amplitude never exceeded, excursion limit.
  *
  * A checkpoint (checkpoint.h) taken after auvid_adaptive_begin can only be restored into an
- * identifier for which auvid_adaptive_begin was also called. Restoring one taken before it ends the
- * adaptive excitation.
+ * identifier for which auvid_adaptive_begin was also called; one taken before, only without it.
  *
  * The control task calls it. It is linked only if auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in a tick after an estimate 40 for each parameter. Memory:
- * sizeof(auvid_adaptive_t), 232 bytes with default sizes.
+ * sizeof(auvid_adaptive_t), 224 bytes with default sizes.
  *
  * Source: auvid's own.
  */
