@@ -51,7 +51,7 @@ POINTERS = PATHS | {
     r"simulate->finish\(": r"auvid_identifier_simulate\.c:simulate_finish$",
     r"functions->step\(": r"auvid_actuation\.c:actuation_step$",
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
-    r"a->adapt\(": r"auvid_adaptive\.c:adaptive_apply$",
+    r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"m->apply_prior\(": r"auvid_metric_prior\.c:metric_apply_prior$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",

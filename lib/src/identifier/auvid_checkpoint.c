@@ -9,7 +9,8 @@
  *         12  parts that are present, PART_..
  *         16  rows
  *         20  number of bytes, all
- *         24  the identifier, the acting half, the simulated velocity, the rows
+ *         24  the identifier, the acting half, the adaptive excitation, the simulated
+ *             velocity, the rows
  *   last four CRC-32 of all bytes before
  *
  * The tables give the address of each byte of the stream from its position
@@ -54,7 +55,7 @@ static uint32_t checkpoint_layout_checksum(void)
 
 static bool checkpoint_adapts(const auvid_identifier_t *id)
 {
-    return id->actuation != NULL && id->actuation->adapt != NULL;
+    return id->actuation != NULL && id->actuation->shape != NULL;
 }
 
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
@@ -112,6 +113,7 @@ static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, 
 static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
     return root == TABLE_ACTUATION    ? (void *)id->actuation
+           : root == TABLE_ADAPTIVE   ? id->actuation->shape_context
            : root == TABLE_VALIDATION ? (void *)id->prediction
                                       : (void *)id->metric.cfg.rows;
 }
