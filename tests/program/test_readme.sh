@@ -192,11 +192,45 @@ static int own_vehicle(void)
 {
     static auvid_identifier_config_t cfg;
     const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    const auvid_real_t typical[MINE] = {250, 370, 75, -40, -125, -75, -450, -20, -60};
     my_configure(&cfg);
-    if (auvid_identifier_init(&id, &cfg) < 0) {
+    if (auvid_vehicle_selftest(&my_vehicle, typical, 0, 0, NULL) < 0 ||
+        auvid_identifier_init(&id, &cfg) < 0) {
         return 1;
     }
     return pilot(amplitude) ? check_own_estimate() : 1;
+}
+
+/* No depth sensor: the craft is armed and excited, and the guard is done. */
+static int surface(void)
+{
+    static auvid_identifier_config_t cfg;
+    auvid_actuation_config_t acting;
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    bool begun = false;
+    double largest = 0;
+    my_configure(&cfg);
+    auvid_actuation_defaults(&acting);
+    auvid_excitation_plan(&acting.excitation, amplitude, 30, 2, 1);
+    acting.guard.surface = true;
+    sim_init(&sim, &world);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
+    if (auvid_identifier_init(&id, &cfg) < 0 ||
+        auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL) < 0) {
+        return 1;
+    }
+    for (int k = 0; k < 100 * 50; ++k) {
+        tick();
+        sensed.sensor[SIM_DEPTH].has = false;
+        control_tick(sensed.t_us);
+        largest = (double)added[0] > largest ? (double)added[0] : largest;
+        memcpy(pilot_wrench, added, sizeof pilot_wrench);
+        pilot_wrench[AUVID_HEAVE] += (auvid_real_t)-world.parameter[SIM_WB];
+        begun = begun || begin();
+    }
+    printf("sets %u, guard %s, %g N\n", last.sets, auvid_guard_state_str(actuation.guard.state),
+           largest);
+    return last.sets == 2 && actuation.guard.state == AUVID_GUARD_DONE && largest > 50 ? 0 : 1;
 }
 
 static int own_thrusters(void)
@@ -236,6 +270,9 @@ int main(int count, char **argument)
     if (strcmp(argument[1], "own-vehicle") == 0) {
         return own_vehicle();
     }
+    if (strcmp(argument[1], "surface") == 0) {
+        return surface();
+    }
     if (strcmp(argument[1], "own-thrusters") == 0) {
         return own_thrusters();
     }
@@ -248,6 +285,7 @@ check "README's example compiles without a warning" \
     "$ROOT"/lib/src/*/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle passively, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
+check "README's surface craft is armed and excited without a depth sensor" ./example surface
 check "README's own thrusters are accepted" ./example own-thrusters
 check "README's plan excites and identifies it, and the guard is done" ./example exciting
 check "README's adaptive excitation identifies it, and the guard is done" ./example adaptive

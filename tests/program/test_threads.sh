@@ -26,7 +26,7 @@ typedef pthread_mutex_t mutex_t;
 static auvid_identifier_t id;
 void control_tick_of_two(const auvid_input_t *in, auvid_output_t *out);
 void background_step(void);
-void copy_estimate(auvid_estimate_t *estimate);
+bool copy_estimate(auvid_estimate_t *estimate);
 #include "tasks.c"
 
 static atomic_bool ends;

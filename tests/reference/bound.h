@@ -23,6 +23,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -213,6 +214,7 @@ inline Run fly(const World &world)
     static auvid_actuation_t actuation;
     auvid_actuation_config_t acting;
     auvid_actuation_defaults(&acting);
+    std::copy(amplitude, amplitude + AUVID_DOF_COUNT, cfg.metric.tau_max);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&acting.excitation, amplitude, 30, world.sets,
                                                       world.excitation_seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&thrusters, &auvid_allocation_girona500));

@@ -20,6 +20,7 @@ void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double di
     auvid_identifier_defaults(&cfg->id, &auvid_girona500);
     auvid_actuation_defaults(&cfg->acting);
     cfg->thrusters = auvid_allocation_girona500;
+    memcpy(cfg->id.metric.tau_max, amplitude, sizeof amplitude);
     cfg->id.search.seed = seed;
     memset(&cfg->id.uncertainty, 0, sizeof cfg->id.uncertainty); /* all is exact here */
     (void)auvid_excitation_plan(&cfg->acting.excitation, amplitude, CHAIN_SET_S, sets, seed);

@@ -15,7 +15,7 @@ import sys
 from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies.
-DEAD = ("cfg.", "metric.regressor", "confidence.regressor")
+DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.regressor", "confidence.regressor")
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",

@@ -43,10 +43,14 @@ static int begin(run_t *run)
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
     cfg.answer = o->lock_step || run->simulated;
-    if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
-        auvid_identifier_attach_prediction(&run->node.id, &run->prediction) < 0 ||
-        (o->excite && !world_excite(&run->node, &run->actuation, &world))) {
-        return report_error("node: the identifier refused its configuration");
+    auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
+    if (status < 0) {
+        return report_refused("node", status, &run->node.id.refusal);
+    }
+    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
+    status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
+    if (status < 0) {
+        return report_refused("node", status, &run->actuation.refusal);
     }
     if (o->prior != NULL) {
         (void)prior_file_read(&run->node.id, o->prior);

@@ -145,10 +145,14 @@ static int begin(run_t *run)
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
     auvid_node_defaults(&cfg);
-    if (auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier) < 0 ||
-        auvid_identifier_attach_prediction(&run->node.id, &run->prediction) < 0 ||
-        !world_excite(&run->node, &run->actuation, &world)) {
-        return report_error("replay: the identifier refused its configuration");
+    auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
+    if (status < 0) {
+        return report_refused("replay", status, &run->node.id.refusal);
+    }
+    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
+    status = world_excite(&run->node, &run->actuation, &world);
+    if (status < 0) {
+        return report_refused("replay", status, &run->actuation.refusal);
     }
     if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
         return EXIT_REFUSED;

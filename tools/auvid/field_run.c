@@ -58,9 +58,7 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
     auvid_identifier_defaults(cfg, &auvid_girona500);
     field_amplitude(field->vehicle, amplitude);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (amplitude[j] > 0.0) {
-            cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j];
-        }
+        cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j]; /* 0: auvid's choice */
     }
     if (field->vehicle == FIELD_ROV20) {
         (void)auvid_averaged_init(averaged, &auvid_girona500, cfg->recorder.cell_us, DVL_US);

@@ -293,30 +293,47 @@ static bool replay_literal(const job_t *job, literal_t *literal, auvid_identifie
     return true;
 }
 
-/* Replays the log with a model and searches. Returns NULL after a message. */
-static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
+/* Replays the log with a model. Returns false after a message. */
+static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *fitted)
 {
     auvid_identifier_config_t cfg;
-    fitted_t *fitted = malloc(sizeof *fitted);
-    auvid_status_t status = fitted == NULL ? AUVID_ERR_NULL : AUVID_OK;
     bool literal = job->options->literal;
+    auvid_status_t status = AUVID_OK;
     configure(job, vehicle, &cfg);
-    if (status >= 0 && literal) {
+    if (literal) {
         status = literal_identifier(&fitted->literal, &cfg);
         literal_attach(&fitted->literal, &fitted->id.metric);
     }
-    status = status < 0 ? status : auvid_identifier_init(&fitted->id, &cfg);
-    if (status >= 0) {
-        status = auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
-    }
-    if (status >= 0 && !literal) {
-        replay_identify(&job->train, &job->replay, &fitted->id);
-    } else if (status >= 0 && !replay_literal(job, &fitted->literal, &fitted->id)) {
-        status = AUVID_ERR_NULL;
-    }
     if (status < 0) {
-        (void)report_error("fit: %s", status == AUVID_ERR_NULL ? "not enough memory"
-                                                               : auvid_status_str(status));
+        (void)report_error("fit: %s", auvid_status_str(status));
+        return false;
+    }
+    status = auvid_identifier_init(&fitted->id, &cfg);
+    if (status < 0) {
+        (void)report_refused("fit", status, &fitted->id.refusal);
+        return false;
+    }
+    (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
+    if (!literal) {
+        replay_identify(&job->train, &job->replay, &fitted->id);
+    } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {
+        (void)report_error("fit: not enough memory");
+        return false;
+    }
+    return true;
+}
+
+/* Replays the log with a model and searches. Returns NULL after a message. */
+static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
+{
+    bool literal = job->options->literal;
+    auvid_status_t status;
+    fitted_t *fitted = malloc(sizeof *fitted);
+    if (fitted == NULL) {
+        (void)report_error("fit: not enough memory");
+        return NULL;
+    }
+    if (!record(job, vehicle, fitted)) {
         free(fitted);
         return NULL;
     }

@@ -174,21 +174,11 @@ double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
 void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
-    const auvid_confidence_t *c = &result->estimate.confidence;
     const char *why = result->why[parameter->dof];
     if (!report_is_identified(result, i)) {
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
-    } else if (c->note[i] == AUVID_NOTE_BESIDE_BOUND) {
-        (void)snprintf(text, size, "depends on %s, at its bound",
-                       result->vehicle->parameter[c->partner[i]].name);
-    } else if (c->note[i] == AUVID_NOTE_COMBINATION) {
-        (void)snprintf(text, size, "only a combination with %s",
-                       result->vehicle->parameter[c->partner[i]].name);
-    } else if (c->note[i] == AUVID_NOTE_DISCREDITED) {
-        (void)snprintf(text, size, "%s is impossible",
-                       result->vehicle->parameter[c->partner[i]].name);
     } else {
-        (void)snprintf(text, size, "%s", auvid_note_str((auvid_note_t)c->note[i]));
+        (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);
     }
 }
 

@@ -31,3 +31,14 @@ void report_warning(const char *format, ...)
     print_line("warning: ", format, arguments);
     va_end(arguments);
 }
+
+int report_refused(const char *who, auvid_status_t status, const auvid_refusal_t *why)
+{
+    char element[16] = "";
+    if (why->element >= 0) {
+        (void)snprintf(element, sizeof element, "[%d]", why->element);
+    }
+    return report_error("%s: configuration refused: %s%s%s%s is %g, limit %g: %s", who, why->part,
+                        why->part[0] == '\0' ? "" : ".", why->field, element, (double)why->value,
+                        (double)why->limit, auvid_status_str(status));
+}

@@ -5,6 +5,8 @@
 #ifndef PROGRAM_COMPLAIN_H
 #define PROGRAM_COMPLAIN_H
 
+#include "auvid/types.h"
+
 /** Exit status of bad usage or data. */
 #define EXIT_REFUSED 2
 
@@ -16,5 +18,9 @@ void report_warning(const char *format, ...);
 
 /** As report_error_line, with the value EXIT_REFUSED: return report_error(...); */
 #define report_error(...) (report_error_line(__VA_ARGS__), EXIT_REFUSED)
+
+/** Prints which field of its configuration the identifier refused. @return EXIT_REFUSED
+ * @param who the command */
+int report_refused(const char *who, auvid_status_t status, const auvid_refusal_t *why);
 
 #endif

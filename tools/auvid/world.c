@@ -41,12 +41,13 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
     }
 }
 
-bool world_excite(auvid_node_t *node, auvid_actuation_t *actuation, const world_config_t *config)
+auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
+                            const world_config_t *config)
 {
     auvid_actuation_config_t cfg;
     vehicle_actuation(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
                       &cfg);
-    return auvid_node_attach_actuation(node, actuation, &cfg) >= 0;
+    return auvid_node_attach_actuation(node, actuation, &cfg);
 }
 
 /* Starts the next node. */
@@ -86,7 +87,8 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->allocation = vehicle_of(config)->allocation;
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
            vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) && begin_node(world, &node, &cfg) &&
-           (config->passive || world_excite(&world->node[0], &world->actuation, config)) &&
+           (config->passive ||
+            world_excite(&world->node[0], &world->actuation, config) == AUVID_OK) &&
            (!config->adaptive || adapt(world, config) == AUVID_OK);
 }
 

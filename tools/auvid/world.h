@@ -65,9 +65,11 @@ typedef struct {
  * world with literal smoothing changes it further. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Attaches the excitation (the plan, not adaptive) and the guard of this world to a node. Returns
- * false if the library refuses them. */
-bool world_excite(auvid_node_t *node, auvid_actuation_t *actuation, const world_config_t *config);
+/** Attaches the excitation (the plan, not adaptive) and the guard of this world to a node.
+ * @return the library's status; if it is that of a refused configuration, actuation->refusal names
+ * the field */
+auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
+                            const world_config_t *config);
 
 /** Starts. The operator arms the node one second after it navigates.
  * Returns false if the library or the simulator refuses the configuration. */

@@ -45,7 +45,10 @@ typedef struct auvid_actuation {
     const struct auvid_actuation_functions *functions; /* a pointer, so that a passive program does
                                                           not contain them */
     const auvid_allocation_t *allocation;              /**< as attached; NULL: no thruster limits */
-    auvid_excitation_t excitation;
+    union {
+        auvid_excitation_t excitation;
+        auvid_refusal_t refusal; /**< what attaching was refused for */
+    };
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;
     void (*shape)(auvid_identifier_t *id, auvid_real_t *wrench); /* changes the wrench of the
@@ -65,16 +68,20 @@ typedef struct auvid_actuation {
 void auvid_actuation_defaults(auvid_actuation_config_t *cfg);
 
 #define auvid_identifier_attach_actuation AUVID_SIZED(auvid_identifier_attach_actuation)
-/** Attach the acting half, once, between auvid_identifier_init and the first step. The guard is
- * DISARMED: nothing acts yet. After an error the identifier is as before, and the contents of
- * *storage are undefined, unless it is attached already.
+/** Attach the acting half, once, after auvid_identifier_init and before the first step or recorded
+ * wrench. The guard is DISARMED: nothing acts yet. A scale of the wrench that is left to auvid
+ * (metric.tau_max 0) becomes what the thrusters give; with guard.surface, GPS is used at any depth.
+ * After an error the identifier is as before. storage->refusal then names the refused field of *cfg
+ * (part "allocation": of the allocation), its value and its limit, except after AUVID_ERR_NULL,
+ * AUVID_ERR_STATE, AUVID_ERR_ATTACHED and AUVID_ERR_STARTED, which leave *storage as it was.
  * @param storage written; must outlive the identifier
  * @param cfg copied
  * @param allocation the thrusters; must outlive the identifier. NULL: no thruster limits
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (it has
- * an acting half already); AUVID_ERR_STARTED (it has stepped); AUVID_ERR_SIZE (also an allocation
- * without thrusters: not initialised); AUVID_ERR_CAPACITY (the excitation exceeds what the
- * thrusters give); the errors of auvid_guard_init, the errors of auvid_excitation_init. */
+ * an acting half already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_SIZE
+ * (also an allocation without thrusters: not initialised); AUVID_ERR_CAPACITY (the excitation
+ * exceeds what the thrusters give); the errors of auvid_guard_init, the errors of
+ * auvid_excitation_init. */
 auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_actuation_t *storage,
                                                  const auvid_actuation_config_t *cfg,
                                                  const auvid_allocation_t *allocation);

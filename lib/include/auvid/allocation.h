@@ -74,6 +74,14 @@ typedef struct {
     uint8_t dropped;             /**< DoFs with a requested wrench that no thruster can produce */
 } auvid_allocation_result_t;
 
+/** How an excitation fits the thrusters. Written by auvid_allocation_check. */
+typedef struct {
+    auvid_real_t factor; /**< 1: it fits. Else the factor, 0..1, to which all peaks must shrink so
+                              that it does; 0: it does not fit at any size */
+    int8_t dof;          /**< the DoF to shrink first: it takes most of the thruster that limits the
+                              factor, or is not actuated; -1: it fits, or `hold` alone does not */
+} auvid_allocation_fit_t;
+
 #define auvid_allocation_init AUVID_SIZED1(auvid_allocation_init, AUVID_MAX_THRUSTERS)
 
 #if AUVID_MAX_THRUSTERS >= 5
@@ -173,12 +181,14 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
  * T+_i hold +- sum_j |T+_ij| peak_j must be within its limits.
  * @param peak 6: largest |wrench| per DoF [N, Nm], >= 0 (auvid_excitation_peak).
  * @param hold 6: constant wrench (hover thrust) [N, Nm], or NULL for none.
+ * @param fit written whole if AUVID_OK or AUVID_ERR_CAPACITY; NULL: not wanted.
  * @return AUVID_OK; AUVID_ERR_CAPACITY if they cannot, or if a DoF with peak > 0 is not actuated;
  *         AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a peak is < 0.
  */
 auvid_status_t auvid_allocation_check(const auvid_allocation_t *a,
                                       const auvid_real_t peak[AUVID_DOF_COUNT],
-                                      const auvid_real_t hold[AUVID_DOF_COUNT]);
+                                      const auvid_real_t hold[AUVID_DOF_COUNT],
+                                      auvid_allocation_fit_t *fit);
 
 #ifdef __cplusplus
 }

@@ -201,8 +201,20 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget);
 
-/** Returns a short English phrase for a note; never NULL; empty for AUVID_NOTE_NONE. */
+/** Returns a short English phrase for a note; never NULL; empty for AUVID_NOTE_NONE. It cannot name
+ * the partner: auvid_confidence_note does. */
 const char *auvid_note_str(auvid_note_t note);
+
+#define auvid_confidence_note AUVID_SIZED1(auvid_confidence_note, AUVID_MAX_PARAMETERS)
+/** Write the note of parameter i as auvid_note_str does, but with the name of its partner: "only a
+ * combination with X_uu". Cost: O(size).
+ * @param vehicle the model of the estimate
+ * @param text [size] written, truncated to size and always zero-terminated; empty for
+ * AUVID_NOTE_NONE
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (size 0, or the model has no parameter i). */
+auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
+                                     const auvid_vehicle_t *vehicle, int i, char *text,
+                                     size_t size);
 
 /** Share of rows lost to gaps from which auvid_confidence_missing reports it [%]. */
 #define AUVID_CONFIDENCE_LOST_PERCENT 20

@@ -76,7 +76,7 @@ typedef enum {
     AUVID_GUARD_LINK,            /**< no auvid_guard_heartbeat for heartbeat_timeout_us [s] */
     AUVID_GUARD_IMU_STALE,       /**< age of the newest sample [s] */
     AUVID_GUARD_VELOCITY_STALE,  /**< likewise: of the newest that measured the excited DoFs */
-    AUVID_GUARD_DEPTH_STALE,     /**< likewise; if a depth limit is on */
+    AUVID_GUARD_DEPTH_STALE,     /**< likewise; if a depth limit is on, see `surface` */
     AUVID_GUARD_ALTITUDE_STALE,  /**< likewise; if the altitude limit is on and one was known */
     AUVID_GUARD_APPLIED_STALE,   /**< likewise; EXCITING only: the wrench is not recorded */
     AUVID_GUARD_DEPTH_MIN,       /**< [m] */
@@ -145,6 +145,11 @@ typedef struct {
     /** False (default): the altitude limit is not watched until an altitude is known (deep water,
      * no altimeter); losing it then is a breach. True: arming is refused without an altitude. */
     bool altitude_required;
+    /** True: a surface craft, which needs no depth. Its depth is not watched until one is known.
+     * Then depth_max_m holds, and losing the depth is a breach. depth_min_m has no meaning. The
+     * altitude is that of the craft above the bottom, watched as above. While the excitation acts
+     * in heave, the craft counts as submerged: all limits hold. False (default): submerged. */
+    bool surface;
     /** True: velocity through the water of all three axes also counts for velocity_stale_us. False
      * (default): bottom lock is required. Speed and distance over ground are unknown without bottom
      * lock: where it may be lost, switch AUVID_GUARD_SPEED and AUVID_GUARD_DISTANCE off. */
@@ -169,6 +174,7 @@ typedef struct {
     auvid_real_t rates[3];           /**< p q r [rad/s] */
     auvid_real_t altitude_m;         /**< newest one [m]; not read if unknown or stale */
     bool saturated;                  /**< the thrusters are saturated in this tick */
+    bool heaves;                     /**< the excitation acts in heave */
 } auvid_guard_input_t;
 
 /** A breach. */
@@ -198,6 +204,7 @@ typedef struct {
     bool stepped;            /* a step since arm */
     bool at_rest, saturated; /* the times above are valid */
     bool altitude_known;     /* an altitude was fresh since arm */
+    bool depth_known;        /* the same for a depth */
     bool ready;              /* initialised */
 } auvid_guard_t;
 

@@ -94,7 +94,7 @@ typedef struct auvid_identifier_config {
                                                   residual path with estimate_delay off, delay_s[0]
                                                   is the delay of all DoF */
     auvid_velocity_source_t velocity; /**< default AUVID_VELOCITY_GROUND */
-    auvid_search_config_t search; /**< bounds, good point and options of the search */
+    auvid_search_config_t search;     /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
     auvid_uncertainty_t uncertainty;  /**< see confidence.h; default 0.05 of the thrust, 0.005 of
@@ -108,9 +108,11 @@ typedef struct {
     uint64_t t_us; /**< this tick [us]; must advance from step to step */
     struct {
         bool present;
-        uint64_t t_us;            /**< time of the sample */
-        auvid_real_t attitude[3]; /**< phi theta psi [rad] */
-        auvid_real_t rates[3];    /**< p q r [rad/s] */
+        uint64_t t_us;              /**< time of the sample */
+        auvid_real_t attitude[3];   /**< phi theta psi [rad]; not read if by_quaternion */
+        auvid_real_t rates[3];      /**< p q r [rad/s] */
+        auvid_real_t quaternion[4]; /**< w x y z, see auvid_nav_imu_quaternion */
+        bool by_quaternion;         /**< the attitude is `quaternion` */
     } imu;
     struct {
         bool present;
@@ -128,6 +130,11 @@ typedef struct {
     struct {
         bool present;
         uint64_t t_us;
+        auvid_real_t pressure_pa; /**< absolute; see auvid_nav_pressure */
+    } pressure;                   /**< instead of depth: both are samples of the same sensor */
+    struct {
+        bool present;
+        uint64_t t_us;
         auvid_real_t x_m, y_m; /**< north, east of the origin */
     } gps;
     struct {
@@ -138,10 +145,11 @@ typedef struct {
     } altitude;
     struct {
         bool present;
-        /** Applied from t_us of this tick on, sum of all sources: pilot, controller, excitation [N,
-         * Nm]. If it is known only later, leave it out here and call auvid_identifier_applied with
-         * its time. Examples: this step returns the excitation; feedback is from the tick
-         * before. */
+        /** Only if the wrench from t_us of this tick on is known before the step: the vehicle is
+         * never excited by auvid, or a measurement of the thrust is of this time. Sum of all
+         * sources [N, Nm]. Otherwise leave it out here, and call auvid_identifier_applied once it
+         * is known: after the step with the time of this tick, since the step returns the
+         * excitation; or with the earlier time of a measurement. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
         auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< thruster commands, if the model uses them */
     } applied;
@@ -160,7 +168,7 @@ enum {
                                               nav.diagnostics; `stale` if it is ahead of the tick
                                               by more than nav.future_us. A sample lost because
                                               another one waits sets no event: `unused` */
-    AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise */
+    AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise: depth or pressure */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
     AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench rejected: not finite, beyond
                                               AUVID_RECORDER_LARGEST, or a wrench of this time
@@ -204,7 +212,7 @@ typedef struct {
 
 /** Result of a search. */
 typedef struct {
-    uint32_t number;     /**< 0: none yet; incremented with each estimate */
+    uint32_t number;     /**< from 1, incremented with each estimate */
     uint64_t t_us;       /**< last tick before it was ready */
     uint32_t sets;       /**< data sets completed when its search was prepared */
     uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
@@ -300,7 +308,7 @@ typedef struct auvid_identifier {
     auvid_recorder_t recorder;
     auvid_metric_t metric;
     struct auvid_actuation *actuation;  /**< the acting half (actuation.h); NULL: passive */
-    auvid_estimate_t estimate;          /**< the last result */
+    auvid_estimate_t estimate;          /* the last result: read auvid_identifier_estimate */
     auvid_estimate_t accepted_estimate; /* the last accepted one */
     auvid_change_test_t change_test;    /**< of the newest set */
     auvid_validation_t *prediction;     /* of the set being recorded, by the last estimate; NULL:
@@ -326,18 +334,26 @@ typedef struct auvid_identifier {
     auvid_guard_seen_t applied;      /* last wrench recorded */
     auvid_optimizer_work_t searched; /* of the search that has ended */
     auvid_real_t cost;               /* of its result */
-    uint8_t spent;    /* >= 1: all is merged; units spent of the search's start cost */
-    uint8_t untested; /* completed sets still to be validated before the merge */
+    uint8_t spent;         /* >= 1: all is merged; units spent of the search's start cost */
+    uint8_t untested;      /* completed sets still to be validated before the merge */
+    uint8_t default_scale; /* bit j: metric.cfg.tau_max[j] is auvid's choice */
     bool set_pending, searching, not_converged;
     bool straddles_change; /* the set before may be from before and after a change */
     bool cold_start;       /* search without the last estimate */
     union {                /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
+        auvid_refusal_t refusal;       /**< what init was refused for, until the next init */
         auvid_optimizer_t optimizer;
         auvid_bounded_ls_t optimum;
         auvid_confidence_job_t confidence;
     };
 } auvid_identifier_t;
+
+#define auvid_identifier_estimate AUVID_SIZED(auvid_identifier_estimate)
+/** Read the last estimate.
+ * @return it, valid until the next call of work or restore; NULL: there is none yet (or `id` is
+ * NULL). Its numbers are zero until then, so do not read them otherwise. Cost: O(1). */
+const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id);
 
 #define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)
 /** Covariance of two parameters if thrust and DVL scale are exact; i = k: a variance. For the total
@@ -355,16 +371,18 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
-/** Check the arithmetic (selftest.h) and the configuration, and start. After an error, and if *id
- * is all zeros, every other function returns AUVID_ERR_STATE. Nothing is attached afterwards.
+/** Check the arithmetic (selftest.h) and the configuration, and start. Nothing is attached
+ * afterwards. After an error, and if *id is all zeros, every other function returns
+ * AUVID_ERR_STATE. After an error id->refusal names the field, its value and its limit
+ * (AUVID_ERR_ARITHMETIC: "selftest"; not after AUVID_ERR_NULL of id or cfg).
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
- * AUVID_ERR_RANGE (velocity: unknown, or water lock in every tick; dry mass below zero; an
- * uncertainty below zero or above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass,
- * which could not be plausible); for the search over the free parameters the errors of
- * auvid_crs_check; the errors of auvid_vehicle_check, the errors of auvid_nav_init, the errors of
- * auvid_recorder_init, the errors of auvid_metric_init. */
+ * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero; an uncertainty below zero or above 1);
+ * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
+ * the search over the free parameters the errors of auvid_crs_check; the errors of
+ * auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the errors
+ * of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)
@@ -389,8 +407,11 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
-/** Record the applied wrench from t_us on. Takes at most AUVID_CELLS_PER_STEP cells.
- * @param wrench [AUVID_DOF_COUNT] N, Nm
+/** Record the applied wrench from t_us on. Call it in every tick after auvid_identifier_step, when
+ * the sum of pilot, controller and excitation is known; each time is recorded once, here or in the
+ * step's input. Takes at most AUVID_CELLS_PER_STEP cells.
+ * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
+ * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] thruster commands; may be NULL
  * @return as auvid_identifier_motion. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,

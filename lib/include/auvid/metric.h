@@ -83,7 +83,14 @@ typedef struct {
                                 their DoF is not excited; 0 of a free one: not known, see
                                 auvid_metric_searched. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
-                                                   dimensionless. Default 100, 40 */
+                                                   dimensionless. Default 100, 40. In the
+                                                   identifier 0 (default): 100, 40 until
+                                                   auvid_node_init or
+                                                   auvid_identifier_attach_actuation names the
+                                                   thrusters; then what they give in this DoF
+                                                   (auvid_allocation_capacity, the larger
+                                                   direction), if that is above 0 and at most
+                                                   AUVID_RECORDER_LARGEST */
     /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;

@@ -41,7 +41,10 @@ extern "C" {
 #define AUVID_NAV_GPS_START_MAX 8
 
 /** Upper bound of sizeof(auvid_nav_t) when auvid_real_t is float; a test checks it. */
-#define AUVID_NAV_BYTES 984
+#define AUVID_NAV_BYTES 1024
+
+/** Largest difference of a quaternion's length from 1. */
+#define AUVID_NAV_QUATERNION_TOLERANCE AUVID_C(0.01)
 
 /** Number of past ticks whose rates are stored for late DVL samples, a power of two. */
 #define AUVID_NAV_PAST 8
@@ -96,6 +99,8 @@ typedef struct {
         max_acceleration dt, dt since its last accepted sample. Default 3; 0..100 */
     auvid_real_t speed_limit;      /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
         0: 100 m/s, above which samples are always rejected */
+    auvid_real_t imu_euler[3]; /**< phi theta psi of the rotation from the body frame to the IMU's
+        frame [rad]; default 0 (aligned); |.| <= 10 */
     auvid_real_t dvl_euler[3]; /**< phi theta psi of the rotation from the body frame to the DVL's
         frame [rad]; default 0 (aligned); |.| <= 10 */
     auvid_real_t dvl_lever[3]; /**< position of the DVL from the body's origin, body frame [m];
@@ -104,7 +109,7 @@ typedef struct {
     auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< GPS is used only if the filter's depth is at most this [m];
-        default 0.5; |.| <= 1e5 */
+        default 0.5; |.| <= 1e5. guard.h: 1e5 once a guard of a surface craft is attached */
     uint32_t dvl_max_age_us;   /**< age of the oldest accepted DVL sample, and longest time ahead of
         the last tick for which a sample is held [us]; default 500000; <= 2e6, 0: no late sample is
         accepted, none is held */
@@ -216,6 +221,7 @@ typedef struct {
                                sensor i, and the filter rejected it (AUVID_GATED or < 0) */
     uint8_t holding;       /* bit i: a sample of sensor i is held */
     uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* its valid axes, if of a DVL */
+    bool imu_turned;                            /* imu_mount is not the identity */
     uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
     uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* its time */
     uint64_t until_us;                        /* no sample after this is held; 0: no such limit */
@@ -239,7 +245,8 @@ typedef struct {
     auvid_real_t metres_per_pascal;
     auvid_real_t surface_pressure;
     auvid_real_t surface_depth;
-    auvid_real_t mount[3][3]; /* DVL frame to body frame */
+    auvid_real_t mount[3][3];     /* DVL frame to body frame */
+    auvid_real_t imu_mount[3][3]; /* IMU frame to body frame */
     auvid_real_t lever[3];
     uint32_t max_age_us[AUVID_NAV_SENSOR_COUNT];
     uint32_t future_us;
@@ -266,21 +273,34 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
 
 #define auvid_nav_imu AUVID_SIZED0(auvid_nav_imu)
 /** Predict to a new time with a new attitude (Eq. 5). The first call sets time and attitude only.
+ * If imu_euler is not zero, attitude and rates are turned to the body frame first: R = R_imu M',
+ * omega = M omega_imu, M the rotation from the IMU's frame to the body's.
  *
  * Deviation from the paper: Q is scaled by reference_tick / t, so that the tuning does not depend
  * on the tick. After the prediction the function applies the held samples whose time is reached,
  * see below.
  * @param t_us time of the IMU sample [us], later than that of the previous call. The prediction
  *        covers the whole step; a step beyond 2147 s counts as 2147 s.
- * @param attitude phi theta psi, ZYX Euler [rad], |.| <= 1e4; phi and psi wrapped anywhere, or
- *        continuous.
- * @param rates p q r, body frame [rad/s], |.| <= 100.
+ * @param attitude phi theta psi of the IMU, ZYX Euler [rad], |.| <= 1e4; phi and psi wrapped
+ *        anywhere, or continuous.
+ * @param rates p q r, the IMU's frame [rad/s], |.| <= 100.
  * @return AUVID_OK; AUVID_GAP if the step was predicted and was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE if not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
  *         AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME. On an error only imu_time or imu_invalid
  *         changes. Cost: see the top of the file. */
 auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
                              const auvid_real_t rates[3]);
+
+#define auvid_nav_imu_quaternion AUVID_SIZED0(auvid_nav_imu_quaternion)
+/** auvid_nav_imu() with the attitude as a quaternion. An IMU whose x axis is near the vertical
+ * while the body is level has no usable Euler angles: use this function for it.
+ * @param quaternion w x y z (w the scalar part), of the rotation from the IMU's frame to NED;
+ *        length 1 within AUVID_NAV_QUATERNION_TOLERANCE, normalised here. Its sign has no meaning.
+ * @return as auvid_nav_imu(); AUVID_ERR_RANGE also for another length. Cost: three arctangents
+ *         more than auvid_nav_imu(). */
+auvid_status_t auvid_nav_imu_quaternion(auvid_nav_t *nav, uint64_t t_us,
+                                        const auvid_real_t quaternion[4],
+                                        const auvid_real_t rates[3]);
 
 /* The measurements (Eq. 6-8). All of them share these rules.
  *

@@ -135,7 +135,8 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
  * its contents are undefined afterwards
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
  * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
- * auvid_identifier_init, the errors of auvid_allocation_init. */
+ * auvid_identifier_init, the errors of auvid_allocation_init. After an error node->id.refusal names
+ * the field, its value and its limit (part "ids": of *cfg; "allocation": of *allocation). */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_allocation_config_t *allocation,
                                const auvid_identifier_config_t *identifier);

@@ -102,12 +102,28 @@ typedef enum {
     AUVID_ERR_COUNTER_JUMP = -23, /**< the frame's counter jumped: too many frames are missing */
     AUVID_ERR_ATTACHED = -24,     /**< such a part is attached already */
     AUVID_ERR_DETACHED = -25,     /**< the function needs a part that is not attached */
-    AUVID_ERR_STARTED = -26       /**< too late: the identifier has stepped since init */
+    AUVID_ERR_STARTED = -26       /**< too late: the identifier has stepped or recorded */
 } auvid_status_t;
 
 /** Returns a short English text for a status, never NULL; "unknown status" for any other value.
  * The text is static and read-only. Cost: constant. */
 const char *auvid_status_str(auvid_status_t status);
+
+/**
+ * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
+ * identifier) and auvid_identifier_attach_actuation (to its storage).
+ * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
+ */
+typedef struct {
+    const char *part;   /**< member of the configuration, e.g. "nav"; "": the configuration itself.
+                              Static, as `field` */
+    const char *field;  /**< e.g. "sigma_dvl" */
+    int16_t element;    /**< element of an array, or number of the parameter, DoF, segment or
+                              thruster; -1: none */
+    auvid_real_t value; /**< as configured, or what follows from it; 0 of a pointer or a model */
+    auvid_real_t limit; /**< the limit that it exceeds, or falls below; if value is not finite, one
+                              of them; 0 of a pointer or a model */
+} auvid_refusal_t;
 
 /**
  * One cell of the record: motion and wrench, averaged over the same interval. It is the input of

@@ -151,6 +151,36 @@ uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing
 void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t *sample,
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT]);
 
+/** A disagreement within a model. Written by auvid_vehicle_selftest. */
+typedef struct {
+    /** "regressor": a row depends on sample->tau; "residual": on the regressor path, it differs
+     * from the regressor;
+     * "columns": an equation has a parameter that is not in its columns; "wrench": the residual is
+     * not predicted minus applied wrench; "reads": an equation depends on a velocity that `reads`
+     * leaves out; "acceleration": with it the residual is not zero, or there is none; "not finite":
+     * the residual */
+    const char *what;
+    int8_t dof;                   /**< its equation; -1: none */
+    int8_t parameter;             /**< the parameter; -1: none, or the part without parameters */
+    auvid_real_t value, expected; /**< row entry or residual [N, Nm] */
+} auvid_vehicle_fault_t;
+
+#define auvid_vehicle_selftest AUVID_SIZED(auvid_vehicle_selftest)
+/** Compares regressor, residual, acceleration, columns and reads of a model with each other, at
+ * 100 random samples: angles to 0.5 rad, velocities to 1 m/s and 1 rad/s, accelerations to 0.5, and
+ * parameters of half to one and a half times pi. For a unit test of your model; not for the control
+ * tick: it takes some thousand calls of the model.
+ * @param pi [n] typical parameters, with which `acceleration` has a solution in every DoF
+ * @param t_us time of all samples [us], for a model that reads it (thrusters.h)
+ * @param tolerance largest difference, relative to the largest predicted wrench of the DoF; 0:
+ * 1e-4. A model of averaged.h needs 0.01, because its acceleration is that of the mean motion
+ * @param fault written: the first disagreement, or all zero; NULL: not wanted
+ * @return AUVID_OK; AUVID_ERR_MODEL (see *fault); AUVID_ERR_NULL (pi); AUVID_ERR_NOT_FINITE (pi,
+ * tolerance); those of auvid_vehicle_check (fault->what is NULL). */
+auvid_status_t auvid_vehicle_selftest(const auvid_vehicle_t *vehicle, const auvid_real_t *pi,
+                                      uint64_t t_us, auvid_real_t tolerance,
+                                      auvid_vehicle_fault_t *fault);
+
 #define auvid_kinematics AUVID_SIZED0(auvid_kinematics)
 /** Computes eta_dot = J(eta) nu (Eq. 1; Fossen 2011, Eq. 2.53).
  * @param phi, theta, psi attitude [rad], each within +-1e4

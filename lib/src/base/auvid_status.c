@@ -48,7 +48,7 @@ static const char *const error_text[] = {
     [-AUVID_ERR_COUNTER_JUMP] = "the frame's counter jumped",
     [-AUVID_ERR_ATTACHED] = "such a part is attached already",
     [-AUVID_ERR_DETACHED] = "the function needs a part that is not attached",
-    [-AUVID_ERR_STARTED] = "too late, the identifier has stepped since init",
+    [-AUVID_ERR_STARTED] = "too late, the identifier has stepped or recorded since init",
 };
 
 const char *auvid_status_str(auvid_status_t status)

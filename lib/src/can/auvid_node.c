@@ -6,6 +6,9 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "../excitation/auvid_allocation_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "../identifier/auvid_input_internal.h"
 #include "../navigation/auvid_sensors_internal.h"
 #include "auvid_node_step_internal.h"
@@ -38,6 +41,44 @@ static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_conf
     return status;
 }
 
+/* Check the number of thrusters, and prepare the frames. */
+static auvid_status_t node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int thrusters,
+                                 auvid_refusal_t *why)
+{
+    static const auvid_field_t fields[] = {
+        WHOLE_IN(auvid_can_ids_t, fast, 1, 0, 0x800 - AUVID_CAN_FAST_KINDS),
+        WHOLE_IN(auvid_can_ids_t, slow, 1, 0, 0x800 - AUVID_CAN_SLOW_KINDS),
+    };
+    auvid_status_t status = AUVID_OK;
+    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
+        status = auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", (auvid_real_t)thrusters,
+                              (auvid_real_t)(thrusters < 1 ? 1 : AUVID_CAN_THRUSTERS));
+        return auvid_refuse_part(why, status, "allocation");
+    }
+    status = auvid_check_fields(&cfg->ids, fields, sizeof fields / sizeof fields[0], why);
+    if (status >= 0) {
+        status = node_init_frames(node, cfg);
+        if (status < 0) { /* they overlap */
+            (void)auvid_refuse(why, status, "slow", (auvid_real_t)cfg->ids.slow,
+                               (auvid_real_t)(cfg->ids.fast + AUVID_CAN_FAST_KINDS));
+        }
+    }
+    return auvid_refuse_part(why, status, "ids");
+}
+
+static auvid_status_t node_init_allocation(auvid_node_t *node, const auvid_allocation_config_t *cfg,
+                                           auvid_refusal_t *why)
+{
+    auvid_status_t status = auvid_allocation_check_config(cfg, why);
+    if (status >= 0) {
+        status = auvid_allocation_init(&node->allocation, cfg);
+        if (status < 0) { /* singular */
+            (void)auvid_refuse(why, status, "thruster.wrench", AUVID_C(0.0), AUVID_C(0.0));
+        }
+    }
+    return auvid_refuse_part(why, status, "allocation");
+}
+
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
                                const auvid_allocation_config_t *allocation,
                                const auvid_identifier_config_t *identifier)
@@ -45,21 +86,23 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
     if (node == NULL || cfg == NULL || allocation == NULL || identifier == NULL) {
         return AUVID_ERR_NULL;
     }
-    int thrusters = allocation->thrusters;
-    bool thrusters_fit = thrusters >= 1 && thrusters <= AUVID_CAN_THRUSTERS;
+    auvid_refusal_t why = {0};
     /* all but the identifier, which may contain its configuration */
     memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
-    auvid_status_t status = thrusters_fit ? node_init_frames(node, cfg) : AUVID_ERR_SIZE;
+    auvid_status_t status = node_check(node, cfg, allocation->thrusters, &why);
     if (status >= 0) {
         status = auvid_identifier_init(&node->id, identifier);
+        why = status < 0 ? node->id.refusal : why;
     }
     if (status >= 0) {
-        status = auvid_allocation_init(&node->allocation, allocation);
+        status = node_init_allocation(node, allocation, &why);
     }
     if (status < 0) {
         memset(node, 0, sizeof *node);
+        node->id.refusal = why;
         return status;
     }
+    auvid_identifier_set_scale(&node->id, &node->allocation);
     node->cfg = *cfg;
     node->ready = true;
     return status;

@@ -10,11 +10,12 @@
  *   B+ = Q' S^-1 U'
  * U U' projects onto the wrenches that the thrusters can produce: e_i is one iff (U U')_ii = 1.
  */
-#include "auvid/allocation.h"
+#include "auvid_allocation_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 #define DOFS AUVID_DOF_COUNT
 
@@ -212,18 +213,30 @@ void auvid_allocation_defaults(auvid_allocation_config_t *cfg)
     }
 }
 
-static auvid_status_t allocation_check_thruster(const auvid_thruster_t *t)
+auvid_status_t auvid_allocation_check_config(const auvid_allocation_config_t *cfg,
+                                             auvid_refusal_t *why)
 {
-    const auvid_real_t others[] = {t->min_N, t->max_N, t->gain_forward, t->gain_backward};
-    if (!auvid_all_finite(t->wrench, DOFS) || !auvid_all_finite(others, 4)) {
-        return AUVID_ERR_NOT_FINITE;
+    static const auvid_field_t fields[] = {
+        REALS_IN(auvid_thruster_t, wrench, DOFS, -LARGEST_ENTRY, LARGEST_ENTRY),
+        REALS_IN(auvid_thruster_t, min_N, 1, -AUVID_LARGEST, AUVID_C(0.0)),
+        REALS_IN(auvid_thruster_t, max_N, 1, AUVID_C(0.0), AUVID_LARGEST),
+        WHOLE_IN(auvid_thruster_t, law, 1, AUVID_THRUST_LINEAR, AUVID_THRUST_SQUARE),
+        REALS_ABOVE(auvid_thruster_t, gain_forward, 1, AUVID_C(0.0), AUVID_LARGEST),
+        REALS_IN(auvid_thruster_t, gain_backward, 1, AUVID_C(0.0), AUVID_LARGEST),
+    };
+    if (cfg->thrusters < 1 || cfg->thrusters > AUVID_MAX_THRUSTERS) {
+        return auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", (auvid_real_t)cfg->thrusters,
+                            (auvid_real_t)(cfg->thrusters < 1 ? 1 : AUVID_MAX_THRUSTERS));
     }
-    return auvid_all_within(t->wrench, DOFS, LARGEST_ENTRY) == AUVID_OK &&
-                   t->min_N <= AUVID_C(0.0) && t->max_N >= AUVID_C(0.0) &&
-                   t->gain_forward > AUVID_C(0.0) && t->gain_backward >= AUVID_C(0.0) &&
-                   (t->law == AUVID_THRUST_LINEAR || t->law == AUVID_THRUST_SQUARE)
-               ? AUVID_OK
-               : AUVID_ERR_RANGE;
+    for (int j = 0; j < cfg->thrusters; ++j) {
+        auvid_status_t status =
+            auvid_check_fields(&cfg->thruster[j], fields, sizeof fields / sizeof fields[0], why);
+        if (status != AUVID_OK) {
+            (void)auvid_refuse_element(why, status, j);
+            return auvid_refuse_part(why, status, "allocation.thruster");
+        }
+    }
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg)
@@ -232,14 +245,9 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
     if (a == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (cfg->thrusters < 1 || cfg->thrusters > AUVID_MAX_THRUSTERS) {
-        return AUVID_ERR_SIZE;
-    }
-    for (int j = 0; j < cfg->thrusters; ++j) {
-        auvid_status_t status = allocation_check_thruster(&cfg->thruster[j]);
-        if (status != AUVID_OK) {
-            return status;
-        }
+    auvid_status_t status = auvid_allocation_check_config(cfg, NULL);
+    if (status != AUVID_OK) {
+        return status;
     }
     d.cfg = cfg;
     allocation_span_rows(&d);
@@ -418,9 +426,36 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
     return AUVID_OK;
 }
 
-auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_real_t peak[DOFS],
-                                      const auvid_real_t hold[DOFS])
+/* Reduce the fit to what thruster j allows. */
+static void allocation_fit_thruster(const auvid_allocation_t *a, int j, const auvid_real_t *peak,
+                                    const auvid_real_t *hold, auvid_allocation_fit_t *fit)
 {
+    const auvid_thruster_t *t = &a->cfg.thruster[j];
+    auvid_real_t middle = hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
+    auvid_real_t reach = AUVID_C(0.0), largest = AUVID_C(0.0);
+    int dof = -1;
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t part = auvid_abs(a->inverse[j][i]) * peak[i];
+        dof = part > largest ? i : dof;
+        largest = auvid_max(largest, part);
+        reach += part;
+    }
+    if (middle + reach <= t->max_N && middle - reach >= t->min_N) {
+        return;
+    }
+    auvid_real_t margin = auvid_min(t->max_N - middle, middle - t->min_N);
+    auvid_real_t factor = reach > AUVID_C(0.0) ? margin / reach : AUVID_C(0.0);
+    factor = auvid_max(factor - AUVID_C(16.0) * AUVID_EPSILON, AUVID_C(0.0)); /* for rounding */
+    if (factor < fit->factor) {
+        fit->factor = factor;
+        fit->dof = (int8_t)(margin < AUVID_C(0.0) ? -1 : dof);
+    }
+}
+
+auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_real_t peak[DOFS],
+                                      const auvid_real_t hold[DOFS], auvid_allocation_fit_t *fit)
+{
+    auvid_allocation_fit_t found = {AUVID_C(1.0), -1};
     if (a == NULL || peak == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -432,22 +467,16 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
             return AUVID_ERR_RANGE;
         }
     }
-    for (int i = 0; i < DOFS; ++i) {
-        if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
-            return AUVID_ERR_CAPACITY;
-        }
-    }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        const auvid_thruster_t *t = &a->cfg.thruster[j];
-        auvid_real_t middle =
-            hold != NULL ? allocation_dot(a->inverse[j], hold, DOFS) : AUVID_C(0.0);
-        auvid_real_t reach = AUVID_C(0.0);
-        for (int i = 0; i < DOFS; ++i) {
-            reach += auvid_abs(a->inverse[j][i]) * peak[i];
-        }
-        if (!(middle + reach <= t->max_N && middle - reach >= t->min_N)) {
-            return AUVID_ERR_CAPACITY;
+        allocation_fit_thruster(a, j, peak, hold, &found);
+    }
+    for (int i = DOFS - 1; i >= 0; --i) {
+        if (peak[i] > AUVID_C(0.0) && (a->actuated & AUVID_DOF_BIT(i)) == 0) {
+            found = (auvid_allocation_fit_t){AUVID_C(0.0), (int8_t)i};
         }
     }
-    return AUVID_OK;
+    if (fit != NULL) {
+        *fit = found;
+    }
+    return found.factor < AUVID_C(1.0) ? AUVID_ERR_CAPACITY : AUVID_OK;
 }

@@ -1,11 +1,12 @@
 /*
  * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
-#include "auvid/guard.h"
+#include "auvid_guard_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 _Static_assert(AUVID_GUARD_CAUSE_COUNT <= 32, "AUVID_GUARD_BIT: a bit for each cause");
 
@@ -37,28 +38,36 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
     cfg->settle_timeout_us = 30000000;
 }
 
+#define LIMIT(name) REALS_IN(auvid_guard_config_t, name, 1, AUVID_C(0.0), AUVID_LARGEST)
+
+auvid_status_t auvid_guard_check(const auvid_guard_config_t *cfg, auvid_refusal_t *why)
+{
+    static const auvid_field_t limits[] = {
+        LIMIT(depth_min_m),   LIMIT(depth_max_m), LIMIT(altitude_min_m), LIMIT(roll_max_rad),
+        LIMIT(pitch_max_rad), LIMIT(speed_max),   LIMIT(yaw_rate_max),   LIMIT(distance_max_m),
+        LIMIT(rest_speed),    LIMIT(rest_rate),
+    };
+    auvid_status_t status = auvid_check_fields(cfg, limits, sizeof limits / sizeof limits[0], why);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
+        return auvid_refuse(why, AUVID_ERR_RANGE, "off", (auvid_real_t)cfg->off,
+                            (auvid_real_t)AUVID_GUARD_SWITCHABLE);
+    }
+    return cfg->depth_min_m > cfg->depth_max_m ? auvid_refuse(why, AUVID_ERR_BOUNDS, "depth_min_m",
+                                                              cfg->depth_min_m, cfg->depth_max_m)
+                                               : AUVID_OK;
+}
+
 auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
 {
     if (g == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    const auvid_real_t limits[] = {cfg->depth_min_m,  cfg->depth_max_m,    cfg->altitude_min_m,
-                                   cfg->roll_max_rad, cfg->pitch_max_rad,  cfg->speed_max,
-                                   cfg->yaw_rate_max, cfg->distance_max_m, cfg->rest_speed,
-                                   cfg->rest_rate};
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-        if (!auvid_is_finite(limits[i])) {
-            return AUVID_ERR_NOT_FINITE;
-        }
-        if (limits[i] < AUVID_C(0.0)) {
-            return AUVID_ERR_RANGE;
-        }
-    }
-    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
-        return AUVID_ERR_RANGE;
-    }
-    if (cfg->depth_min_m > cfg->depth_max_m) {
-        return AUVID_ERR_BOUNDS;
+    auvid_status_t status = auvid_guard_check(cfg, NULL);
+    if (status != AUVID_OK) {
+        return status;
     }
     memset(g, 0, sizeof *g);
     g->cfg = *cfg;
@@ -152,12 +161,25 @@ static bool guard_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_
                           guard_to_s(stale_us));
 }
 
+/* Does the craft stay at the surface? Then depth_min_m has no meaning. */
+static bool guard_at_surface(const auvid_guard_t *g, const auvid_guard_input_t *in)
+{
+    return g->cfg.surface && !in->heaves;
+}
+
+/* Is there a depth to watch? */
+static bool guard_watches_depth(const auvid_guard_t *g, const auvid_guard_input_t *in)
+{
+    return !guard_at_surface(g, in) || g->depth_known;
+}
+
 /* Test the age of each source that the limits or the recording need. */
 static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                             const auvid_guard_input_t *in)
 {
     const auvid_guard_config_t *cfg = &g->cfg;
-    bool depth = guard_is_on(g, AUVID_GUARD_DEPTH_MIN) || guard_is_on(g, AUVID_GUARD_DEPTH_MAX);
+    bool depth = guard_watches_depth(g, in) &&
+                 (guard_is_on(g, AUVID_GUARD_DEPTH_MIN) || guard_is_on(g, AUVID_GUARD_DEPTH_MAX));
     bool altitude =
         guard_is_on(g, AUVID_GUARD_ALTITUDE) && (cfg->altitude_required || g->altitude_known);
     auvid_guard_seen_t applied = in->applied;
@@ -192,8 +214,10 @@ static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
     const auvid_real_t *v = in->velocity_ground;
     bool altitude = guard_is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
     bool ground = guard_is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
-    return guard_below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m) ||
-           guard_above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m) ||
+    return (!guard_at_surface(g, in) &&
+            guard_below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m)) ||
+           (guard_watches_depth(g, in) &&
+            guard_above(g, trip, AUVID_GUARD_DEPTH_MAX, in->position[2], cfg->depth_max_m)) ||
            (altitude &&
             guard_below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
            guard_above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
@@ -238,6 +262,14 @@ static bool guard_timing_violation(const auvid_guard_t *g, auvid_guard_trip_t *t
            guard_set_trip_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us);
 }
 
+/* Remember which optional sensors exist. */
+static void guard_track_known(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
+{
+    g->altitude_known =
+        g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+    g->depth_known = g->depth_known || guard_is_fresh(&in->depth, t_us, g->cfg.depth_stale_us);
+}
+
 auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guard_input_t *in)
 {
     if (g == NULL || in == NULL) {
@@ -256,7 +288,7 @@ auvid_status_t auvid_guard_arm(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     armed.t_us = armed.heartbeat_us = t_us;
     armed.home[0] = in->position[0];
     armed.home[1] = in->position[1];
-    armed.altitude_known = guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+    guard_track_known(&armed, t_us, in);
     if (guard_any_stale(&armed, &trip, in)) {
         g->refused = trip;
         return AUVID_ERR_STALE;
@@ -358,8 +390,7 @@ static void guard_track_inputs(auvid_guard_t *g, uint64_t t_us, const auvid_guar
         g->saturated_us = t_us;
     }
     g->saturated = in->saturated;
-    g->altitude_known =
-        g->altitude_known || guard_is_fresh(&in->altitude, t_us, g->cfg.altitude_stale_us);
+    guard_track_known(g, t_us, in);
 }
 
 /* SETTLING ends after rest_dwell_us at rest, or after settle_timeout_us. */

@@ -9,6 +9,10 @@
 #include "auvid_identifier_internal.h"
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "../excitation/auvid_excitation_init_internal.h"
+#include "../excitation/auvid_guard_internal.h"
+#include "../navigation/auvid_nav_internal.h"
 
 static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
@@ -25,6 +29,7 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
     auvid_nav_state_t state;
     memset(in, 0, sizeof *in);
     in->saturated = saturated || a->saturated;
+    in->heaves = a->excitation.heaves;
     in->altitude = a->altitude;
     in->altitude_m = a->altitude_m;
     in->applied = id->applied;
@@ -194,18 +199,50 @@ void auvid_actuation_defaults(auvid_actuation_config_t *cfg)
     }
 }
 
-static auvid_status_t actuation_init(auvid_actuation_t *a, const auvid_actuation_config_t *cfg)
+/* The excitation must be within the thrusters' limits. */
+static auvid_status_t actuation_check_peak(const auvid_actuation_t *a, auvid_refusal_t *why)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
-    auvid_status_t status = auvid_guard_init(&a->guard, &cfg->guard);
-    if (status >= 0 && cfg->excitation.segments > 0) {
-        status = auvid_excitation_init(&a->excitation, &cfg->excitation);
-        if (status >= 0 && a->allocation != NULL) {
-            (void)auvid_excitation_peak(&a->excitation, peak);
-            status = auvid_allocation_check(a->allocation, peak, NULL);
-        }
+    auvid_allocation_fit_t fit;
+    (void)auvid_excitation_peak(&a->excitation, peak);
+    auvid_status_t status = auvid_allocation_check(a->allocation, peak, NULL, &fit);
+    if (status < 0) { /* no hold, so some DoF is too large */
+        (void)auvid_refuse(why, status, "segment.amplitude", peak[fit.dof],
+                           fit.factor * peak[fit.dof]);
+        (void)auvid_refuse_element(why, status, fit.dof);
     }
     return status;
+}
+
+static auvid_status_t actuation_init_excitation(auvid_actuation_t *a,
+                                                const auvid_excitation_config_t *cfg,
+                                                auvid_refusal_t *why)
+{
+    uint64_t sequence_us;
+    auvid_status_t status = auvid_excitation_check(cfg, &sequence_us, why);
+    if (status >= 0) {
+        status = auvid_excitation_init(&a->excitation, cfg);
+    }
+    if (status >= 0 && a->allocation != NULL) {
+        status = actuation_check_peak(a, why);
+    }
+    return auvid_refuse_part(why, status, "excitation");
+}
+
+static auvid_status_t actuation_init(auvid_actuation_t *a, const auvid_actuation_config_t *cfg,
+                                     auvid_refusal_t *why)
+{
+    if (a->allocation != NULL && a->allocation->cfg.thrusters == 0) {
+        (void)auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", AUVID_C(0.0), AUVID_C(1.0));
+        return auvid_refuse_part(why, AUVID_ERR_SIZE, "allocation");
+    }
+    auvid_status_t status = auvid_guard_check(&cfg->guard, why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "guard");
+    }
+    (void)auvid_guard_init(&a->guard, &cfg->guard);
+    return cfg->excitation.segments == 0 ? AUVID_OK
+                                         : actuation_init_excitation(a, &cfg->excitation, why);
 }
 
 auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_actuation_t *storage,
@@ -221,18 +258,24 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
     if (id->actuation != NULL) {
         return AUVID_ERR_ATTACHED;
     }
-    if (id->started) {
+    if (id->started || id->applied.known) {
         return AUVID_ERR_STARTED;
-    }
-    if (allocation != NULL && allocation->cfg.thrusters == 0) {
-        return AUVID_ERR_SIZE;
     }
     memset(storage, 0, sizeof *storage);
     storage->functions = &actuation_functions;
     storage->allocation = allocation;
-    auvid_status_t status = actuation_init(storage, cfg);
-    if (status >= 0) {
-        id->actuation = storage;
+    auvid_refusal_t why = {0};
+    auvid_status_t status = actuation_init(storage, cfg, &why);
+    if (status < 0) {
+        storage->refusal = why;
+        return status;
+    }
+    id->actuation = storage;
+    if (allocation != NULL) {
+        auvid_identifier_set_scale(id, allocation);
+    }
+    if (cfg->guard.surface) { /* its depth may be dead reckoned: GPS is usable at any */
+        id->nav.surface_depth = NAV_LARGEST_POSITION;
     }
     return status;
 }

@@ -229,7 +229,7 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
 static bool adaptive_thrusters_suffice(const auvid_identifier_t *id, const auvid_real_t *peak)
 {
     return id->actuation->allocation == NULL ||
-           auvid_allocation_check(id->actuation->allocation, peak, NULL) >= 0;
+           auvid_allocation_check(id->actuation->allocation, peak, NULL, NULL) >= 0;
 }
 
 /* Select the degrees of freedom that play: by need, as far as the thrusters suffice. */

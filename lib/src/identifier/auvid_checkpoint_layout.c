@@ -188,7 +188,7 @@ static const row_t guard[] = {
     STRUCT(auvid_guard_t, refused, TABLE_TRIP),
     SPAN(auvid_guard_t, uint64_t, t_us, heartbeat_us),
     REALS(auvid_guard_t, home, home),
-    BYTE(auvid_guard_t, stepped, altitude_known),
+    BYTE(auvid_guard_t, stepped, depth_known),
 };
 
 static const row_t confidence[] = {

@@ -61,6 +61,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     RANGE(TABLE_NAV, auvid_nav_t, ready, ready, (auvid_real_t)NAV_READY, NAV_RUNNING),
     UP_TO(TABLE_NAV, auvid_nav_t, held_rejected, holding, (1 << AUVID_NAV_SENSOR_COUNT) - 1),
     AXES(TABLE_NAV, auvid_nav_t, held_valid),
+    FLAG(TABLE_NAV, auvid_nav_t, imu_turned, imu_turned),
     UP_TO(TABLE_NAV, auvid_nav_t, past_next, past_next, 2 * AUVID_NAV_PAST - 1),
     LENGTH(TABLE_NAV, auvid_nav_t, position, velocity),
     WITHIN(TABLE_NAV, auvid_nav_t, pp, vv, AUVID_C(1e15)),
@@ -75,7 +76,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_NAV, auvid_nav_t, metres_per_pascal, metres_per_pascal, 11),
     UP_TO(TABLE_NAV, auvid_nav_t, surface_pressure, surface_pressure, 1000000),
     WITHIN(TABLE_NAV, auvid_nav_t, surface_depth, surface_depth, AUVID_C(1e5)),
-    WITHIN(TABLE_NAV, auvid_nav_t, mount, mount, AUVID_C(1.01)),
+    WITHIN(TABLE_NAV, auvid_nav_t, mount, imu_mount, AUVID_C(1.01)),
     WITHIN(TABLE_NAV, auvid_nav_t, lever, lever, AUVID_C(1e3)),
     UP_TO(TABLE_NAV, auvid_nav_t, max_age_us, future_us, NAV_LARGEST_AGE_US),
     WITHIN(TABLE_NAV, auvid_nav_t, past_rates, past_rates, AUVID_C(100.0)),
@@ -156,7 +157,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_STATE_COUNT - 1),
     LENGTH(TABLE_GUARD, auvid_guard_t, home, home),
-    FLAG(TABLE_GUARD, auvid_guard_t, stepped, altitude_known),
+    FLAG(TABLE_GUARD, auvid_guard_t, stepped, depth_known),
 
     UP_TO(TABLE_CONFIDENCE, auvid_confidence_t, sigma, sigma, AUVID_LARGEST),
     VALUE(TABLE_CONFIDENCE, auvid_confidence_t, thrust_error, bound),
@@ -250,6 +251,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_IDENTIFIER, auvid_identifier_t, candidate, candidate),
     DELAY(TABLE_IDENTIFIER, auvid_identifier_t, delay_s, delay_s),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, started, started),
+    DOF_BITS(TABLE_IDENTIFIER, auvid_identifier_t, default_scale),
     COST(TABLE_IDENTIFIER, auvid_identifier_t, cost, cost),
     UP_TO(TABLE_IDENTIFIER, auvid_identifier_t, untested, untested, AUVID_MAX_SETS),
     FLAG(TABLE_IDENTIFIER, auvid_identifier_t, set_pending, cold_start),

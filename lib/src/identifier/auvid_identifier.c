@@ -8,7 +8,12 @@
 
 #include "auvid/selftest.h"
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_internal.h"
+#include "../models/auvid_vehicle_internal.h"
+#include "../navigation/auvid_nav_internal.h"
+#include "../navigation/auvid_recorder_internal.h"
+#include "../search/auvid_crs_internal.h"
 
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
 {
@@ -20,6 +25,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_nav_defaults(&cfg->nav);
     auvid_recorder_defaults(&cfg->recorder);
     auvid_metric_defaults(&cfg->metric, vehicle);
+    auvid_clear(cfg->metric.tau_max, AUVID_DOF_COUNT);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         cfg->search.lower[i] = AUVID_C(-1000.0);
         cfg->search.upper[i] = AUVID_C(1000.0);
@@ -30,97 +36,155 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     cfg->uncertainty.delay_s = AUVID_C(0.1);
 }
 
-/* Check the search over all free parameters. A search over fewer of them is valid too. */
-static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg)
+/* Collect the bounds of the free parameters in *search, and their numbers in of[]; the delay is one
+ * more of them if it is searched too. */
+static auvid_status_t identifier_collect_search(const auvid_identifier_config_t *cfg,
+                                                auvid_crs_config_t *search, uint8_t *of,
+                                                auvid_refusal_t *why)
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
     bool delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay; /* searched */
-    auvid_crs_config_t search;
     uint8_t n = 0;
-    auvid_crs_defaults(&search, 0);
     for (int i = 0; i < vehicle->parameters; ++i) {
         if (free >> i & 1u) {
-            if (cfg->search.has_good && !auvid_is_finite(cfg->search.good[i])) {
-                return AUVID_ERR_NOT_FINITE;
-            }
+            auvid_real_t good = cfg->search.good[i], upper = cfg->search.upper[i];
             bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
-            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) &&
-                cfg->search.upper[i] <= cfg->dry_mass_kg) {
-                return AUVID_ERR_DRY_MASS;
+            if (cfg->search.has_good && !auvid_is_finite(good)) {
+                (void)auvid_refuse(why, AUVID_ERR_NOT_FINITE, "good", good, upper);
+                return auvid_refuse_element(why, AUVID_ERR_NOT_FINITE, i);
             }
-            search.lower[n] = cfg->search.lower[i];
-            search.upper[n++] = cfg->search.upper[i];
+            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) && upper <= cfg->dry_mass_kg) {
+                (void)auvid_refuse(why, AUVID_ERR_DRY_MASS, "dry_mass_kg", cfg->dry_mass_kg, upper);
+                (void)auvid_refuse_part(why, AUVID_ERR_DRY_MASS, "");
+                return auvid_refuse_element(why, AUVID_ERR_DRY_MASS, i);
+            }
+            search->lower[n] = cfg->search.lower[i];
+            search->upper[n] = upper;
+            of[n++] = (uint8_t)i;
         }
     }
-    if (delay && n < AUVID_MAX_PARAMETERS) {
-        search.upper[n] = AUVID_C(1.0);
+    if (n == 0 || n + delay > AUVID_MAX_PARAMETERS) {
+        (void)auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)(n + delay),
+                           (auvid_real_t)(n == 0 ? 1 : AUVID_MAX_PARAMETERS));
+        return auvid_refuse_part(why, AUVID_ERR_PARAMETERS, "metric");
     }
-    search.n = (uint8_t)(n + delay);
-    search.population = cfg->search.population;
-    search.omega = cfg->search.omega;
-    return auvid_crs_check(&search);
-}
-
-static auvid_status_t identifier_check_uncertainty(const auvid_uncertainty_t *uncertainty)
-{
-    const auvid_real_t all[] = {uncertainty->thrust_scale, uncertainty->dvl_scale,
-                                uncertainty->delay_s};
-    enum { ALL = sizeof all / sizeof all[0] };
-    if (!auvid_all_finite(all, ALL)) {
-        return AUVID_ERR_NOT_FINITE;
+    if (delay) {
+        search->upper[n] = AUVID_C(1.0);
     }
-    for (int i = 0; i < ALL; ++i) {
-        if (!(all[i] >= AUVID_C(0.0) && all[i] <= AUVID_C(1.0))) {
-            return AUVID_ERR_RANGE;
-        }
-    }
+    search->n = (uint8_t)(n + delay);
     return AUVID_OK;
 }
 
-static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg)
+/* Check the search over all free parameters. A search over fewer of them is valid too. */
+static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg,
+                                              auvid_refusal_t *why)
 {
-    const auvid_listener_t *listener = cfg->listener;
-    auvid_status_t status = auvid_selftest();
-    if (listener != NULL && (listener->command == NULL || listener->set == NULL)) {
-        status = AUVID_ERR_NULL;
-    }
+    auvid_crs_config_t search;
+    uint8_t of[AUVID_MAX_PARAMETERS];
+    auvid_crs_defaults(&search, 0);
+    auvid_status_t status = identifier_collect_search(cfg, &search, of, why);
+    search.population = cfg->search.population;
+    search.omega = cfg->search.omega;
     if (status >= 0) {
-        status = auvid_vehicle_check(cfg->vehicle);
+        status = auvid_crs_check_fields(&search, why);
+        if (status < 0 && why->element >= 0) {
+            why->element = of[why->element];
+        }
     }
-    if (status >= 0) {
-        status = identifier_check_search(cfg);
-    }
-    bool velocity = cfg->velocity == AUVID_VELOCITY_GROUND || cfg->velocity == AUVID_VELOCITY_WATER;
-    bool in_range = velocity && cfg->dry_mass_kg >= AUVID_C(0.0);
-    if (status >= 0) {
-        status = identifier_check_uncertainty(&cfg->uncertainty);
-    }
-    return status >= 0 && !in_range ? AUVID_ERR_RANGE : status;
+    return auvid_refuse_part(why, status, "search");
 }
 
-static auvid_status_t identifier_init_metric(auvid_metric_t *metric,
-                                             const auvid_identifier_config_t *cfg)
+/* Check the fields that are of no module. */
+static auvid_status_t identifier_check_fields(const auvid_identifier_config_t *cfg,
+                                              auvid_refusal_t *why)
 {
+#define UP_TO_1(name) REALS_IN(auvid_uncertainty_t, name, 1, AUVID_C(0.0), AUVID_C(1.0))
+    static const auvid_field_t uncertainty[] = {UP_TO_1(thrust_scale), UP_TO_1(dvl_scale),
+                                                UP_TO_1(delay_s)};
+    static const auvid_field_t velocity = WHOLE_IN(auvid_identifier_config_t, velocity, 1,
+                                                   AUVID_VELOCITY_GROUND, AUVID_VELOCITY_WATER);
+    auvid_status_t status = auvid_check_fields(&cfg->uncertainty, uncertainty,
+                                               sizeof uncertainty / sizeof uncertainty[0], why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "uncertainty");
+    }
+    status = auvid_check_fields(cfg, &velocity, 1, why);
+    if (status < 0) {
+        return status;
+    }
+    return cfg->dry_mass_kg >= AUVID_C(0.0)
+               ? AUVID_OK
+               : auvid_refuse(why, AUVID_ERR_RANGE, "dry_mass_kg", cfg->dry_mass_kg, AUVID_C(0.0));
+}
+
+static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg, auvid_refusal_t *why)
+{
+    auvid_status_t status = auvid_selftest();
+    if (status < 0) {
+        return auvid_refuse(why, status, "selftest", AUVID_C(0.0), AUVID_C(0.0));
+    }
+    const auvid_listener_t *listener = cfg->listener;
+    if (listener != NULL && (listener->command == NULL || listener->set == NULL)) {
+        (void)auvid_refuse(why, AUVID_ERR_NULL, listener->command == NULL ? "command" : "set",
+                           AUVID_C(0.0), AUVID_C(0.0));
+        return auvid_refuse_part(why, AUVID_ERR_NULL, "listener");
+    }
+    status = auvid_vehicle_check_fields(cfg->vehicle, why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "vehicle");
+    }
+    status = identifier_check_search(cfg, why);
+    if (status >= 0) {
+        status = identifier_check_fields(cfg, why);
+    }
+    return status;
+}
+
+static auvid_status_t identifier_init_metric(auvid_identifier_t *id,
+                                             const auvid_identifier_config_t *cfg,
+                                             auvid_refusal_t *why)
+{
+    auvid_metric_t *metric = &id->metric;
     metric->cfg = cfg->metric;
     metric->cfg.vehicle = cfg->vehicle;
     metric->cfg.cell_us = cfg->recorder.cell_us;
     metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
-    return auvid_metric_init(metric, &metric->cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (auvid_is_zero(metric->cfg.tau_max[j])) {
+            metric->cfg.tau_max[j] = j < AUVID_ROLL ? AUVID_C(100.0) : AUVID_C(40.0);
+            id->default_scale = (uint8_t)(id->default_scale | AUVID_DOF_BIT(j));
+        }
+    }
+    auvid_status_t status = auvid_metric_check(&metric->cfg, why);
+    return status < 0 ? auvid_refuse_part(why, status, "metric")
+                      : auvid_metric_init(metric, &metric->cfg);
 }
 
 static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
-                                              const auvid_identifier_config_t *cfg)
+                                              const auvid_identifier_config_t *cfg,
+                                              auvid_refusal_t *why)
 {
-    auvid_status_t status = auvid_nav_init(&id->nav, &cfg->nav);
-    if (status >= 0) {
-        auvid_recorder_config_t recorder = cfg->recorder;
-        if (recorder.gap_us == 0) {
-            recorder.gap_us = auvid_recorder_gap(cfg->metric.velocity_us);
-        }
-        status = auvid_recorder_init(&id->recorder, &recorder);
+    auvid_recorder_config_t recorder = cfg->recorder;
+    auvid_status_t status = auvid_nav_check(&cfg->nav, why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "nav");
     }
-    return status < 0 ? status : identifier_init_metric(&id->metric, cfg);
+    if (recorder.gap_us == 0) {
+        recorder.gap_us = auvid_recorder_gap(cfg->metric.velocity_us);
+    }
+    status = auvid_recorder_check(&recorder, why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "recorder");
+    }
+    (void)auvid_nav_init(&id->nav, &cfg->nav);
+    (void)auvid_recorder_init(&id->recorder, &recorder);
+    return identifier_init_metric(id, cfg, why);
+}
+
+const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)
+{
+    return id != NULL && id->estimate.number > 0 ? &id->estimate : NULL;
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
@@ -138,8 +202,9 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
+    auvid_refusal_t why = {0};
     memset(id, 0, offsetof(auvid_identifier_t, cfg)); /* cfg may be id->cfg */
-    auvid_status_t status = identifier_check(cfg);
+    auvid_status_t status = identifier_check(cfg, &why);
     if (status >= 0) {
         id->search = cfg->search;
         id->velocity = cfg->velocity;
@@ -147,10 +212,12 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
         id->listener_context = cfg->listener_context;
-        status = identifier_init_modules(id, cfg);
+        status = identifier_init_modules(id, cfg, &why);
     }
     if (status < 0) {
         memset(id, 0, sizeof *id);
+        id->refusal = why;
+        id->refusal.part = why.part == NULL ? "" : why.part;
     }
     return status;
 }

@@ -5,7 +5,12 @@
 #ifndef AUVID_IDENTIFIER_INTERNAL_H
 #define AUVID_IDENTIFIER_INTERNAL_H
 
+#include "auvid/allocation.h"
 #include "auvid/identifier.h"
+
+/** Set each scale of the wrench that the configuration leaves to auvid to what the thrusters give
+ * (metric.h). Only before the first wrench is recorded. */
+void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation);
 
 /** Units that the start of a search costs: it draws a population. */
 enum { SEARCH_START_COST = 100 };

@@ -69,14 +69,20 @@ static void identifier_flag_held(auvid_identifier_t *id)
     identifier_record_velocity(id); /* another update may follow in this step */
 }
 
+static auvid_status_t identifier_take_imu(auvid_nav_t *nav, const auvid_input_t *in)
+{
+    return in->imu.by_quaternion
+               ? auvid_nav_imu_quaternion(nav, in->imu.t_us, in->imu.quaternion, in->imu.rates)
+               : auvid_nav_imu(nav, in->imu.t_us, in->imu.attitude, in->imu.rates);
+}
+
 /* Pass the sensors to the filter; what it rejects becomes an event. */
 static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
     id->nav.until_us = in->t_us + id->nav.future_us;
     if (in->imu.present) {
         /* The filter follows the IMU's time: a sample far ahead would exclude all others. */
-        if (in->imu.t_us > id->nav.until_us ||
-            auvid_nav_imu(&id->nav, in->imu.t_us, in->imu.attitude, in->imu.rates) < 0) {
+        if (in->imu.t_us > id->nav.until_us || identifier_take_imu(&id->nav, in) < 0) {
             id->events |= AUVID_EVENT_IMU_DROPPED;
         } else {
             identifier_flag_held(id);
@@ -89,6 +95,11 @@ static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
     if (in->dvl_water.present) {
         identifier_flag_rejected(id, auvid_nav_dvl(&id->nav, &in->dvl_water.sample),
                                  AUVID_EVENT_DVL_DROPPED);
+    }
+    if (in->pressure.present) {
+        identifier_flag_rejected(
+            id, auvid_nav_pressure(&id->nav, in->pressure.t_us, in->pressure.pressure_pa),
+            AUVID_EVENT_DEPTH_DROPPED);
     }
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         auvid_input_sample_t sample;

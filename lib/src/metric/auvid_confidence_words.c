@@ -111,6 +111,36 @@ static void confidence_append_percent(writer_t *w, auvid_real_t x, bool up)
     confidence_append(w, " %");
 }
 
+auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
+                                     const auvid_vehicle_t *vehicle, int i, char *text, size_t size)
+{
+    if (confidence == NULL || vehicle == NULL || text == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (size == 0 || i < 0 || i >= vehicle->parameters || i >= AUVID_MAX_PARAMETERS) {
+        return AUVID_ERR_RANGE;
+    }
+    writer_t w = {.text = text, .size = size};
+    uint8_t partner = confidence->partner[i];
+    const char *name = partner < vehicle->parameters ? vehicle->parameter[partner].name : "";
+    auvid_note_t note = (auvid_note_t)confidence->note[i];
+    text[0] = '\0';
+    if (note == AUVID_NOTE_COMBINATION) {
+        confidence_append(&w, "only a combination with ");
+        confidence_append(&w, name);
+    } else if (note == AUVID_NOTE_BESIDE_BOUND) {
+        confidence_append(&w, "depends on ");
+        confidence_append(&w, name);
+        confidence_append(&w, ", at its bound");
+    } else if (note == AUVID_NOTE_DISCREDITED) {
+        confidence_append(&w, name);
+        confidence_append(&w, " is impossible");
+    } else {
+        confidence_append(&w, auvid_note_str(note));
+    }
+    return AUVID_OK;
+}
+
 /* Append that parameter i is known relative to the thrust scale. With the thrust_scale in `bound`
  * its half-width would be the largest allowed. */
 static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
@@ -228,7 +258,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
         return false;
     }
     return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
-           (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k) ||
+           (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k && c->partner[k] == i) ||
            (c->note[i] == AUVID_NOTE_DISCREDITED && c->partner[i] == c->partner[k]) ||
            (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
 }

@@ -9,6 +9,8 @@
 #include <string.h>
 
 #include "../base/auvid_linalg_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "../models/auvid_vehicle_internal.h"
 #include "auvid_metric_internal.h"
 
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
@@ -36,47 +38,68 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
     }
 }
 
-static auvid_status_t metric_check(const auvid_metric_config_t *cfg)
+#define FIELD(name, n, low, high) WHOLE_IN(auvid_metric_config_t, name, n, low, high)
+#define REALS(name, n, low, high) REALS_IN(auvid_metric_config_t, name, n, low, high)
+static const auvid_field_t metric_fields[] = {
+    REALS(fixed, AUVID_MAX_PARAMETERS, -AUVID_LARGEST, AUVID_LARGEST),
+    REALS_ABOVE(auvid_metric_config_t, tau_max, AUVID_DOF_COUNT, AUVID_C(0.0), AUVID_LARGEST),
+    REALS(excitation_threshold, 1, AUVID_C(0.0), AUVID_C(1.0)),
+    FIELD(cell_us, 1, 1000, 1000000),
+    FIELD(velocity_us, 1, 0, 1000000),
+    FIELD(row_cells, 1, 1, 65535),
+    FIELD(set_rows, 1, 1, 65535),
+    FIELD(sets, 1, 1, AUVID_MAX_SETS),
+    FIELD(half_width, 2, 1, 255),
+    FIELD(lag, 2, 1, AUVID_METRIC_LAGS),
+    FIELD(passes, 1, 1, 2),
+    REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
+    REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
+};
+
+/* Check the delays: a cell is their unit. */
+static auvid_status_t metric_check_delays(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
-    auvid_status_t status = auvid_vehicle_check(cfg->vehicle);
-    if (status < 0) {
-        return status;
-    }
     auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
     auvid_real_t longest =
         cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
     auvid_real_t earliest = /* accepts a rounded delay of the metric */
         -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
-    if (!auvid_all_finite(cfg->fixed, AUVID_MAX_PARAMETERS) ||
-        !auvid_is_finite(cfg->excitation_threshold) ||
-        !auvid_all_finite(cfg->tau_max, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(cfg->delay_s, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->delay_sigma_s)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!(cfg->tau_max[j] > AUVID_C(0.0) && cfg->delay_s[j] >= earliest &&
-              cfg->delay_s[j] <= longest)) {
-            return AUVID_ERR_RANGE;
+        auvid_real_t delay_s = cfg->delay_s[j];
+        if (!(delay_s >= earliest && delay_s <= longest)) {
+            (void)auvid_refuse(why, AUVID_ERR_RANGE, "delay_s", delay_s,
+                               delay_s < earliest ? earliest : longest);
+            return auvid_refuse_element(why, AUVID_ERR_RANGE, j);
         }
     }
-    if (!(cfg->excitation_threshold >= AUVID_C(0.0) && cfg->excitation_threshold <= AUVID_C(1.0)) ||
-        !(cfg->delay_sigma_s >= AUVID_C(0.0) && cfg->delay_sigma_s <= AUVID_C(1.0)) ||
-        cfg->cell_us < 1000 || cfg->cell_us > 1000000 || cfg->velocity_us > 1000000 ||
-        cfg->row_cells < 1 || cfg->set_rows < 1 || cfg->sets < 1 || cfg->sets > AUVID_MAX_SETS ||
-        (uint32_t)cfg->set_rows * cfg->sets > 60000 || cfg->lag[0] < 1 ||
-        cfg->lag[0] > AUVID_METRIC_LAGS || cfg->lag[1] < 1 || cfg->lag[1] > AUVID_METRIC_LAGS ||
-        cfg->passes < 1 || cfg->passes > 2 || cfg->half_width[0] < 1 || cfg->half_width[1] < 1) {
-        return AUVID_ERR_RANGE;
+    return AUVID_OK;
+}
+
+/* Check each field by itself, then what the fields require of each other. */
+static auvid_status_t metric_check_ranges(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+{
+    auvid_status_t status =
+        auvid_check_fields(cfg, metric_fields, sizeof metric_fields / sizeof metric_fields[0], why);
+    if (status == AUVID_OK) {
+        status = metric_check_delays(cfg, why);
+    }
+    if (status < 0) {
+        return status;
+    }
+    if ((uint32_t)cfg->set_rows * cfg->sets > 60000) {
+        return auvid_refuse(why, AUVID_ERR_RANGE, "set_rows", (auvid_real_t)cfg->set_rows,
+                            (auvid_real_t)(60000 / cfg->sets));
     }
     uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
     if (cfg->free != 0 && (cfg->free & mask) == 0) {
-        return AUVID_ERR_PARAMETERS;
+        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)cfg->free,
+                            (auvid_real_t)mask);
     }
-    return cfg->vehicle->path->check(cfg);
+    return cfg->vehicle->path->check(cfg, why);
 }
 
 /* Check that all channels and R factors fit. */
-static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -87,8 +110,32 @@ static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg)
         channels += order;
         factor += AUVID_QR_FACTOR(order);
     }
-    bool fit = channels <= AUVID_MAX_COLUMNS && factor <= AUVID_MAX_FACTOR;
-    return fit ? AUVID_OK : AUVID_ERR_SIZE;
+    if (channels > AUVID_MAX_COLUMNS) {
+        return auvid_refuse(why, AUVID_ERR_SIZE, "free: AUVID_MAX_COLUMNS", (auvid_real_t)channels,
+                            AUVID_MAX_COLUMNS);
+    }
+    return factor <= AUVID_MAX_FACTOR ? AUVID_OK
+                                      : auvid_refuse(why, AUVID_ERR_SIZE, "free: AUVID_MAX_FACTOR",
+                                                     (auvid_real_t)factor, AUVID_MAX_FACTOR);
+}
+
+auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
+                                       const char *field, auvid_refusal_t *why)
+{
+    if (taps > AUVID_MAX_TAPS) {
+        return auvid_refuse(why, AUVID_ERR_SIZE, field, (auvid_real_t)taps, AUVID_MAX_TAPS);
+    }
+    uint32_t rows = (taps + AUVID_MAX_OVERLAP - 1) / AUVID_MAX_OVERLAP; /* cells between rows */
+    return cfg->row_cells >= rows ? AUVID_OK
+                                  : auvid_refuse(why, AUVID_ERR_SIZE, "row_cells",
+                                                 (auvid_real_t)cfg->row_cells, (auvid_real_t)rows);
+}
+
+auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+{
+    auvid_status_t status = auvid_vehicle_check_fields(cfg->vehicle, why);
+    status = status == AUVID_OK ? metric_check_ranges(cfg, why) : status;
+    return status == AUVID_OK ? metric_check_columns(cfg, why) : status;
 }
 
 /* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised
@@ -122,8 +169,7 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     if (metric == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = metric_check(cfg);
-    status = status == AUVID_OK ? metric_check_columns(cfg) : status;
+    auvid_status_t status = auvid_metric_check(cfg, NULL);
     if (status < 0) {
         return status;
     }

@@ -25,7 +25,7 @@ enum {
  */
 struct auvid_path {
     /** Checks the model's functions, the storage and the filter. Statuses of auvid_metric_init. */
-    auvid_status_t (*check)(const auvid_metric_config_t *cfg);
+    auvid_status_t (*check)(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
     /** Makes the filter, once the configuration is in m->cfg and the rest is zero. */
     void (*make_filter)(auvid_metric_t *m);
     /** Adds cell n of the record to all rows under construction. The newest of these, begun
@@ -66,13 +66,9 @@ static inline bool auvid_metric_stores_rows(const auvid_metric_t *m)
     return auvid_path_stores_rows(auvid_metric_path(m));
 }
 
-/** Check that so many taps, and the rows that they overlap, fit. */
-static inline auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg,
-                                                     uint32_t taps)
-{
-    bool fit = taps <= AUVID_MAX_TAPS && taps <= (uint32_t)AUVID_MAX_OVERLAP * cfg->row_cells;
-    return fit ? AUVID_OK : AUVID_ERR_SIZE;
-}
+/** Check that so many taps, made by `field`, and the rows that they overlap, fit. */
+auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
+                                       const char *field, auvid_refusal_t *why);
 
 static inline void auvid_metric_set_taps(auvid_metric_t *m, uint32_t taps)
 {
@@ -266,6 +262,10 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
  * */
 void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row);
+
+/** Check a configuration. *why names what is refused; NULL: not wanted. @return the statuses of
+ * auvid_metric_init */
+auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
 
 /** Check a prior against the metric's model. Returns the statuses of auvid_metric_set_prior. */
 auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior);

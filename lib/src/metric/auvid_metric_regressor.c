@@ -21,6 +21,7 @@
 
 #include "auvid/smoother.h"
 #include "../base/auvid_linalg_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "auvid_metric_internal.h"
 
 /* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
@@ -38,21 +39,29 @@ static uint32_t metric_taps(const auvid_metric_config_t *cfg)
 }
 
 /* Check that the filter exists (smoother.h) and fits. */
-static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
+    uint32_t max_half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
     if (cfg->vehicle->regressor == NULL) {
-        return AUVID_ERR_MODEL;
+        return auvid_refuse(why, AUVID_ERR_MODEL, "vehicle: regressor", AUVID_C(0.0), AUVID_C(0.0));
     }
-    auvid_status_t status = auvid_metric_check_taps(cfg, metric_taps(cfg));
-    if (status < 0 || cfg->half_width[0] > AUVID_MAX_HALF_WIDTH ||
-        cfg->half_width[1] > AUVID_MAX_HALF_WIDTH) {
-        return AUVID_ERR_SIZE;
+    auvid_status_t status = auvid_metric_check_taps(cfg, metric_taps(cfg), "half_width", why);
+    if (status < 0) {
+        return status;
+    }
+    if (max_half > AUVID_MAX_HALF_WIDTH) {
+        return auvid_refuse(why, AUVID_ERR_SIZE, "half_width", (auvid_real_t)max_half,
+                            AUVID_MAX_HALF_WIDTH);
     }
     if (cfg->order > AUVID_SMOOTHER_MAX_ORDER) {
-        return AUVID_ERR_RANGE;
+        return auvid_refuse(why, AUVID_ERR_RANGE, "order", (auvid_real_t)cfg->order,
+                            AUVID_SMOOTHER_MAX_ORDER);
     }
-    return cfg->order > 2 * min_half ? AUVID_ERR_SINGULAR : AUVID_OK;
+    return cfg->order <= 2 * min_half
+               ? AUVID_OK
+               : auvid_refuse(why, AUVID_ERR_SINGULAR, "order", (auvid_real_t)cfg->order,
+                              (auvid_real_t)(2 * min_half));
 }
 
 /* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */

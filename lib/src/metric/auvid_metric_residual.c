@@ -7,14 +7,16 @@
 #include <string.h>
 
 #include "../base/auvid_linalg_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "auvid_metric_internal.h"
 
 #if AUVID_MAX_COMMANDS == 0
 
-static auvid_status_t metric_refuse(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_refuse(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     (void)cfg;
-    return AUVID_ERR_SIZE;
+    return auvid_refuse(why, AUVID_ERR_SIZE, "vehicle: AUVID_MAX_COMMANDS", AUVID_C(0.0),
+                        AUVID_C(1.0));
 }
 
 const auvid_path_t auvid_path_residual = {.check = metric_refuse};
@@ -33,12 +35,13 @@ enum {
 /* Standard deviation of the weights that smooth the residuals. */
 #define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
 
-static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg)
+static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     if (cfg->vehicle->residual == NULL || cfg->rows == NULL) {
-        return AUVID_ERR_MODEL;
+        const char *field = cfg->rows == NULL ? "rows" : "vehicle: residual";
+        return auvid_refuse(why, AUVID_ERR_MODEL, field, AUVID_C(0.0), AUVID_C(0.0));
     }
-    return auvid_metric_check_taps(cfg, cfg->row_cells);
+    return auvid_metric_check_taps(cfg, cfg->row_cells, "row_cells", why);
 }
 
 /* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */

@@ -8,46 +8,70 @@
  *
  * Eq. 13 is printed with m_w w q; the Coriolis matrix (Fossen 2011, Eq. 3.57) has m_w w p.
  */
-#include "auvid/vehicle.h"
+#include "auvid_vehicle_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 const uint8_t auvid_build = 1;
 
-auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
+/* Find a field that contradicts another one; NULL: none does. *element: the DoF or parameter. */
+static const char *vehicle_inconsistent(const auvid_vehicle_t *vehicle, int *element)
 {
-    if (vehicle == NULL || vehicle->parameter == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (vehicle->built_for != AUVID_BUILD) {
-        return AUVID_ERR_SIZE;
-    }
-    if (vehicle->parameters < 1 || vehicle->parameters > AUVID_MAX_PARAMETERS) {
-        return AUVID_ERR_PARAMETERS;
-    }
-    if (vehicle->path == NULL || (vehicle->residual == NULL && vehicle->regressor == NULL)) {
-        return AUVID_ERR_MODEL;
-    }
     uint32_t all = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         unsigned reads = vehicle->reads[j];
         all |= vehicle->columns[j];
+        *element = j;
         if (reads != 0 && (reads >> AUVID_DOF_COUNT != 0 || (reads >> j & 1u) == 0)) {
-            return AUVID_ERR_MODEL;
+            return "reads";
+        }
+        if ((uint64_t)vehicle->columns[j] >> vehicle->parameters != 0) {
+            return "columns";
         }
     }
-    if (all == 0 || (uint64_t)all >> vehicle->parameters != 0) {
-        return AUVID_ERR_MODEL;
-    }
-    for (int i = 0; i < vehicle->parameters; ++i) {
+    for (int i = 0; i < vehicle->parameters && all != 0; ++i) {
         auvid_dof_t dof = vehicle->parameter[i].dof;
+        *element = i;
         if ((unsigned)dof >= AUVID_DOF_COUNT || vehicle->columns[dof] == 0) {
-            return AUVID_ERR_MODEL;
+            return "parameter.dof";
         }
     }
-    return AUVID_OK;
+    *element = -1;
+    return all == 0 ? "columns" : NULL;
+}
+
+auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why)
+{
+    auvid_status_t status = AUVID_ERR_MODEL;
+    const char *field = vehicle != NULL && vehicle->path == NULL ? "path" : "residual";
+    int element = -1;
+    if (vehicle == NULL || vehicle->parameter == NULL) {
+        status = AUVID_ERR_NULL;
+        field = vehicle == NULL ? "" : "parameter";
+    } else if (vehicle->built_for != AUVID_BUILD) {
+        status = AUVID_ERR_SIZE;
+        field = "built_for";
+    } else if (vehicle->parameters < 1 || vehicle->parameters > AUVID_MAX_PARAMETERS) {
+        auvid_real_t limit = (auvid_real_t)(vehicle->parameters < 1 ? 1 : AUVID_MAX_PARAMETERS);
+        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "parameters",
+                            (auvid_real_t)vehicle->parameters, limit);
+    } else if (vehicle->path != NULL &&
+               (vehicle->residual != NULL || vehicle->regressor != NULL)) {
+        field = vehicle_inconsistent(vehicle, &element);
+        if (field == NULL) {
+            return AUVID_OK;
+        }
+    }
+    (void)auvid_refuse(why, status, field, AUVID_C(0.0), AUVID_C(0.0));
+    return auvid_refuse_element(why, status, element);
+}
+
+auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
+{
+    return auvid_vehicle_check_fields(vehicle, NULL);
 }
 
 uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing)

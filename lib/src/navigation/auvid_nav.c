@@ -3,6 +3,7 @@
  */
 #include <string.h>
 
+#include "../base/auvid_refusal_internal.h"
 #include "auvid_nav_internal.h"
 
 #define NAV_SENSOR(name, input, event, kind, axis, axes, config, noise_mm, surface, start)         \
@@ -55,72 +56,39 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
     cfg->gps_start = 4;
 }
 
-/* The ranges of nav.h, for `n` reals at `offset` in the configuration. */
-#define FIELD(name, n, low, high)                                                                  \
-    {                                                                                              \
-        offsetof(auvid_nav_config_t, name), n, low, high                                           \
-    }
-static const struct {
-    uint16_t offset, n;
-    auvid_real_t low, high;
-} nav_ranges[] = {
-    FIELD(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
-    FIELD(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    FIELD(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
-    FIELD(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
-    FIELD(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
-    FIELD(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    FIELD(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    FIELD(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
-    FIELD(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
-    FIELD(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    FIELD(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
-    FIELD(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
-    FIELD(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
-    FIELD(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    FIELD(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
-};
+/* The ranges of nav.h. A DVL has two rows of the sensor table, so its fields occur twice. */
+#define REALS(name, n, low, high) REALS_IN(auvid_nav_config_t, name, n, low, high)
+#define WHOLE(name, low, high) WHOLE_IN(auvid_nav_config_t, name, 1, low, high)
+#define NAV_MIN_SIGMA_VELOCITY AUVID_C(1e-4)
+#define NAV_MIN_SIGMA_POSITION AUVID_C(1e-3)
+#define NAV_SENSOR_FIELDS(name, input, event, kind, axis, axes, config, ...)                       \
+    REALS(sigma_##config, 1, NAV_MIN_SIGMA_##kind, AUVID_C(1e3)),                                  \
+        WHOLE(config##_max_age_us, 0, NAV_LARGEST_AGE_US),
+static const auvid_field_t nav_fields[] = {
+    REALS(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
+    REALS(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    REALS(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
+    REALS(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    REALS(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    REALS(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    REALS(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    REALS(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
+    REALS(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    REALS(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    REALS(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    REALS(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    REALS(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
+    REALS(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
+    REALS(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    REALS(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    WHOLE(future_us, 0, NAV_LARGEST_AGE_US),
+    WHOLE(stale_us, 1, AUVID_C(4294967296.0)),
+    WHOLE(gps_start, 0, AUVID_NAV_GPS_START_MAX),
+    AUVID_SENSORS(NAV_SENSOR_FIELDS)};
 
-static auvid_real_t nav_real_at(const auvid_nav_config_t *c, size_t offset)
+auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why)
 {
-    auvid_real_t x;
-    memcpy(&x, (const char *)c + offset, sizeof x);
-    return x;
-}
-
-static uint32_t nav_max_age_us(const auvid_nav_config_t *c, int sensor)
-{
-    uint32_t max_age_us;
-    memcpy(&max_age_us, (const char *)c + auvid_nav_rows[sensor].max_age, sizeof max_age_us);
-    return max_age_us;
-}
-
-static auvid_status_t nav_check_real(auvid_real_t x, auvid_real_t low, auvid_real_t high)
-{
-    if (!(x >= low && x <= high)) {
-        return auvid_is_finite(x) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
-    }
-    return AUVID_OK;
-}
-
-static auvid_status_t nav_check_config(const auvid_nav_config_t *c)
-{
-    auvid_status_t status = AUVID_OK;
-    for (size_t i = 0; i < sizeof nav_ranges / sizeof nav_ranges[0]; ++i) {
-        for (size_t k = 0; k < nav_ranges[i].n && status == AUVID_OK; ++k) {
-            status = nav_check_real(nav_real_at(c, nav_ranges[i].offset + k * sizeof(auvid_real_t)),
-                                    nav_ranges[i].low, nav_ranges[i].high);
-        }
-    }
-    bool good = c->future_us <= NAV_LARGEST_AGE_US && c->stale_us > 0 &&
-                c->gps_start <= AUVID_NAV_GPS_START_MAX;
-    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT && status == AUVID_OK; ++i) {
-        const auvid_nav_row_t *row = &auvid_nav_rows[i];
-        auvid_real_t low = row->kind == NAV_VELOCITY ? AUVID_C(1e-4) : AUVID_C(1e-3);
-        status = nav_check_real(nav_real_at(c, row->sigma), low, AUVID_C(1e3));
-        good = good && nav_max_age_us(c, i) <= NAV_LARGEST_AGE_US;
-    }
-    return status != AUVID_OK || good ? status : AUVID_ERR_RANGE;
+    return auvid_check_fields(cfg, nav_fields, sizeof nav_fields / sizeof nav_fields[0], why);
 }
 
 static inline auvid_real_t nav_square(auvid_real_t x)
@@ -133,7 +101,7 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
     if (nav == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = nav_check_config(cfg);
+    auvid_status_t status = auvid_nav_check(cfg, NULL);
     if (status != AUVID_OK) {
         return status;
     }
@@ -145,8 +113,10 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
         nav->vv[nav_packed[i][i]] = nav_square(cfg->sigma_velocity);
     }
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        nav->r[i] = nav_square(nav_real_at(cfg, auvid_nav_rows[i].sigma));
-        nav->max_age_us[i] = nav_max_age_us(cfg, i);
+        const unsigned char *from = (const unsigned char *)cfg;
+        memcpy(&nav->r[i], from + auvid_nav_rows[i].sigma, sizeof nav->r[i]);
+        nav->r[i] = nav_square(nav->r[i]);
+        memcpy(&nav->max_age_us[i], from + auvid_nav_rows[i].max_age, sizeof nav->max_age_us[i]);
     }
     nav->r[AUVID_NAV_DVL_WATER] += nav_square(cfg->sigma_current);
     nav->future_us = cfg->future_us;
@@ -162,6 +132,10 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
     nav->gps_start = cfg->gps_start;
     memcpy(nav->lever, cfg->dvl_lever, sizeof nav->lever);
     auvid_rotation(cfg->dvl_euler[0], cfg->dvl_euler[1], cfg->dvl_euler[2], nav->mount);
+    auvid_rotation(cfg->imu_euler[0], cfg->imu_euler[1], cfg->imu_euler[2], nav->imu_mount);
+    for (int i = 0; i < 3; ++i) {
+        nav->imu_turned = nav->imu_turned || !auvid_is_zero(cfg->imu_euler[i]);
+    }
     nav->ready = NAV_READY;
     return AUVID_OK;
 }

@@ -91,8 +91,19 @@ void auvid_nav_release(auvid_nav_t *nav)
     }
 }
 
-auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
-                             const auvid_real_t rates[3])
+static auvid_status_t nav_check_quaternion(const auvid_real_t q[4])
+{
+    const auvid_real_t low = AUVID_C(1.0) - AUVID_NAV_QUATERNION_TOLERANCE;
+    const auvid_real_t high = AUVID_C(1.0) + AUVID_NAV_QUATERNION_TOLERANCE;
+    auvid_real_t square = q[0] * q[0] + nav_dot(q + 1, q + 1);
+    if (square >= low * low && square <= high * high) {
+        return AUVID_OK;
+    }
+    return auvid_all_finite(q, 4) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+}
+
+static auvid_status_t nav_check_imu(auvid_nav_t *nav, const auvid_real_t *attitude,
+                                    const auvid_real_t rates[3], bool quaternion)
 {
     if (nav == NULL || attitude == NULL || rates == NULL) {
         return AUVID_ERR_NULL;
@@ -100,15 +111,22 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
     if (nav->ready == NAV_BLANK) {
         return AUVID_ERR_STATE;
     }
-    bool running = nav->ready == NAV_RUNNING;
-    auvid_status_t status = nav_within(attitude, LARGEST_ANGLE);
+    auvid_status_t status =
+        quaternion ? nav_check_quaternion(attitude) : nav_within(attitude, LARGEST_ANGLE);
     if (status == AUVID_OK) {
         status = nav_within(rates, LARGEST_RATE);
     }
     if (status != AUVID_OK) {
         nav_increment(&nav->imu_invalid);
-        return status;
     }
+    return status;
+}
+
+/* Predict to the time of a valid sample, along the axes of the body. */
+static auvid_status_t nav_advance(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
+                                  const auvid_real_t rates[3])
+{
+    bool running = nav->ready == NAV_RUNNING;
     if (running && t_us <= nav->t_us) {
         nav_increment(&nav->imu_time);
         return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
@@ -139,4 +157,58 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
         return AUVID_GAP;
     }
     return AUVID_OK;
+}
+
+/* Continue with a sample whose rotation from the IMU's frame to the world is r. With M from the
+ * IMU's frame to the body's: R = r M', omega = M rates. At a pitch of 90 degrees only psi -+ phi is
+ * determined; phi is zero then. */
+static auvid_status_t nav_advance_turned(auvid_nav_t *nav, uint64_t t_us, auvid_real_t r[3][3],
+                                         const auvid_real_t rates[3])
+{
+    auvid_real_t b[3][3], attitude[3], turned[3];
+    for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) {
+            b[i][j] = nav_dot(r[i], nav->imu_mount[j]);
+        }
+        turned[j] = nav_dot(nav->imu_mount[j], rates);
+    }
+    auvid_real_t level = auvid_sqrt(b[0][0] * b[0][0] + b[1][0] * b[1][0]); /* cos theta */
+    bool vertical = !(level > AUVID_C(1e-3));
+    attitude[0] = vertical ? AUVID_C(0.0) : auvid_atan2(b[2][1], b[2][2]);
+    attitude[1] = auvid_atan2(-b[2][0], level);
+    attitude[2] = vertical ? auvid_atan2(-b[0][1], b[1][1]) : auvid_atan2(b[1][0], b[0][0]);
+    return nav_advance(nav, t_us, attitude, turned);
+}
+
+auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
+                             const auvid_real_t rates[3])
+{
+    auvid_status_t status = nav_check_imu(nav, attitude, rates, false);
+    if (status != AUVID_OK || !nav->imu_turned) {
+        return status != AUVID_OK ? status : nav_advance(nav, t_us, attitude, rates);
+    }
+    auvid_real_t r[3][3];
+    auvid_rotation(attitude[0], attitude[1], attitude[2], r);
+    return nav_advance_turned(nav, t_us, r, rates);
+}
+
+auvid_status_t auvid_nav_imu_quaternion(auvid_nav_t *nav, uint64_t t_us,
+                                        const auvid_real_t quaternion[4],
+                                        const auvid_real_t rates[3])
+{
+    auvid_status_t status = nav_check_imu(nav, quaternion, rates, true);
+    if (status != AUVID_OK) {
+        return status;
+    }
+    /* Fossen 2011, 2.2.2: R = I + 2 w S(e) + 2 S(e)^2 = I + 2 w S(e) + 2 (e e' - e'e I) */
+    auvid_real_t w = quaternion[0], r[3][3];
+    const auvid_real_t *e = quaternion + 1;
+    auvid_real_t square = nav_dot(e, e), scale = AUVID_C(2.0) / (w * w + square);
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        r[i][i] = AUVID_C(1.0) - scale * (square - e[i] * e[i]);
+        r[i][j] = scale * (e[i] * e[j] - w * e[k]);
+        r[i][k] = scale * (e[i] * e[k] + w * e[j]);
+    }
+    return nav_advance_turned(nav, t_us, r, rates);
 }

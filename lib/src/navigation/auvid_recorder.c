@@ -6,11 +6,12 @@
  * form a ring; a cell is zeroed when the first stream enters it. u, v and w are one stream each; a
  * lost one (not valid) continues from the next whole cell.
  */
-#include "auvid/recorder.h"
+#include "auvid_recorder_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 enum { ATTITUDE, VELOCITY, INPUT = VELOCITY + 3, STREAMS };
 _Static_assert(INPUT - VELOCITY <= 8, "auvid_recorder_t.measured: a bit for each velocity");
@@ -39,20 +40,39 @@ uint32_t auvid_recorder_gap(uint32_t velocity_us)
     return velocity_us > 100000 ? 5u * velocity_us : 500000;
 }
 
+static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg)
+{
+    return cfg->gap_us == 0 ? auvid_recorder_gap(0) : cfg->gap_us;
+}
+
+auvid_status_t auvid_recorder_check(const auvid_recorder_config_t *cfg, auvid_refusal_t *why)
+{
+    static const auvid_field_t fields[] = {
+        WHOLE_IN(auvid_recorder_config_t, cell_us, 1, 1000, 1000000),
+        WHOLE_IN(auvid_recorder_config_t, gap_us, 1, 0, AUVID_C(1e9)),
+        WHOLE_IN(auvid_recorder_config_t, input, 1, AUVID_INPUT_HOLD, AUVID_INPUT_LINEAR),
+    };
+    auvid_status_t status = auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], why);
+    uint32_t gap_us = recorder_gap_us(cfg);
+    if (status == AUVID_OK && gap_us < cfg->cell_us) {
+        return auvid_refuse(why, AUVID_ERR_RANGE, "gap_us", (auvid_real_t)gap_us,
+                            (auvid_real_t)cfg->cell_us);
+    }
+    return status;
+}
+
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
 {
     if (recorder == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    uint32_t gap_us = cfg->gap_us == 0 ? auvid_recorder_gap(0) : cfg->gap_us;
-    if (cfg->cell_us < 1000 || cfg->cell_us > 1000000 || gap_us < cfg->cell_us ||
-        gap_us > 1000000000 ||
-        (cfg->input != AUVID_INPUT_HOLD && cfg->input != AUVID_INPUT_LINEAR)) {
-        return AUVID_ERR_RANGE;
+    auvid_status_t status = auvid_recorder_check(cfg, NULL);
+    if (status != AUVID_OK) {
+        return status;
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
-    recorder->cfg.gap_us = gap_us;
+    recorder->cfg.gap_us = recorder_gap_us(cfg);
     return AUVID_OK;
 }
 

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 
 /* Minimum spread: 1 / (AUVID_EPSILON SPREAD_MIN), times 33 points, is finite in float32. */
 #define SPREAD_MIN AUVID_C(1e-28)
@@ -44,37 +45,45 @@ static uint32_t crs_default_population(uint32_t n)
     return m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
 }
 
-auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg)
+auvid_status_t auvid_crs_check_fields(const auvid_crs_config_t *c, auvid_refusal_t *why)
 {
-    const auvid_crs_config_t *c = cfg;
-    if (c == NULL) {
-        return AUVID_ERR_NULL;
-    }
+    static const auvid_field_t fields[] = {
+        REALS_IN(auvid_crs_config_t, epsilon, 1, AUVID_C(0.0), AUVID_LARGEST),
+        REALS_IN(auvid_crs_config_t, omega, 1, AUVID_C(0.0), OMEGA_MAX),
+        REALS_IN(auvid_crs_config_t, reduction, 1, AUVID_C(0.0), AUVID_C(1.0) - AUVID_EPSILON / 2),
+    };
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
-        return AUVID_ERR_PARAMETERS;
+        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "n", (auvid_real_t)c->n,
+                            (auvid_real_t)(c->n < 1 ? 1 : AUVID_MAX_PARAMETERS));
     }
     uint32_t m = c->population != 0 ? c->population : crs_default_population(c->n);
     if (m < (uint32_t)c->n + 1u || m > AUVID_MAX_POPULATION) {
-        return AUVID_ERR_POPULATION;
+        return auvid_refuse(
+            why, AUVID_ERR_POPULATION, "population", (auvid_real_t)m,
+            (auvid_real_t)(m > AUVID_MAX_POPULATION ? AUVID_MAX_POPULATION : c->n + 1));
     }
-    const auvid_real_t reals[] = {c->epsilon, c->reduction, c->omega};
-    if (!auvid_all_finite(reals, 3) || !auvid_all_finite(c->lower, c->n) ||
-        !auvid_all_finite(c->upper, c->n)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    for (size_t i = 0; i < c->n; ++i) {
-        if (!(c->lower[i] < c->upper[i])) {
-            return AUVID_ERR_BOUNDS;
+    for (int i = 0; i < c->n; ++i) {
+        auvid_real_t low = c->lower[i], high = c->upper[i];
+        auvid_status_t status = AUVID_OK;
+        if (!(auvid_abs(low) <= BOUND_MAX)) {
+            status = auvid_is_finite(low) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+            (void)auvid_refuse(why, status, "lower", low, -BOUND_MAX);
+        } else if (!(auvid_abs(high) <= BOUND_MAX)) {
+            status = auvid_is_finite(high) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+            (void)auvid_refuse(why, status, "upper", high, BOUND_MAX);
+        } else if (!(low < high)) {
+            status = auvid_refuse(why, AUVID_ERR_BOUNDS, "lower", low, high);
         }
-        if (c->lower[i] < -BOUND_MAX || c->upper[i] > BOUND_MAX) {
-            return AUVID_ERR_RANGE;
+        if (status != AUVID_OK) {
+            return auvid_refuse_element(why, status, i);
         }
     }
-    if (c->epsilon < AUVID_C(0.0) || c->omega < AUVID_C(0.0) || c->omega > OMEGA_MAX ||
-        !(c->reduction >= AUVID_C(0.0) && c->reduction < AUVID_C(1.0))) {
-        return AUVID_ERR_RANGE;
-    }
-    return AUVID_OK;
+    return auvid_check_fields(c, fields, sizeof fields / sizeof fields[0], why);
+}
+
+auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg)
+{
+    return cfg == NULL ? AUVID_ERR_NULL : auvid_crs_check_fields(cfg, NULL);
 }
 
 auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg)

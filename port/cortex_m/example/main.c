@@ -6,6 +6,8 @@
  * search in the time that is left, report, feed the watchdog. lib/can/README.md documents the
  * frames. Write the functions of driver.h for your board.
  */
+#include <string.h>
+
 #include "auvid/can_fifo.h"
 #include "auvid/node.h"
 #include "driver.h"
@@ -26,6 +28,9 @@ static auvid_actuation_t actuation;
 static auvid_can_fifo_t received;
 static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick; a power of two */
 
+/* Of the excitation [N, Nm]. */
+static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+
 /* Your vehicle: model and thrusters. Each set is compared with a simulation. */
 static bool configure(void)
 {
@@ -33,6 +38,7 @@ static bool configure(void)
     auvid_node_config_t bus;
     auvid_node_defaults(&bus);
     auvid_identifier_defaults(cfg, &auvid_girona500);
+    memcpy(cfg->metric.tau_max, amplitude, sizeof amplitude); /* 0: what the thrusters give */
     cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
     return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0 &&
            auvid_identifier_attach_prediction(&node.id, &prediction) >= 0;
@@ -42,7 +48,6 @@ static bool configure(void)
  * commands a thruster. */
 static bool configure_excitation(void)
 {
-    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
     auvid_actuation_config_t cfg;
     auvid_actuation_defaults(&cfg);
     return auvid_excitation_plan(&cfg.excitation, amplitude, 30, 8, 1) >= 0 &&
@@ -97,9 +102,13 @@ static void control_silence(void)
 int main(void)
 {
     auvid_can_frame_t frame;
-    if (!configure() || !configure_excitation() ||
-        auvid_can_fifo_init(&received, received_storage, 16) < 0) {
-        driver_fault("auvid refused its configuration");
+    if (!configure() || auvid_can_fifo_init(&received, received_storage, 16) < 0) {
+        const char *field = node.id.refusal.field; /* e.g. "sigma_dvl"; value and limit beside it */
+        driver_fault(field != NULL ? field : "auvid refused its configuration");
+    }
+    if (!configure_excitation()) {
+        const char *field = actuation.refusal.field;
+        driver_fault(field != NULL ? field : "auvid refused its excitation");
     }
     driver_start(&received);
     for (uint32_t tick_us = driver_now_us();;) {

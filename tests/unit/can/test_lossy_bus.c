@@ -83,7 +83,7 @@ static void begin(uint32_t seed, uint32_t sets)
     auvid_node_defaults(&cfg);
     memset(&node, 0, sizeof node);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &auvid_allocation_girona500, &id));
-    TEST_ASSERT_TRUE(world_excite(&node, &actuation, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, world_excite(&node, &actuation, &config));
     vehicle_sim_defaults(&vehicle);
     vehicle.sim.seed = seed;
     vehicle.arm_again = true;

@@ -281,8 +281,8 @@ static void test_capacity_differs_between_the_two_directions(void)
 static void test_check_passes_the_usual_excitation_with_hover_thrust(void)
 {
     const auvid_real_t peak[6] = {100, 100, 100, 0, 0, 40}, hold[6] = {0, 0, AUVID_C(37.3)};
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, hold));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, hold, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, NULL, NULL));
 }
 
 static void test_check_refuses_what_some_combination_of_signs_exceeds(void)
@@ -292,14 +292,68 @@ static void test_check_refuses_what_some_combination_of_signs_exceeds(void)
     const auvid_real_t fits[6] = {110, 0, 0, 0, 0, 40}, both[6] = {200, 0, 0, 0, 0, 50};
     const auvid_real_t roll[6] = {0, 0, 0, 1, 0, 0}, heave[6] = {0, 0, 300, 0, 0, 0};
     const auvid_real_t hold[6] = {0, 0, 30}, negative[6] = {-1}, nan[6] = {(auvid_real_t)NAN};
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, fits, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, both, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, roll, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, heave, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, heave, hold));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_allocation_check(&a, negative, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, nan, NULL));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, fits, nan));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, fits, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, both, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, roll, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, heave, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, heave, hold, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_allocation_check(&a, negative, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, nan, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_allocation_check(&a, fits, nan, NULL));
+}
+
+static auvid_allocation_fit_t fit_of(const auvid_real_t *peak, const auvid_real_t *hold)
+{
+    auvid_allocation_fit_t fit = {-1, 99};
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_CAPACITY, auvid_allocation_check(&a, peak, hold, &fit));
+    return fit;
+}
+
+/* The peaks times the factor fit; a thousandth more does not. */
+static void assert_largest_factor(const auvid_real_t *peak, const auvid_real_t *hold, double factor)
+{
+    for (int more = 0; more < 2; ++more) {
+        auvid_real_t scaled[AUVID_DOF_COUNT];
+        for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+            scaled[i] = (auvid_real_t)(factor * (more ? 1.001 : 1.0)) * peak[i];
+        }
+        TEST_ASSERT_EQUAL_INT(more ? AUVID_ERR_CAPACITY : AUVID_OK,
+                              auvid_allocation_check(&a, scaled, hold, NULL));
+    }
+}
+
+static void test_check_answers_by_which_factor_and_in_which_dof(void)
+{
+    const auvid_real_t both[6] = {200, 0, 0, 0, 0, 50}, turning[6] = {100, 0, 0, 0, 0, 100};
+    const auvid_real_t heave[6] = {0, 0, 300, 0, 0, 0}, hold[6] = {0, 0, 30}, none[6] = {0};
+    const auvid_real_t heavy[6] = {0, 0, 400}, odd[6] = {37, 151, 290, 0, 21, 83};
+    auvid_allocation_fit_t fit = fit_of(both, NULL); /* 153.8 / 162.5 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 153.8 / 162.5, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(AUVID_SURGE, fit.dof);
+    assert_largest_factor(both, NULL, (double)fit.factor);
+    fit = fit_of(turning, NULL); /* 100 / 2 + 100 / 0.8 = 175 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 153.8 / 175, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(AUVID_YAW, fit.dof);
+    fit = fit_of(heave, hold); /* (153.8 - 15) / 150 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 138.8 / 150, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(AUVID_HEAVE, fit.dof);
+    assert_largest_factor(heave, hold, (double)fit.factor);
+    fit = fit_of(odd, hold);
+    assert_largest_factor(odd, hold, (double)fit.factor);
+    fit = fit_of(none, heavy);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(-1, fit.dof);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, none, NULL, &fit));
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(-1, fit.dof);
+}
+
+static void test_check_names_a_dof_without_thruster(void)
+{
+    const auvid_real_t roll[6] = {0, 0, 300, 1, 0, 0}; /* more heave than possible, too */
+    auvid_allocation_fit_t fit = fit_of(roll, NULL);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)fit.factor);
+    TEST_ASSERT_EQUAL_INT(AUVID_ROLL, fit.dof);
 }
 
 static void test_square_law_gives_half_the_command_for_a_quarter_of_the_force(void)
@@ -410,7 +464,7 @@ static void test_vectors_that_are_not_finite_or_null_are_refused(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_wrench(&a, NULL, out.wrench));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_command(&a, to, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_force(NULL, to, to));
-    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_check(&a, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_check(&a, NULL, NULL, NULL));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_allocation_capacity(&a, AUVID_YAW, NULL, to));
     auvid_allocation_defaults(NULL);
 }
@@ -437,6 +491,8 @@ int main(void)
     RUN_TEST(test_capacity_differs_between_the_two_directions);
     RUN_TEST(test_check_passes_the_usual_excitation_with_hover_thrust);
     RUN_TEST(test_check_refuses_what_some_combination_of_signs_exceeds);
+    RUN_TEST(test_check_answers_by_which_factor_and_in_which_dof);
+    RUN_TEST(test_check_names_a_dof_without_thruster);
     RUN_TEST(test_square_law_gives_half_the_command_for_a_quarter_of_the_force);
     RUN_TEST(test_force_and_command_are_inverse_in_both_laws_and_directions);
     RUN_TEST(test_wrench_is_T_times_force_beyond_the_limits_too);

@@ -490,6 +490,76 @@ static void test_an_altitude_of_long_ago_is_not_read(void)
     check_aborted(AUVID_GUARD_ALTITUDE, 1, 2);
 }
 
+/* ---- a surface craft ---- */
+
+static void no_depth(void)
+{
+    in.depth.known = false;
+    in.position[2] = (auvid_real_t)NAN; /* dead reckoned */
+}
+
+static void go_at_surface(void)
+{
+    cfg.surface = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    no_depth();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_excite(&g, now));
+}
+
+static void test_a_surface_craft_needs_no_depth(void)
+{
+    go_at_surface();
+    for (int k = 0; k < 500; ++k) {
+        now += TICK;
+        all_is_well();
+        no_depth();
+        TEST_ASSERT_TRUE(auvid_guard_step(&g, now, &in));
+    }
+    in.altitude_m = 1; /* all other limits hold */
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_ALTITUDE, 1, 2);
+}
+
+static void test_a_depth_that_a_surface_craft_measures_is_watched(void)
+{
+    go_at_surface();
+    all_is_well();
+    in.position[2] = AUVID_C(0.1); /* less than depth_min_m, which has no meaning */
+    TEST_ASSERT_TRUE(step());
+    in.position[2] = 101;
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_DEPTH_MAX, 101, 100);
+    all_is_well();
+    go_at_surface();
+    TEST_ASSERT_TRUE(step_well());
+    in.depth.known = false; /* and lost */
+    TEST_ASSERT_FALSE(step());
+    check_aborted(AUVID_GUARD_DEPTH_STALE, (double)AUVID_LARGEST, 1);
+}
+
+static void test_a_craft_that_is_excited_in_heave_counts_as_submerged(void)
+{
+    cfg.surface = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    in.heaves = true;
+    in.depth.known = false;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_STALE, g.refused.cause);
+    all_is_well();
+    in.heaves = true;
+    in.position[2] = AUVID_C(0.5);
+    TEST_ASSERT_EQUAL(AUVID_ERR_LIMIT, auvid_guard_arm(&g, now, &in));
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DEPTH_MIN, g.refused.cause);
+}
+
+static void test_any_other_craft_needs_a_depth(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_guard_init(&g, &cfg));
+    in.depth.known = false;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_guard_arm(&g, now, &in));
+}
+
 /* ---- not finite ---- */
 
 static void check_not_finite(auvid_real_t *where, auvid_guard_cause_t cause, double limit)
@@ -1033,6 +1103,10 @@ static void run_limits(void)
     RUN_TEST(test_the_altitude_limit_is_not_watched_until_an_altitude_is_known);
     RUN_TEST(test_an_altitude_known_at_arming_and_then_lost_is_a_breach);
     RUN_TEST(test_altitude_may_be_lost_where_its_limit_is_off);
+    RUN_TEST(test_a_surface_craft_needs_no_depth);
+    RUN_TEST(test_a_depth_that_a_surface_craft_measures_is_watched);
+    RUN_TEST(test_a_craft_that_is_excited_in_heave_counts_as_submerged);
+    RUN_TEST(test_any_other_craft_needs_a_depth);
     RUN_TEST(test_an_altitude_of_long_ago_is_not_read);
     RUN_TEST(test_a_depth_that_is_not_finite);
     RUN_TEST(test_an_altitude_that_is_not_finite);

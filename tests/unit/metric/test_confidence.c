@@ -723,6 +723,63 @@ static void test_a_text_too_long_is_truncated_and_terminated(void)
     }
 }
 
+static void expect_note(const auvid_confidence_t *c, int i, const char *expected)
+{
+    char text[64];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_note(c, &auvid_girona500, i, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING(expected, text);
+}
+
+static void test_a_note_names_the_partner(void)
+{
+    static auvid_confidence_t c;
+    char text[10];
+    memset(&c, 0, sizeof c);
+    c.partner[AUVID_G500_X_U] = AUVID_G500_X_UU;
+    c.note[AUVID_G500_X_U] = AUVID_NOTE_COMBINATION;
+    expect_note(&c, AUVID_G500_X_U, "only a combination with X_uu");
+    TEST_ASSERT_EQUAL(
+        AUVID_OK, auvid_confidence_note(&c, &auvid_girona500, AUVID_G500_X_U, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("only a co", text);
+    c.note[AUVID_G500_X_U] = AUVID_NOTE_BESIDE_BOUND;
+    expect_note(&c, AUVID_G500_X_U, "depends on X_uu, at its bound");
+    c.note[AUVID_G500_X_U] = AUVID_NOTE_DISCREDITED;
+    expect_note(&c, AUVID_G500_X_U, "X_uu is impossible");
+    c.note[AUVID_G500_X_U] = AUVID_NOTE_SMALL;
+    expect_note(&c, AUVID_G500_X_U, "too small to matter");
+    c.note[AUVID_G500_X_U] = AUVID_NOTE_NONE;
+    expect_note(&c, AUVID_G500_X_U, "");
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_note(NULL, &auvid_girona500, 0, text, 10));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_note(&c, NULL, 0, text, 10));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_confidence_note(&c, &auvid_girona500, 0, NULL, 10));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_confidence_note(&c, &auvid_girona500, 0, text, 0));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_confidence_note(&c, &auvid_girona500, -1, text, 10));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE,
+                      auvid_confidence_note(&c, &auvid_girona500, AUVID_G500_COUNT, text, 10));
+}
+
+/* X_uu is in two pairs: the sentence of X_u does not name m_u. */
+static void test_what_is_missing_names_each_of_three_parameters_that_move_together(void)
+{
+    static auvid_confidence_t c;
+    char text[128];
+    const uint32_t free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+    memset(&c, 0, sizeof c);
+    c.note[AUVID_G500_M_U] = c.note[AUVID_G500_X_U] = c.note[AUVID_G500_X_UU] =
+        AUVID_NOTE_COMBINATION;
+    c.partner[AUVID_G500_M_U] = AUVID_G500_X_UU;
+    c.partner[AUVID_G500_X_UU] = AUVID_G500_M_U;
+    c.partner[AUVID_G500_X_U] = AUVID_G500_M_U;
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_confidence_missing(&c, &auvid_girona500, free, 0, text, sizeof text));
+    TEST_ASSERT_NOT_NULL(strstr(text, "m_u and X_uu cannot be distinguished"));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_confidence_missing(&c, &auvid_girona500, free, 1, text, sizeof text));
+    TEST_ASSERT_NOT_NULL(strstr(text, "X_u and m_u cannot be distinguished"));
+    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                      auvid_confidence_missing(&c, &auvid_girona500, free, 2, text, sizeof text));
+}
+
 static void test_every_note_has_a_phrase(void)
 {
     for (int a = AUVID_NOTE_FIXED; a <= AUVID_NOTE_THRUST_SCALE; ++a) {
@@ -798,5 +855,7 @@ int main(void)
     RUN_TEST(test_a_text_too_long_is_truncated_and_terminated);
     RUN_TEST(test_every_note_has_a_phrase);
     RUN_TEST(test_wrong_arguments_are_refused);
+    RUN_TEST(test_a_note_names_the_partner);
+    RUN_TEST(test_what_is_missing_names_each_of_three_parameters_that_move_together);
     return UNITY_END();
 }

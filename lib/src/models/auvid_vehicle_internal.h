@@ -1,0 +1,13 @@
+/**
+ * @file auvid_vehicle_internal.h
+ * Private: the check of a model, shared with the metric and the identifier.
+ */
+#ifndef AUVID_VEHICLE_INTERNAL_H
+#define AUVID_VEHICLE_INTERNAL_H
+
+#include "auvid/vehicle.h"
+
+/** auvid_vehicle_check. *why names what is refused; NULL: not wanted. */
+auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why);
+
+#endif
