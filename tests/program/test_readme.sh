@@ -281,7 +281,7 @@ int main(int count, char **argument)
 END
 check "README's example compiles without a warning" \
     gcc -std=c11 -O2 -Wall -Wextra -Wpedantic -Wconversion -Werror -I"$ROOT/lib/include" \
-    -I"$ROOT/tools/simulator" -I. -o example main.c \
+    -I"$ROOT/lib/src" -I"$ROOT/tools/simulator" -I. -o example main.c \
     "$ROOT"/lib/src/*/*.c "$ROOT"/tools/simulator/*.c -lm
 check "README's example identifies a vehicle passively, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle

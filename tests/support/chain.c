@@ -12,6 +12,7 @@
 void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double disturbance_N)
 {
     static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
+    static const auvid_real_t tau_max[AUVID_DOF_COUNT] = {100, 100, 100, 40, 40, 40};
     memset(cfg, 0, sizeof *cfg);
     sim_defaults(&cfg->sim);
     cfg->sim.seed = seed;
@@ -20,7 +21,7 @@ void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double di
     auvid_identifier_defaults(&cfg->id, &auvid_girona500);
     auvid_actuation_defaults(&cfg->acting);
     cfg->thrusters = auvid_allocation_girona500;
-    memcpy(cfg->id.metric.tau_max, amplitude, sizeof amplitude);
+    memcpy(cfg->id.metric.tau_max, tau_max, sizeof tau_max);
     cfg->id.search.seed = seed;
     memset(&cfg->id.uncertainty, 0, sizeof cfg->id.uncertainty); /* all is exact here */
     (void)auvid_excitation_plan(&cfg->acting.excitation, amplitude, CHAIN_SET_S, sets, seed);

@@ -38,14 +38,15 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
     cfg->settle_timeout_us = 30000000;
 }
 
-#define LIMIT(name) REALS_IN(auvid_guard_config_t, name, 1, AUVID_C(0.0), AUVID_LARGEST)
+#define GUARD_LIMIT(name) REALS_IN(auvid_guard_config_t, name, 1, AUVID_C(0.0), AUVID_LARGEST)
 
 auvid_status_t auvid_guard_check(const auvid_guard_config_t *cfg, auvid_refusal_t *why)
 {
     static const auvid_field_t limits[] = {
-        LIMIT(depth_min_m),   LIMIT(depth_max_m), LIMIT(altitude_min_m), LIMIT(roll_max_rad),
-        LIMIT(pitch_max_rad), LIMIT(speed_max),   LIMIT(yaw_rate_max),   LIMIT(distance_max_m),
-        LIMIT(rest_speed),    LIMIT(rest_rate),
+        GUARD_LIMIT(depth_min_m),  GUARD_LIMIT(depth_max_m),    GUARD_LIMIT(altitude_min_m),
+        GUARD_LIMIT(roll_max_rad), GUARD_LIMIT(pitch_max_rad),  GUARD_LIMIT(speed_max),
+        GUARD_LIMIT(yaw_rate_max), GUARD_LIMIT(distance_max_m), GUARD_LIMIT(rest_speed),
+        GUARD_LIMIT(rest_rate),
     };
     auvid_status_t status = auvid_check_fields(cfg, limits, sizeof limits / sizeof limits[0], why);
     if (status != AUVID_OK) {

@@ -38,22 +38,22 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
     }
 }
 
-#define FIELD(name, n, low, high) WHOLE_IN(auvid_metric_config_t, name, n, low, high)
-#define REALS(name, n, low, high) REALS_IN(auvid_metric_config_t, name, n, low, high)
+#define METRIC_WHOLE(name, n, low, high) WHOLE_IN(auvid_metric_config_t, name, n, low, high)
+#define METRIC_REALS(name, n, low, high) REALS_IN(auvid_metric_config_t, name, n, low, high)
 static const auvid_field_t metric_fields[] = {
-    REALS(fixed, AUVID_MAX_PARAMETERS, -AUVID_LARGEST, AUVID_LARGEST),
+    METRIC_REALS(fixed, AUVID_MAX_PARAMETERS, -AUVID_LARGEST, AUVID_LARGEST),
     REALS_ABOVE(auvid_metric_config_t, tau_max, AUVID_DOF_COUNT, AUVID_C(0.0), AUVID_LARGEST),
-    REALS(excitation_threshold, 1, AUVID_C(0.0), AUVID_C(1.0)),
-    FIELD(cell_us, 1, 1000, 1000000),
-    FIELD(velocity_us, 1, 0, 1000000),
-    FIELD(row_cells, 1, 1, 65535),
-    FIELD(set_rows, 1, 1, 65535),
-    FIELD(sets, 1, 1, AUVID_MAX_SETS),
-    FIELD(half_width, 2, 1, 255),
-    FIELD(lag, 2, 1, AUVID_METRIC_LAGS),
-    FIELD(passes, 1, 1, 2),
-    REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
-    REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
+    METRIC_REALS(excitation_threshold, 1, AUVID_C(0.0), AUVID_C(1.0)),
+    METRIC_WHOLE(cell_us, 1, 1000, 1000000),
+    METRIC_WHOLE(velocity_us, 1, 0, 1000000),
+    METRIC_WHOLE(row_cells, 1, 1, 65535),
+    METRIC_WHOLE(set_rows, 1, 1, 65535),
+    METRIC_WHOLE(sets, 1, 1, AUVID_MAX_SETS),
+    METRIC_WHOLE(half_width, 2, 1, 255),
+    METRIC_WHOLE(lag, 2, 1, AUVID_METRIC_LAGS),
+    METRIC_WHOLE(passes, 1, 1, 2),
+    METRIC_REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
+    METRIC_REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
 };
 
 /* Check the delays: a cell is their unit. */

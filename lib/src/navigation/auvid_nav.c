@@ -57,33 +57,33 @@ void auvid_nav_defaults(auvid_nav_config_t *cfg)
 }
 
 /* The ranges of nav.h. A DVL has two rows of the sensor table, so its fields occur twice. */
-#define REALS(name, n, low, high) REALS_IN(auvid_nav_config_t, name, n, low, high)
-#define WHOLE(name, low, high) WHOLE_IN(auvid_nav_config_t, name, 1, low, high)
+#define NAV_REALS(name, n, low, high) REALS_IN(auvid_nav_config_t, name, n, low, high)
+#define NAV_WHOLE(name, low, high) WHOLE_IN(auvid_nav_config_t, name, 1, low, high)
 #define NAV_MIN_SIGMA_VELOCITY AUVID_C(1e-4)
 #define NAV_MIN_SIGMA_POSITION AUVID_C(1e-3)
 #define NAV_SENSOR_FIELDS(name, input, event, kind, axis, axes, config, ...)                       \
-    REALS(sigma_##config, 1, NAV_MIN_SIGMA_##kind, AUVID_C(1e3)),                                  \
-        WHOLE(config##_max_age_us, 0, NAV_LARGEST_AGE_US),
+    NAV_REALS(sigma_##config, 1, NAV_MIN_SIGMA_##kind, AUVID_C(1e3)),                              \
+        NAV_WHOLE(config##_max_age_us, 0, NAV_LARGEST_AGE_US),
 static const auvid_field_t nav_fields[] = {
-    REALS(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
-    REALS(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    REALS(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
-    REALS(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
-    REALS(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
-    REALS(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
-    REALS(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    REALS(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
-    REALS(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
-    REALS(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    REALS(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    REALS(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
-    REALS(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
-    REALS(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
-    REALS(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
-    REALS(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
-    WHOLE(future_us, 0, NAV_LARGEST_AGE_US),
-    WHOLE(stale_us, 1, AUVID_C(4294967296.0)),
-    WHOLE(gps_start, 0, AUVID_NAV_GPS_START_MAX),
+    NAV_REALS(sigma_acceleration, 3, AUVID_C(1e-4), AUVID_C(100.0)),
+    NAV_REALS(reference_tick, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    NAV_REALS(sigma_current, 1, AUVID_C(0.0), AUVID_C(1e3)),
+    NAV_REALS(position, 3, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    NAV_REALS(sigma_position, 1, AUVID_C(1e-4), AUVID_C(1e3)),
+    NAV_REALS(sigma_velocity, 1, AUVID_C(1e-4), AUVID_C(10.0)),
+    NAV_REALS(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    NAV_REALS(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
+    NAV_REALS(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
+    NAV_REALS(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    NAV_REALS(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    NAV_REALS(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    NAV_REALS(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
+    NAV_REALS(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
+    NAV_REALS(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
+    NAV_REALS(surface_depth, 1, -NAV_LARGEST_POSITION, NAV_LARGEST_POSITION),
+    NAV_WHOLE(future_us, 0, NAV_LARGEST_AGE_US),
+    NAV_WHOLE(stale_us, 1, AUVID_C(4294967296.0)),
+    NAV_WHOLE(gps_start, 0, AUVID_NAV_GPS_START_MAX),
     AUVID_SENSORS(NAV_SENSOR_FIELDS)};
 
 auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why)

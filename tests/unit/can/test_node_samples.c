@@ -63,6 +63,9 @@ void tearDown(void)
 
 static void begin(void)
 {
+    for (int j = 0; j < AUVID_DOF_COUNT && !excite; ++j) { /* only the node knows the thrusters */
+        cfg.metric.tau_max[j] = 100;
+    }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node_config, &thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     if (excite) {
