@@ -59,6 +59,7 @@ int main(void)
     auvid_vehicle_t vehicle = auvid_girona500;
     auvid_metric_config_t cfg;
     auvid_sample_t sample;
+    vehicle.path = &auvid_path_residual;
     vehicle.regressor = NULL;
     vehicle.residual = residual;
     auvid_metric_defaults(&cfg, &vehicle);

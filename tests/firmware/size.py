@@ -29,9 +29,20 @@ BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
 API = "".join(path.read_text() for path in HEADERS)
 MODULES = {path.stem for path in HEADERS}
+# The functions of the metric's paths, by member of auvid_path_t.
+PATHS = {
+    r"path->check\(": r":metric_check_(regressor|residual)$",
+    r"path->make_filter\(": r":metric_make_(smoother|mean)$",
+    r"path\(\w+\)->add_cell\(": r":metric_add_(equations|motion)$",
+    r"path\(\w+\)->finish_row\(": r":metric_(take|store)_row$",
+    r"path\(\w+\)->begin\(": r":metric_begin_samples$",
+    r"path\(\w+\)->evaluate\(": r":metric_(evaluate_factor|sample_cost)$",
+    r"path\(\w+\)->merge\(": r"auvid_metric_merge_sets$|:metric_merge_nothing$",
+    r"path\(\w+\)->linearise\(": r"auvid_metric_linearise_sets$",
+}
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
-POINTERS = {
+POINTERS = PATHS | {
     r"vehicle->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
     r"vehicle->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
@@ -40,7 +51,7 @@ POINTERS = {
     r"simulate->finish\(": r"auvid_identifier_simulate\.c:simulate_finish$",
     r"functions->step\(": r"auvid_actuation\.c:actuation_step$",
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
-    r"a->adapt\(": r"auvid_adaptive\.c:adaptive_apply$",
+    r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"m->apply_prior\(": r"auvid_metric_prior\.c:metric_apply_prior$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
@@ -159,7 +170,7 @@ class Graph:
         if (name, model) not in self.done:
             if name in POINTERS:
                 targets = filter(re.compile(POINTERS[name]).search, self.frames)
-                frame, callees = 0, targets if model else ()
+                frame, callees = 0, targets if model or name in PATHS else ()
             elif self.frames.get(name) is None:
                 raise NoBound(f"{self.board}: the frame of {name} is not known")
             else:
@@ -249,8 +260,8 @@ def main():
             raise NoBound(f"{board}: stack {needed}, but {room(prefix, folder)} bytes are left")
     for config, board, more in (
         ("default", "m4f", ()), ("m3_20k", "m3_20k", ()),
-        ("regressors", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52")),
-        ("thirteen", "m4f", ("-DAUVID_REGRESSOR_ONLY=1", "-DAUVID_MAX_POPULATION=52",
+        ("regressors", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_POPULATION=52")),
+        ("thirteen", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_POPULATION=52",
                              "-DAUVID_MAX_PARAMETERS=13", "-DAUVID_MAX_FACTOR=171",
                              "-DAUVID_MAX_COLUMNS=35"))
     ):

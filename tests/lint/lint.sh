@@ -42,9 +42,8 @@ each() {
 }
 
 # The smallest and the largest sizes, read from the ranges that config.h itself enforces; the
-# smallest are those of a library without what smooths motion.
+# smallest have no commands, and so no memory for the residual path.
 write_sizes() {
-    [ "$1" = max ] || echo '#define AUVID_REGRESSOR_ONLY 1'
     awk -v column="$1" '$1 == "#if" && $2 ~ /^AUVID_MAX_/ && $3 == "<" {
         print "#define", $2, (column == "min" ? $4 : $8) }' lib/include/auvid/config.h
 }

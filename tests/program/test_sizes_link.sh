@@ -52,6 +52,7 @@ static void residual(const void *context, const auvid_sample_t *sample, const au
 }
 static const auvid_parameter_t parameter = {.name = "m", .dof = AUVID_SURGE};
 static const auvid_vehicle_t mine = {.built_for = AUVID_BUILD,
+                                     .path = &auvid_path_residual,
                                      .parameters = 1,
                                      .parameter = &parameter,
                                      .columns = {[AUVID_SURGE] = 1},
@@ -70,8 +71,8 @@ static void residual(const void *, const auvid_sample_t *sample, const auvid_rea
     to[AUVID_SURGE] = pi[0] * sample->nu_dot[AUVID_SURGE] - sample->tau[AUVID_SURGE];
 }
 static const auvid_parameter_t parameter = {"m", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS};
-static const auvid_vehicle_t mine = {AUVID_BUILD, "mine", 1, &parameter, {1}, 0, residual,
-                                     nullptr, nullptr, nullptr, 0, {}, false};
+static const auvid_vehicle_t mine = {AUVID_BUILD, &auvid_path_residual, "mine", 1, &parameter, {1},
+                                     0, residual, nullptr, nullptr, nullptr, 0, {}, false};
 int use(void)
 {
     return auvid_vehicle_check(&mine) == AUVID_OK ? 0 : 1;
@@ -145,7 +146,7 @@ done
 # The sizes that the identifier depends on: those in the AUVID_SIZED macro, each increased by one
 # (commands decreased, because more of them need more columns).
 sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' "$config" |
-    grep -oE 'AUVID_(MAX_[A-Z_]*|REGRESSOR_ONLY)')
+    grep -oE 'AUVID_MAX_[A-Z_]*')
 for file in step.c model.c; do
     for size in $sizes; do
         value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 }
@@ -161,7 +162,7 @@ done
 
 # The whole library in the caller's translation unit, linked with a file with other sizes.
 {
-    printf '#include "%s"\n' "$PWD"/lib/src/models/auvid_vehicle.c "$PWD"/lib/src/base/auvid_math.c
+    printf '#include "%s"\n' "$PWD"/lib/src/*/*.c
     cat "$scratch/main.c"
 } >"$scratch/unity.c"
 unity() {

@@ -72,6 +72,7 @@ static auvid_vehicle_t dead_band_vehicle()
 {
     auvid_vehicle_t vehicle = {};
     vehicle.built_for = AUVID_BUILD;
+    vehicle.path = &auvid_path_residual;
     vehicle.name = "surge with dead band";
     vehicle.parameters = PARAMETERS;
     vehicle.parameter = parameter;
@@ -226,7 +227,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     cfg.id.metric.vehicle = model;
     cfg.id.search.has_good = true; // this test is not about the search
     std::memcpy(cfg.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
-    if (model->regressor == nullptr) {
+    if (model->path == &auvid_path_residual) {
         cfg.id.metric.rows = store;
         cfg.id.metric.set_rows = SET_ROWS;
         cfg.id.metric.row_cells = 2;
@@ -240,6 +241,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
 static void test_both_paths_give_similar_standard_errors()
 {
     auvid_vehicle_t wrapped = auvid_girona500;
+    wrapped.path = &auvid_path_residual;
     wrapped.regressor = nullptr;
     wrapped.residual = girona500_residual;
     double runs = campaign_is_long() ? 40 : 3, sum[SIM_PARAMETERS] = {}, all = 0;

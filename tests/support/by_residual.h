@@ -19,6 +19,7 @@ static inline void by_residual_predict(const void *context, const auvid_sample_t
 static inline auvid_vehicle_t by_residual_girona500(void)
 {
     auvid_vehicle_t vehicle = auvid_girona500;
+    vehicle.path = &auvid_path_residual;
     vehicle.regressor = NULL;
     vehicle.residual = by_residual_predict;
     return vehicle;

@@ -81,6 +81,7 @@ void chain_copy(chain_t *to, const chain_t *from)
     to->id.prediction = &to->prediction;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
+        to->actuation.shape_context = from->actuation.shape != NULL ? &to->adaptive : NULL;
         to->actuation.allocation = from->actuation.allocation != NULL ? &to->allocation : NULL;
     }
 }

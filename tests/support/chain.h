@@ -13,7 +13,7 @@
 #ifndef CHAIN_H
 #define CHAIN_H
 
-#include "auvid/actuation.h"
+#include "auvid/adaptive.h"
 #include "literal.h"
 #include "simulator.h"
 
@@ -46,6 +46,7 @@ typedef struct chain {
     auvid_identifier_t id;
     auvid_allocation_t allocation;
     auvid_actuation_t actuation; /**< attached unless passive */
+    auvid_adaptive_t adaptive;   /**< for auvid_adaptive_begin */
     auvid_validation_t prediction;
     auvid_excitation_t driver;
     uint32_t tick;                        /**< ticks so far */

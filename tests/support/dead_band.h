@@ -47,6 +47,7 @@ static inline void residual(const void *context, const auvid_sample_t *s, const 
 }
 
 static const auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
+                                        .path = &auvid_path_residual,
                                         .name = "surge with dead band",
                                         .parameters = PARAMETERS,
                                         .parameter = parameter,

@@ -22,7 +22,7 @@ static inline void field_hull_residual(const field_t *field, double left[6])
         s.nu_dot[i] = (auvid_real_t)t->nu_dot[i];
     }
     memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
+    auvid_girona500.regressor(auvid_girona500.context, &s, NULL, &y);
     field_built(field, &built);
     for (int i = 0; i < 6; ++i) {
         left[i] = t->hull[i];

@@ -69,7 +69,7 @@ static inline void model_wrench(const world_t *w, double t, double *tau)
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
     motion(w, t, &s);
-    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
+    auvid_girona500.regressor(auvid_girona500.context, &s, NULL, &y);
     for (int j = 0; j < 6; ++j) {
         tau[j] = 0;
         for (int i = 0; i < N; ++i) {
@@ -111,7 +111,7 @@ static inline int feed(auvid_metric_t *m, const world_t *w, double t, int cells)
 static inline int first_row(const auvid_metric_config_t *c)
 {
     int wide = c->half_width[0] > c->half_width[1] ? c->half_width[0] : c->half_width[1];
-    int taps = c->vehicle->regressor == NULL ? c->row_cells : 2 * wide * c->passes + 1;
+    int taps = c->vehicle->path == &auvid_path_residual ? c->row_cells : 2 * wide * c->passes + 1;
     return AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + taps;
 }
 

@@ -52,7 +52,7 @@ static inline void sines_wrench(const auvid_sample_t *s, const auvid_real_t *tru
 {
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    auvid_girona500.regressor(auvid_girona500.context, s, &y);
+    auvid_girona500.regressor(auvid_girona500.context, s, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         tau[j] = 0.0;
         for (int i = 0; i < AUVID_G500_COUNT; ++i) {

@@ -20,7 +20,7 @@ DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.regressor", "confidenc
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
     "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
-    "adaptive.excursion_limit", "guard.cfg.", "guard.ready"))
+    "guard.cfg.", "guard.ready")) + ("adaptive.excursion_limit",)
 # Members of the model and its storage: a change may make the identifier refuse the checkpoint.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.columns")
@@ -31,7 +31,7 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction",
-            "prediction.vehicle", "actuation.adapt")
+            "prediction.vehicle", "actuation.shape", "actuation.shape_context")
 SET_ROWS = 2
 ROOM = 1 << 18
 IMPOSSIBLE = -6
@@ -60,8 +60,9 @@ class Subject:
         source = lib.auvid_girona500
         ctypes.memmove(ctypes.byref(self.vehicle), ctypes.byref(source), ctypes.sizeof(source))
         self.vehicle.residual = type(self.vehicle.residual)(lambda *_: None)
-        self.regressor = source.regressor
-        self.vehicle.regressor = type(self.regressor)()
+        self.residual, self.regressor = (ctypes.addressof(path) for path in (
+            lib.auvid_path_residual, lib.auvid_path_regressor))
+        self.vehicle.path = self.residual
         config = lib.auvid_identifier_config_t()
         lib.auvid_identifier_defaults(config, self.vehicle)
         used = (config.metric.sets + 1) * SET_ROWS
@@ -75,6 +76,11 @@ class Subject:
         lib.auvid_actuation_defaults(acting)
         self.actuation = lib.auvid_actuation_t()
         assert lib.auvid_identifier_attach_actuation(self.id, self.actuation, acting, None) == 0
+        plan = lib.auvid_adaptive_config_t()
+        lib.auvid_adaptive_defaults(plan)
+        plan.amplitude[0] = 100
+        self.adaptive = lib.auvid_adaptive_t()
+        assert lib.auvid_adaptive_begin(self.id, self.adaptive, plan) == 0
         self.prediction = lib.auvid_validation_t()
         assert lib.auvid_identifier_attach_prediction(self.id, self.prediction) == 0
         self.prediction.vehicle = ctypes.pointer(self.vehicle)
@@ -86,7 +92,7 @@ class Subject:
         self.id.phase, self.id.searching = phase, phase == ASK
         self.id.metric.excited = self.id.metric.dof_rows[0] = self.id.active = 1
         self.id.metric.held = True
-        self.vehicle.regressor = self.regressor if phase == LINEARISE else type(self.regressor)()
+        self.vehicle.path = self.regressor if phase == LINEARISE else self.residual
         if phase == LINEARISE:
             self.id.optimum.n = 1
             return
@@ -137,7 +143,7 @@ def wrong(subject, whole, path, at, pointer):
 def main():
     subject, looked, bad = Subject(sys.argv[1]), 0, []
     for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
-                        (subject.prediction, "prediction"),
+                        (subject.adaptive, "adaptive"), (subject.prediction, "prediction"),
                         (subject.rows, "rows")):
         for path, at, pointer in leaves(type(whole), name):
             if path.startswith(DEAD + KEPT) or path in FOLLOWED:

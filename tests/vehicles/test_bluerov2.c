@@ -95,7 +95,7 @@ static void record_truth(const double *wrench)
         s.nu_dot[j] = (auvid_real_t)sim.truth.nu_dot[j];
         wrench_2[j] += wrench[j] * wrench[j];
     }
-    auvid_fossen.regressor(auvid_fossen.context, &s, &y);
+    auvid_fossen.regressor(auvid_fossen.context, &s, NULL, &y);
     for (int i = 0; i < N; ++i) {
         double entry = (double)y.row[auvid_fossen.parameter[i].dof][i];
         column_2[i] += entry * entry;

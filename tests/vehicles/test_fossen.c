@@ -54,7 +54,7 @@ static auvid_regressor_t rows_of(const auvid_sample_t *s)
 {
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    auvid_fossen.regressor(auvid_fossen.context, s, &y);
+    auvid_fossen.regressor(auvid_fossen.context, s, NULL, &y);
     return y;
 }
 
@@ -113,10 +113,10 @@ static void test_an_equation_does_not_depend_on_velocities_that_it_does_not_read
         auvid_sample_t s = random_motion();
         auvid_regressor_t y[2];
         memset(y, 0, sizeof y);
-        auvid_fossen.regressor(auvid_fossen.context, &s, &y[0]);
+        auvid_fossen.regressor(auvid_fossen.context, &s, NULL, &y[0]);
         s.nu[i] += 3;
         s.nu_dot[i] += 5;
-        auvid_fossen.regressor(auvid_fossen.context, &s, &y[1]);
+        auvid_fossen.regressor(auvid_fossen.context, &s, NULL, &y[1]);
         uint8_t without = auvid_vehicle_unmeasured(&auvid_fossen, (uint8_t)(1u << i));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             bool same = memcmp(y[0].row[j], y[1].row[j], sizeof y[0].row[j]) == 0;

@@ -191,7 +191,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     run->simulated_s = world_time_s(world);
     if (options->adaptive) {
         result_t *result = &run->result[0];
-        const auvid_adaptive_t *adaptive = &world->actuation.adaptive;
+        const auvid_adaptive_t *adaptive = &world->adaptive;
         result->excited_s = TICK_S * exciting;
         result->given_up = adaptive->abandoned;
         result->still_missing = adaptive->missing & ~result->estimate.confidence.identifiable;

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "auvid/adaptive.h"
-
 /* Moment of the disturbance relative to its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
@@ -13,16 +11,16 @@ static const vehicle_t *vehicle_of(const world_config_t *config)
 }
 
 /* Replaces the plan by adaptive excitation, with the same amplitudes and excursion limits. */
-static auvid_status_t adapt(auvid_identifier_t *id, const world_config_t *config)
+static auvid_status_t adapt(world_t *world, const world_config_t *config)
 {
     auvid_adaptive_config_t cfg;
-    const auvid_excitation_t *plan = &id->actuation->excitation;
+    const auvid_excitation_t *plan = &world->actuation.excitation;
     auvid_adaptive_defaults(&cfg);
     (void)auvid_excitation_peak(plan, cfg.amplitude);
     memcpy(cfg.excursion_limit, plan->cfg.excursion_limit, sizeof cfg.excursion_limit);
     cfg.max_s = (auvid_real_t)(config->sets * WORLD_SET_S);
     cfg.seed = config->seed;
-    return auvid_adaptive_begin(id, &cfg);
+    return auvid_adaptive_begin(&world->node[0].id, &world->adaptive, &cfg);
 }
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)
@@ -49,8 +47,7 @@ auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
     auvid_actuation_config_t cfg;
     vehicle_actuation(vehicle_of(config), WORLD_SET_S, config->sets, config->seed, config->idle,
                       &cfg);
-    auvid_status_t status = auvid_node_attach_actuation(node, actuation, &cfg);
-    return status < 0 || !config->adaptive ? status : adapt(&node->id, config);
+    return auvid_node_attach_actuation(node, actuation, &cfg);
 }
 
 /* Starts the next node. */
@@ -91,7 +88,8 @@ bool world_begin(world_t *world, const world_config_t *config)
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
            vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) && begin_node(world, &node, &cfg) &&
            (config->passive ||
-            world_excite(&world->node[0], &world->actuation, config) == AUVID_OK);
+            world_excite(&world->node[0], &world->actuation, config) == AUVID_OK) &&
+           (!config->adaptive || adapt(world, config) == AUVID_OK);
 }
 
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)

@@ -11,6 +11,7 @@
 #ifndef PROGRAM_WORLD_H
 #define PROGRAM_WORLD_H
 
+#include "auvid/adaptive.h"
 #include "auvid/node.h"
 #include "frames.h"
 #include "literal.h"
@@ -52,6 +53,7 @@ typedef struct {
     auvid_node_t node[WORLD_NODES];
     literal_t literal[WORLD_NODES]; /**< of each node, if chosen */
     auvid_actuation_t actuation;    /**< of node[0]; all zeros if `passive` */
+    auvid_adaptive_t adaptive;      /**< of node[0], if `adaptive` */
     auvid_validation_t prediction[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
     int nodes;
@@ -63,8 +65,9 @@ typedef struct {
  * world with literal smoothing changes it further. */
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config);
 
-/** Attaches the excitation and the guard of this world to a node. @return the library's status; if
- * it is that of a refused configuration, actuation->refusal names the field */
+/** Attaches the excitation (the plan, not adaptive) and the guard of this world to a node.
+ * @return the library's status; if it is that of a refused configuration, actuation->refusal names
+ * the field */
 auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
                             const world_config_t *config);
 

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "auvid/smoother.h"
-#include "identifier/auvid_identifier_internal.h"
-#include "metric/auvid_metric_internal.h"
+#include "../../lib/src/identifier/auvid_identifier_internal.h"
+#include "../../lib/src/metric/auvid_metric_internal.h"
 
 enum { ORDER = 3, HALF_US = 500000 };
 
@@ -20,11 +20,12 @@ enum { INPUT = 4, FIRST_INPUT = 9 };
 
 /* Rows of the smoothed state, whatever the cell. So the metric finds no noise of the acceleration
  * in them, either. */
-static void smoothed_rows(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y)
+static void smoothed_rows(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                          auvid_regressor_t *y)
 {
     const literal_t *l = context;
     (void)sample;
-    l->model->regressor(l->model->context, &l->smoothed, y);
+    l->model->regressor(l->model->context, &l->smoothed, pi, y);
 }
 
 static bool model_acceleration(const void *context, const auvid_sample_t *sample,

@@ -35,7 +35,8 @@ extern "C" {
 
 /** Configuration; copied by auvid_identifier_attach_actuation. */
 typedef struct {
-    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: arming is refused */
+    auvid_excitation_config_t excitation; /**< see excitation.h; no segments: arming is refused
+                                               until auvid_adaptive_begin */
     auvid_guard_config_t guard;           /**< limits, see guard.h; set them for your site */
 } auvid_actuation_config_t;
 
@@ -50,10 +51,11 @@ typedef struct auvid_actuation {
     };
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;
-    auvid_adaptive_t adaptive; /**< missing and abandoned are public to read */
-    void (*adapt)(auvid_identifier_t *id, auvid_real_t *wrench); /* NULL: play the sequence. A
-                                                       pointer, so that unused code is not linked */
-    auvid_guard_seen_t altitude;                                 /* last sample taken */
+    void (*shape)(auvid_identifier_t *id, auvid_real_t *wrench); /* changes the wrench of the
+                                                        sequence in each tick (adaptive.h); NULL:
+                                                        play it as it is */
+    void *shape_context;
+    auvid_guard_seen_t altitude; /* last sample taken */
     auvid_real_t altitude_m;
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     bool starting;                      /* the excitation begins with the next step */

@@ -19,8 +19,8 @@
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned
  * after three sets if its uncertainty would remain more than 1.5 times too large at the end: with
- * all data that fit into the run and the ring. auvid_actuation_t.adaptive lists the
- * abandoned parameters; estimate.confidence holds the reason.
+ * all data that fit into the run and the ring. auvid_adaptive_t.abandoned lists
+ * the abandoned parameters; estimate.confidence holds the reason.
  *
  * Girona500, 100 N and 40 Nm, disturbance 1 N, 100 runs: all 13 parameters are identifiable after
  * 93 s. With the plan of excitation.h it takes 110 s with all DoFs at the same time, 425 s one by
@@ -32,12 +32,11 @@
  * the limits of the thrusters, amplitude never exceeded, excursion limit.
  *
  * A checkpoint (checkpoint.h) taken after auvid_adaptive_begin can only be restored into an
- * identifier for which auvid_adaptive_begin was also called. Restoring one taken before it ends the
- * adaptive excitation.
+ * identifier for which auvid_adaptive_begin was also called; one taken before, only without it.
  *
  * The control task calls it. It is linked only if auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in a tick after an estimate 40 for each parameter. Memory:
- * sizeof(auvid_adaptive_t) within auvid_actuation_t.
+ * sizeof(auvid_adaptive_t), 224 bytes with default sizes.
  *
  * Source: auvid's own.
  */
@@ -65,6 +64,27 @@ typedef struct {
     uint64_t seed;      /**< of signs and holds, any value; default 1 */
 } auvid_adaptive_config_t;
 
+/** State of the adaptive excitation. The caller owns it; only the functions write. */
+typedef struct {
+    uint32_t missing;   /**< bit i: parameter i is excited for, and not identified yet */
+    uint32_t abandoned; /**< bit i: parameter i is not identified, and nothing is done about it: its
+                             DoF is not excited, or all data of the run would not suffice */
+    uint8_t playing;    /**< bit j: DoF j is excited at present */
+    uint8_t tried[AUVID_DOF_COUNT];         /* sets recorded while it was, 255: that or more */
+    uint16_t close_rows;                    /* complete the set at so many rows; 0: when full */
+    uint32_t estimate;                      /* number of the last estimate evaluated */
+    uint32_t sets;                          /* recorded by then */
+    uint32_t rng[4];                        /* state of the random generator */
+    uint64_t run_us;                        /* start of the run of this state */
+    uint32_t from_us[AUVID_DOF_COUNT];      /* beginning of the hold, from run_us on */
+    uint32_t hold_us[AUVID_DOF_COUNT];      /* its length */
+    auvid_real_t before[AUVID_DOF_COUNT];   /* amplitude factor at the start of the fade */
+    auvid_real_t level[AUVID_DOF_COUNT];    /* and at its end */
+    auvid_real_t factor[AUVID_DOF_COUNT];   /* in the last tick */
+    auvid_real_t low_owed[AUVID_DOF_COUNT]; /* time by which low levels are behind their part [s] */
+    auvid_real_t excursion_limit[AUVID_DOF_COUNT]; /* of the configuration */
+} auvid_adaptive_t;
+
 #define auvid_adaptive_defaults AUVID_SIZED0(auvid_adaptive_defaults)
 /** Fill *cfg with the defaults stated at its fields.
  * @param cfg written whole; NULL is a no-op. */
@@ -74,6 +94,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
 /**
  * Use the adaptive excitation from the next auvid_identifier_excite on. It replaces the configured
  * sequence, if any. A DoF that is not actuated is omitted.
+ * @param storage written; must outlive the identifier
  * @param cfg copied; need not outlive the call.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE if not initialised, or if the guard is neither
  *         DISARMED nor DONE; AUVID_ERR_DETACHED without acting half (actuation.h);
@@ -82,7 +103,8 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  *         AUVID_ERR_SIZE if there are more DoFs than AUVID_MAX_SEGMENTS. On an error nothing
  *         changes.
  */
-auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg);
+auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *storage,
+                                    const auvid_adaptive_config_t *cfg);
 
 #ifdef __cplusplus
 }

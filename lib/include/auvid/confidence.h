@@ -17,8 +17,8 @@
  *   motion shows them, so they are not estimated. The change of the estimate by one standard
  *   deviation of each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale
  *   all parameters change in proportion, thrust_error = thrust_scale pi, unless some are fixed:
- *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. In a model
- *   without regressor, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
+ *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. On the residual
+ *   path, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
  *   no parameter scales.
  * - *Identifiable*: the DoF was excited, and the 95 % half-width is at most 20 % of the value. For
  * a

@@ -52,20 +52,10 @@
 #define AUVID_MAX_THRUSTERS 8
 #endif
 
-/** 1 removes the code and the memory of models without regressor, and of Algorithm 2 to the letter.
- * 0 or 1. */
-#ifndef AUVID_REGRESSOR_ONLY
-#define AUVID_REGRESSOR_ONLY 0
-#endif
-
-/** Number of thruster commands that are recorded with the wrench. Only models without regressor
- * use them. 1..16. */
+/** Number of thruster commands that are recorded with the wrench. Only models on the residual path
+ * use them (vehicle.h). 0: no memory for that path. 0..16. */
 #ifndef AUVID_MAX_COMMANDS
-#if AUVID_REGRESSOR_ONLY
-#define AUVID_MAX_COMMANDS 1
-#else
 #define AUVID_MAX_COMMANDS 8
-#endif
 #endif
 
 /** Numbers in one data set's R factors, all degrees of freedom together. A degree of freedom whose
@@ -75,11 +65,11 @@
 #endif
 
 /** Columns of all equations together: the sum of c + 3 over the degrees of freedom (three columns
- * are for the wrench). Girona500 with biases needs 39. A model without regressor needs 33 plus
+ * are for the wrench). Girona500 with biases needs 39. A model on the residual path needs 33 plus
  * three for each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with
- * AUVID_REGRESSOR_ONLY. */
+ * AUVID_MAX_COMMANDS 0. */
 #ifndef AUVID_MAX_COLUMNS
-#if AUVID_REGRESSOR_ONLY
+#if AUVID_MAX_COMMANDS == 0
 #define AUVID_MAX_COLUMNS 39
 #else
 #define AUVID_MAX_COLUMNS 57
@@ -127,16 +117,13 @@
 #if AUVID_MAX_FACTOR < 10 || AUVID_MAX_FACTOR > 8192
 #error "auvid: AUVID_MAX_FACTOR must be 10..8192"
 #endif
-#if AUVID_REGRESSOR_ONLY != 0 && AUVID_REGRESSOR_ONLY != 1
-#error "auvid: AUVID_REGRESSOR_ONLY must be 0 or 1"
-#endif
 #if AUVID_MAX_COLUMNS < 10 || AUVID_MAX_COLUMNS > 512
 #error "auvid: AUVID_MAX_COLUMNS must be 10..512"
 #endif
-#if AUVID_MAX_COMMANDS < 1 || AUVID_MAX_COMMANDS > 16
-#error "auvid: AUVID_MAX_COMMANDS must be 1..16"
+#if AUVID_MAX_COMMANDS < 0 || AUVID_MAX_COMMANDS > 16
+#error "auvid: AUVID_MAX_COMMANDS must be 0..16"
 #endif
-#if !AUVID_REGRESSOR_ONLY && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MAX_COLUMNS
+#if AUVID_MAX_COMMANDS > 0 && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MAX_COLUMNS
 #error "auvid: AUVID_MAX_COLUMNS must be at least 33 + 3 AUVID_MAX_COMMANDS"
 #endif
 #if AUVID_MAX_TAPS < 3 || AUVID_MAX_TAPS > 255
@@ -155,6 +142,9 @@
 #error "auvid: AUVID_MAX_SEGMENTS must be 1..64"
 #endif
 
+/** Length of arrays of commands, which must not be empty. */
+#define AUVID_COMMAND_SLOTS (AUVID_MAX_COMMANDS > 0 ? AUVID_MAX_COMMANDS : 1)
+
 /* The link-time name of a function contains the sizes on which its arguments depend.
  * tests/lint/sources.py reports a function whose name lacks one. AUVID_SIZED1(f, A) becomes f_f32_A
  * or f_f64_A, and so on. */
@@ -162,24 +152,23 @@
 #define AUVID_SIZED0(name) name##_f64
 #define AUVID_SIZED1_(name, a) name##_f64_##a
 #define AUVID_SIZED2_(name, a, b) name##_f64_##a##_##b
-#define AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                   \
-    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
+#define AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)                                      \
+    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k
 #else
 #define AUVID_SIZED0(name) name##_f32
 #define AUVID_SIZED1_(name, a) name##_f32_##a
 #define AUVID_SIZED2_(name, a, b) name##_f32_##a##_##b
-#define AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                   \
-    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
+#define AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)                                      \
+    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k
 #endif
 #define AUVID_SIZED1(name, a) AUVID_SIZED1_(name, a)
 #define AUVID_SIZED2(name, a, b) AUVID_SIZED2_(name, a, b)
-#define AUVID_SIZED_ALL12(name, a, b, c, d, e, f, g, h, i, j, k, l)                                \
-    AUVID_SIZED12_(name, a, b, c, d, e, f, g, h, i, j, k, l)
+#define AUVID_SIZED_ALL11(name, a, b, c, d, e, f, g, h, i, j, k)                                   \
+    AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)
 /** A name with all sizes, for structs that contain several modules. */
 #define AUVID_SIZED(name)                                                                          \
-    AUVID_SIZED_ALL12(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
+    AUVID_SIZED_ALL11(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
                       AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,    \
-                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES, AUVID_MAX_COMMANDS,  \
-                      AUVID_REGRESSOR_ONLY)
+                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES, AUVID_MAX_COMMANDS)
 
 #endif

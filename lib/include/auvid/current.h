@@ -41,7 +41,7 @@
  *
  * Call the functions before auvid_identifier_init. Cost of an evaluation: the hull's plus 390
  * instructions. Memory: sizeof(auvid_current_t). Unused code is not linked. Not available with
- * AUVID_REGRESSOR_ONLY.
+ * AUVID_MAX_COMMANDS 0.
  */
 #ifndef AUVID_CURRENT_H
 #define AUVID_CURRENT_H

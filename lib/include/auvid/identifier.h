@@ -10,7 +10,7 @@
  * estimate as a known good point. A search uses the sets that were complete when it began. Sets
  * completed during a search wait until it ends; then one search takes them all. The last estimate
  * predicts each set before the set is used, the oldest first. The prediction reveals a changed
- * vehicle, and an estimate worse than the one before. For a model without regressor the delay is
+ * vehicle, and an estimate worse than the one before. For a model on the residual path the delay is
  * one more parameter of the search, and one set can wait; while it waits, no rows are recorded. In
  * the regressor path (sets - 1) / 2 sets can wait; when more are completed, the oldest is lost.
  *
@@ -151,7 +151,7 @@ typedef struct {
          * is known: after the step with the time of this tick, since the step returns the
          * excitation; or with the earlier time of a measurement. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_MAX_COMMANDS]; /**< thruster commands, if the model uses them */
+        auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< thruster commands, if the model uses them */
     } applied;
     bool saturated; /**< a thruster is at its limit now, for any reason; for the guard. Saturation
                          by the excitation itself is detected internally */
@@ -234,10 +234,10 @@ typedef struct {
     uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line;              /**< local phase */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
-     * With a regressor also: the cost exceeds the minimum within the bounds by more than a
-     * thousandth of it (including the part that no parameters explain). With a regressor nothing
-     * is identifiable then. Without one the minimum is not known: a search may end above it
-     * unnoticed. There a search ended by a cap keeps its flags: treat them with care. */
+     * Regressor path also: the cost exceeds the minimum within the bounds by more than a
+     * thousandth of it (including the part that no parameters explain). There nothing
+     * is identifiable then. Residual path: the minimum is not known, and a search may end above it
+     * unnoticed. A search ended by a cap keeps its flags: treat them with care. */
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */
@@ -297,27 +297,6 @@ typedef enum {
     AUVID_WORK_CONFIDENCE,  /**< computes standard errors and findings */
     AUVID_WORK_PHASE_COUNT
 } auvid_work_phase_t;
-
-/** State of the adaptive excitation (adaptive.h). */
-typedef struct {
-    uint32_t missing;   /**< bit i: parameter i is excited for, and not identified yet */
-    uint32_t abandoned; /**< bit i: parameter i is not identified, and nothing is done about it: its
-                             DoF is not excited, or all data of the run would not suffice */
-    uint8_t playing;    /**< bit j: DoF j is excited at present */
-    uint8_t tried[AUVID_DOF_COUNT];         /* sets recorded while it was, 255: that or more */
-    uint16_t close_rows;                    /* complete the set at so many rows; 0: when full */
-    uint32_t estimate;                      /* number of the last estimate evaluated */
-    uint32_t sets;                          /* recorded by then */
-    uint32_t rng[4];                        /* state of the random generator */
-    uint64_t run_us;                        /* start of the run of this state */
-    uint32_t from_us[AUVID_DOF_COUNT];      /* beginning of the hold, from run_us on */
-    uint32_t hold_us[AUVID_DOF_COUNT];      /* its length */
-    auvid_real_t before[AUVID_DOF_COUNT];   /* amplitude factor at the start of the fade */
-    auvid_real_t level[AUVID_DOF_COUNT];    /* and at its end */
-    auvid_real_t factor[AUVID_DOF_COUNT];   /* in the last tick */
-    auvid_real_t low_owed[AUVID_DOF_COUNT]; /* time by which low levels are behind their part [s] */
-    auvid_real_t excursion_limit[AUVID_DOF_COUNT]; /* of the configuration */
-} auvid_adaptive_t;
 
 /** The identifier. Its modules are public to read; only the functions write. */
 typedef struct auvid_identifier {
@@ -401,9 +380,9 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
  * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero; an uncertainty below zero or above 1);
  * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
- * the search over the free parameters the errors of auvid_crs_check; AUVID_ERR_MODEL (search.paper
- * with AUVID_REGRESSOR_ONLY); the errors of auvid_vehicle_check, the errors of auvid_nav_init, the
- * errors of auvid_recorder_init, the errors of auvid_metric_init. */
+ * the search over the free parameters the errors of auvid_crs_check; the errors of
+ * auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the errors
+ * of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)

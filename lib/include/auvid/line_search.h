@@ -113,8 +113,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
 
 #define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
 /**
- * Check and copy the configuration; the search begins at cfg->start. With AUVID_REGRESSOR_ONLY,
- * `paper` is AUVID_ERR_MODEL.
+ * Check and copy the configuration; the search begins at cfg->start.
  * @param ls      state to start; need not be zeroed.
  * @param cfg  copied; may not be part of *ls.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_NOT_FINITE (any real);

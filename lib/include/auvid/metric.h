@@ -66,7 +66,7 @@ extern "C" {
 /** Rows stored to form them. */
 #define AUVID_METRIC_LAGS 2
 /** Largest number of rows whose residuals are averaged in the residual path. */
-#define AUVID_METRIC_WINDOW (AUVID_REGRESSOR_ONLY ? 3 : 31)
+#define AUVID_METRIC_WINDOW (AUVID_MAX_COMMANDS > 0 ? 31 : 1)
 
 /** A stored row of the residual path: an averaged sample, and the wrench and the commands at the
  * other delays. Written by the metric. */
@@ -208,7 +208,7 @@ typedef struct auvid_metric {
     auvid_real_t sum, compensation, squares;
     union {
         auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
-#if !AUVID_REGRESSOR_ONLY
+#if AUVID_MAX_COMMANDS > 0
         auvid_regressor_t regressor; /* not in the residual path: of a cell */
 #endif
     };
@@ -264,9 +264,9 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
  * @param cfg copied; may be metric->cfg
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field is out
  * of its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (no parameter is free); AUVID_ERR_SIZE
- * (columns, factor, taps, overlap or half-width exceed config.h); AUVID_ERR_SINGULAR (order > 2
- * half_width); AUVID_ERR_MODEL (residual path without storage, or excluded by
- * AUVID_REGRESSOR_ONLY). */
+ * (columns, factor, taps, overlap or half-width exceed config.h; residual path with
+ * AUVID_MAX_COMMANDS 0); AUVID_ERR_SINGULAR (order > 2 half_width); AUVID_ERR_MODEL (the path lacks
+ * its function of the model, or the residual path its storage). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
 #define auvid_metric_add AUVID_SIZED(auvid_metric_add)
@@ -396,9 +396,9 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget);
 /** Residual path: begin to linearise the model at pi. The result is, for each of the newest sets,
  * the R factors of a linear model with the same derivatives; auvid_metric_change and confidence.h
  * read them. The derivatives are central differences over 10 ms of delay, and over 1 % of each
- * parameter (at least 1e-4, and 1e-3 where it is zero). A window of smoothed residuals is left out
- * if a residual or a derivative is not finite or beyond 1e15. A no-op for a model with regressor,
- * and for NULL.
+ * parameter (at least 1e-4, and 1e-3 where it is zero); if the model has a regressor, its rows take
+ * the place of the latter. A window of smoothed residuals is left out if a residual or a derivative
+ * is not finite or beyond 1e15. A no-op on the regressor path, and for NULL.
  * @param pi [n]
  * @param delay_s as in auvid_metric_cost_begin
  * @param sets number of sets, from the newest on */
@@ -409,8 +409,8 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
 /** Continue the linearisation started by auvid_metric_linearise_begin. If it covers all sets of the
  * ring, their R factors are then merged.
  * @param budget units of work left, reduced by those used: vehicle->work for each of the 2 n + 3
- * calls of the model, for each window of residuals and each row of that window. Windows are about
- * one standard deviation of their weights apart
+ * calls of the model (four if it has a regressor), for each window of residuals and each row of
+ * that window. Windows are about one standard deviation of their weights apart
  * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 

@@ -10,7 +10,7 @@
  * first recorded set is tested against the record. If the two do not belong to the same vehicle,
  * the record is discarded; then the identifier behaves as after a cold start.
  *
- * A model without regressor uses the record's parameters only as a point to search from.
+ * A model on the residual path uses the record's parameters only as a point to search from.
  *
  * Called from the control task, between ticks. Cost: checksums over the record and the names of the
  * model. Memory: the record, which the caller owns. The bytes are the same on every machine:

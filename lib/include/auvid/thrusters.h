@@ -54,7 +54,7 @@
  *
  * Memory: sizeof(auvid_thrusters_t), 0.7 KiB, and the log, two bytes for each thruster and slot:
  * 3000 bytes for one thruster and a set of 30 s at 50 Hz. In addition, each row takes 240 bytes.
- * Unused code is not linked. Not available with AUVID_REGRESSOR_ONLY.
+ * Unused code is not linked. Not available with AUVID_MAX_COMMANDS 0.
  */
 #ifndef AUVID_THRUSTERS_H
 #define AUVID_THRUSTERS_H
@@ -89,10 +89,10 @@ typedef enum {
 /** Configuration; copied at init. */
 typedef struct {
     const auvid_vehicle_t *hull; /**< required; must outlive the thrusters. Any model */
-    auvid_real_t matrix[AUVID_DOF_COUNT][AUVID_MAX_COMMANDS]; /**< B: body wrench per newton of
+    auvid_real_t matrix[AUVID_DOF_COUNT][AUVID_COMMAND_SLOTS]; /**< B: body wrench per newton of
                                                                    each thruster [-, m] */
     uint8_t thrusters;                 /**< their number, 1..AUVID_MAX_COMMANDS */
-    uint8_t group[AUVID_MAX_COMMANDS]; /**< of each; numbers from 0, no gaps; default 0 */
+    uint8_t group[AUVID_COMMAND_SLOTS]; /**< of each; numbers from 0, no gaps; default 0 */
     auvid_real_t command_max;   /**< largest command of any source, hover thrust included [units],
                                      1e-6..AUVID_RECORDER_LARGEST; default 1. The log's
                                      resolution is 1/32767 of it. Larger commands are clipped to it
@@ -136,8 +136,8 @@ typedef struct {
     uint32_t head, filled;                    /* index of the next slot; number of slots kept */
     uint32_t clipped; /**< number of commands beyond command_max so far. If not 0, the log and all
                            estimates are wrong: make command_max larger */
-    auvid_real_t held[AUVID_MAX_COMMANDS];    /* last command */
-    auvid_real_t filling[AUVID_MAX_COMMANDS]; /* integral over the incomplete slot */
+    auvid_real_t held[AUVID_COMMAND_SLOTS];    /* last command */
+    auvid_real_t filling[AUVID_COMMAND_SLOTS]; /* integral over the incomplete slot */
     auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* newest first */
     uint8_t pauses;                                    /* number of pauses */
     bool started;

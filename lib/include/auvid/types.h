@@ -135,7 +135,7 @@ typedef struct {
     auvid_real_t nu[AUVID_DOF_COUNT];         /**< u v w [m/s] p q r [rad/s], through the water */
     auvid_real_t nu_dot[AUVID_DOF_COUNT];     /**< their time derivatives [m/s2, rad/s2] */
     auvid_real_t tau[AUVID_DOF_COUNT];        /**< applied wrench X Y Z [N] K M N [Nm] */
-    auvid_real_t command[AUVID_MAX_COMMANDS]; /**< applied thruster commands [user's unit] */
+    auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< applied thruster commands [user's unit] */
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
 

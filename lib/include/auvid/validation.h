@@ -13,7 +13,7 @@
  *
  * The identifier (see auvid_identifier_attach and auvid_identifier_attach_prediction) or the user's
  * own loop calls it for each cell of the record. Cost: 16 calls of the model's acceleration a cell.
- * Memory: sizeof(auvid_validation_t), 560 bytes with default sizes.
+ * Memory: sizeof(auvid_validation_t), 592 bytes with default sizes.
  */
 #ifndef AUVID_VALIDATION_H
 #define AUVID_VALIDATION_H

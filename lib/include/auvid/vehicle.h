@@ -7,14 +7,28 @@
  * Girona500 model of the paper (Eq. 12-15). For any other vehicle, the user writes a struct and a
  * function.
  *
- * - `residual` is sufficient for any model, linear in its parameters or not, differentiable or not.
- * - `regressor` is for models that are linear in their parameters. It makes a cost evaluation about
- *   thirty times cheaper. A model needs at least one of the two; auvid uses the regressor if both
- *   exist.
+ * - `path` names how the metric uses the model. `&auvid_path_regressor`: the model is linear in its
+ *   parameters and gives `regressor`. A cost evaluation is about thirty times cheaper.
+ *   `&auvid_path_residual`: any model, linear or not, differentiable or not, gives `residual`, and
+ *   the configuration gives memory for rows (metric.h). Only the model names a path, so the linker
+ *   drops the other one.
+ * - `regressor` writes the rows d residual / d pi. On the regressor path they do not depend on pi,
+ *   and pi is NULL. On the residual path the function is optional: it replaces the central
+ *   differences by exact derivatives.
  * - `acceleration` is for simulation only (validation.h).
  *
+ * What is not the vehicle's has no member here. Uncertain inputs, such as the gain of each thruster
+ * or the timing of the wrench, are columns beside those of the parameters. They are formed from the
+ * sample, its commands and the rows of `regressor`. So a table in the configuration can hold them,
+ * with their priors, and the path appends them where it forms a row.
+ *
+ * Three examples: Girona500 has `regressor` and `acceleration`. A hull with its thrusters
+ * (thrusters.h) or in a current (current.h) wraps another model: its `residual` calls that of the
+ * hull at a changed sample. A user's model with a dead band has `residual`, and may add `regressor`
+ * for Gauss-Newton steps.
+ *
  * The functions must be pure: same input, same output, no state. auvid_identifier_step calls the
- * regressor and auvid_identifier_work calls the residual, within the control tick.
+ * regressor of the regressor path, auvid_identifier_work calls the functions of the residual path.
  *
  * Cost of the Girona500 regressor: two sincos and about 40 multiplications. Memory: constants only.
  */
@@ -57,11 +71,22 @@ typedef struct {
 extern const uint8_t auvid_build;
 #define AUVID_BUILD (&auvid_build)
 
+/** A path of the metric; its members are private. */
+typedef struct auvid_path auvid_path_t;
+#define auvid_path_regressor AUVID_SIZED(auvid_path_regressor)
+/** Rows of equations linear in pi become R factors, and the cost follows from these. */
+extern const auvid_path_t auvid_path_regressor;
+#define auvid_path_residual AUVID_SIZED(auvid_path_residual)
+/** Samples are stored, and the model's residual is called on each. If AUVID_MAX_COMMANDS is 0 there
+ * is no memory for it: auvid_metric_init returns AUVID_ERR_SIZE. */
+extern const auvid_path_t auvid_path_residual;
+
 /** A vehicle model. All pointers must outlive every user of the model. */
 typedef struct {
-    const uint8_t *built_for;           /**< AUVID_BUILD */
-    const char *name;                   /**< display name */
-    uint8_t parameters;                 /**< n, 1..AUVID_MAX_PARAMETERS */
+    const uint8_t *built_for; /**< AUVID_BUILD */
+    const auvid_path_t *path; /**< required: &auvid_path_regressor or &auvid_path_residual */
+    const char *name;         /**< display name */
+    uint8_t parameters;       /**< n, 1..AUVID_MAX_PARAMETERS */
     const auvid_parameter_t *parameter; /**< [n] */
 
     /** Bit i: parameter i may be in this DoF's equation. 0: the DoF is not modelled. An extra bit
@@ -72,13 +97,15 @@ typedef struct {
 
     /** Writes predicted minus applied wrench at `sample` for the parameters pi[n], for every
      * modelled DoF. residual[] is zero-initialised. The function may read sample->command to model
-     * thrusters. May be NULL if there is a regressor. */
+     * thrusters. Required on the residual path; NULL on the other. */
     void (*residual)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                      auvid_real_t residual[AUVID_DOF_COUNT]);
 
-    /** Writes the rows with predicted wrench = row . pi. *y is zero-initialised. The function must
-     * not read sample->tau. NULL if the model is not linear in pi. */
-    void (*regressor)(const void *context, const auvid_sample_t *sample, auvid_regressor_t *y);
+    /** Writes the rows d residual / d pi. *y is zero-initialised. The function must not read
+     * sample->tau. Required on the regressor path, where predicted wrench = row . pi, and pi is
+     * NULL. Optional on the residual path: there pi[n] is the point of the derivatives. */
+    void (*regressor)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                      auvid_regressor_t *y);
 
     /** Writes nu_dot[] of the modelled DoF from the sample's phi, theta, nu, tau and command.
      * nu_dot[] is zero-initialised. It is not finite in a DoF without solution for pi (a mass not
@@ -105,9 +132,9 @@ typedef struct {
 /** Checks the counts, masks and pointers of a model.
  * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its parameter table is NULL); AUVID_ERR_SIZE
  * (built_for is NULL or not AUVID_BUILD: the model may have been compiled with other sizes);
- * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (neither residual nor regressor; no DoF
- * modelled; a mask has a parameter >= n; a parameter's dof is not modelled; `reads` of a DoF has a
- * velocity >= 6 or lacks the DoF's own). Cost: O(n). */
+ * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (no path; neither residual nor regressor;
+ * no DoF modelled; a mask has a parameter >= n; a parameter's dof is not modelled; `reads` of a DoF
+ * has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 
 /** Returns the DoF whose equations read a velocity that is not measured: bit j for DoF j. The
@@ -116,8 +143,8 @@ auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing);
 
 #define auvid_vehicle_residual AUVID_SIZED1(auvid_vehicle_residual, AUVID_MAX_COMMANDS)
-/** Computes predicted minus applied wrench (Eq. 2, Eq. 11) with the regressor or the residual. For
- * inner loops: the arguments are not checked. Cost: one call of the model.
+/** Computes predicted minus applied wrench (Eq. 2, Eq. 11) with the residual, or else with the
+ * regressor. For inner loops: the arguments are not checked. Cost: one call of the model.
  * @param sample motion and applied wrench
  * @param pi [n] parameters
  * @param residual out, [6] N, Nm; 0 in DoF that are not modelled */
@@ -126,7 +153,8 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
 
 /** A disagreement within a model. Written by auvid_vehicle_selftest. */
 typedef struct {
-    /** "regressor": a row depends on sample->tau; "residual": it differs from the regressor;
+    /** "regressor": a row depends on sample->tau; "residual": on the regressor path, it differs
+     * from the regressor;
      * "columns": an equation has a parameter that is not in its columns; "wrench": the residual is
      * not predicted minus applied wrench; "reads": an equation depends on a velocity that `reads`
      * leaves out; "acceleration": with it the residual is not zero, or there is none; "not finite":

@@ -141,7 +141,7 @@ static uint64_t node_age_us(uint32_t age_ms)
 /* The message of each sample of auvid_input_t. */
 #define NODE_SAMPLE(name, ...) [AUVID_NAV_##name] = AUVID_CAN_NODE_##name,
 static const uint8_t node_samples[AUVID_INPUT_SAMPLES] = {
-    AUVID_SENSORS(NODE_SAMPLE)[AUVID_INPUT_ALTITUDE] = AUVID_CAN_NODE_DVL_ALTITUDE};
+    [AUVID_INPUT_ALTITUDE] = AUVID_CAN_NODE_DVL_ALTITUDE, AUVID_SENSORS(NODE_SAMPLE)};
 #define NODE_VALUES(name, input, event, kind, axis, axes, ...)                                     \
     _Static_assert(AUVID_CAN_##name##_VALUES == axes, "values of message " #name);
 AUVID_SENSORS(NODE_VALUES)

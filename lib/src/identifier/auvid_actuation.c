@@ -133,8 +133,8 @@ static void actuation_play_excitation(auvid_identifier_t *id, auvid_output_t *ou
         actuation_end_excitation(id);
         return;
     }
-    if (a->adapt != NULL) {
-        a->adapt(id, wrench);
+    if (a->shape != NULL) {
+        a->shape(id, wrench);
     }
     if (a->allocation == NULL) {
         memcpy(out->excitation, wrench, sizeof wrench);

@@ -43,6 +43,11 @@
 
 enum { MIN_SETS = 3, MIN_ROWS = 12 }; /* before abandoning; in a set completed early */
 
+static auvid_adaptive_t *adaptive_state(const auvid_identifier_t *id)
+{
+    return (auvid_adaptive_t *)id->actuation->shape_context;
+}
+
 /* ---- the next hold ---- */
 
 /* Sum the estimates of DoF j's parameters of a kind. */
@@ -88,7 +93,7 @@ static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real
 /* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
 static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
 {
-    auvid_real_t limit = id->actuation->adaptive.excursion_limit[j],
+    auvid_real_t limit = adaptive_state(id)->excursion_limit[j],
                  d = id->actuation->excitation.displacement[j];
     auvid_real_t beyond = auvid_abs(d) - limit;
     if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
@@ -105,7 +110,7 @@ static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_param
     bool found = false;
     for (int i = 0; i < vehicle->parameters; ++i) {
         const auvid_parameter_t *p = &vehicle->parameter[i];
-        found |= (id->actuation->adaptive.missing >> i & 1u) && (int)p->dof == j &&
+        found |= (adaptive_state(id)->missing >> i & 1u) && (int)p->dof == j &&
                  (kind == AUVID_PARAMETER_OTHER || p->kind == kind);
     }
     return found;
@@ -121,12 +126,12 @@ static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
 /* Return the time since the start of the run. */
 static uint32_t adaptive_time_us(const auvid_identifier_t *id)
 {
-    return (uint32_t)(id->t_us - id->actuation->adaptive.run_us);
+    return (uint32_t)(id->t_us - adaptive_state(id)->run_us);
 }
 
 static void adaptive_next_hold(auvid_identifier_t *id, int j)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     auvid_rng_t rng;
     memcpy(rng.s, a->rng, sizeof rng.s);
     auvid_real_t part =
@@ -150,7 +155,7 @@ static void adaptive_next_hold(auvid_identifier_t *id, int j)
 
 static auvid_real_t adaptive_factor(auvid_identifier_t *id, int j)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     if (adaptive_time_us(id) - a->from_us[j] >= a->hold_us[j]) {
         adaptive_next_hold(id, j);
     }
@@ -192,7 +197,7 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
  * DoF if missing. */
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     const auvid_estimate_t *e = &id->estimate;
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool known = (e->confidence.identifiable >> i & 1u) ||
@@ -251,15 +256,15 @@ static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *nee
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool turns = ((playing ^ id->actuation->adaptive.playing) >> j & 1u) != 0;
-        id->actuation->adaptive.hold_us[j] = turns ? 0 : id->actuation->adaptive.hold_us[j];
+        bool turns = ((playing ^ adaptive_state(id)->playing) >> j & 1u) != 0;
+        adaptive_state(id)->hold_us[j] = turns ? 0 : adaptive_state(id)->hold_us[j];
     }
-    id->actuation->adaptive.playing = (uint8_t)playing;
+    adaptive_state(id)->playing = (uint8_t)playing;
 }
 
 static void adaptive_evaluate(auvid_identifier_t *id)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     const auvid_metric_t *m = &id->metric;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -285,7 +290,7 @@ static void adaptive_evaluate(auvid_identifier_t *id)
 
 static void adaptive_begin_run(auvid_identifier_t *id)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     auvid_rng_t rng;
     auvid_rng_seed(&rng, id->actuation->excitation.cfg.seed);
     uint64_t run_us = id->actuation->excitation.start_us;
@@ -301,10 +306,10 @@ static void adaptive_begin_run(auvid_identifier_t *id)
     adaptive_evaluate(id);
 }
 
-/* Hook of the identifier. wrench: in the envelope, out the excitation. */
+/* Called by the acting half. wrench: in the envelope, out the excitation. */
 static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
 {
-    auvid_adaptive_t *a = &id->actuation->adaptive;
+    auvid_adaptive_t *a = adaptive_state(id);
     if (a->run_us != id->actuation->excitation.start_us) {
         adaptive_begin_run(id);
     } else if (a->estimate != id->estimate.number) {
@@ -392,9 +397,10 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
     (void)auvid_excitation_init(&id->actuation->excitation, to);
 }
 
-auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
+auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *storage,
+                                    const auvid_adaptive_config_t *cfg)
 {
-    if (id == NULL || cfg == NULL) {
+    if (id == NULL || storage == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
     if (identifier_is_ready(id) && id->actuation == NULL) {
@@ -410,15 +416,13 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, const auvid_adaptive
     }
     if (status == AUVID_OK) {
         adaptive_plan(id, cfg);
-        memset(&id->actuation->adaptive, 0, sizeof id->actuation->adaptive);
-        memcpy(id->actuation->adaptive.excursion_limit, cfg->excursion_limit,
-               sizeof id->actuation->adaptive.excursion_limit);
-        adaptive_shorten_limit(&id->actuation->guard.cfg,
-                               &id->actuation->adaptive.excursion_limit[AUVID_SURGE]);
-        adaptive_shorten_limit(&id->actuation->guard.cfg,
-                               &id->actuation->adaptive.excursion_limit[AUVID_SWAY]);
-        id->actuation->adaptive.run_us = UINT64_MAX;
-        id->actuation->adapt = adaptive_apply;
+        memset(storage, 0, sizeof *storage);
+        memcpy(storage->excursion_limit, cfg->excursion_limit, sizeof storage->excursion_limit);
+        adaptive_shorten_limit(&id->actuation->guard.cfg, &storage->excursion_limit[AUVID_SURGE]);
+        adaptive_shorten_limit(&id->actuation->guard.cfg, &storage->excursion_limit[AUVID_SWAY]);
+        storage->run_us = UINT64_MAX;
+        id->actuation->shape_context = storage;
+        id->actuation->shape = adaptive_apply;
     }
     return status;
 }

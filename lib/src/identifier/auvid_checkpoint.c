@@ -1,7 +1,7 @@
 /*
  * The checkpoint. Little-endian words, then the members listed in the tables of
  * auvid_checkpoint_layout.c, in their order: of the identifier, of what is attached to it, and for
- * a model without regressor of its rows:
+ * a model on the residual path its rows:
  *
  *     byte 0  "avc1"
  *          4  checksum of the tables and of the library's version
@@ -9,7 +9,8 @@
  *         12  parts that are present, PART_..
  *         16  rows
  *         20  number of bytes, all
- *         24  the identifier, the acting half, the simulated velocity, the rows
+ *         24  the identifier, the acting half, the adaptive excitation, the simulated
+ *             velocity, the rows
  *   last four CRC-32 of all bytes before
  *
  * The tables give the address of each byte of the stream from its position
@@ -54,12 +55,12 @@ static uint32_t checkpoint_layout_checksum(void)
 
 static bool checkpoint_adapts(const auvid_identifier_t *id)
 {
-    return id->actuation != NULL && id->actuation->adapt != NULL;
+    return id->actuation != NULL && id->actuation->shape != NULL;
 }
 
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
-    uint32_t parts = identifier_residual_path(id) ? PART_RESIDUAL : 0u;
+    uint32_t parts = auvid_metric_stores_rows(&id->metric) ? PART_RESIDUAL : 0u;
     parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
@@ -77,7 +78,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 static uint32_t checkpoint_rows(const auvid_identifier_t *id)
 {
     const auvid_metric_config_t *cfg = &id->metric.cfg;
-    return identifier_residual_path(id) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
+    return auvid_metric_stores_rows(&id->metric) ? (cfg->sets + 1u) * cfg->set_rows : 0u;
 }
 
 static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
@@ -86,7 +87,7 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         c = auvid_checksum_word(c, id->metric.columns[j]);
     }
-    return auvid_checksum_word(c, identifier_residual_path(id));
+    return auvid_checksum_word(c, auvid_metric_stores_rows(&id->metric));
 }
 
 /* Write the head of a checkpoint of *id that has these parts. */
@@ -112,6 +113,7 @@ static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, 
 static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
     return root == TABLE_ACTUATION    ? (void *)id->actuation
+           : root == TABLE_ADAPTIVE   ? id->actuation->shape_context
            : root == TABLE_VALIDATION ? (void *)id->prediction
                                       : (void *)id->metric.cfg.rows;
 }

@@ -327,7 +327,6 @@ static const row_t identifier[] = {
 static const row_t actuation[] = {
     STRUCT(auvid_actuation_t, excitation, TABLE_EXCITATION),
     STRUCT(auvid_actuation_t, guard, TABLE_GUARD),
-    STRUCT(auvid_actuation_t, adaptive, TABLE_ADAPTIVE),
     STRUCT(auvid_actuation_t, altitude, TABLE_SEEN),
     REALS(auvid_actuation_t, altitude_m, home),
     BYTE(auvid_actuation_t, starting, saturated),
@@ -376,5 +375,6 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
 const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS] = {
     {TABLE_IDENTIFIER, 0},
     {TABLE_ACTUATION, PART_ACTUATION},
+    {TABLE_ADAPTIVE, PART_ADAPTIVE},
     {TABLE_VALIDATION, PART_SIMULATED},
 };

@@ -7,18 +7,18 @@
 
 #include <string.h>
 
-#include "auvid/actuation.h"
+#include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
 
 /** Parts that are saved only sometimes: a row with some of these bits is present if one of them is
  * set. Otherwise its memory is unused. */
 enum {
-    PART_RESIDUAL = 1,    /**< a model without regressor */
+    PART_RESIDUAL = 1,    /**< a model on the residual path */
     PART_SIMULATED = 2,   /**< the estimate simulates the set being recorded */
     PART_GLOBAL = 4,      /**< a search is under way, global phase */
     PART_LOCAL = 8,       /**< the same, local phase */
     PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
-    PART_ADAPTIVE = 32,   /**< only a mark: the excitation is adaptive */
+    PART_ADAPTIVE = 32,   /**< the excitation is adaptive */
     PART_OPTIMUM = 64,    /**< the minimum cost is being found */
     PART_ACTUATION = 128, /**< an acting half is attached */
     PART_END              /**< the last part + 1 */
@@ -72,7 +72,7 @@ enum {
     TABLE_SEEN,
     TABLE_IDENTIFIER,
     TABLE_ACTUATION,
-    TABLE_ROW, /**< of the storage of a model without regressor */
+    TABLE_ROW, /**< of the storage of a model on the residual path */
     TABLE_COUNT
 };
 _Static_assert(TABLE_COUNT - 1 <= UINT8_MAX, "auvid_checkpoint_row_t.table");
@@ -108,7 +108,7 @@ typedef struct {
     uint8_t table;
     uint8_t part; /**< 0: always */
 } auvid_checkpoint_root_t;
-enum { CHECKPOINT_ROOTS = 3 };
+enum { CHECKPOINT_ROOTS = 4 };
 extern const auvid_checkpoint_root_t auvid_checkpoint_root[CHECKPOINT_ROOTS];
 
 /** Bytes of a root; 0: it is absent. */

@@ -195,7 +195,7 @@ static bool checkpoint_check_ring(const view_t *v)
 {
     uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), untested = WORD(untested);
     uint32_t waiting = WORD(metric.waiting), least = WORD(metric.least), phase = WORD(phase);
-    bool held = WORD(metric.held) != 0, stored = !auvid_metric_has_regressor(&v->id->metric);
+    bool held = WORD(metric.held) != 0, stored = auvid_metric_stores_rows(&v->id->metric);
     bool full = WORD(metric.full) != 0, changed = WORD(metric.ring_changed) != 0;
     bool tests = phase >= AUVID_WORK_PREPARE && phase <= AUVID_WORK_CHANGE_TEST;
     uint32_t later = waiting + (untested > 0 ? untested - 1u : 0u);
@@ -259,7 +259,7 @@ static bool checkpoint_check_pass(const view_t *v)
     uint32_t phase = WORD(phase), pass = WORD(metric.pass), sets = WORD(metric.cfg.sets);
     uint32_t at_set = WORD(metric.at_set), at_dof = WORD(metric.at_dof);
     uint32_t at_row = WORD(metric.at_row), to_set = WORD(metric.to_set);
-    bool linear = auvid_metric_has_regressor(m), merges = pass <= PASS_PRIOR;
+    bool linear = !auvid_metric_stores_rows(m), merges = pass <= PASS_PRIOR;
     bool walks = pass <= PASS_LAST || pass == PASS_MEASURE; /* by DoF */
     bool in_dof = at_dof < AUVID_DOF_COUNT || !walks || at_set >= to_set;
     bool right = true;
@@ -300,7 +300,7 @@ static bool checkpoint_check_metric(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
     uint32_t sets = WORD(metric.cfg.sets), rows = WORD(metric.cfg.set_rows);
-    bool stored = !auvid_metric_has_regressor(m);
+    bool stored = auvid_metric_stores_rows(m);
     auvid_prior_t prior;
     memset(&prior, 0, sizeof prior);
     prior.known = WORD(metric.prior.known);
@@ -369,7 +369,7 @@ static bool checkpoint_check_line_search(const view_t *v)
 static bool checkpoint_check_search(const view_t *v)
 {
     bool global = (v->sizes->parts & PART_GLOBAL) != 0;
-    uint32_t delay = identifier_residual_path(v->id) && WORD(metric.cfg.estimate_delay);
+    uint32_t delay = auvid_metric_stores_rows(&v->id->metric) && WORD(metric.cfg.estimate_delay);
     uint32_t n = global ? WORD(optimizer.crs.cfg.n) : WORD(optimizer.line_search.cfg.n);
     return n == checkpoint_count_bits(WORD(active)) + delay && n == WORD(optimizer.local.n) &&
            (global ? checkpoint_check_crs(v) : checkpoint_check_line_search(v));
@@ -449,7 +449,7 @@ static bool checkpoint_search_matches_phase(const view_t *v)
 {
     uint32_t phase = WORD(phase);
     uint32_t work = v->sizes->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
-    bool residual = identifier_residual_path(v->id), searching = WORD(searching) != 0;
+    bool residual = auvid_metric_stores_rows(&v->id->metric), searching = WORD(searching) != 0;
     bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
     bool linearises = phase == AUVID_WORK_LINEARISE;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
@@ -476,7 +476,7 @@ static bool checkpoint_check_identifier(const view_t *v)
 {
     uint32_t parts = v->sizes->parts;
     return parts < 2u * (PART_END - 1u) && WORD(spent) <= SEARCH_START_COST + 1u &&
-           ((parts & PART_RESIDUAL) != 0) == identifier_residual_path(v->id) &&
+           ((parts & PART_RESIDUAL) != 0) == auvid_metric_stores_rows(&v->id->metric) &&
            ((parts & PART_SIMULATED) == 0 || checkpoint_check_prediction(v)) &&
            (WORD(active) & ~auvid_metric_free_of(&v->id->metric, UINT8_MAX)) == 0 &&
            checkpoint_check_notes(v, MEMBER(estimate.confidence)) &&

@@ -44,7 +44,7 @@ static auvid_status_t identifier_collect_search(const auvid_identifier_config_t 
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
-    bool delay = vehicle->regressor == NULL && cfg->metric.estimate_delay;
+    bool delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay; /* searched */
     uint8_t n = 0;
     for (int i = 0; i < vehicle->parameters; ++i) {
         if (free >> i & 1u) {
@@ -86,9 +86,7 @@ static auvid_status_t identifier_check_search(const auvid_identifier_config_t *c
     auvid_status_t status = identifier_collect_search(cfg, &search, of, why);
     search.population = cfg->search.population;
     search.omega = cfg->search.omega;
-    if (status >= 0 && AUVID_REGRESSOR_ONLY && cfg->search.paper) {
-        status = auvid_refuse(why, AUVID_ERR_MODEL, "paper", AUVID_C(1.0), AUVID_C(0.0));
-    } else if (status >= 0) {
+    if (status >= 0) {
         status = auvid_crs_check_fields(&search, why);
         if (status < 0 && why->element >= 0) {
             why->element = of[why->element];

@@ -21,10 +21,10 @@ static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t
     return id->metric.cfg.vehicle;
 }
 
-/** Is the model without regressor? Then its delay is common to all DoF. */
-static inline bool identifier_residual_path(const auvid_identifier_t *id)
+/** Who is told of commands and sets; NULL: nobody. */
+static inline const auvid_listener_t *identifier_listener(const auvid_identifier_t *id)
 {
-    return !AUVID_REGRESSOR_ONLY && identifier_vehicle(id)->regressor == NULL;
+    return AUVID_MAX_COMMANDS > 0 ? id->listener : NULL;
 }
 
 /** Has init succeeded? The functions must not run on an uninitialised identifier. */
@@ -84,8 +84,7 @@ static inline void identifier_simulate(auvid_identifier_t *id)
     }
 }
 
-/** Delay of an estimate of a model without regressor; else 0 [s]. */
-auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
-                                           const auvid_estimate_t *estimate);
+/** Delay of an estimate on the residual path, where it is common to all excited DoF [s]. */
+auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * The identifier: convergence of the search. The cost of a model with regressor is convex, and the
+ * The identifier: convergence of the search. The cost of the regressor path is convex, and the
  * merged R factor gives its minimum within the bounds. A search that ends above the minimum has not
  * converged, whatever its own criterion says.
  */

@@ -133,7 +133,7 @@ static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t 
 static bool identifier_drops_rows(const auvid_identifier_t *id, uint64_t t_us)
 {
     const auvid_metric_t *m = &id->metric;
-    return identifier_residual_path(id) && m->held && (m->full || t_us > m->until_us);
+    return m->held && (m->full || t_us > m->until_us);
 }
 
 /* Record a wrench that is known from t_us on. */
@@ -145,7 +145,7 @@ static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
-        if (!AUVID_REGRESSOR_ONLY && id->listener != NULL && !identifier_drops_rows(id, t_us)) {
+        if (identifier_listener(id) != NULL && !identifier_drops_rows(id, t_us)) {
             id->listener->command(id->listener_context, t_us, command);
         }
     }

@@ -27,11 +27,10 @@
 #define LIMIT_TWO AUVID_C(11.0)
 enum { ENOUGH = 6 };
 
-auvid_real_t auvid_identifier_common_delay(const auvid_identifier_t *id,
-                                           const auvid_estimate_t *estimate)
+auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
 {
     auvid_real_t delay_s = AUVID_C(0.0);
-    for (int j = 0; j < AUVID_DOF_COUNT && identifier_residual_path(id); ++j) {
+    for (int j = 0; AUVID_MAX_COMMANDS > 0 && j < AUVID_DOF_COUNT; ++j) {
         delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all excited DoF */
     }
     return delay_s;
@@ -49,12 +48,12 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
     if (id->simulate != NULL) {
         id->simulate->finish(id);
     }
-    if (!AUVID_REGRESSOR_ONLY && id->listener != NULL) {
+    if (identifier_listener(id) != NULL) {
         id->listener->set(id->listener_context, m);
     }
     id->sets = m->sets_recorded;
     id->untested = id->estimate.number == 0 ? 0u : m->waiting;
-    bool limited = identifier_residual_path(id) && id->listener != NULL;
+    bool limited = identifier_listener(id) != NULL;
     auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
                                  : UINT64_MAX);
     m->from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
@@ -63,7 +62,7 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
 
 void auvid_identifier_rest(auvid_identifier_t *id)
 {
-    bool has_log = !AUVID_REGRESSOR_ONLY && id->listener != NULL && id->listener->lead_us != NULL;
+    bool has_log = identifier_listener(id) != NULL && id->listener->lead_us != NULL;
     uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
     id->searching = false;
     id->phase = AUVID_WORK_IDLE;
@@ -98,7 +97,7 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
     if (id->straddles_change) {
         (void)auvid_metric_drop(m, 1);
     }
-    auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(id, e), 1);
+    auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(e), 1);
     id->phase = AUVID_WORK_PREPARE;
 }
 
@@ -112,7 +111,7 @@ static void identifier_next_set(auvid_identifier_t *id)
 static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_estimate_t *e,
                                         uint8_t phase)
 {
-    auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(id, e));
+    auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(e));
     id->phase = phase;
 }
 

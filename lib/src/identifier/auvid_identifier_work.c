@@ -8,7 +8,7 @@
  * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
  * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
  * then the phases that read the ring restart with the remaining sets. The validation is in
- * auvid_identifier_validate.c, LINEARISE for a model with regressor in auvid_identifier_optimum.c.
+ * auvid_identifier_validate.c, LINEARISE for the regressor path in auvid_identifier_optimum.c.
  */
 #include <string.h>
 
@@ -20,7 +20,7 @@
 /* Is the delay one of the parameters of the search? Then it is the last one. */
 static bool identifier_searches_delay(const auvid_identifier_t *id)
 {
-    return identifier_residual_path(id) && id->metric.cfg.estimate_delay;
+    return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
 }
 
 /* Add a point to the optimizer: the active parameters of pi, clipped to the box. It overwrites the
@@ -89,7 +89,7 @@ static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
     }
     if (id->estimate.number > 0 && !id->cold_start) {
         identifier_add_point(id, &search, id->estimate.pi,
-                             auvid_identifier_common_delay(id, &id->estimate));
+                             auvid_identifier_common_delay(&id->estimate));
     }
     id->cold_start = false;
     return AUVID_OK;
@@ -156,7 +156,7 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     memcpy(e->pi, id->candidate, sizeof e->pi);
     e->cost = id->cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool common = identifier_residual_path(id) && (e->excited >> j & 1);
+        bool common = auvid_metric_stores_rows(&id->metric) && (e->excited >> j & 1);
         e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
     }
     e->first_order_lag = id->metric.first_order_lag;
@@ -181,7 +181,7 @@ static auvid_status_t identifier_assess(auvid_identifier_t *id, uint32_t *budget
     auvid_status_t status = AUVID_OK;
     if (id->phase == AUVID_WORK_MEASURE) {
         status = auvid_metric_measure(m, budget);
-        if (status == AUVID_OK && identifier_residual_path(id)) {
+        if (status == AUVID_OK && auvid_metric_stores_rows(&id->metric)) {
             auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
         } else if (status == AUVID_OK) {
             id->searching = false;
@@ -189,14 +189,14 @@ static auvid_status_t identifier_assess(auvid_identifier_t *id, uint32_t *budget
         }
         id->phase = status == AUVID_OK ? AUVID_WORK_LINEARISE : id->phase;
     } else if (id->phase == AUVID_WORK_LINEARISE) {
-        status = identifier_residual_path(id) ? auvid_metric_linearise(m, budget)
-                                              : auvid_identifier_optimum(id, budget);
+        status = auvid_metric_stores_rows(&id->metric) ? auvid_metric_linearise(m, budget)
+                                                       : auvid_identifier_optimum(id, budget);
         if (status == AUVID_OK) {
             id->searching = false;
             auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg,
                                    &id->uncertainty);
             auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
-                                    id->not_converged && !identifier_residual_path(id));
+                                    id->not_converged && !auvid_metric_stores_rows(&id->metric));
             id->phase = AUVID_WORK_CONFIDENCE;
         }
     } else {

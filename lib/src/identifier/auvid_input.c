@@ -13,8 +13,8 @@
 #define INPUT_PLACE(name, input, event, kind, axis, axes, config, noise_mm, surface, start)        \
     [AUVID_NAV_##name] = {AUVID_EVENT_##event##_DROPPED, offsetof(auvid_input_t, input), axes},
 const auvid_input_place_t auvid_input_places[AUVID_INPUT_SAMPLES] = {
-    AUVID_SENSORS(INPUT_PLACE)[AUVID_INPUT_ALTITUDE] = {AUVID_EVENT_ALTITUDE_DROPPED,
-                                                        offsetof(auvid_input_t, altitude), 1}};
+    [AUVID_INPUT_ALTITUDE] = {AUVID_EVENT_ALTITUDE_DROPPED, offsetof(auvid_input_t, altitude), 1},
+    AUVID_SENSORS(INPUT_PLACE)};
 
 #define INPUT_FITS(name, input, event, kind, axis, axes, config, noise_mm, surface, start)         \
     _Static_assert(sizeof((auvid_input_t){0}.input) >= INPUT_BYTES(axes), #name);

@@ -155,6 +155,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->name = cfg->hull->name;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;
+    vehicle->path = &auvid_path_residual;
     vehicle->residual = thrusters_residual;
     vehicle->own_thrust = true;
     vehicle->context = th;

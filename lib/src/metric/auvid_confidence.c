@@ -73,14 +73,14 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
     int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
     auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
-    bool linear = auvid_metric_has_regressor(m);
+    bool stored = auvid_metric_stores_rows(m);
     uint32_t lost = 0, all = 0;
     c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the merged sets; some may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
         uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
         if (rows > 0) {
-            c->rows[j] -= linear ? AUVID_C(0.0) : (auvid_real_t)(rows - set->windows[j]);
+            c->rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
             lost += (uint32_t)set->lost + set->rows - rows;
             all += (uint32_t)set->lost + set->rows;
         }
@@ -114,7 +114,7 @@ static bool confidence_delay_is_uncertain(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     return confidence_is_excited(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
-           (auvid_metric_has_regressor(m) || m->cfg.estimate_delay);
+           (!auvid_metric_stores_rows(m) || m->cfg.estimate_delay);
 }
 
 /* Returns true if DoF j's delay was estimated. */
@@ -387,8 +387,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
     if (uncertainty != NULL) {
         c->result.uncertainty = *uncertainty;
     }
-    bool linear = auvid_metric_has_regressor(metric);
-    uint32_t searched = linear ? auvid_metric_searched(metric) : auvid_metric_active(metric);
+    uint32_t searched = auvid_metric_searched(metric); /* in the residual path the active ones */
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         c->pi[i] = pi[i];
         c->widening[i] = AUVID_C(1.0);

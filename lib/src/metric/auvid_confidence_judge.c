@@ -72,7 +72,7 @@ static void confidence_invert(const job_t *c, auvid_real_t *x)
 
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
 {
-    bool linear = vehicle->regressor != NULL; /* else it is unknown how others scale */
+    bool linear = !auvid_path_stores_rows(vehicle->path); /* else: how others scale is unknown */
     bool scales =
         linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
     return scales ? AUVID_C(1.0) : AUVID_C(0.0);

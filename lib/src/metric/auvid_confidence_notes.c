@@ -54,7 +54,7 @@ static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, a
     for (int unit = 0; unit <= 1; ++unit) {
         memset(y, 0, sizeof *y);
         sample.nu_dot[j] = (auvid_real_t)unit;
-        vehicle->regressor(vehicle->context, &sample, y);
+        vehicle->regressor(vehicle->context, &sample, NULL, y);
         for (int i = 0; i < vehicle->parameters; ++i) {
             a[i] = y->row[j][i] - a[i];
         }
@@ -67,8 +67,8 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
-    if (!auvid_metric_has_regressor(m)) {
-        return;
+    if (auvid_metric_stores_rows(m)) {
+        return; /* the high band of other rows is not their noise */
     }
     confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {

@@ -25,7 +25,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
         excited = (uint8_t)(excited | (unsigned)is_excited << j);
     }
     bool kept = auvid_metric_free_of(m, excited) != 0;
-    if (kept && m->held && !auvid_metric_has_regressor(m)) {
+    if (kept && m->held && auvid_metric_stores_rows(m)) {
         m->full = true;
         return AUVID_PENDING;
     }
@@ -48,7 +48,7 @@ void auvid_metric_hold(auvid_metric_t *metric, uint64_t until_us)
     if (metric != NULL) {
         metric->held = true;
         metric->waiting = 0;
-        metric->until_us = until_us;
+        metric->until_us = auvid_metric_stores_rows(metric) ? until_us : UINT64_MAX;
     }
 }
 

@@ -16,12 +16,8 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 
 void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
-    if (!auvid_metric_has_regressor(m)) {
-        auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
-        for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-            m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
-        }
-        m->spent = 0;
+    if (auvid_metric_stores_rows(m)) {
+        auvid_metric_path(m)->begin(m, pi, delay_s);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const uint8_t *index = m->index + m->channel_at[j];
@@ -45,122 +41,12 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auv
     }
 }
 
-/* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
-static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
-{
-    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
-        int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
-        if (!(m->excited >> j & 1)) {
-            continue;
-        }
-        const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, m->at_row);
-        int i = m->at_row, left = count - i;
-        int to = *budget < (uint32_t)left ? i + (int)*budget : count;
-        auvid_real_t squares = m->squares;
-        *budget -= (uint32_t)(to - i);
-        for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
-            auvid_real_t e = -z[i];
-            for (const auvid_real_t *xk = x + i; xk != x + count; ++xk, ++r) {
-                e += *r * *xk;
-            }
-            squares += e * e;
-        }
-        m->squares = squares;
-        m->at_row = (uint16_t)i;
-        if (i < count) {
-            return AUVID_PENDING;
-        }
-        m->sum += m->weight[j] * m->squares;
-        m->squares = AUVID_C(0.0);
-    }
-    m->cost = m->sum;
-    return AUVID_OK;
-}
-
-auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
-{
-    const auvid_real_t *l = m->delay_weight;
-    auvid_sample_t s = row->sample;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
-    }
-    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
-        int k = AUVID_DOF_COUNT + i;
-        s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
-    }
-    return s;
-}
-
-/* Put the residuals of one stored row into the window. @return true if the window is full of
- * successive rows */
-static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
-{
-    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
-        m->window_rows = 0;
-        memset(m->window_of, 0, sizeof m->window_of);
-    }
-    m->window_us = sample.t_us;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
-        m->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
-    }
-    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
-                           m->window[m->window_rows % m->window_length]);
-    ++m->window_rows;
-    return m->window_rows >= m->window_length;
-}
-
-static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
-{
-    auvid_real_t e = AUVID_C(0.0);
-    for (uint32_t k = 0; k < m->window_length; ++k) {
-        e += m->window_weight[k] * m->window[(m->window_rows + k) % m->window_length][j];
-    }
-    return e;
-}
-
-/* J = sum over stored rows, oldest set first. The sum is compensated because it contains the
- * constant part. */
-static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
-{
-    int sets = auvid_metric_sets(m);
-    for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
-        int age = sets - 1 - m->at_set;
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        for (; set->excited != 0 && m->at_row < set->rows; ++m->at_row) {
-            if (!auvid_metric_spend_model(m, budget)) {
-                return AUVID_PENDING;
-            }
-            auvid_real_t squares = AUVID_C(0.0);
-            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
-                continue;
-            }
-            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
-                    auvid_real_t e = metric_smoothed_residual(m, j);
-                    squares += m->weight[j] * e * e;
-                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
-                }
-            }
-            auvid_real_t term = squares - m->compensation, total = m->sum + term;
-            m->compensation = (total - m->sum) - term;
-            m->sum = total;
-        }
-    }
-    m->cost = m->sum;
-    return AUVID_OK;
-}
-
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget)
 {
     if (metric == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
-    return auvid_metric_has_regressor(metric) ? metric_factor_cost(metric, budget)
-                                              : metric_sample_cost(metric, budget);
+    return auvid_metric_path(metric)->evaluate(metric, budget);
 }
 
 void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
@@ -187,7 +73,7 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
         auvid_metric_measure_begin(metric, pi, delay_s);
         metric->to_set = 1; /* regressor path by age, residual path from the oldest set on */
         int oldest = auvid_metric_sets(metric) - 1;
-        metric->at_set = auvid_metric_has_regressor(metric) ? 0 : (uint8_t)oldest;
+        metric->at_set = auvid_metric_stores_rows(metric) ? (uint8_t)oldest : 0;
     }
 }
 
@@ -197,9 +83,7 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
-    bool done = auvid_metric_has_regressor(m) ? auvid_metric_for_each_row(m, budget)
-                                              : metric_sample_cost(m, budget) == AUVID_OK;
-    if (!done) {
+    if (auvid_metric_path(m)->evaluate(m, budget) != AUVID_OK) {
         return AUVID_PENDING;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -208,6 +92,29 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
             m->band_weight[0][j] * m->band_sse[0][j] + m->band_weight[1][j] * m->band_sse[1][j];
     }
     return AUVID_OK;
+}
+
+void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
+                                  auvid_real_t delay_s, uint8_t sets)
+{
+    auvid_metric_t *m = metric;
+    if (m == NULL || pi == NULL || !auvid_metric_stores_rows(m)) {
+        return;
+    }
+    auvid_metric_restart_pass(m, PASS_LINEAR);
+    auvid_metric_take_candidate(m, pi, delay_s);
+    m->linear_delay_s = delay_s;
+    m->to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
+    m->at_part = 0;
+}
+
+auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
+{
+    if (metric == NULL || budget == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return auvid_metric_stores_rows(metric) ? auvid_metric_path(metric)->linearise(metric, budget)
+                                            : AUVID_OK;
 }
 
 uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
@@ -250,7 +157,7 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     if (m == NULL || scale == NULL) {
         return;
     }
-    for (int j = 0; j < AUVID_DOF_COUNT && auvid_metric_has_regressor(m); ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && !auvid_metric_stores_rows(m); ++j) {
         int n = auvid_metric_order(m, j);
         for (int k = 0; k < m->count[j] && n > 0 && (m->excited >> j & 1); ++k) {
             for (int i = 0; i <= k; ++i) {
@@ -306,7 +213,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         return AUVID_ERR_NULL;
     }
     const auvid_metric_t *m = metric;
-    if (!auvid_metric_has_regressor(m)) {
+    if (auvid_metric_stores_rows(m)) {
         return AUVID_ERR_MODEL;
     }
     /* one R factor for all DoF: active parameters in order, then the wrench */

@@ -6,30 +6,139 @@
 #define AUVID_METRIC_INTERNAL_H
 
 #include "auvid/metric.h"
+#include "../base/auvid_math_internal.h"
 
-/* Channels of a row in the residual path. */
+/** Number of cells whose inputs are stored; inputs are the wrench and the commands. */
 enum {
-    MOTION_NU = 3,
-    MOTION_NU_DOT = MOTION_NU + AUVID_DOF_COUNT,
-    MOTION_TAU = MOTION_NU_DOT + AUVID_DOF_COUNT,
-    MOTION_COMMAND = MOTION_TAU + AUVID_DOF_COUNT,
-    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS /* wrench and commands at the other delays */
+    METRIC_PAST = AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1,
+    METRIC_INPUTS = AUVID_DOF_COUNT + AUVID_MAX_COMMANDS
+};
+
+/**
+ * A path: what becomes of the cells of a model, and how a candidate is evaluated. The model names
+ * one (vehicle.h); no other code of the library does, so the linker drops the other path.
+ *
+ *     cells --add_cell--> rows under construction --finish_row--> the set being recorded
+ *     ring  --merge-----> R factors | begin, evaluate: cost or residuals | linearise: R factors
+ *
+ * Each function continues where it stopped when its budget was used up.
+ */
+struct auvid_path {
+    /** Checks the model's functions, the storage and the filter. Statuses of auvid_metric_init. */
+    auvid_status_t (*check)(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
+    /** Makes the filter, once the configuration is in m->cfg and the rest is zero. */
+    void (*make_filter)(auvid_metric_t *m);
+    /** Adds cell n of the record to all rows under construction. The newest of these, begun
+     * n % row_cells cells ago, is at `slot`. Extra columns of uncertain inputs would follow those
+     * of the wrench here: nothing else knows what a channel is. */
+    void (*add_cell)(auvid_metric_t *m, const auvid_sample_t *cell, uint32_t n, uint32_t slot);
+    /** Takes the complete row at `slot`, whose middle is at t_us. */
+    void (*finish_row)(auvid_metric_t *m, uint64_t t_us, uint32_t slot);
+    /** Begins the evaluation of a candidate. NULL if `linearise` is. */
+    void (*begin)(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s);
+    /** Continues it, for the cost (PASS_COST) or the residuals (PASS_MEASURE).
+     * @return AUVID_OK; AUVID_PENDING */
+    auvid_status_t (*evaluate)(auvid_metric_t *m, uint32_t *budget);
+    /** Merges the sets before a search. @return true if they are merged */
+    bool (*merge)(auvid_metric_t *m, uint32_t *budget);
+    /** Forms R factors at a result, from rows d residual / d pi. NULL: they are exact as they are.
+     * @return AUVID_OK; AUVID_PENDING */
+    auvid_status_t (*linearise)(auvid_metric_t *m, uint32_t *budget);
 };
 
 /** Larger entries of a row are treated as a fault. The squares of 60000 rows up to this limit are
  * finite in single precision. */
 #define METRIC_LARGEST_ENTRY AUVID_C(1e15)
 
-/** Returns true for the regressor path, false for the residual path. */
-static inline bool auvid_metric_is_linear(const auvid_metric_config_t *cfg)
+static inline const auvid_path_t *auvid_metric_path(const auvid_metric_t *m)
 {
-    return AUVID_REGRESSOR_ONLY || cfg->vehicle->regressor != NULL;
+    return m->cfg.vehicle->path;
 }
 
-static inline bool auvid_metric_has_regressor(const auvid_metric_t *m)
+/** Does the path store rows, to be evaluated with one delay for all DoF? Else it has R factors. */
+static inline bool auvid_path_stores_rows(const auvid_path_t *path)
 {
-    return auvid_metric_is_linear(&m->cfg);
+    return AUVID_MAX_COMMANDS > 0 && path->linearise != NULL;
 }
+
+static inline bool auvid_metric_stores_rows(const auvid_metric_t *m)
+{
+    return auvid_path_stores_rows(auvid_metric_path(m));
+}
+
+/** Check that so many taps, made by `field`, and the rows that they overlap, fit. */
+auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
+                                       const char *field, auvid_refusal_t *why);
+
+static inline void auvid_metric_set_taps(auvid_metric_t *m, uint32_t taps)
+{
+    m->taps = (uint8_t)taps;
+    m->overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
+}
+
+/** Returns wrench and commands at delay number `delay`, in steps of AUVID_METRIC_DELAY_CELLS. */
+static inline const auvid_real_t *auvid_metric_delayed_inputs(const auvid_metric_t *m, int delay)
+{
+    uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->cells % METRIC_PAST;
+    return m->past_tau[now >= ago ? now - ago : now + METRIC_PAST - ago];
+}
+
+/** y += a x; four entries at a time, which halves the cost. */
+AUVID_INLINE void auvid_metric_add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t *x,
+                                          int n)
+{
+    for (; n >= 4; n -= 4, x += 4, y += 4) {
+        y[0] += a * x[0];
+        y[1] += a * x[1];
+        y[2] += a * x[2];
+        y[3] += a * x[3];
+    }
+    for (; n > 0; --n) {
+        *y++ += a * *x++;
+    }
+}
+
+/** Record the velocities that were not measured in a cell with a weight in the row. */
+static inline void auvid_metric_record_missing(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                                               uint8_t missing)
+{
+    for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
+        bool counts = auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
+        m->missing[slot][moment] |= counts ? missing : 0u;
+    }
+}
+
+/** Returns the DoF (bit j) that have no row, because the model reads a missing velocity. */
+static inline uint8_t auvid_metric_dofs_without_row(const auvid_metric_t *m, uint32_t slot)
+{
+    unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][0]);
+    unsigned moments = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][1]);
+    return (uint8_t)((forces & 7u) | (moments & ~7u));
+}
+
+/** Update the mean of the wrench and the sum of squares about it by one value (Welford). */
+static inline void auvid_metric_update_wrench_moments(auvid_metric_t *m, int j, auvid_real_t tau)
+{
+    auvid_real_t off = tau - m->tau_mean[j];
+    m->tau_mean[j] += off / (auvid_real_t)++m->rows_of[j];
+    m->tau_m2[j] += off * (tau - m->tau_mean[j]);
+}
+
+static inline void auvid_metric_count_lost_rows(auvid_metric_t *m, uint32_t rows)
+{
+    uint32_t lost = m->lost + rows;
+    m->lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
+}
+
+/** Count a row: taken if some DoF has taken it, else lost. */
+static inline void auvid_metric_count_row(auvid_metric_t *m, bool taken)
+{
+    m->rows = (uint16_t)(m->rows + taken);
+    auvid_metric_count_lost_rows(m, !taken);
+}
+
+/** The linearise of the residual path. */
+auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget);
 
 /** Number of sets of the ring that count. Ages below start with 0 for the newest of them. */
 static inline int auvid_metric_sets(const auvid_metric_t *m)

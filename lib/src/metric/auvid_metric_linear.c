@@ -7,7 +7,7 @@
  *
  * are those of a linear model with these derivatives. For s = d / node the weights l of the wrench
  * at the three delays have sum l_k = 1 and sum k l_k = s, so row [pi, -l(s)] = e. Its
- * derivative by d is e_d. The code that reads the R factors of a model with regressor (change test,
+ * derivative by d is e_d. The code that reads the R factors of the regressor path (change test,
  * confidence) also reads these.
  *
  * It is enough to take smoothed residuals one standard deviation of the smoothing apart: closer
@@ -20,23 +20,25 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_internal.h"
 
+#if AUVID_MAX_COMMANDS > 0
+
 #define PARAMETER_STEP AUVID_C(0.01) /* relative */
 #define MIN_STEP AUVID_C(1e-4)       /* rounding dominates smaller ones */
 #define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
 #define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
 
-void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,
-                                  auvid_real_t delay_s, uint8_t sets)
+auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
 {
-    auvid_metric_t *m = metric;
-    if (m == NULL || pi == NULL || auvid_metric_has_regressor(m)) {
-        return;
+    const auvid_real_t *l = m->delay_weight;
+    auvid_sample_t s = row->sample;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
     }
-    auvid_metric_restart_pass(m, PASS_LINEAR);
-    auvid_metric_take_candidate(m, pi, delay_s);
-    m->linear_delay_s = delay_s;
-    m->to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
-    m->at_part = 0;
+    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
+        int k = AUVID_DOF_COUNT + i;
+        s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
+    }
+    return s;
 }
 
 /* Returns the row `back` rows before row r of the set of that age; NULL if it is not stored. */
@@ -113,6 +115,20 @@ static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auv
     }
 }
 
+/* Add the model's own derivatives by its parameters to z. */
+static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t tap)
+{
+    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    memset(&m->regressor, 0, sizeof m->regressor);
+    vehicle->regressor(vehicle->context, &sample, m->pi, &m->regressor);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int k = 0, at = m->channel_at[j]; k < m->count[j]; ++k) {
+            m->z[at + k] += tap * m->regressor.row[j][m->index[at + k]];
+        }
+    }
+}
+
 /* Returns the DoF (bit j) that have no row: a velocity is missing in the window that ends with row
  * r. */
 static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int r)
@@ -164,10 +180,14 @@ static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *
     }
 }
 
-/* Returns true if evaluation v is needed: its value is free or the delay. */
+/* Returns true if evaluation v is needed: its value is free or the delay. With derivatives of the
+ * model, evaluation 1 is that of all parameters. */
 static bool metric_is_perturbed(const auvid_metric_t *m, int v)
 {
     int i = (v - 1) / 2;
+    if (m->cfg.vehicle->regressor != NULL && i < m->cfg.vehicle->parameters) {
+        return v <= 1;
+    }
     return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
            (m->cfg.free >> i & 1u) != 0;
 }
@@ -191,23 +211,20 @@ static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *
             if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            metric_add_evaluation(m, metric_row_before(m, m->at_set, m->at_row, k),
-                                  m->window_weight[k], v);
+            const auvid_row_t *row = metric_row_before(m, m->at_set, m->at_row, k);
+            if (v == 1 && m->cfg.vehicle->regressor != NULL) {
+                metric_add_derivatives(m, row, m->window_weight[k]);
+            } else {
+                metric_add_evaluation(m, row, m->window_weight[k], v);
+            }
         }
         metric_finish_window(m, set, metric_dofs_without_window(m, m->at_set, m->at_row));
     }
     return true;
 }
 
-auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
+auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
 {
-    if (metric == NULL || budget == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_metric_t *m = metric;
-    if (auvid_metric_has_regressor(m)) {
-        return AUVID_OK;
-    }
     for (; m->pass == PASS_LINEAR && m->at_set < m->to_set; ++m->at_set, m->at_row = 0) {
         auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
         if (m->at_row == 0 && m->at_part == 0) {
@@ -231,3 +248,5 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
     m->constant = AUVID_C(0.0); /* the cost of this path contains it */
     return AUVID_OK;
 }
+
+#endif

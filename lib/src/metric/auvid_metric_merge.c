@@ -138,7 +138,7 @@ void auvid_metric_solve_dof(auvid_metric_t *m, int j)
     bool excited = (m->excited >> j & 1) != 0;
     bool lag = (m->cfg.first_order_lag >> j & 1) != 0;
     auvid_metric_clear_dependent(m, j);
-    if (!auvid_metric_has_regressor(m)) {
+    if (auvid_metric_stores_rows(m)) { /* linearised at one delay */
         s = excited ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
         lag = false;
     } else if (m->cfg.estimate_delay) {
@@ -324,6 +324,5 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
     if (m->excited == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    bool done = !auvid_metric_has_regressor(m) || auvid_metric_merge_sets(m, budget);
-    return done ? AUVID_OK : AUVID_PENDING;
+    return auvid_metric_path(m)->merge(m, budget) ? AUVID_OK : AUVID_PENDING;
 }

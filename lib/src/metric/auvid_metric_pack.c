@@ -117,7 +117,7 @@ void auvid_metric_store_set(auvid_metric_t *m, uint8_t excited)
     memcpy(set->fastest, m->fastest, sizeof set->fastest);
     set->excited = excited;
     memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
-    if (auvid_metric_has_regressor(m)) {
+    if (!auvid_metric_stores_rows(m)) {
         auvid_metric_pack(m, set);
     }
 }

@@ -126,7 +126,7 @@ auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_
     if (status < 0) {
         return status;
     }
-    if (!auvid_metric_has_regressor(metric)) {
+    if (auvid_metric_stores_rows(metric)) {
         return AUVID_ERR_MODEL;
     }
     metric->prior = *prior;

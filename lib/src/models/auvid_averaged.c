@@ -14,7 +14,7 @@
 #include "../base/auvid_math_internal.h"
 
 static void averaged_regressor(const void *context, const auvid_sample_t *sample,
-                               auvid_regressor_t *y)
+                               const auvid_real_t *pi, auvid_regressor_t *y)
 {
     const auvid_averaged_t *a = context;
     const auvid_vehicle_t *vehicle = a->other;
@@ -24,11 +24,11 @@ static void averaged_regressor(const void *context, const auvid_sample_t *sample
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         moved.nu[j] = sample->nu[j] - a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
     }
-    vehicle->regressor(vehicle->context, &moved, y);
+    vehicle->regressor(vehicle->context, &moved, pi, y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         moved.nu[j] = sample->nu[j] + a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
     }
-    vehicle->regressor(vehicle->context, &moved, &later);
+    vehicle->regressor(vehicle->context, &moved, pi, &later);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < a->vehicle.parameters; ++i) {
             y->row[j][i] = AUVID_C(0.5) * (y->row[j][i] + later.row[j][i]);

@@ -97,6 +97,7 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->parameters = (uint8_t)(n + components);
     vehicle->parameter = current->parameter;
     vehicle->free |= hull->free != 0 ? bits : 0u;
+    vehicle->path = &auvid_path_residual;
     vehicle->residual = current_residual;
     vehicle->regressor = NULL;
     vehicle->acceleration = hull->acceleration != NULL ? current_acceleration : NULL;

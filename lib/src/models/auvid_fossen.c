@@ -128,9 +128,11 @@ static void fossen_couplings(const auvid_sample_t *s, auvid_regressor_t *y)
 }
 #endif
 
-static void fossen_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void fossen_regressor(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                             auvid_regressor_t *y)
 {
     (void)context;
+    (void)pi;
     const auvid_real_t *nu = s->nu;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         y->row[j][ON_DIAGONAL(j)] = s->nu_dot[j];
@@ -206,7 +208,7 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
     auvid_regressor_t y;
     memset(steady.nu_dot, 0, sizeof steady.nu_dot);
     memset(&y, 0, sizeof y);
-    fossen_regressor(context, &steady, &y);
+    fossen_regressor(context, &steady, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         nu_dot[j] = sample->tau[j];
         for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
@@ -241,8 +243,8 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
 #define WITHOUT(dof) ((AUVID_MAX_PARAMETERS >= 26 ? MOVES : MOVES & ~(1u << (dof))) | ROTATES)
 #define FOSSEN_MODEL(title)                                                                        \
     {                                                                                              \
-        .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_FOSSEN_COUNT,                 \
-        .parameter = fossen_parameter,                                                             \
+        .built_for = AUVID_BUILD, .path = &auvid_path_regressor, .name = title,                    \
+        .parameters = AUVID_FOSSEN_COUNT, .parameter = fossen_parameter,                           \
         .columns = {[AUVID_SURGE] = FORCES | BIT(X_U) | BIT(X_UU) | COUPLED | CONSTANT(X_0),       \
                     [AUVID_SWAY] = FORCES | BIT(Y_V) | BIT(Y_VV) | COUPLED | CONSTANT(Y_0),        \
                     [AUVID_HEAVE] = FORCES | BIT(Z_W) | BIT(Z_WW) | COUPLED | CONSTANT(Z_0),       \
@@ -253,13 +255,14 @@ static bool fossen_acceleration(const void *context, const auvid_sample_t *sampl
                     [AUVID_YAW] = BIT(M_U) | BIT(M_V) | INERTIAS | BIT(X_G) | BIT(Y_G) |           \
                                   BIT(N_R) | BIT(N_RR) | COUPLED | CONSTANT(N_0)},                 \
         .free = AUVID_FOSSEN_FREE, .regressor = fossen_regressor,                                  \
-        .acceleration = fossen_acceleration,                                                       \
-        .reads = {[AUVID_SURGE] = MOVES | ROTATES,                                                 \
-                  [AUVID_SWAY] = MOVES | ROTATES,                                                  \
-                  [AUVID_HEAVE] = MOVES | ROTATES,                                                 \
-                  [AUVID_ROLL] = WITHOUT(AUVID_SURGE),                                             \
-                  [AUVID_PITCH] = WITHOUT(AUVID_SWAY),                                             \
-                  [AUVID_YAW] = WITHOUT(AUVID_HEAVE)}                                              \
+        .acceleration = fossen_acceleration, .reads = {                                            \
+            [AUVID_SURGE] = MOVES | ROTATES,                                                       \
+            [AUVID_SWAY] = MOVES | ROTATES,                                                        \
+            [AUVID_HEAVE] = MOVES | ROTATES,                                                       \
+            [AUVID_ROLL] = WITHOUT(AUVID_SURGE),                                                   \
+            [AUVID_PITCH] = WITHOUT(AUVID_SWAY),                                                   \
+            [AUVID_YAW] = WITHOUT(AUVID_HEAVE)                                                     \
+        }                                                                                          \
     }
 
 const auvid_vehicle_t auvid_fossen = FOSSEN_MODEL("Fossen, 6 DoF");

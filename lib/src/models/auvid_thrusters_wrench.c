@@ -147,13 +147,14 @@ static auvid_real_t thrusters_lead_in(const auvid_thrusters_t *th, const group_t
 /* Each thruster's mean force over the window, with the weights of forces (sum[0]) and of moments
  * (sum[1]). */
 static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *groups,
-                                  const row_slots_t *slots, auvid_real_t sum[2][AUVID_MAX_COMMANDS])
+                                  const row_slots_t *slots,
+                                  auvid_real_t sum[2][AUVID_COMMAND_SLOTS])
 {
     const auvid_real_t per_us = AUVID_C(1.0) / (auvid_real_t)th->cfg.period_us;
     const auvid_real_t row = (auvid_real_t)th->grid.row_us * per_us, per_row = AUVID_C(1.0) / row;
     const auvid_real_t spread =
         auvid_max((auvid_real_t)th->grid.spread_us * per_us, AUVID_C(1e-3)); /* not 0 */
-    auvid_real_t x[AUVID_MAX_COMMANDS] = {AUVID_C(0.0)}, t = slots->from;
+    auvid_real_t x[AUVID_COMMAND_SLOTS] = {AUVID_C(0.0)}, t = slots->from;
     auvid_real_t before[2] = {AUVID_C(0.0), auvid_clamp(t, AUVID_C(0.0), row)};
     int n = th->cfg.thrusters;
     const int16_t *slot = th->cfg.log + slots->first * (uint32_t)n;
@@ -192,7 +193,7 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     }
     const auvid_thrusters_t *th = thrusters;
     group_t groups[AUVID_THRUSTERS_GROUPS];
-    auvid_real_t sum[2][AUVID_MAX_COMMANDS] = {{AUVID_C(0.0)}};
+    auvid_real_t sum[2][AUVID_COMMAND_SLOTS] = {{AUVID_C(0.0)}};
     row_slots_t slots;
     memset(wrench, 0, AUVID_DOF_COUNT * sizeof *wrench);
     if (th->grid.row_us == 0 || !thrusters_find_row(th, t_us, &slots)) {

@@ -46,7 +46,7 @@ static const char *vehicle_inconsistent(const auvid_vehicle_t *vehicle, int *ele
 auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why)
 {
     auvid_status_t status = AUVID_ERR_MODEL;
-    const char *field = "residual";
+    const char *field = vehicle != NULL && vehicle->path == NULL ? "path" : "residual";
     int element = -1;
     if (vehicle == NULL || vehicle->parameter == NULL) {
         status = AUVID_ERR_NULL;
@@ -58,7 +58,8 @@ auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_
         auvid_real_t limit = (auvid_real_t)(vehicle->parameters < 1 ? 1 : AUVID_MAX_PARAMETERS);
         return auvid_refuse(why, AUVID_ERR_PARAMETERS, "parameters",
                             (auvid_real_t)vehicle->parameters, limit);
-    } else if (vehicle->residual != NULL || vehicle->regressor != NULL) {
+    } else if (vehicle->path != NULL &&
+               (vehicle->residual != NULL || vehicle->regressor != NULL)) {
         field = vehicle_inconsistent(vehicle, &element);
         if (field == NULL) {
             return AUVID_OK;
@@ -87,13 +88,13 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT])
 {
     memset(residual, 0, AUVID_DOF_COUNT * sizeof residual[0]);
-    if (vehicle->regressor == NULL) {
+    if (vehicle->residual != NULL) {
         vehicle->residual(vehicle->context, sample, pi, residual);
         return;
     }
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    vehicle->regressor(vehicle->context, sample, &y);
+    vehicle->regressor(vehicle->context, sample, pi, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->columns[j] != 0) {
             auvid_real_t predicted = AUVID_C(0.0);
@@ -178,8 +179,9 @@ const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT] = {
 };
 
 static void vehicle_g500_regressor(const void *context, const auvid_sample_t *s,
-                                   auvid_regressor_t *y)
+                                   const auvid_real_t *pi, auvid_regressor_t *y)
 {
+    (void)pi;
     const g500_form_t *form = context;
     auvid_real_t s_phi, c_phi, s_theta, c_theta;
     auvid_sincos(s->phi, &s_phi, &c_phi);
@@ -240,7 +242,7 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
                     {AUVID_YAW, AUVID_G500_M_R}};
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    vehicle_g500_regressor(context, sample, &y);
+    vehicle_g500_regressor(context, sample, NULL, &y);
     for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
         const auvid_real_t *row = y.row[equation[k].dof];
         auvid_real_t rest = sample->tau[equation[k].dof], mass = pi[equation[k].mass];
@@ -273,8 +275,8 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
               [AUVID_YAW] = READ(YAW)}
 #define G500_MODEL(title, form_, reads_)                                                           \
     {                                                                                              \
-        .built_for = AUVID_BUILD, .name = title, .parameters = AUVID_G500_COUNT,                   \
-        .parameter = g500_parameter,                                                               \
+        .built_for = AUVID_BUILD, .path = &auvid_path_regressor, .name = title,                    \
+        .parameters = AUVID_G500_COUNT, .parameter = g500_parameter,                               \
         .columns = {[AUVID_SURGE] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) |                \
                                     G500_BIT(W_B) | G500_BIT(X_U) | G500_BIT(X_UU) | BIAS(X_0),    \
                     [AUVID_SWAY] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) | G500_BIT(W_B) | \

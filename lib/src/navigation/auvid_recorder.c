@@ -328,7 +328,7 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
             (AUVID_C(8.0) * (after[i] - before[i]) - (after2[i] - before2[i])) * per_12t;
         sample->tau[j] = mean[TAU + j];
     }
-    memcpy(sample->command, &mean[COMMAND], sizeof sample->command);
+    memcpy(sample->command, &mean[COMMAND], AUVID_MAX_COMMANDS * sizeof sample->command[0]);
     for (uint32_t k = rec->next - 2; k <= rec->next + 2; ++k) {
         sample->missing |= (uint8_t)(~rec->measured[k % AUVID_RECORDER_CELLS] & 7u);
     }

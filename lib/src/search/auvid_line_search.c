@@ -69,9 +69,6 @@ static auvid_status_t line_search_check(const auvid_line_search_config_t *c,
     if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_PARAMETERS;
     }
-    if (AUVID_REGRESSOR_ONLY && c->paper) {
-        return AUVID_ERR_MODEL;
-    }
     if (!auvid_all_finite(reals, 5) || !auvid_all_finite(c->lower, c->n) ||
         !auvid_all_finite(c->upper, c->n) || !auvid_all_finite(c->scale, c->n) ||
         !auvid_all_finite(c->start, c->n)) {

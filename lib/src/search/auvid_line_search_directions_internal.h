@@ -21,7 +21,7 @@ enum { MOVE_POLL = 0, MOVE_EXPAND, MOVE_PARABOLA, MOVE_AXIS, MOVE_PROBE };
 
 static inline bool line_search_is_paper(const auvid_line_search_config_t *c)
 {
-    return !AUVID_REGRESSOR_ONLY && c->paper;
+    return c->paper;
 }
 
 static inline bool line_search_is_pattern(const auvid_line_search_t *ls)

@@ -3,7 +3,7 @@
  * Sizes of auvid (auvid/config.h) for 20 KiB of RAM. They suffice for the 13 parameters and six
  * thrusters of Girona500, with two sets of two minutes instead of eight of 30 s.
  */
-#define AUVID_REGRESSOR_ONLY 1
+#define AUVID_MAX_COMMANDS 0
 #define AUVID_MAX_PARAMETERS 13
 #define AUVID_MAX_POPULATION 34
 #define AUVID_MAX_SETS 2

@@ -79,7 +79,7 @@ void tearDown(void)
 static void begin(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
 }
 
 /* Run until the guard is DONE or ABORTED, at most max_s. */
@@ -97,8 +97,8 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.missing);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.missing);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.abandoned);
     /* at once: with the fade and two ticks */
     const double fade_s = (double)chain.actuation.excitation.cfg.fade_s;
     TEST_ASSERT_TRUE(seen.rest_s > 0.0 && seen.rest_s <= seen.done_s + fade_s + 0.04);
@@ -112,7 +112,7 @@ static void test_a_run_may_be_begun_again(void)
     begin();
     run(300);
     double first_s = 1e-6 * (double)chain.t_us;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
     chain.waiting = true;
     chain_tick(&chain);
     run(600); /* everything is known: nothing remains to be done */
@@ -134,7 +134,7 @@ static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void
         make_world(100 + dive, 1.0);
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
         run(300);
         prior_s += seen.end_s;
         TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
@@ -155,7 +155,7 @@ static void test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known
     chain.waiting = true;
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.actuation.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.adaptive.abandoned);
     TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
 }
 
@@ -166,7 +166,7 @@ static void test_a_dof_that_does_not_move_is_abandoned_in_time(void)
     begin();
     run(450);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.actuation.adaptive.abandoned & SWAY_ONES);
+    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.adaptive.abandoned & SWAY_ONES);
     TEST_ASSERT_TRUE(seen.end_s < 250.0);
 }
 
@@ -182,7 +182,7 @@ static void test_weak_thrusters_excite_in_turn_and_everything_is_known(void)
     uint8_t together = 0, ever = 0;
     while (1e-6 * (double)chain.t_us < 450 && chain.out.guard != AUVID_GUARD_DONE) {
         chain_tick(&chain);
-        uint8_t driving = chain.actuation.adaptive.playing;
+        uint8_t driving = chain.adaptive.playing;
         ever |= driving;
         together |= (driving & 0x21) == 0x21;
     }
@@ -190,8 +190,8 @@ static void test_weak_thrusters_excite_in_turn_and_everything_is_known(void)
     TEST_ASSERT_EQUAL_HEX32(0, together);
     TEST_ASSERT_EQUAL_HEX32(0x27, ever);
     TEST_ASSERT_FALSE(seen.over);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.abandoned);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.actuation.adaptive.missing);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.missing);
 }
 
 static void test_it_ends_after_the_longest_run_time(void)
@@ -201,7 +201,7 @@ static void test_it_ends_after_the_longest_run_time(void)
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_TRUE(seen.end_s < 52.0);
-    TEST_ASSERT_TRUE(chain.actuation.adaptive.missing != 0); /* and reports what is missing */
+    TEST_ASSERT_TRUE(chain.adaptive.missing != 0); /* and reports what is missing */
 }
 
 static void test_the_operator_ends_it_with_a_fade_or_at_once(void)
@@ -248,7 +248,7 @@ static void check_refused(auvid_status_t status)
 {
     static auvid_identifier_t before;
     before = chain.id;
-    TEST_ASSERT_EQUAL(status, auvid_adaptive_begin(&chain.id, &cfg));
+    TEST_ASSERT_EQUAL(status, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
     setUp();
 }
@@ -256,8 +256,9 @@ static void check_refused(auvid_status_t status)
 static void test_an_invalid_configuration_is_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &chain.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, &chain.adaptive, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, NULL, &cfg));
     auvid_adaptive_defaults(NULL);
     memset(cfg.amplitude, 0, sizeof cfg.amplitude);
     check_refused(AUVID_ERR_RANGE);
@@ -280,7 +281,7 @@ static void test_an_invalid_configuration_is_refused(void)
 static void test_calls_out_of_order_are_refused(void)
 {
     memset(&chain, 0, sizeof chain);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_adaptive_begin(&chain.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
     begin();
     chain_run(&chain, 5); /* exciting */
     check_refused(AUVID_ERR_STATE);
@@ -305,7 +306,7 @@ static void restore_and_continue(uint32_t count, int seconds)
     other = chain;
     memset(&other.id, 0xA5, sizeof other.id);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&other, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &other.adaptive, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&other.id, bytes, count));
     for (int k = 0; k < seconds * 50; ++k) {
         chain_tick(&chain);
@@ -393,7 +394,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     if (way == ADAPTIVE) {
         cfg.max_s = MAX_S;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
     while (1e-6 * (double)chain.t_us < max_s + 12.0 && chain.out.guard != AUVID_GUARD_ABORTED &&
@@ -412,7 +413,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     if (way == ADAPTIVE) {
         o->end_s = 1e-6 * (double)chain.t_us;
         o->end_square = chain_mean_square(&chain);
-        gave_up += chain.actuation.adaptive.abandoned != 0;
+        gave_up += chain.adaptive.abandoned != 0;
         over = over || seen.over || seen.outside;
         false_alarms += seen.changed;
     }

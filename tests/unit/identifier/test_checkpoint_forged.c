@@ -45,6 +45,7 @@ static uint32_t moments[WORLDS];
 static struct {
     auvid_identifier_t id;
     auvid_actuation_t actuation;
+    auvid_adaptive_t adaptive;
     auvid_validation_t prediction;
 } fresh[WORLDS]; /* as in a program that restores */
 static chain_config_t cfg;
@@ -100,7 +101,7 @@ static void begin(world_t world)
         adaptive.amplitude[AUVID_SURGE] = adaptive.amplitude[AUVID_SWAY] = AUVID_C(100.0);
         adaptive.amplitude[AUVID_HEAVE] = AUVID_C(100.0);
         adaptive.amplitude[AUVID_YAW] = AUVID_C(40.0);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(id, &adaptive));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(id, &chain.adaptive, &adaptive));
     }
 }
 
@@ -131,6 +132,7 @@ static void run(world_t world, double seconds)
     begin(world);
     fresh[world].id = chain.id;
     fresh[world].actuation = chain.actuation;
+    fresh[world].adaptive = chain.adaptive;
     fresh[world].prediction = chain.prediction;
     for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
         sigma[i] = AUVID_C(1e6);
@@ -320,6 +322,7 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         forge(m);
         chain.id = fresh[world].id;
         chain.actuation = fresh[world].actuation;
+        chain.adaptive = fresh[world].adaptive;
         chain.prediction = fresh[world].prediction;
         (void)alarm(HANG_S);
         auvid_status_t status = resumes ? auvid_checkpoint_resume(&chain.id, forged, m->bytes)
@@ -333,13 +336,16 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         }
         static auvid_identifier_t restored;
         static auvid_actuation_t actuation;
+        static auvid_adaptive_t adaptive;
         static auvid_validation_t prediction;
         restored = chain.id;
         actuation = chain.actuation;
+        adaptive = chain.adaptive;
         prediction = chain.prediction;
         chain = m->chain;
         chain.id = restored;
         chain.actuation = actuation;
+        chain.adaptive = adaptive;
         chain.prediction = prediction;
         chain.waiting = false;
         check_published(&chain);

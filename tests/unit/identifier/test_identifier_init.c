@@ -118,6 +118,7 @@ static void test_too_many_parameters_or_none_are_refused(void)
     static auvid_row_t row[2 * 60];
     static auvid_parameter_t parameter[AUVID_MAX_PARAMETERS + 1];
     auvid_vehicle_t vehicle = {.built_for = AUVID_BUILD,
+                               .path = &auvid_path_residual,
                                .name = "large",
                                .parameters = AUVID_MAX_PARAMETERS + 1,
                                .parameter = parameter,

@@ -509,6 +509,7 @@ static void failing_residual(const void *context, const auvid_sample_t *s, const
 }
 
 static auvid_vehicle_t user_vehicle = {.built_for = AUVID_BUILD,
+                                       .path = &auvid_path_residual,
                                        .name = "surge",
                                        .parameters = USER_PARAMETERS,
                                        .parameter = user_parameter,

@@ -28,9 +28,11 @@ static const auvid_parameter_t parameter[HULL] = {
     {"X_uu", "N s2/m2", AUVID_SURGE, AUVID_PARAMETER_QUADRATIC_DRAG},
 };
 
-static void regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void regressor(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                      auvid_regressor_t *y)
 {
     (void)context;
+    (void)pi;
     auvid_real_t *x = y->row[AUVID_SURGE], u = s->nu[AUVID_SURGE];
     x[M_U] = s->nu_dot[AUVID_SURGE];
     x[M_V] = -s->nu[AUVID_SWAY] * s->nu[AUVID_YAW];
@@ -41,6 +43,7 @@ static void regressor(const void *context, const auvid_sample_t *s, auvid_regres
 }
 
 static const auvid_vehicle_t hull = {.built_for = AUVID_BUILD,
+                                     .path = &auvid_path_regressor,
                                      .name = "surge",
                                      .parameters = HULL,
                                      .parameter = parameter,
@@ -402,6 +405,7 @@ static void begin_expensive(void)
 {
     static auvid_vehicle_t counted;
     counted = hull;
+    counted.path = &auvid_path_residual;
     counted.regressor = NULL;
     counted.residual = counting_residual;
     cfg.hull = &counted;

@@ -299,9 +299,10 @@ static void test_parameters_of_a_dof_that_was_not_excited_are_not_known(void)
     }
 }
 
-static void tonnes(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void tonnes(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                   auvid_regressor_t *y)
 {
-    auvid_girona500.regressor(context, s, y);
+    auvid_girona500.regressor(context, s, pi, y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         y->row[j][AUVID_G500_M_U] *= 1000;
     }

@@ -80,7 +80,7 @@ static void wrench(const world_t *world, double t, double tau[AUVID_DOF_COUNT])
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
     move(world, t, &s);
-    auvid_girona500.regressor(auvid_girona500.context, &s, &y);
+    auvid_girona500.regressor(auvid_girona500.context, &s, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         tau[j] = 0;
         for (int i = 0; i < N; ++i) {

@@ -93,10 +93,11 @@ static void change_test(void)
 }
 
 /* Rows of Girona500 in which the confidence finds no acceleration, hence no noise of one. */
-static void rows_without_noise(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void rows_without_noise(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                               auvid_regressor_t *y)
 {
     if (s->t_us != 0) {
-        auvid_girona500.regressor(context, s, y);
+        auvid_girona500.regressor(context, s, pi, y);
     }
 }
 
@@ -157,6 +158,32 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
     for (int i = 0; i < 13; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * sigma[0][i], sigma[0][i], sigma[1][i]);
     }
+}
+
+static void test_the_models_own_derivatives_take_the_place_of_differences(void)
+{
+    double sigma[2][13];
+    uint32_t units[2];
+    for (int own = 0; own < 2; ++own) {
+        setUp();
+        cfg.sets = 2;
+        use_residual_path(5, 40);
+        by_residual.regressor = own ? auvid_girona500.regressor : NULL;
+        start();
+        world_t w = world_of(&cfg);
+        (void)feed_set(&w, feed_set(&w, 0, 5), 5);
+        merge_all(&metric);
+        (void)squares_of(&metric, truth, 0.03);
+        units[own] = linearise(truth, 0.03, cfg.sets, 7);
+        assess(truth);
+        for (int i = 0; i < 13; ++i) {
+            sigma[own][i] = (double)result->sigma[i];
+        }
+    }
+    for (int i = 0; i < 13; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-2 * sigma[0][i], sigma[0][i], sigma[1][i]);
+    }
+    TEST_ASSERT_TRUE(3 * units[1] < units[0]);
 }
 
 /* With rows of half a second every window is linearised. Windows reach across the borders of sets.
@@ -299,6 +326,7 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
                                                         {"e", "?", AUVID_SURGE, 0}};
     static auvid_vehicle_t vehicle;
     vehicle = (auvid_vehicle_t){.built_for = AUVID_BUILD,
+                                .path = &auvid_path_residual,
                                 .name = "spy",
                                 .parameters = POINTS,
                                 .parameter = parameter,
@@ -448,6 +476,7 @@ static double change_test_steep(void)
     static auvid_vehicle_t vehicle;
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     vehicle = (auvid_vehicle_t){.built_for = AUVID_BUILD,
+                                .path = &auvid_path_residual,
                                 .name = "steep",
                                 .parameters = 1,
                                 .parameter = &parameter,
@@ -528,6 +557,7 @@ static void test_nothing_is_done_for_a_model_with_regressor_or_without_an_argume
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_the_models_own_derivatives_take_the_place_of_differences);
     RUN_TEST(test_a_linear_model_has_the_standard_errors_that_its_regressor_gives);
     RUN_TEST(test_the_rms_residual_is_that_of_the_measurement);
     RUN_TEST(test_linearising_takes_the_units_that_the_header_says);

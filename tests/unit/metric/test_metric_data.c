@@ -480,9 +480,10 @@ static void test_rows_whose_regressor_fails_are_left_out(void)
 /* The value of the faulty regressor for m_u. */
 static auvid_real_t broken_entry;
 
-static void broken_regressor(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void broken_regressor(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                             auvid_regressor_t *y)
 {
-    auvid_girona500.regressor(context, s, y);
+    auvid_girona500.regressor(context, s, pi, y);
     y->row[AUVID_SURGE][AUVID_G500_M_U] = broken_entry;
 }
 

@@ -90,6 +90,7 @@ static void test_init_refuses_what_cannot_work_and_changes_nothing(void)
     REFUSED(AUVID_ERR_PARAMETERS, cfg.vehicle = &broken);
     broken = auvid_girona500;
     broken.regressor = NULL;
+    broken.path = &auvid_path_residual;
     REFUSED(AUVID_ERR_MODEL, cfg.vehicle = &broken);
     REFUSED(AUVID_ERR_MODEL, (use_residual_path(2, 10), cfg.rows = NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_init(NULL, &cfg));

@@ -219,6 +219,7 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         uint64_t state = 7;
         uint32_t budget = UINT32_MAX;
         vehicle = (auvid_vehicle_t){.built_for = AUVID_BUILD,
+                                    .path = &auvid_path_residual,
                                     .name = "of one DoF",
                                     .parameters = N,
                                     .parameter = parameter,

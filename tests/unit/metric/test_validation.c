@@ -432,6 +432,7 @@ static void test_commands_act_in_their_own_half_of_the_step(void)
     static const auvid_parameter_t parameter[1] = {
         {"gain", "1", AUVID_SURGE, AUVID_PARAMETER_OTHER}};
     const auvid_vehicle_t model = {.built_for = AUVID_BUILD,
+                                   .path = &auvid_path_residual,
                                    .name = "integrator",
                                    .parameters = 1,
                                    .parameter = parameter,

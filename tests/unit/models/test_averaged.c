@@ -38,7 +38,7 @@ static auvid_regressor_t rows_of(const auvid_vehicle_t *v)
 {
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    v->regressor(v->context, &sample, &y);
+    v->regressor(v->context, &sample, NULL, &y);
     return y;
 }
 

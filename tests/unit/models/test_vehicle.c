@@ -47,7 +47,7 @@ static auvid_regressor_t rows_of(const auvid_vehicle_t *vehicle)
 {
     auvid_regressor_t y;
     memset(&y, 0, sizeof y);
-    vehicle->regressor(vehicle->context, &sample, &y);
+    vehicle->regressor(vehicle->context, &sample, NULL, &y);
     return y;
 }
 
@@ -181,6 +181,7 @@ static void test_residual_is_the_users_if_there_is_no_regressor(void)
 {
     const auvid_real_t seven = 7;
     auvid_real_t residual[6] = {9, 9, 9, 9, 9, 9};
+    model.path = &auvid_path_residual;
     model.regressor = NULL;
     model.residual = user_residual;
     model.context = &seven;
@@ -339,6 +340,8 @@ static void test_check_refuses_a_model_without_function(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
     model.residual = user_residual;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
+    model.path = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
 }
 
 static void test_check_refuses_a_model_without_dof(void)

@@ -252,6 +252,33 @@ static void test_gps_starts_from_the_median_of_the_first_fixes(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.5 * 1.5, variance(1));
 }
 
+static void test_a_fix_after_the_start_is_an_ordinary_update(void)
+{
+    for (int k = 0; k < 4; ++k) {
+        (void)tick(20000);
+        TEST_ASSERT_EQUAL_INT(k < 3 ? AUVID_PENDING : AUVID_OK, auvid_nav_gps(&nav, now, 10, 20));
+    }
+    double before = variance(0);
+    (void)tick(20000);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_gps(&nav, now, 10, 20));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * before, before / 2, variance(0));
+}
+
+static void test_depth_and_fix_make_known_only_what_they_measure(void)
+{
+    cfg.gps_start = 1;
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, real(0.1)));
+    read_state();
+    TEST_ASSERT_EQUAL_HEX32(AUVID_NAV_DEPTH_KNOWN,
+                            state.flags & (AUVID_NAV_DEPTH_KNOWN | AUVID_NAV_POSITION_KNOWN));
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_gps(&nav, now, 1, 1));
+    read_state();
+    TEST_ASSERT_EQUAL_HEX32(AUVID_NAV_POSITION_KNOWN,
+                            state.flags & (AUVID_NAV_DEPTH_KNOWN | AUVID_NAV_POSITION_KNOWN));
+}
+
 static void test_gps_start_allows_for_motion_between_the_fixes(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
@@ -445,6 +472,8 @@ int main(void)
     RUN_TEST(test_later_depth_pulls_z_by_the_gain);
     RUN_TEST(test_pressure_becomes_depth_by_density_and_surface_pressure);
     RUN_TEST(test_gps_starts_from_the_median_of_the_first_fixes);
+    RUN_TEST(test_a_fix_after_the_start_is_an_ordinary_update);
+    RUN_TEST(test_depth_and_fix_make_known_only_what_they_measure);
     RUN_TEST(test_gps_start_allows_for_motion_between_the_fixes);
     RUN_TEST(test_gps_without_a_median_start_is_an_ordinary_update);
     RUN_TEST(test_gps_under_water_is_not_used);

@@ -154,7 +154,7 @@ class Binding:
         return c
 
     def _pointer(self, target):
-        if target is None:
+        if target is None or value_of(target, "DW_AT_declaration"):  # opaque
             return ctypes.c_void_p
         if target.tag == "DW_TAG_subroutine_type":
             arguments = [self._ctype(type_of(a)) for a in target.iter_children()]

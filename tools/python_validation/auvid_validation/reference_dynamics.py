@@ -80,7 +80,7 @@ def model(lib):
         size = np.abs(y) @ np.abs(p) + np.abs(tau[girona500.DRIVEN])
         residuals.append((out[girona500.DRIVEN], theirs - tau[girona500.DRIVEN], size))
         regressor = lib.auvid_regressor_t()
-        vehicle.regressor(vehicle.context, s, regressor)
+        vehicle.regressor(vehicle.context, s, lib.pointer(pi), regressor)
         rows.append((values(regressor.row)[girona500.DRIVEN, :13], y, 1.0))
         out = lib.zeros(6)
         vehicle.acceleration(vehicle.context, s, lib.pointer(pi), lib.pointer(out))

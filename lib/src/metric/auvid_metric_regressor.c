@@ -1,0 +1,318 @@
+/*
+ * Metric, regressor path: rows of equations that are linear in pi, and the cost of a candidate.
+ *
+ * The smoother is a finite impulse response. A smoother of taps c_i applied to the rows Y and the
+ * wrench tau alike,
+ *
+ *     sum_i c_i Y_i pi = sum_i c_i tau_i,
+ *
+ * holds for the true pi exactly, so the choice of c is only a matter of noise. Savitzky-Golay of
+ * order 2 and half-width 1 s, applied twice, passes the excitation (< 0.3 Hz) and attenuates the
+ * noise of the DVL.
+ *
+ * Velocity that is interpolated between samples T apart has passed a triangular filter. Its
+ * variance is T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its
+ * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
+ * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "auvid/smoother.h"
+#include "../base/auvid_linalg_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "auvid_metric_internal.h"
+
+/* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
+ * stack. */
+#if AUVID_MAX_COMMANDS == 0
+#define REGRESSOR(metric) (&(auvid_regressor_t){{{AUVID_C(0.0)}}})
+#else
+#define REGRESSOR(metric) (&(metric)->regressor)
+#endif
+
+static uint32_t metric_taps(const auvid_metric_config_t *cfg)
+{
+    uint32_t half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
+    return 2 * half * cfg->passes + 1 + (cfg->velocity_us > 0 ? 2u : 0u);
+}
+
+/* Check that the filter exists (smoother.h) and fits. */
+static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+{
+    uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
+    uint32_t max_half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
+    if (cfg->vehicle->regressor == NULL) {
+        return auvid_refuse(why, AUVID_ERR_MODEL, "vehicle: regressor", AUVID_C(0.0), AUVID_C(0.0));
+    }
+    auvid_status_t status = auvid_metric_check_taps(cfg, metric_taps(cfg), "half_width", why);
+    if (status < 0) {
+        return status;
+    }
+    if (max_half > AUVID_MAX_HALF_WIDTH) {
+        return auvid_refuse(why, AUVID_ERR_SIZE, "half_width", (auvid_real_t)max_half,
+                            AUVID_MAX_HALF_WIDTH);
+    }
+    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER) {
+        return auvid_refuse(why, AUVID_ERR_RANGE, "order", (auvid_real_t)cfg->order,
+                            AUVID_SMOOTHER_MAX_ORDER);
+    }
+    return cfg->order <= 2 * min_half
+               ? AUVID_OK
+               : auvid_refuse(why, AUVID_ERR_SINGULAR, "order", (auvid_real_t)cfg->order,
+                              (auvid_real_t)(2 * min_half));
+}
+
+/* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */
+static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width)
+{
+    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
+    (void)auvid_smoother_coefficients(half_width, m->cfg.order, 0, dt_s, 0,
+                                      first); /* they exist: metric_check_regressor */
+    int n = 2 * half_width + 1;
+    for (int t = 2 * n - 2; m->cfg.passes == 2 && t >= 0; --t) { /* in place, from the end */
+        auvid_real_t sum = AUVID_C(0.0);
+        for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {
+            sum += first[i] * first[t - i];
+        }
+        first[t] = sum;
+    }
+}
+
+static void metric_make_smoother(auvid_metric_t *m)
+{
+    const auvid_metric_config_t *cfg = &m->cfg;
+    auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
+    auvid_metric_set_taps(m, metric_taps(cfg));
+    m->window_length = 1;
+    m->interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    metric_make_kernel(m, m->kernel[0], cfg->half_width[0]);
+    metric_make_kernel(m, m->kernel[1], cfg->half_width[1]);
+}
+
+/* The channels of the regressor path form four sections of one weight each. The forces have the
+ * factors of their parameters, then their wrench at three delays; the moments have the same.
+ * Returns where section i begins. */
+static int metric_section(const auvid_metric_t *m, int i)
+{
+    int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
+    return m->channel_at[j] + (i % 2 ? m->count[j] + m->count[j + 1] + m->count[j + 2] : 0);
+}
+
+/* Returns the part of DoF j's wrench that fixed parameters explain. */
+static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
+                                              const auvid_real_t *row)
+{
+    auvid_real_t sum = AUVID_C(0.0);
+    uint32_t fixed = m->cfg.vehicle->columns[j] & ~m->columns[j];
+    for (int i = 0; fixed != 0; ++i, fixed >>= 1) {
+        for (; (fixed & 15u) == 0; fixed >>= 4) {
+            i += 4;
+        }
+        sum += (fixed & 1u) != 0 ? row[i] * m->cfg.fixed[i] : AUVID_C(0.0);
+    }
+    return sum;
+}
+
+/* Evaluate the regressor into *y. */
+static void metric_evaluate(const auvid_metric_t *m, const auvid_sample_t *s, auvid_regressor_t *y)
+{
+    auvid_clear(y->row[0], sizeof *y / sizeof y->row[0][0]);
+    m->cfg.vehicle->regressor(m->cfg.vehicle->context, s, NULL, y);
+}
+
+/* Fill the sections. late: inputs at each delay; fixed: wrench explained by fixed parameters.
+ * @return true if it is not zero */
+static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t *y,
+                                const auvid_real_t *const late[AUVID_METRIC_DELAYS],
+                                auvid_real_t *channel, auvid_real_t fixed[AUVID_DOF_COUNT])
+{
+    auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (j == AUVID_ROLL) {
+            motion = channel + metric_section(m, 2);
+            wrench = channel + metric_section(m, 3);
+        }
+        fixed[j] = AUVID_C(0.0);
+        if (m->cfg.vehicle->columns[j] == 0) {
+            continue;
+        }
+        fixed[j] = metric_explained_by_fixed(m, j, y->row[j]);
+        any = any || auvid_abs(fixed[j]) > AUVID_C(0.0);
+        const uint8_t *index = m->index + m->channel_at[j];
+        for (int k = m->count[j]; k > 0; --k) {
+            *motion++ = y->row[j][*index++];
+        }
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            *wrench++ = late[d][j];
+        }
+    }
+    return any;
+}
+
+/* Returns the weight of the wrench of forces in addition to kernel[age]: see auvid_metric.c. */
+static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
+{
+    const auvid_real_t *kernel = m->kernel[0];
+    auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
+    auvid_real_t after = age + 1u < m->taps ? kernel[age + 1u] : AUVID_C(0.0);
+    return m->interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
+}
+
+/* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
+ * it is zero. */
+static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                                   const auvid_real_t *channel, const auvid_real_t *fixed,
+                                   uint8_t missing)
+{
+    const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
+    int wrench = metric_section(m, 1), moments = metric_section(m, 2),
+        end = m->channel_at[AUVID_DOF_COUNT];
+    auvid_real_t *row = m->accumulator[slot];
+    auvid_metric_record_missing(m, slot, age, missing);
+    auvid_metric_add_scaled(row, force, channel, wrench);
+    auvid_metric_add_scaled(row + wrench, force + metric_spread_weight(m, age), channel + wrench,
+                            moments - wrench);
+    if (auvid_abs(moment) > AUVID_C(0.0)) { /* the kernel of moments is shorter */
+        auvid_metric_add_scaled(row + moments, moment, channel + moments, end - moments);
+    }
+    for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
+        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
+    }
+}
+
+/* Rotate sums and differences of this row and an earlier one into DoF j's R factors. The factor 1/2
+ * gives the two bands together the weight of the rows themselves:
+ *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
+static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
+{
+    int at = m->channel_at[j], n = auvid_metric_order(m, j);
+    uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
+    const auvid_real_t *previous =
+        m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+    for (int band = 0; band < AUVID_METRIC_BANDS && m->successive[j] >= lag; ++band) {
+        auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
+        for (int i = 0; i < n; ++i) {
+            sum[i] = AUVID_C(0.5) * row[i] + other * previous[i];
+        }
+        auvid_qr_update(m->factor[band] + m->factor_at[j], n, 0, sum);
+    }
+    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
+    m->successive[j] = (uint8_t)(m->successive[j] + (m->successive[j] < AUVID_METRIC_LAGS));
+}
+
+/* Take a row into the R factors, except for the DoF whose equation reads what was not measured. A
+ * row in which the regressor failed does not count: its wrench would seem explained. */
+static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+{
+    const auvid_real_t *channel = m->accumulator[slot], *fixed = m->fixed_wrench[slot];
+    const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
+    uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
+    (void)t_us;
+    if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
+            AUVID_OK ||
+        auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        memset(m->successive, 0, sizeof m->successive);
+        return;
+    }
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        int count = m->count[j];
+        if (j == AUVID_ROLL) {
+            motion = channel + metric_section(m, 2);
+            wrench = channel + metric_section(m, 3);
+        }
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        if ((excluded >> j & 1) != 0) {
+            m->successive[j] = 0;
+            motion += count;
+            wrench += AUVID_METRIC_DELAYS;
+            continue;
+        }
+        any = true;
+        auvid_metric_update_wrench_moments(m, j, *wrench);
+        memcpy(row, motion, (size_t)count * sizeof *row);
+        motion += count;
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            row[count + d] = *wrench++ - fixed[j];
+        }
+        metric_rotate_row(m, j, row);
+    }
+    auvid_metric_count_row(m, any);
+    ++m->since_gap;
+}
+
+/* Add the equations of cell n of the record to all rows under construction. The newest, begun
+ * n % row_cells cells ago, is at `slot`. */
+static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
+                                 uint32_t slot)
+{
+    auvid_real_t channel[AUVID_MAX_COLUMNS], fixed[AUVID_DOF_COUNT];
+    const auvid_real_t *late[AUVID_METRIC_DELAYS];
+    auvid_regressor_t *y = REGRESSOR(m);
+    uint32_t step = m->cfg.row_cells;
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        late[d] = auvid_metric_delayed_inputs(m, d);
+    }
+    metric_evaluate(m, sample, y);
+    bool any = metric_row_channels(m, y, late, channel, fixed);
+    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+        metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
+        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+    }
+}
+
+/* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
+static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
+        int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
+        if (!(m->excited >> j & 1)) {
+            continue;
+        }
+        const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
+        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, m->at_row);
+        int i = m->at_row, left = count - i;
+        int to = *budget < (uint32_t)left ? i + (int)*budget : count;
+        auvid_real_t squares = m->squares;
+        *budget -= (uint32_t)(to - i);
+        for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
+            auvid_real_t e = -z[i];
+            for (const auvid_real_t *xk = x + i; xk != x + count; ++xk, ++r) {
+                e += *r * *xk;
+            }
+            squares += e * e;
+        }
+        m->squares = squares;
+        m->at_row = (uint16_t)i;
+        if (i < count) {
+            return AUVID_PENDING;
+        }
+        m->sum += m->weight[j] * m->squares;
+        m->squares = AUVID_C(0.0);
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+static auvid_status_t metric_evaluate_factor(auvid_metric_t *m, uint32_t *budget)
+{
+    if (m->pass == PASS_COST) {
+        return metric_factor_cost(m, budget);
+    }
+    return auvid_metric_for_each_row(m, budget) ? AUVID_OK : AUVID_PENDING;
+}
+
+const auvid_path_t auvid_path_regressor = {.check = metric_check_regressor,
+                                           .make_filter = metric_make_smoother,
+                                           .add_cell = metric_add_equations,
+                                           .finish_row = metric_take_row,
+                                           .evaluate = metric_evaluate_factor,
+                                           .merge = auvid_metric_merge_sets};

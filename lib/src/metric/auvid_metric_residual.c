@@ -1,0 +1,232 @@
+/*
+ * Metric, residual path: means of motion and inputs are stored, and the model's residual is called
+ * on each at every evaluation.
+ */
+#include "auvid/metric.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "auvid_metric_internal.h"
+
+#if AUVID_MAX_COMMANDS == 0
+
+static auvid_status_t metric_refuse(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+{
+    (void)cfg;
+    return auvid_refuse(why, AUVID_ERR_SIZE, "vehicle: AUVID_MAX_COMMANDS", AUVID_C(0.0),
+                        AUVID_C(1.0));
+}
+
+const auvid_path_t auvid_path_residual = {.check = metric_refuse};
+
+#else
+
+/* Channels of a row. */
+enum {
+    MOTION_NU = 3,
+    MOTION_NU_DOT = MOTION_NU + AUVID_DOF_COUNT,
+    MOTION_TAU = MOTION_NU_DOT + AUVID_DOF_COUNT,
+    MOTION_COMMAND = MOTION_TAU + AUVID_DOF_COUNT,
+    MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS /* wrench and commands at the other delays */
+};
+
+/* Standard deviation of the weights that smooth the residuals. */
+#define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
+
+static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+{
+    if (cfg->vehicle->residual == NULL || cfg->rows == NULL) {
+        const char *field = cfg->rows == NULL ? "rows" : "vehicle: residual";
+        return auvid_refuse(why, AUVID_ERR_MODEL, field, AUVID_C(0.0), AUVID_C(0.0));
+    }
+    return auvid_metric_check_taps(cfg, cfg->row_cells, "row_cells", why);
+}
+
+/* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */
+static void metric_make_window(auvid_metric_t *m)
+{
+    auvid_real_t rows = RESIDUAL_SMOOTHING_S * AUVID_C(1e6) /
+                        ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
+    int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
+                               (auvid_real_t)AUVID_METRIC_WINDOW);
+    pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
+    m->window_length = (uint8_t)(2 * pairs + 1);
+    m->window_weight[0] = AUVID_C(1.0);
+    for (int n = 1; n < m->window_length; ++n) {
+        for (int k = n; k >= 0; --k) { /* Pascal's triangle, each line halved */
+            auvid_real_t left = k > 0 ? m->window_weight[k - 1] : AUVID_C(0.0);
+            m->window_weight[k] = AUVID_C(0.5) * (m->window_weight[k] + left);
+        }
+    }
+}
+
+/* Rows are means over the row time. */
+static void metric_make_mean(auvid_metric_t *m)
+{
+    auvid_metric_set_taps(m, m->cfg.row_cells);
+    for (int i = 0; i < m->taps; ++i) {
+        m->kernel[0][i] = m->kernel[1][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
+    }
+    metric_make_window(m);
+}
+
+/* Add motion and inputs at all delays to the row under construction `slot`, which has `age` cells.
+ */
+static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
+                                     const auvid_sample_t *s)
+{
+    auvid_real_t *row = m->accumulator[slot];
+    auvid_real_t weight = m->kernel[0][age];
+    auvid_metric_record_missing(m, slot, age, s->missing);
+    row[0] += weight * s->phi;
+    row[1] += weight * s->theta;
+    row[2] += weight * s->psi;
+    auvid_metric_add_scaled(row + MOTION_NU, weight, s->nu, AUVID_DOF_COUNT);
+    auvid_metric_add_scaled(row + MOTION_NU_DOT, weight, s->nu_dot, AUVID_DOF_COUNT);
+    for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+        auvid_metric_add_scaled(row + MOTION_TAU + d * METRIC_INPUTS, weight,
+                                auvid_metric_delayed_inputs(m, d), METRIC_INPUTS);
+    }
+}
+
+static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_us,
+                                        auvid_sample_t *s)
+{
+    memset(s, 0, sizeof *s);
+    s->t_us = t_us;
+    s->phi = channel[0];
+    s->theta = channel[1];
+    s->psi = channel[2];
+    memcpy(s->nu, channel + MOTION_NU, sizeof s->nu);
+    memcpy(s->nu_dot, channel + MOTION_NU_DOT, sizeof s->nu_dot);
+    memcpy(s->tau, channel + MOTION_TAU, sizeof s->tau);
+    memcpy(s->command, channel + MOTION_COMMAND, sizeof s->command);
+}
+
+/* Store a row if there is room. It is counted if an equation of the model can use it. */
+static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
+{
+    if (m->full || t_us < m->resume_us) {
+        ++m->rows_dropped;
+        return;
+    }
+    const auvid_real_t *channel = m->accumulator[slot];
+    auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
+    uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool has_row = (excluded >> j & 1) == 0;
+        any = any || (has_row && m->cfg.vehicle->columns[j] != 0);
+        if (has_row) {
+            auvid_metric_update_wrench_moments(m, j, channel[MOTION_TAU + j]);
+        }
+    }
+    metric_sample_from_channels(channel, t_us, &store->sample);
+    store->sample.missing = m->missing[slot][0];
+    memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+    auvid_metric_count_row(m, any);
+}
+
+/* Add the motion in cell n of the record to all rows under construction. The newest, begun
+ * n % row_cells cells ago, is at `slot`. */
+static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, uint32_t n,
+                              uint32_t slot)
+{
+    uint32_t step = m->cfg.row_cells;
+    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+        metric_accumulate_motion(m, slot, age, sample);
+        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+    }
+}
+
+/* Put the residuals of one stored row into the window. @return true if the window is full of
+ * successive rows */
+static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
+{
+    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
+    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
+    if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
+        m->window_rows = 0;
+        memset(m->window_of, 0, sizeof m->window_of);
+    }
+    m->window_us = sample.t_us;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
+        m->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
+    }
+    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
+                           m->window[m->window_rows % m->window_length]);
+    ++m->window_rows;
+    return m->window_rows >= m->window_length;
+}
+
+static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
+{
+    auvid_real_t e = AUVID_C(0.0);
+    for (uint32_t k = 0; k < m->window_length; ++k) {
+        e += m->window_weight[k] * m->window[(m->window_rows + k) % m->window_length][j];
+    }
+    return e;
+}
+
+/* J = sum over stored rows, oldest set first. The sum is compensated because it contains the
+ * constant part. */
+static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
+{
+    int sets = auvid_metric_sets(m);
+    for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
+        int age = sets - 1 - m->at_set;
+        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        for (; set->excited != 0 && m->at_row < set->rows; ++m->at_row) {
+            if (!auvid_metric_spend_model(m, budget)) {
+                return AUVID_PENDING;
+            }
+            auvid_real_t squares = AUVID_C(0.0);
+            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
+                continue;
+            }
+            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+                if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
+                    auvid_real_t e = metric_smoothed_residual(m, j);
+                    squares += m->weight[j] * e * e;
+                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
+                }
+            }
+            auvid_real_t term = squares - m->compensation, total = m->sum + term;
+            m->compensation = (total - m->sum) - term;
+            m->sum = total;
+        }
+    }
+    m->cost = m->sum;
+    return AUVID_OK;
+}
+
+/* The cost needs no R factors. */
+static bool metric_merge_nothing(auvid_metric_t *m, uint32_t *budget)
+{
+    (void)m;
+    (void)budget;
+    return true;
+}
+
+static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
+{
+    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+    }
+    m->spent = 0;
+}
+
+const auvid_path_t auvid_path_residual = {.check = metric_check_residual,
+                                          .make_filter = metric_make_mean,
+                                          .add_cell = metric_add_motion,
+                                          .finish_row = metric_store_row,
+                                          .begin = metric_begin_samples,
+                                          .evaluate = metric_sample_cost,
+                                          .merge = metric_merge_nothing,
+                                          .linearise = auvid_metric_linearise_sets};
+
+#endif

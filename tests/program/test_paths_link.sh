@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# A model names its path (vehicle.h). The linker drops the other one, and neither init nor step
+# needs any.
+cd "$(dirname "$0")/../.." || exit 1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+# report NAME [0]: passes if the status of the last command, or the one given, is 0.
+report() {
+    [ "${2:-$?}" = 0 ] && echo "ok - $1" || echo "not ok - $1"
+}
+
+# program NAME PATH FUNCTION: main with a model on that path; no PATH: without a model.
+program() {
+    cat >"$scratch/$1.c" <<END
+#include "auvid/identifier.h"
+static auvid_identifier_t id;
+static auvid_row_t rows[9 * 60];
+void residual(const void *c, const auvid_sample_t *s, const auvid_real_t *pi, auvid_real_t *e);
+void residual(const void *c, const auvid_sample_t *s, const auvid_real_t *pi, auvid_real_t *e)
+{
+    (void)c;
+    e[AUVID_SURGE] = pi[0] * s->nu_dot[AUVID_SURGE] - s->tau[AUVID_SURGE];
+}
+void regressor(const void *c, const auvid_sample_t *s, const auvid_real_t *pi,
+               auvid_regressor_t *y);
+void regressor(const void *c, const auvid_sample_t *s, const auvid_real_t *pi, auvid_regressor_t *y)
+{
+    (void)c, (void)pi;
+    y->row[AUVID_SURGE][0] = s->nu_dot[AUVID_SURGE];
+}
+int main(void)
+{
+    static const auvid_parameter_t mass = {"m_u", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS};
+    static const auvid_vehicle_t mine = {.built_for = AUVID_BUILD, .parameters = 1,
+        .parameter = &mass, .columns = {1}, $2 $3};
+    auvid_identifier_config_t cfg;
+    auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    auvid_identifier_defaults(&cfg, &mine);
+    cfg.metric.rows = rows;
+    auvid_status_t status = auvid_identifier_init(&id, &cfg);
+    (void)auvid_identifier_step(&id, &in, &out);
+    (void)auvid_identifier_work(&id, 100);
+    return -(int)status;
+}
+END
+    # shellcheck disable=SC2086
+    gcc -std=c11 -Os -ffunction-sections -fdata-sections -Wl,--gc-sections -Ilib/include $4 \
+        -o "$scratch/$1" "$scratch/$1.c" "$scratch/lib${4:+0}.a" &&
+        nm "$scratch/$1" >"$scratch/$1.nm"
+}
+
+# library NAME FLAGS
+library() {
+    mkdir "$scratch/$1"
+    # shellcheck disable=SC2086
+    printf '%s\0' lib/src/*/*.c | xargs -0 -P 2 -I {} sh -c \
+        "gcc -std=c11 -Os -ffunction-sections -fdata-sections -ffp-contract=off -Ilib/include $2 \
+        -c -o $scratch/$1/\$(basename {} .c).o {}" &&
+        ar rcs "$scratch/$1.a" "$scratch/$1"/*.o
+}
+
+only_regressor='metric_add_equations|metric_take_row|metric_evaluate_factor|auvid_path_regressor'
+only_residual='metric_add_motion|metric_store_row|metric_sample_cost|metric_begin_samples'
+only_residual+='|auvid_path_residual|auvid_metric_linearise_sets'
+
+# holds NAME PATTERN COUNT: so many of these symbols are in the program.
+holds() {
+    [ "$(grep -cE " ($2)(_|\$)" "$scratch/$1.nm")" = "$3" ]
+}
+
+library lib ""
+report "the library is built"
+program linear '.path = &auvid_path_regressor,' '.regressor = regressor'
+report "a linear model links"
+holds linear "$only_regressor" 4
+report "  with all of its path"
+holds linear "$only_residual" 0
+report "  and nothing of the residual path"
+"$scratch/linear"
+report "  it initialises"
+program other '.path = &auvid_path_residual,' '.residual = residual'
+report "a model on the residual path links"
+holds other "$only_residual" 6
+report "  with all of its path"
+holds other "$only_regressor" 0
+report "  and nothing of the regressor path"
+"$scratch/other"
+report "  it initialises"
+program none '' '.residual = residual'
+holds none "$only_regressor|$only_residual" 0
+report "without a path nothing of either is linked"
+"$scratch/none"
+[ $? = 16 ]
+report "  and the model is refused (AUVID_ERR_MODEL)"
+library lib0 -DAUVID_MAX_COMMANDS=0
+program small '.path = &auvid_path_residual,' '.residual = residual' -DAUVID_MAX_COMMANDS=0
+"$scratch/small"
+[ $? = 10 ]
+report "without memory for the residual path its models are refused (AUVID_ERR_SIZE)"
