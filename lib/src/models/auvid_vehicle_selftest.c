@@ -100,22 +100,28 @@ static bool selftest_check_regressor(model_test_t *t)
     return true;
 }
 
+/* The residual by the rows, whether or not the model has a residual beside them. */
+static void selftest_residual_of_rows(const model_test_t *t, const auvid_real_t *pi,
+                                      auvid_real_t *residual)
+{
+    auvid_vehicle_t rows = *t->vehicle;
+    rows.residual = NULL;
+    auvid_vehicle_residual(&rows, &t->sample, pi, residual);
+}
+
 /* Find the parameter by whose change residual and row of DoF j differ most; -1: none does. */
 static int selftest_find_parameter(const model_test_t *t, int j)
 {
-    const auvid_vehicle_t *v = t->vehicle;
-    auvid_real_t e[2][AUVID_DOF_COUNT], r[AUVID_DOF_COUNT], pi[AUVID_MAX_PARAMETERS];
+    auvid_real_t e[AUVID_DOF_COUNT], r[2][AUVID_DOF_COUNT], pi[AUVID_MAX_PARAMETERS];
     auvid_real_t largest = t->tolerance * t->scale[j];
     int found = -1;
     memcpy(pi, t->pi, sizeof pi);
-    memset(e, 0, sizeof e);
-    v->residual(v->context, &t->sample, pi, e[0]);
-    for (int i = 0; i < v->parameters; ++i) {
+    selftest_residual_of_rows(t, pi, r[0]);
+    for (int i = 0; i < t->vehicle->parameters; ++i) {
         pi[i] *= AUVID_C(2.0);
-        memset(e[1], 0, sizeof e[1]);
-        v->residual(v->context, &t->sample, pi, e[1]);
-        auvid_vehicle_residual(v, &t->sample, pi, r);
-        auvid_real_t difference = auvid_abs((e[1][j] - e[0][j]) - (r[j] - t->residual[j]));
+        auvid_vehicle_residual(t->vehicle, &t->sample, pi, e);
+        selftest_residual_of_rows(t, pi, r[1]);
+        auvid_real_t difference = auvid_abs((e[j] - t->residual[j]) - (r[1][j] - r[0][j]));
         found = difference > largest ? i : found;
         largest = auvid_max(largest, difference);
         pi[i] = t->pi[i];
@@ -126,13 +132,12 @@ static int selftest_find_parameter(const model_test_t *t, int j)
 /* A residual beside the rows of the regressor path agrees with them. */
 static bool selftest_check_residual(model_test_t *t)
 {
-    const auvid_vehicle_t *v = t->vehicle;
-    auvid_real_t e[AUVID_DOF_COUNT] = {0};
-    v->residual(v->context, &t->sample, t->pi, e);
+    auvid_real_t r[AUVID_DOF_COUNT];
+    selftest_residual_of_rows(t, t->pi, r);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (!selftest_agrees(t, j, e[j], t->residual[j])) {
-            return selftest_report(t, "residual", j, selftest_find_parameter(t, j), e[j],
-                                   t->residual[j]);
+        if (!selftest_agrees(t, j, t->residual[j], r[j])) {
+            return selftest_report(t, "residual", j, selftest_find_parameter(t, j), t->residual[j],
+                                   r[j]);
         }
     }
     return true;
@@ -223,7 +228,8 @@ static bool selftest_check_sample(model_test_t *t)
 {
     const auvid_vehicle_t *v = t->vehicle;
     return (v->regressor == NULL || selftest_check_regressor(t)) &&
-           (!selftest_is_linear(v) || v->residual == NULL || selftest_check_residual(t)) &&
+           (!selftest_is_linear(v) || v->regressor == NULL || v->residual == NULL ||
+            selftest_check_residual(t)) &&
            selftest_check_columns(t) && selftest_check_wrench(t) && selftest_check_reads(t) &&
            (v->acceleration == NULL || selftest_check_acceleration(t));
 }

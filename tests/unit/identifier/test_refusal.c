@@ -228,11 +228,15 @@ static void residual(const void *context, const auvid_sample_t *sample, const au
 
 static void test_a_model_without_regressor_needs_rows(void)
 {
+    NAMED(MODEL, "metric", "vehicle: regressor", -1, 0, 0,
+          (vehicle.regressor = NULL, vehicle.residual = residual));
     vehicle.regressor = NULL;
     vehicle.residual = residual;
+    vehicle.path = &auvid_path_residual;
     NAMED(MODEL, "metric", "rows", -1, 0, 0, (void)0);
     vehicle.regressor = NULL;
     vehicle.residual = residual;
+    vehicle.path = &auvid_path_residual;
     cfg.metric.rows = rows;
     NAMED(SIZE, "metric", "row_cells", -1, AUVID_MAX_TAPS + 1, AUVID_MAX_TAPS,
           cfg.metric.row_cells = AUVID_MAX_TAPS + 1);
@@ -343,6 +347,7 @@ static void test_a_field_of_the_search_is_named(void)
     NAMED(PARAMETERS, "metric", "free", -1, 0, 1, cfg.metric.free = 1u << 31);
     vehicle.regressor = NULL; /* the delay is searched, too */
     vehicle.residual = residual;
+    vehicle.path = &auvid_path_residual;
     vehicle.parameters = AUVID_MAX_PARAMETERS;
     cfg.metric.free = 0;
     NAMED(PARAMETERS, "metric", "free", -1, AUVID_MAX_PARAMETERS + 1, AUVID_MAX_PARAMETERS,
@@ -392,6 +397,7 @@ static void test_a_member_of_the_model_is_named(void)
     NAMED(PARAMETERS, "vehicle", "parameters", -1, 0, 1, vehicle.parameters = 0);
     NAMED(PARAMETERS, "vehicle", "parameters", -1, 99, AUVID_MAX_PARAMETERS,
           vehicle.parameters = 99);
+    NAMED(MODEL, "vehicle", "path", -1, 0, 0, vehicle.path = NULL);
     NAMED(MODEL, "vehicle", "residual", -1, 0, 0,
           (vehicle.regressor = NULL, vehicle.residual = NULL));
     NAMED(MODEL, "vehicle", "reads", 2, 0, 0, vehicle.reads[2] = 1);

@@ -92,9 +92,10 @@ static void not_finite(const void *context, const auvid_sample_t *s, const auvid
     e[AUVID_HEAVE] = (auvid_real_t)NAN;
 }
 
-static void reads_tau(const void *context, const auvid_sample_t *s, auvid_regressor_t *y)
+static void reads_tau(const void *context, const auvid_sample_t *s, const auvid_real_t *p,
+                      auvid_regressor_t *y)
 {
-    auvid_girona500.regressor(context, s, y);
+    auvid_girona500.regressor(context, s, p, y);
     y->row[AUVID_SURGE][AUVID_G500_X_U] += s->tau[0];
 }
 
@@ -186,6 +187,8 @@ static void test_wrong_arguments_are_refused(void)
                       auvid_vehicle_selftest(&vehicle, pi, 0, (auvid_real_t)NAN, &fault));
     vehicle.parameters = 0;
     TEST_ASSERT_EQUAL(AUVID_ERR_PARAMETERS, auvid_vehicle_selftest(&vehicle, pi, 0, 0, &fault));
+    vehicle.built_for = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_vehicle_selftest(&vehicle, pi, 0, 0, &fault));
     TEST_ASSERT_NULL(fault.what);
 }
 

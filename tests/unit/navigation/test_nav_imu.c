@@ -189,6 +189,9 @@ static void test_a_quaternion_that_is_not_finite_or_not_of_length_one_is_refused
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_imu_quaternion(&nav, now, q, fast));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu_quaternion(&nav, now, q, rates));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_SAME, auvid_nav_imu_quaternion(&nav, now, q, rates));
+    now += cfg.gap_us + 1;
+    TEST_ASSERT_EQUAL_INT(AUVID_GAP, auvid_nav_imu_quaternion(&nav, now, q, rates));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, auvid_nav_imu_quaternion(&nav, now - 1, q, rates));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_nav_imu_quaternion(&nav, now, NULL, rates));
     memset(&nav, 0, sizeof nav);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_nav_imu_quaternion(&nav, now, q, rates));

@@ -338,6 +338,30 @@ static void test_update_by_number_is_that_of_the_sensor_s_function(void)
     TEST_ASSERT_TRUE(memcmp(&other, &nav, sizeof nav) == 0);
 }
 
+static auvid_status_t depth_by_number(uint64_t t_us, double depth_m)
+{
+    const auvid_real_t value[1] = {real(depth_m)};
+    return auvid_nav_update(&nav, AUVID_NAV_DEPTH, t_us, value, 0);
+}
+
+static void test_a_depth_by_number_is_refused_like_a_depth(void)
+{
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, depth_by_number(now, NAN));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->not_finite);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_SAME, depth_by_number(now - 20000, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, depth_by_number(now - 20001, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STALE, depth_by_number(UINT64_MAX, 0));
+    assert_counted_only(&of(AUVID_NAV_DEPTH)->stale);
+    TEST_ASSERT_EQUAL_INT(AUVID_GATED, depth_by_number(now, 3));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, depth_by_number(now + 1, 0.2));
+    TEST_ASSERT_EQUAL_INT(AUVID_PENDING, depth_by_number(now + 100000, 0.2));
+    TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, depth_by_number(now + 120000, 0.2));
+    memset(&nav, 0, sizeof nav);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, depth_by_number(now, 0.2));
+}
+
 static void test_every_real_of_the_configuration_must_be_finite(void)
 {
     auvid_real_t *field[] = {&cfg.sigma_acceleration[0],
@@ -445,6 +469,7 @@ int main(void)
     RUN_TEST(test_null_is_refused_everywhere);
     RUN_TEST(test_a_sensor_that_does_not_exist_is_refused_and_not_counted);
     RUN_TEST(test_update_by_number_is_that_of_the_sensor_s_function);
+    RUN_TEST(test_a_depth_by_number_is_refused_like_a_depth);
     RUN_TEST(test_every_real_of_the_configuration_must_be_finite);
     RUN_TEST(test_settings_outside_their_range_are_refused);
     RUN_TEST(test_noise_and_age_of_every_sensor_are_checked);
