@@ -44,7 +44,8 @@ static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, a
     uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
     uint32_t max_half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
     if (cfg->vehicle->regressor == NULL) {
-        return auvid_refuse(why, AUVID_ERR_MODEL, "vehicle: regressor", AUVID_C(0.0), AUVID_C(0.0));
+        (void)auvid_refuse(why, AUVID_ERR_MODEL, "regressor", AUVID_C(0.0), AUVID_C(0.0));
+        return auvid_refuse_part(why, AUVID_ERR_MODEL, "vehicle");
     }
     auvid_status_t status = auvid_metric_check_taps(cfg, metric_taps(cfg), "half_width", why);
     if (status < 0) {

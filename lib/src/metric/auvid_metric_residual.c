@@ -15,8 +15,8 @@
 static auvid_status_t metric_refuse(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     (void)cfg;
-    return auvid_refuse(why, AUVID_ERR_SIZE, "vehicle: AUVID_MAX_COMMANDS", AUVID_C(0.0),
-                        AUVID_C(1.0));
+    (void)auvid_refuse(why, AUVID_ERR_SIZE, "path", AUVID_C(0.0), AUVID_C(1.0));
+    return auvid_refuse_part(why, AUVID_ERR_SIZE, "vehicle");
 }
 
 const auvid_path_t auvid_path_residual = {.check = metric_refuse};
@@ -38,8 +38,10 @@ enum {
 static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     if (cfg->vehicle->residual == NULL || cfg->rows == NULL) {
-        const char *field = cfg->rows == NULL ? "rows" : "vehicle: residual";
-        return auvid_refuse(why, AUVID_ERR_MODEL, field, AUVID_C(0.0), AUVID_C(0.0));
+        bool rows = cfg->vehicle->residual != NULL;
+        (void)auvid_refuse(why, AUVID_ERR_MODEL, rows ? "rows" : "residual", AUVID_C(0.0),
+                           AUVID_C(0.0));
+        return auvid_refuse_part(why, AUVID_ERR_MODEL, rows ? "metric" : "vehicle");
     }
     return auvid_metric_check_taps(cfg, cfg->row_cells, "row_cells", why);
 }

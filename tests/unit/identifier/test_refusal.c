@@ -228,7 +228,7 @@ static void residual(const void *context, const auvid_sample_t *sample, const au
 
 static void test_a_model_without_regressor_needs_rows(void)
 {
-    NAMED(MODEL, "metric", "vehicle: regressor", -1, 0, 0,
+    NAMED(MODEL, "vehicle", "regressor", -1, 0, 0,
           (vehicle.regressor = NULL, vehicle.residual = residual));
     vehicle.regressor = NULL;
     vehicle.residual = residual;
