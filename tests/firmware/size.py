@@ -43,8 +43,8 @@ PATHS = {
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
 POINTERS = PATHS | {
-    r"vehicle->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
-    r"vehicle->acceleration\(": r":vehicle_g500_acceleration",
+    r"\bv(ehicle)?->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
+    r"\bv(ehicle)?->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"simulate->cell\(": r"auvid_identifier_simulate\.c:simulate_cell$",
     r"simulate->restart\(": r"auvid_identifier_simulate\.c:simulate_restart$",
