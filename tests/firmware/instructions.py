@@ -33,11 +33,15 @@ def figures(name):
 
     searches = calls["auvid_optimizer_begin"]
     search = "optimizer_ask", "optimizer_tell", "metric_cost_begin", "metric_cost"
+    # the identifier gives a depth to auvid_nav_update, which also takes the DVL
+    kinds = [f"auvid_nav_update_{kind}" for kind in ("position", "velocity")]
+    around = (total["auvid_nav_update"] - sum(map(total.get, kinds))) / calls["auvid_nav_update"]
+    depth = around + total[kinds[0]] / calls[kinds[0]]
     own = rows["auvid_metric_cost"][1] - rows["residual"][1]
     table = {
         "a tick: take, step, work, report": (total["tick"] / calls["tick"], most["tick"]),
         "navigation step: imu, depth, dvl": (
-            sum(together(calls[f"auvid_nav_{f}"], f"nav_{f}") for f in ("imu", "depth", "dvl")),
+            sum(together(calls[f"auvid_nav_{f}"], f"nav_{f}") for f in ("imu", "dvl")) + depth,
             None),
         "smoothing, a tick": (together(calls["tick"], "metric_add"), None),
         "cost of a point, R": (
