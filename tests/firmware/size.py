@@ -37,7 +37,7 @@ PATHS = {
     r"path\(\w+\)->finish_row\(": r":metric_(take|store)_row$",
     r"path\(\w+\)->begin\(": r":metric_begin_samples$",
     r"path\(\w+\)->evaluate\(": r":metric_(evaluate_factor|sample_cost)$",
-    r"path\(\w+\)->merge\(": r"auvid_metric_merge_sets$|:metric_merge_nothing$",
+    r"path->merge\(": r"auvid_metric_merge_sets$",
     r"path\(\w+\)->linearise\(": r"auvid_metric_linearise_sets$",
 }
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions

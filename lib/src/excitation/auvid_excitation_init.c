@@ -181,7 +181,7 @@ auvid_status_t auvid_excitation_check(const auvid_excitation_config_t *cfg, uint
 
 auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg)
 {
-    uint64_t sequence_us;
+    uint64_t sequence_us = 0;
     if (e == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }

@@ -86,9 +86,10 @@ static auvid_status_t metric_check_ranges(const auvid_metric_config_t *cfg, auvi
     if (status < 0) {
         return status;
     }
-    if ((uint32_t)cfg->set_rows * cfg->sets > 60000) {
+    uint32_t max_rows = 60000u / cfg->sets;
+    if (cfg->set_rows > max_rows) {
         return auvid_refuse(why, AUVID_ERR_RANGE, "set_rows", (auvid_real_t)cfg->set_rows,
-                            (auvid_real_t)(60000 / cfg->sets));
+                            (auvid_real_t)max_rows);
     }
     uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
     if (cfg->free != 0 && (cfg->free & mask) == 0) {

@@ -39,7 +39,8 @@ struct auvid_path {
     /** Continues it, for the cost (PASS_COST) or the residuals (PASS_MEASURE).
      * @return AUVID_OK; AUVID_PENDING */
     auvid_status_t (*evaluate)(auvid_metric_t *m, uint32_t *budget);
-    /** Merges the sets before a search. @return true if they are merged */
+    /** Merges the sets before a search; NULL: the cost needs no R factors.
+     * @return true if they are merged */
     bool (*merge)(auvid_metric_t *m, uint32_t *budget);
     /** Forms R factors at a result, from rows d residual / d pi. NULL: they are exact as they are.
      * @return AUVID_OK; AUVID_PENDING */

@@ -324,5 +324,6 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
     if (m->excited == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    return auvid_metric_path(m)->merge(m, budget) ? AUVID_OK : AUVID_PENDING;
+    const auvid_path_t *path = auvid_metric_path(m);
+    return path->merge == NULL || path->merge(m, budget) ? AUVID_OK : AUVID_PENDING;
 }

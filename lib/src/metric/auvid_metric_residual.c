@@ -205,14 +205,6 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-/* The cost needs no R factors. */
-static bool metric_merge_nothing(auvid_metric_t *m, uint32_t *budget)
-{
-    (void)m;
-    (void)budget;
-    return true;
-}
-
 static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
@@ -228,7 +220,6 @@ const auvid_path_t auvid_path_residual = {.check = metric_check_residual,
                                           .finish_row = metric_store_row,
                                           .begin = metric_begin_samples,
                                           .evaluate = metric_sample_cost,
-                                          .merge = metric_merge_nothing,
                                           .linearise = auvid_metric_linearise_sets};
 
 #endif
