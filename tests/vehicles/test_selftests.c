@@ -3,6 +3,7 @@
  */
 #include <string.h>
 
+#include "auvid/allocation.h"
 #include "auvid/averaged.h"
 #include "auvid/current.h"
 #include "auvid/fossen.h"
