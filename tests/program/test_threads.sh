@@ -109,7 +109,7 @@ int main(void)
 END
 build() { # PROGRAM [OPTION]
     gcc -std=gnu11 -O1 -g -fsanitize=thread -ffp-contract=off -Wall "${@:2}" -I"$ROOT/lib/include" \
-        -I"$ROOT/tools/simulator" -I. -o "$1" main.c "$ROOT"/lib/src/*/*.c \
+        -I"$ROOT/tools/simulator" -I"$ROOT/lib/src" -I. -o "$1" main.c "$ROOT"/lib/src/*/*.c \
         "$ROOT"/tools/simulator/*.c -lm -pthread
 }
 check "the guide's example of two tasks compiles" build locked
