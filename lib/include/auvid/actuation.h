@@ -19,7 +19,7 @@
  * excitation needs sensors. There is no excitation without a guard.
  *
  * The control task calls it. auvid_identifier_step runs it as the last part of a tick. Memory:
- * sizeof(auvid_actuation_t), 2 KiB with default sizes.
+ * sizeof(auvid_actuation_t), 1.8 KiB with default sizes.
  */
 #ifndef AUVID_ACTUATION_H
 #define AUVID_ACTUATION_H

@@ -10,7 +10,7 @@
  * T f.
  *
  * The control tick calls it. Cost: 12 n multiplications and at most 4 n divisions for n thrusters;
- * init about 3000 operations for 6 x 8. Memory: sizeof(auvid_allocation_t), 0.6 KiB with 8
+ * init about 3000 operations for 6 x 8. Memory: sizeof(auvid_allocation_t), 0.5 KiB with 8
  * thrusters in float. After init the struct is read-only.
  *
  * Sources: Karras et al. 2013, III-A ("transformed to thruster commands through the thruster

@@ -23,7 +23,7 @@
  *
  * The metric calls the regressor once for each cell. Cost: two calls of the wrapped regressor and n
  * means for each degree of freedom, 2.3k instructions of a Cortex-M4F for BlueROV2; 0.7 KiB of
- * stack with 22 parameters. Memory: sizeof(auvid_averaged_t), 72 bytes on a Cortex-M. The model is
+ * stack with 22 parameters. Memory: sizeof(auvid_averaged_t), 88 bytes on a Cortex-M. The model is
  * not part of the paper. Unused code is not linked.
  */
 #ifndef AUVID_AVERAGED_H

@@ -43,7 +43,7 @@
  *
  * The identifier calls it after the measurement of a result and before the metric's next merge.
  * Cost, Girona500 and eight sets: 7.7k units of work (8.3k with uncertain delays), 0.26 million
- * multiplications. Memory: sizeof(auvid_confidence_job_t), 2.5 KiB, and the result.
+ * multiplications. Memory: sizeof(auvid_confidence_job_t), 2.7 KiB, and the result.
  *
  * Sources: White 1980 (sandwich); Bell & McCaffrey 2002 (few clusters);
  * Fuller 1987, 1.2 (errors in variables). None of it is in the paper.

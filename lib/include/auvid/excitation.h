@@ -24,7 +24,7 @@
  * Cost of a step: per DoF about 40 operations, one sine per sinusoid and two for fades. The tick in
  * which a sum of sines begins also searches its peak: up to 8 points per period of the highest
  * frequency (at most AUVID_EXCITATION_SCAN) times its sines, 3 integer multiplications each.
- * Memory: sizeof(auvid_excitation_t), 1.6 KiB with the default sizes in float; no pointer is kept.
+ * Memory: sizeof(auvid_excitation_t), 1.5 KiB with the default sizes in float; no pointer is kept.
  *
  * Source: Karras et al. 2013, III-A. Deviation: the paper names steps, ramps, sines and sums of
  * sines without amplitudes or frequencies; those of auvid_excitation_plan are auvid's own.

@@ -24,7 +24,7 @@
  * between its own samples. A component does not break the record if another one is measured: after
  * `gap_us`, or AUVID_RECORDER_CELLS - 8 cells, without it, cells are marked in sample.missing.
  *
- * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.8 KiB
+ * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.7 KiB
  * with default sizes.
  */
 #ifndef AUVID_RECORDER_H

@@ -52,7 +52,7 @@
  * When the next set is full, auvid drops rows and commands until the search has ended. The commands
  * before the next rows may then displace the oldest set; 3 s more of slots for each set prevent it.
  *
- * Memory: sizeof(auvid_thrusters_t), 0.7 KiB, and the log, two bytes for each thruster and slot:
+ * Memory: sizeof(auvid_thrusters_t), 0.8 KiB, and the log, two bytes for each thruster and slot:
  * 3000 bytes for one thruster and a set of 30 s at 50 Hz. In addition, each row takes 240 bytes.
  * Unused code is not linked. Not available with AUVID_MAX_COMMANDS 0.
  */

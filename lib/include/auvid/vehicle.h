@@ -154,11 +154,10 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
 /** A disagreement within a model. Written by auvid_vehicle_selftest. */
 typedef struct {
     /** "regressor": a row depends on sample->tau; "residual": on the regressor path, it differs
-     * from the regressor;
-     * "columns": an equation has a parameter that is not in its columns; "wrench": the residual is
-     * not predicted minus applied wrench; "reads": an equation depends on a velocity that `reads`
-     * leaves out; "acceleration": with it the residual is not zero, or there is none; "not finite":
-     * the residual */
+     * from the regressor; "columns": an equation has a parameter that is not in its columns;
+     * "wrench": the residual is not predicted minus applied wrench; "reads": an equation depends
+     * on a velocity that `reads` leaves out; "acceleration": with it the residual is not zero,
+     * or there is none; "not finite": the residual */
     const char *what;
     int8_t dof;                   /**< its equation; -1: none */
     int8_t parameter;             /**< the parameter; -1: none, or the part without parameters */
@@ -169,7 +168,7 @@ typedef struct {
 /** Compares regressor, residual, acceleration, columns and reads of a model with each other, at
  * 100 random samples: angles to 0.5 rad, velocities to 1 m/s and 1 rad/s, accelerations to 0.5, and
  * parameters of half to one and a half times pi. For a unit test of your model; not for the control
- * tick: it takes some thousand calls of the model, and 1.5 KiB of stack beside the model's.
+ * tick: it takes some thousand calls of the model, and 2 KiB of stack beside the model's.
  * @param pi [n] typical parameters, with which `acceleration` has a solution in every DoF
  * @param t_us time of all samples [us], for a model that reads it (thrusters.h)
  * @param tolerance largest difference, relative to the largest predicted wrench of the DoF; 0:

@@ -8,6 +8,7 @@
 
 #include "auvid/node.h"
 #include "chain.h"
+#include "dropper.h"
 #include "vehicle_sim.h"
 #include "unity.h"
 
@@ -650,22 +651,8 @@ static void test_the_configuration_may_be_inside_the_node(void)
                              sizeof separate - offsetof(auvid_node_t, cfg));
 }
 
-/* Ignores the commands and deletes all sets. */
-static void ignore(void *context, uint64_t t_us, const auvid_real_t *command)
-{
-    (void)context, (void)t_us, (void)command;
-}
-
-static void drop_all(void *context, auvid_metric_t *metric)
-{
-    (void)context;
-    while (auvid_metric_drop(metric, 0) == AUVID_OK) {
-    }
-}
-
 static void test_work_is_that_of_the_identifier(void)
 {
-    static const auvid_listener_t dropper = {.command = ignore, .set = drop_all};
     const auvid_real_t level[3] = {0, 0, 0};
     auvid_status_t status;
     identifier.listener = &dropper;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "chain.h"
+#include "dropper.h"
 #include "finish.h"
 #include "unity.h"
 
@@ -633,22 +634,8 @@ static void test_a_model_that_fails_everywhere_ends_and_is_reported(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)chain.id.estimate.r2_force[AUVID_SURGE]); /* no NaN */
 }
 
-/* Ignores the commands and deletes all sets. */
-static void ignore(void *context, uint64_t t_us, const auvid_real_t *command)
-{
-    (void)context, (void)t_us, (void)command;
-}
-
-static void drop_all(void *context, auvid_metric_t *metric)
-{
-    (void)context;
-    while (auvid_metric_drop(metric, 0) == AUVID_OK) {
-    }
-}
-
 static void test_a_search_without_sets_ends_and_says_so(void)
 {
-    static const auvid_listener_t dropper = {.command = ignore, .set = drop_all};
     auvid_status_t status;
     chain_defaults(&cfg, 2, 1, 0.0);
     cfg.id.listener = &dropper;
