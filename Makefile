@@ -146,6 +146,10 @@ COUNTED_IMAGES := build/firmware/count_plugin.so \
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
 GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
+# Its bytes are compared, see tests/firmware/test_checkpoint.sh; as a unit test it is left to the
+# long form.
+CHECKPOINT_IMAGES := $(foreach board,m4f m0plus,\
+    build/firmware/$(board)-O2/tests/unit/identifier/test_checkpoint.elf)
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
 FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O2 gcc-O3 clang-O2 \
     gcc-O0-ours gcc-O2-ours gcc-O3-ours clang-O2-ours gcc-O2-ours-20k)
@@ -173,7 +177,7 @@ test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
-test test-long test-firmware: $(GOLDEN_IMAGE)
+test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
@@ -391,7 +395,7 @@ build/validation/%.so: $(VALIDATION) Makefile \
 
 .IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
-.IGNORE: $(GOLDEN_IMAGE)
+.IGNORE: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
