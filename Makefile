@@ -58,8 +58,8 @@ VALIDATION_SHORT := $(filter-out %/test_package.sh,$(VALIDATION_SCRIPTS))
 # Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
-# Builds of packages (CMake, pkg-config, C++) are left to the long form.
-PACKAGES := tests/program/test_drop_in.sh
+# Builds of packages (CMake, pkg-config, C++) and with all kinds of flags are left to the long form.
+BUILDS := $(addprefix tests/program/,test_drop_in.sh test_hostile_builds.sh)
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
 # Of these, what takes minutes of a machine's clock is left to the long form and `make test-vcan`.
@@ -167,7 +167,7 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
 	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
-	    $(filter-out $(PACKAGES),$(SCRIPTS)) -- tests/statuses/test_statuses.sh
+	    $(filter-out $(BUILDS),$(SCRIPTS)) -- tests/statuses/test_statuses.sh
 
 test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
